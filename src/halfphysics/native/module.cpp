@@ -1,0 +1,10 @@
+// The native core: plain arrays in, plain arrays out; no simulation engine is linked.
+#include "module.h"
+
+NB_MODULE(_native, m) {
+  m.doc() = "Native core of halfphysics.";
+  bind_physics(m);
+  bind_skinning(m);
+  bind_winding(m);
+  bind_raster(m);
+}

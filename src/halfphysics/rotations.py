@@ -1,0 +1,115 @@
+"""Rotations: axis-angle vectors [rad], unit quaternions (wxyz) and matrices, vectorised.
+
+All functions take arrays with any leading shape and return float64. A rotation maps
+vectors of the child's frame into the parent's: ``v_parent = R v_child``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def exp(rotvec: ArrayLike) -> Array:
+    """Unit quaternions (..., 4) of axis-angle vectors (..., 3)."""
+    rotvec = np.asarray(rotvec, dtype=np.float64)
+    half = 0.5 * np.linalg.norm(rotvec, axis=-1, keepdims=True)
+    return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * rotvec], axis=-1)
+
+
+def log(quat: ArrayLike) -> Array:
+    """Axis-angle vectors (..., 3) of unit quaternions (..., 4), the shortest arc: |.| <= pi."""
+    quat = np.asarray(quat, dtype=np.float64)
+    w, v = quat[..., :1], quat[..., 1:]
+    sign = np.where(w < 0.0, -1.0, 1.0)
+    norm = np.linalg.norm(v, axis=-1, keepdims=True)
+    small = norm < 1e-12
+    factor = 2.0 * np.arctan2(norm, np.abs(w)) / np.where(small, 1.0, norm)
+    return sign * np.where(small, 2.0, factor) * v
+
+
+def multiply(a: ArrayLike, b: ArrayLike) -> Array:
+    """Hamilton product of quaternions (..., 4): first b, then a."""
+    a = np.asarray(a, dtype=np.float64)
+    b = np.asarray(b, dtype=np.float64)
+    aw, ax, ay, az = np.moveaxis(a, -1, 0)
+    bw, bx, by, bz = np.moveaxis(b, -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(quat: ArrayLike) -> Array:
+    """Inverse of unit quaternions (..., 4)."""
+    return np.asarray(quat, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def normalize(quat: ArrayLike) -> Array:
+    """Quaternions (..., 4) scaled to unit length."""
+    quat = np.asarray(quat, dtype=np.float64)
+    return quat / np.linalg.norm(quat, axis=-1, keepdims=True)
+
+
+def rotate(quat: ArrayLike, vector: ArrayLike) -> Array:
+    """Vectors (..., 3) turned by unit quaternions (..., 4)."""
+    quat = np.asarray(quat, dtype=np.float64)
+    vector = np.asarray(vector, dtype=np.float64)
+    w, u = quat[..., :1], quat[..., 1:]
+    t = 2.0 * np.cross(u, vector)
+    return vector + w * t + np.cross(u, t)
+
+
+def to_matrix(quat: ArrayLike) -> Array:
+    """Matrices (..., 3, 3) of unit quaternions (..., 4)."""
+    w, x, y, z = np.moveaxis(np.asarray(quat, dtype=np.float64), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(r, axis=-1) for r in rows], axis=-2)
+
+
+def from_matrix(matrix: ArrayLike) -> Array:
+    """Unit quaternions (..., 4), w >= 0, of rotation matrices (..., 3, 3)."""
+    m = np.asarray(matrix, dtype=np.float64)
+    diagonal = np.diagonal(m, axis1=-2, axis2=-1)
+    trace = diagonal.sum(axis=-1)
+    # Four times the products of the components; the row of the largest one is well conditioned.
+    q = np.empty((*m.shape[:-2], 4, 4))
+    q[..., 0, 0] = 1.0 + trace
+    skew = [m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]]
+    for i in range(3):
+        q[..., 0, i + 1] = q[..., i + 1, 0] = skew[i]
+        q[..., i + 1, i + 1] = 1.0 - trace + 2.0 * diagonal[..., i]
+        for j in range(i):
+            q[..., i + 1, j + 1] = q[..., j + 1, i + 1] = m[..., i, j] + m[..., j, i]
+    best = np.argmax(np.diagonal(q, axis1=-2, axis2=-1), axis=-1)
+    row = np.take_along_axis(q, best[..., None, None], axis=-2)[..., 0, :]
+    row = normalize(row)
+    return np.where(row[..., :1] < 0.0, -row, row)
+
+
+def rotvec_to_matrix(rotvec: ArrayLike) -> Array:
+    """Matrices (..., 3, 3) of axis-angle vectors (..., 3)."""
+    return to_matrix(exp(rotvec))
+
+
+def matrix_to_rotvec(matrix: ArrayLike) -> Array:
+    """Axis-angle vectors (..., 3), |.| <= pi, of rotation matrices (..., 3, 3)."""
+    return log(from_matrix(matrix))
+
+
+def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike) -> Array:
+    """Quaternions between a and b (..., 4) at t in [0, 1] (...), along the shortest arc."""
+    a = np.asarray(a, dtype=np.float64)
+    step = log(multiply(conjugate(a), b))
+    return multiply(a, exp(step * np.asarray(t, dtype=np.float64)[..., None]))

@@ -88,8 +88,7 @@ double Drive::scale(const DriveSettings& s, double h) const {
 }
 
 bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double* qpos,
-                          const double* qvel, const std::vector<double>& extra, double* v_free,
-                          double* torque) const {
+                          const double* qvel, double* v_free, double* deviation) const {
   const double* q = qpos + qpos0_;
   double* v = v_free + dof0_;
   if (s.time_constant > 0) {
@@ -106,8 +105,7 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
   for (int i = 0; i < nv_; i++) v[i] = qvel[dof0_ + i];
   if (s.stiffness == 0) return false;
   bool any = false;
-  double* t = torque + dof0_;
-  for (int i = 0; i < nv_; i++) t[i] = 0;
+  double* out = deviation + dof0_;
   for (size_t i = 1; i < balls_.size(); i++) {
     const Ball& b = balls_[i];
     Quat expected = load4(&q_start_[b.qpos]) * exp_quat(((k + 1) * h) * load3(&v_drive_[b.dof]));
@@ -115,7 +113,7 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
     // Rounding alone (free motion) must not cost a factor.
     if (norm2(eps) < 1e-26) continue;
     any = true;
-    store3(t + b.dof, (extra[dof0_ + b.dof] / h) * eps);
+    store3(out + b.dof, eps);
   }
   return any;
 }

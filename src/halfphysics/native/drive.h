@@ -30,20 +30,15 @@ class Drive {
   void begin_frame(const Model& m, const DriveSettings& s, const double* target, double dt,
                    const double* qpos, double* qvel);
   // Velocity v* that substep k (of length h, from pose qpos) would have without contact, and
-  // the scale s of the person's rows of the inertia matrix. `inertia` must be composed and
-  // `extra` (lambda diag I) set if uses_inertia().
-  bool uses_inertia(const DriveSettings& s) const {
-    return s.time_constant == 0 && s.stiffness > 0;
-  }
+  // the deviation eps - h v that PJSC restores (Algorithm 1 with lambda > 0; zero at the root
+  // and wherever the motion is free). True if any is not zero: then the caller adds
+  // M^-1 (lambda I / h) deviation.
+  bool free_velocity(const DriveSettings& s, int k, double h, const double* qpos,
+                     const double* qvel, double* v_free, double* deviation) const;
   // lambda * mean of each joint's diagonal entries of M, into extra[nv of the model].
   void added_inertia(const Model& m, const Inertia& inertia, const DriveSettings& s,
                      std::vector<double>& extra) const;
   double scale(const DriveSettings& s, double h) const;
-  // With Algorithm 1 and lambda > 0 the right-hand side of PJSC goes to `torque` (h times a
-  // generalised force, to be solved by the factor) and true is returned where it is not zero.
-  bool free_velocity(const DriveSettings& s, int k, double h, const double* qpos,
-                     const double* qvel, const std::vector<double>& extra, double* v_free,
-                     double* torque) const;
   // After the solve: keeps the deviation of velocity.
   void end_substep(const double* qvel);
   // Root offset from the reference at the last target [m].

@@ -69,8 +69,6 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
 
 void Stepper::build_inertia(double h) {
   if (inertia_ready_) return;
-  start_.kin.update_dofs(model, qpos_.data());
-  dofs_ready_ = true;
   inertia_.compose(model, start_.kin);
   std::fill(extra_.begin(), extra_.end(), 0.0);
   for (const Drive& d : drives_) {
@@ -119,14 +117,12 @@ void Stepper::free_velocity(int k, double h) {
   v_free_ = qvel_;
   std::fill(torque_.begin(), torque_.end(), 0.0);
   bool any = false;
-  for (const Drive& d : drives_) {
-    if (d.uses_inertia(drive_settings) && k > 0) build_inertia(h);
-    // In the first substep of a frame the drive has just set the velocity: nothing to restore.
-    if (d.uses_inertia(drive_settings) && k == 0) std::fill(extra_.begin(), extra_.end(), 0.0);
-    any |= d.free_velocity(drive_settings, k, h, qpos_.data(), qvel_.data(), extra_,
-                           v_free_.data(), torque_.data());
-  }
+  for (const Drive& d : drives_)
+    any |= d.free_velocity(drive_settings, k, h, qpos_.data(), qvel_.data(), v_free_.data(),
+                           torque_.data());
   if (any) {
+    build_inertia(h);
+    for (int i = 0; i < model.nv; i++) torque_[i] *= extra_[i] / h;
     inertia_.solve(model, torque_.data());
     for (int i = 0; i < model.nv; i++) v_free_[i] += torque_[i];
   }
@@ -149,9 +145,7 @@ void Stepper::pose_at(const std::vector<double>& v, double h, Poses& out,
 }
 
 void Stepper::warm_start(Contact& c) {
-  const Mover& m = world.movers[world.movers.size() > (size_t)candidates_[c.pair].mover
-                                    ? candidates_[c.pair].mover
-                                    : 0];
+  const Mover& m = world.movers[candidates_[c.pair].mover];
   Vec3 local = mul_t(start_.kin.xmat[m.body], c.position - start_.kin.xpos[m.body]);
   double best = kWarmRadius2;
   Warm* found = nullptr;
@@ -165,7 +159,7 @@ void Stepper::warm_start(Contact& c) {
   found->key = -1;  // used
 }
 
-void Stepper::remember(double) {
+void Stepper::remember() {
   warm_.clear();
   for (const Contact& c : contacts_) {
     if (norm2(c.impulse) == 0) continue;
@@ -372,7 +366,7 @@ void Stepper::substep(int k, double h) {
   }
   diagnostics_.residual = std::max(diagnostics_.residual, -worst);
   diagnostics_.contacts = std::max(diagnostics_.contacts, (int)contacts_.size());
-  remember(h);
+  remember();
   if (keep_trace) {
     trace.qpos = qpos_, trace.qvel = qvel_, trace.v_free = v_free_, trace.v = v_;
     trace.contacts = contacts_, trace.h = h, trace.k = k;

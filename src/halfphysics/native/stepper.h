@@ -73,7 +73,7 @@ class Stepper {
   double shorten(double h);
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
   void warm_start(Contact& c);
-  void remember(double h);
+  void remember();
   void bounce(std::vector<Contact>& contacts, double h);
   double speed_bound(const Mover& m, const std::vector<Twist>& t) const;
 
@@ -85,10 +85,11 @@ class Stepper {
 
   std::vector<Drive> drives_;
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
-  std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, q_end_, moved_;
+  std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
+      q_end_;
   Poses start_, end_;
   Inertia inertia_;
-  bool inertia_ready_ = false, dofs_ready_ = false;
+  bool inertia_ready_ = false;
   std::vector<Twist> twists_;
   std::vector<double> reach_;
   std::vector<Candidate> candidates_;

@@ -54,8 +54,8 @@ class Static:
 class Object:
     """Something that moves by contact and gravity alone.
 
-    `shape` is what touches: a primitive or a convex mesh. `visual` is the mesh as given where
-    that is not convex. `mass` [kg], `com` (3,) centre of mass and `inertia` (3, 3) about it in
+    `shape` is what touches: a primitive or a convex mesh, the hull of the mesh as given, which
+    is kept as `visual` (None for a primitive). `mass` [kg], `com` (3,) centre of mass and `inertia` (3, 3) about it in
     the object's frame [m, kg m^2]; `position` (3,) and `quaternion` (4,) of that frame and
     `velocity` (3,) of its origin [m/s] and `angular_velocity` (3,) [rad/s], in the world, at
     the start.
@@ -78,6 +78,12 @@ class Object:
     def mesh(self) -> Triangles:
         """Vertices (V, 3) [m] and faces (F, 3) of what touches, in the object's frame."""
         return self.shape.triangles()
+
+    @property
+    def filling(self) -> Shape:
+        """The solid whose even filling mass, centre and inertia come from."""
+        given = self.visual
+        return given if given is not None and given.closed else self.shape
 
 
 class Scene:
@@ -203,7 +209,9 @@ class Scene:
                 f"{what}: a Plane has no volume to move, expected Box, Sphere, "
                 "Capsule, Cylinder or a mesh; add_static takes planes"
             )
-        solid, visual, filled = _movable(what, given)
+        solid = _convex(what, given)
+        visual = given if isinstance(given, Mesh) else None
+        filled = given if visual is None or visual.closed else solid
         properties = filled.mass_properties(mass=mass, density=density)
         centre = properties.com if com is None else vector(com, f"{what}: com", unit="m")
         thing = Object(
@@ -374,16 +382,16 @@ def _shape(what: str, given: Any, scale: float, up: str | None) -> tuple[Shape, 
     return meshes.turned(given, scale=scale, up=up or "z"), None
 
 
-def _movable(what: str, given: Shape) -> tuple[Shape, Mesh | None, Shape]:
-    """What touches, the mesh to show where that differs, and what has the mass."""
+def _convex(what: str, given: Shape) -> Shape:
+    """What touches; warns where that is more than the mesh as given."""
     if not isinstance(given, Mesh):
-        return given, None, given
+        return given
     try:
         hull = given.hull
     except InputError as error:
         raise InputError(f"{what}: {error}") from None
     if given.is_convex:
-        return hull, None, given
+        return hull
     solid = given.solid_volume
     if solid > 0.0:
         added = f"which adds {100.0 * (hull.volume / solid - 1.0):.1f} % to its volume"
@@ -397,4 +405,4 @@ def _movable(what: str, given: Shape) -> tuple[Shape, Mesh | None, Shape]:
         HalfPhysicsWarning,
         stacklevel=4,
     )
-    return hull, given, given if given.closed else hull
+    return hull

@@ -211,12 +211,12 @@ class Look:
 
     top: Color = (0.93, 0.94, 0.95)
     bottom: Color = (0.86, 0.87, 0.89)
-    sky: Color = (0.27, 0.28, 0.30)
-    ground: Color = (0.21, 0.20, 0.19)
+    sky: Color = (0.31, 0.32, 0.34)
+    ground: Color = (0.27, 0.26, 0.25)
     lights: tuple[Light, ...] = field(
         default=(
-            Light(towards=(0.45, -0.55, 1.0), strength=0.50, softness=0.04),
-            Light(towards=(0.0, 0.0, 1.0), strength=0.34, softness=0.35, wrap=0.6),
+            Light(towards=(0.45, -0.55, 1.0), strength=0.46, softness=0.04),
+            Light(towards=(0.0, 0.0, 1.0), strength=0.32, softness=0.35, wrap=0.6),
         )
     )
     focus: tuple[float, float, float] = (0.0, 0.0, 0.0)

@@ -1,0 +1,50 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO, Any
+
+from halfphysics.errors import FileError
+
+
+@contextlib.contextmanager
+def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[Any]]:
+    """A binary file to write to that replaces `path` when the block ends without an error.
+
+    The temporary file lies beside the target (same file system, so that the replacement is one
+    step) and is removed when anything goes wrong.
+
+    Raises:
+        FileError: The folder is missing, `path` is a folder, or writing fails.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise FileError(
+            f"{path}: cannot write, the folder {path.parent} does not exist. Create it first"
+        )
+    if path.is_dir():
+        raise FileError(f"{path}: cannot write, this is a folder. Give a file name")
+    try:
+        descriptor, name = tempfile.mkstemp(
+            dir=path.parent, prefix=f".{path.name}.", suffix=".part"
+        )
+    except OSError as error:
+        raise FileError(f"{path}: cannot write in {path.parent}: {error.strerror}") from None
+    temporary = Path(name)
+    try:
+        with os.fdopen(descriptor, "wb") as handle:
+            yield handle
+        # mkstemp makes files private; give the rights a plain open() would.
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        os.replace(temporary, path)
+    except OSError as error:
+        raise FileError(f"{path}: cannot write: {error.strerror or error}") from None
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,55 @@
+"""Origin: what a motion file holds besides the motion, kept to be written back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# A sample this near to a source frame [frames] is that frame: rounding of k * fps_old / fps_new.
+SAME_TIME = 1e-6
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Origin:
+    """What a motion's file said besides the motion: all a writer needs to give it back.
+
+    `fields` belongs to the format (key names, dtypes, constants); `per_frame` holds arrays
+    with one row per frame that are cut and resampled along with the motion.
+    """
+
+    format: str
+    fields: Mapping[str, Any] = field(default_factory=dict)
+    per_frame: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+    def taken(self, rows: Any) -> Origin:
+        """The same with the per-frame arrays indexed by `rows`."""
+        per_frame = {key: value[rows] for key, value in self.per_frame.items()}
+        return Origin(format=self.format, fields=self.fields, per_frame=per_frame)
+
+    def sampled(self, position: Array) -> Origin:
+        """The same with the per-frame arrays at fractional frames `position` (T,)."""
+        low, high, weight = neighbours(position)
+        per_frame = {}
+        for key, value in self.per_frame.items():
+            if value.dtype.kind == "f":
+                w = weight.reshape(-1, *[1] * (value.ndim - 1))
+                mixed = (1.0 - w) * value[low] + w * value[high]
+                per_frame[key] = mixed.astype(value.dtype)
+            else:
+                per_frame[key] = value[np.where(weight < 0.5, low, high)]
+        return Origin(format=self.format, fields=self.fields, per_frame=per_frame)
+
+
+def neighbours(position: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """Frames before and after fractional frames, and the weight of the one after."""
+    nearest = np.rint(position)
+    position = np.where(np.abs(position - nearest) < SAME_TIME, nearest, position)
+    low = np.floor(position).astype(np.intp)
+    weight = position - low
+    return low, low + (weight > 0.0), weight

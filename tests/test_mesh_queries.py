@@ -156,6 +156,21 @@ def test_in_or_out_never_differs_on_soups(seed: int, n: int) -> None:
     np.testing.assert_array_equal(MeshQuery(vertices, faces).inside(points), reference > 0.5)
 
 
+def test_far_field_is_of_second_order() -> None:
+    """Seen from twice as far, what one cluster leaves out is 2^4 times less."""
+    vertices, faces = _soup(2, 40)
+    direction = np.random.default_rng(0).normal(size=(300, 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    query = MeshQuery(vertices, faces)
+    errors = []
+    for distance in (40.0, 80.0):
+        points = distance * direction
+        error = query.winding(points, tolerance=1.0) - winding_reference(points, vertices, faces)
+        errors.append(np.sqrt((error**2).mean()))
+    # The next order adds a part of about soup size over distance, 0.05.
+    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.1)
+
+
 def test_threads_give_the_same_bits() -> None:
     vertices, faces = _soup(5, 500)
     faces = np.concatenate([faces, Sphere(1.0).triangles()[1] + len(vertices)])

@@ -73,6 +73,8 @@ class Walk:
         after: Time standing after the last step [s].
         first: The foot that steps first.
         kick: A kick on the way, or None.
+        lift: Height of the soles over the ground at z = 0 [m]: more than the simulator's
+            clearance, so that the floor disturbs nothing.
     """
 
     distance: float
@@ -83,6 +85,7 @@ class Walk:
     after: float = 0.5
     first: str = "right"
     kick: Kick | None = None
+    lift: float = 0.004
 
     def __post_init__(self) -> None:
         if not 0.2 <= self.speed <= 2.2:
@@ -154,7 +157,7 @@ def _pitch(walk: Walk, step: int, phase: Array) -> tuple[Array, Array]:
     lift = step + 2.0 + 0.5 * DOUBLE
     if step + 2 < walk.steps:
         behind = np.clip((walk.travelled(lift) - walk.mark(step)) / half, 0.0, 1.0)
-        off = -_TOE_OFF * max(float(behind), 0.15) * ease((phase - lift + 0.62) / 0.87)
+        off = -_TOE_OFF * max(float(behind), 0.15) * ease((phase - lift + 0.78) / 0.95)
     return down, off
 
 
@@ -219,7 +222,7 @@ def _foot(walk: Walk, leg: Leg, side: str, phase: Array, width: float) -> tuple[
         bump = 6.75 * u * (1.0 - u) ** 2 * (u < 1.0)
         ankle[rows] = (1.0 - w)[:, None] * away + w[:, None] * to
         pitch[rows] = (1.0 - w) * from_pitch + w * to_pitch
-        bend[rows] = (1.0 - ease(3.0 * u)) * np.maximum(-from_pitch, 0.0) + (u > 0.6) * to_bend
+        bend[rows] = (1.0 - ease(2.2 * u)) * np.maximum(-from_pitch, 0.0) + (u > 0.6) * to_bend
         far = min(1.0, (walk.mark(step) - walk.mark(before)) / walk.stride)
         ankle[rows, 2] += _LIFT * max(far, 0.8) * bump
         if walk.kick is not None and step == walk.kick.step:
@@ -245,7 +248,7 @@ def _carried(limit: Array, window: int) -> Array:
 
 
 def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
-    """The motion of `plan` for this body's proportions, soles at z = 0.
+    """The motion of `plan` for this body's proportions.
 
     Args:
         body: Whose legs walk; the motion gets its betas, gender and model where that is one
@@ -292,7 +295,7 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
             rotations[:, joint] = rotvec
     heading = about(2, plan.heading)
     rotations[:, 0] = rot.matrix_to_rotvec(heading @ root)
-    pelvis = pelvis @ heading.T + np.array([*plan.start, 0.0])
+    pelvis = pelvis @ heading.T + np.array([*plan.start, plan.lift])
     smpl = body.model in ("smplx", "smplh", "smpl")
     return Motion(
         pelvis - joints[0],

@@ -23,7 +23,7 @@ _PELVIS_YAW, _PELVIS_LIST, _LEAN = np.radians([4.5, 3.0, 3.0])
 _CHEST_YAW = np.radians(5.0)
 _ARM_SWING, _ELBOW, _ELBOW_SWING, _PRONATION = np.radians([19.0, 18.0, 8.0, 30.0])
 # Arms hang this far from horizontal; the collars take a little of it.
-_ARM_DOWN, _COLLAR_DOWN = np.radians([74.0, 4.0])
+_ARM_DOWN, _COLLAR_DOWN = np.radians([77.0, 4.0])
 _CURL = np.radians(18.0)
 _SWAY = 0.022  # [m]
 _USUAL = 1.2  # [m/s]

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 _WALL_X, _WALL, _WALL_HEIGHT = 2.0, 0.12, 2.4
 _DOOR_HEIGHT = 2.05
 # The opening runs from the right jamb, which is in the way of the right arm, to the left one.
-_RIGHT_JAMB, _LEFT_JAMB = -0.22, 0.60
+_RIGHT_JAMB, _LEFT_JAMB = -0.235, 0.60
 _ROOM = 1.1
 # The table top [m]: its right edge runs into the path at an angle, so that it pushes aside.
 _TOP, _TOP_HEIGHT, _LEG = (1.1, 0.7, 0.04), 0.74, 0.06
-_EDGE_END = (4.1, 0.145)
-_EDGE_ANGLE = np.radians(-14.0)
+_EDGE_END = (4.1, 0.18)
+_EDGE_ANGLE = np.radians(-8.0)
 
 
 def build(
@@ -49,7 +49,7 @@ def build(
     scene = stage.floor()
     _add_doorway(scene)
     _add_table(scene)
-    stage.add_ball(scene, actor, plan, motion, mass, friction)
+    stage.add_ball(scene, actor, plan, mass, friction)
     return Sequence(motion, scene, actor)
 
 

@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.motion import Motion
+from halfphysics.motion import MODELS, Motion
+from halfphysics.pose import Pose
 from halfphysics.scenarios import posture
 from halfphysics.scenarios.legs import WORLD_FROM_REST, Leg, about, leg_of, planted, solve
 
@@ -255,7 +256,34 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
             of the SMPL family.
         plan: What to do.
         fps: Frames per second of the motion.
+
+    Raises:
+        InputError: An `fps` that is not positive, or leaves fewer than two frames.
     """
+    fps = float(fps)
+    if not (np.isfinite(fps) and fps > 0.0):
+        raise InputError(f"fps: found {fps!r}, expected a positive number, such as 30.0")
+    count = int(np.floor(plan.clock()[0][-1] * fps + 1e-9)) + 1
+    translation, rotations = _sampled(body, plan, np.arange(count) / fps)
+    smpl = body.model in MODELS
+    return Motion(
+        translation,
+        rotations,
+        fps,
+        betas=body.betas if smpl else None,
+        gender=body.gender if smpl else "neutral",
+        model=body.model if smpl else "smplx",
+    )
+
+
+def pose_at(body: Body, plan: Walk, time: float) -> Pose:
+    """The pose of a walk at one time [s] after its start."""
+    translation, rotations = _sampled(body, plan, np.array([time]))
+    return Pose(translation[0], rotations[0])
+
+
+def _sampled(body: Body, plan: Walk, frames: Array) -> tuple[Array, Array]:
+    """Translation (T, 3) and rotations (T, 55, 3) at times `frames` (T,) [s]."""
     joints = np.asarray(body.rest_joints)
     legs = {side: leg_of(body, side) for side in ("left", "right")}
     width = _WIDTH * 0.5 * float(legs["left"].hip[0] - legs["right"].hip[0])
@@ -264,8 +292,7 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
     phase = np.interp(fine, times, phases)
     going = posture.envelope(plan, phase)
     feet = {side: _foot(plan, leg, side, phase, width) for side, leg in legs.items()}
-    turn = posture.pelvis(plan, phase, going)  # (T, 3, 3), in path coordinates
-    root = turn @ WORLD_FROM_REST
+    root = posture.pelvis(plan, phase, going) @ WORLD_FROM_REST
     pelvis = np.zeros((len(fine), 3))
     pelvis[:, 0] = plan.travelled(phase) + posture.forward(legs["left"])
     pelvis[:, 1] = posture.sway(plan, phase, going)
@@ -277,8 +304,6 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
         limit = np.minimum(limit, feet[side][0][:, 2] + reach - (root @ leg.hip)[:, 2])
     pelvis[:, 2] = _carried(limit, max(1, int(0.22 * plan.stride / plan.speed / _FINE)))
 
-    frames = np.arange(int(np.floor(times[-1] * fps + 1e-9)) + 1) / fps
-
     def at(values: Array) -> Array:
         flat = values.reshape(len(values), -1)
         out = np.stack([np.interp(frames, fine, column) for column in flat.T], axis=1)
@@ -286,7 +311,7 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
 
     phase, going, pelvis = at(phase), at(going), at(pelvis)
     root = posture.pelvis(plan, phase, going) @ WORLD_FROM_REST
-    rotations = posture.upper_body(body, plan, phase, going)
+    rotations = posture.upper_body(plan, phase, going)
     for side, leg in legs.items():
         ankle, pitch, bend = (at(values) for values in feet[side])
         yaw = _TOES_OUT if side == "left" else -_TOES_OUT
@@ -296,12 +321,4 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
     heading = about(2, plan.heading)
     rotations[:, 0] = rot.matrix_to_rotvec(heading @ root)
     pelvis = pelvis @ heading.T + np.array([*plan.start, plan.lift])
-    smpl = body.model in ("smplx", "smplh", "smpl")
-    return Motion(
-        pelvis - joints[0],
-        rotations,
-        fps,
-        betas=body.betas if smpl else None,
-        gender=body.gender if smpl else "neutral",
-        model=body.model if smpl else "smplx",
-    )
+    return pelvis - joints[0], rotations

@@ -31,5 +31,5 @@ def build(
     plan = Walk(distance=4.0, speed=1.3, kick=Kick(step=4), after=1.0)
     motion = walk(actor, plan, fps)
     scene = stage.floor()
-    stage.add_ball(scene, actor, plan, motion, mass, friction)
+    stage.add_ball(scene, actor, plan, mass, friction)
     return Sequence(motion, scene, actor)

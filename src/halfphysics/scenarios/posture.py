@@ -13,7 +13,6 @@ from halfphysics.scenarios.legs import Leg, about
 from halfphysics.skeleton import JOINT_INDEX
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
     from halfphysics.scenarios.gait import Walk
 
 Array = NDArray[np.float64]
@@ -75,7 +74,7 @@ def _kicking(plan: Walk, phase: Array) -> Array:
     return np.exp(-(((phase - plan.kick.step - 0.6) / 0.33) ** 2))
 
 
-def upper_body(body: Body, plan: Walk, phase: Array, going: Array) -> Array:
+def upper_body(plan: Walk, phase: Array, going: Array) -> Array:
     """Rotations (T, 55, 3) of trunk, head, arms and hands; legs and root are zero."""
     rotations = np.zeros((len(phase), skeleton.N_JOINTS, 3))
     ahead = _left_ahead(plan, phase)

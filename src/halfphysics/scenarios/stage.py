@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
-from halfphysics.motion import Motion
-from halfphysics.scenarios.gait import DOUBLE, IMPACT, Walk
+from halfphysics.scenarios.gait import DOUBLE, IMPACT, Walk, pose_at
 from halfphysics.scene import Scene
 from halfphysics.shapes import Plane, Sphere
 from halfphysics.skeleton import JOINT_INDEX
@@ -55,18 +54,15 @@ def impact_time(plan: Walk) -> float:
     return float(np.interp(phase, phases[inside], times[inside]))
 
 
-def add_ball(
-    scene: Scene, body: Body, plan: Walk, motion: Motion, mass: float, friction: float
-) -> Array:
+def add_ball(scene: Scene, body: Body, plan: Walk, mass: float, friction: float) -> Array:
     """Put a ball where the kick will meet it; its centre (3,) [m].
 
     The ball lies in the line of the foot, touched by the toes at the moment of impact.
     """
     side = plan.swinging(plan.kick.step) if plan.kick else "right"
-    frame = min(round(impact_time(plan) * motion.fps), len(motion) - 1)
     part = np.argmax(body.weights, axis=1)
     shoe = np.isin(part, [JOINT_INDEX[f"{side}_ankle"], JOINT_INDEX[f"{side}_foot"]])
-    skin = np.asarray(body.vertices(motion[frame]))[shoe]
+    skin = np.asarray(body.vertices(pose_at(body, plan, impact_time(plan))))[shoe]
     ahead = np.array([np.cos(plan.heading), np.sin(plan.heading)])
     # A sphere of this radius on the ground touches a point at height z this far before its centre.
     rise = np.clip(skin[:, 2] - BALL_RADIUS, -BALL_RADIUS, BALL_RADIUS)

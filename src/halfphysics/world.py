@@ -102,7 +102,7 @@ class World:
         model = self._compile(people)
         self.nq, self.nv = int(model.nq), int(model.nv)
         self.stepper = _native.Stepper()
-        self.stepper.set_model(*_arrays(model))
+        self.stepper.set_model(*model_arrays(model))
         self._name_people(model, people)
         self._add_movers(model)
         self._add_statics()
@@ -279,7 +279,7 @@ def _full(inertia: Array) -> list[float]:
     return [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
 
 
-def _arrays(model: Any) -> tuple[Any, ...]:
+def model_arrays(model: Any) -> tuple[Any, ...]:
     """The arrays of an MjModel that the core's set_model() takes, in its order."""
 
     def ints(x: Any) -> NDArray[np.int32]:

@@ -7,6 +7,7 @@ import io
 import stat
 import zipfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -270,6 +271,30 @@ def test_the_caller_says_what_a_file_cannot(tmp_path):
     assert (motion.fps, motion.gender, motion.model, len(motion)) == (50.0, "male", "smplh", 4)
     motion.save(tmp_path / "b.npz")
     assert Motion.load(tmp_path / "b.npz").gender == "male"
+
+
+def test_mean_hands_are_stored_flat_and_written_back(tmp_path, monkeypatch):
+    mean = np.linspace(-0.5, 0.5, 90)
+    asked = {}
+
+    def load(path, **options):
+        asked.update(path=str(path), **options)
+        return SimpleNamespace(hands_mean=mean)
+
+    monkeypatch.setattr(Body, "load", staticmethod(load), raising=False)
+    content = fields("smplh")
+    path = write(tmp_path / "a.npz", content)
+    (tmp_path / "SMPLH_FEMALE.npz").write_bytes(b"model")
+    motion = Motion.load(path, hands="mean", model=tmp_path / "SMPLH_FEMALE.npz")
+    assert asked == {"path": str(tmp_path / "SMPLH_FEMALE.npz"), "gender": "female"}
+    assert np.array_equal(motion.poses[:, 75:], content["poses"][:, 66:] + mean)
+    assert motion.model == "smplh"
+    motion.save(tmp_path / "b.npz")
+    with np.load(tmp_path / "b.npz") as out:
+        assert np.abs(out["poses"] - content["poses"]).max() < 1e-14  # added, taken away
+    smpl = write(tmp_path / "c.npz", fields("smpl"))
+    with pytest.raises(InputError, match="has no fingers"):
+        Motion.load(smpl, hands="mean", model=tmp_path / "SMPLH_FEMALE.npz")
 
 
 def test_body_only_files_need_a_model(tmp_path):

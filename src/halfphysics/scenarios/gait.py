@@ -178,7 +178,7 @@ _KICK = np.array(
     ]
 )
 #: The part of the kick's swing at which the foot meets a ball lying on the ground.
-IMPACT = 0.52
+IMPACT = 0.54
 
 
 def _kick_path(leg: Leg, u: Array) -> tuple[Array, Array, Array]:

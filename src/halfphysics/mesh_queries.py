@@ -82,6 +82,11 @@ def is_closed(faces: Indices, n_vertices: int) -> bool:
     return len(boundary_edges(faces, n_vertices)) == 0
 
 
+def piece_count(faces: Indices, n_vertices: int) -> int:
+    """Number of pieces that share no vertex; expects merged vertices, all of them used."""
+    return int(_components(n_vertices, np.concatenate([faces[:, :2], faces[:, 1:]])).max()) + 1
+
+
 @dataclass(frozen=True)
 class _Split:
     """A soup as closed triangles plus loose ones: w = w(closed) + w(loose)."""
@@ -139,7 +144,9 @@ class MeshQuery:
         if f.ndim != 2 or f.shape[1] != 3 or not len(f):
             raise InputError(f"faces: expected shape (F, 3) with F > 0, found {f.shape}")
         if f.min() < 0 or f.max() >= len(v):
-            raise InputError(f"faces: expected indices 0 to {len(v) - 1}, found {f.min()} to {f.max()}")
+            raise InputError(
+                f"faces: expected indices 0 to {len(v) - 1}, found {f.min()} to {f.max()}"
+            )
         corners = v[np.unique(f)]
         #: Corners (2, 3) of the box around all triangles.
         self.bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])

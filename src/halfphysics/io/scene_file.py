@@ -1,0 +1,325 @@
+"""Scene files, YAML or JSON: read strictly, written back. The format: docs/scene-files.md."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import os
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
+from halfphysics.io.atomic import atomic_write
+from halfphysics.io.tree import Entry, read_tree
+from halfphysics.scene import OBJECT_FRICTION, STATIC_FRICTION, Object, Scene, Static
+from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, MeshSource, Plane, Shape, Sphere
+from halfphysics.validation import shown
+
+#: Written into files; a reader of another version refuses with both numbers.
+VERSION = 1
+
+_SUFFIXES = (".yaml", ".yml", ".json")
+
+#: Shape by its name in files, and the keys that its constructor takes.
+_SHAPES: dict[str, tuple[type[Shape], tuple[str, ...], tuple[str, ...]]] = {
+    # name: class, keys needed, keys that may be left out
+    "plane": (Plane, (), ("normal", "offset")),
+    "box": (Box, ("size",), ()),
+    "sphere": (Sphere, ("radius",), ()),
+    "capsule": (Capsule, ("radius", "length"), ()),
+    "cylinder": (Cylinder, ("radius", "length"), ()),
+}
+_MESH_KEYS = ("scale", "up", "sha256")
+_STATIC_KEYS = ("position", "quaternion", "friction", "restitution")
+_OBJECT_KEYS = ("mass", "density", "com", *_STATIC_KEYS, "velocity", "angular_velocity")
+_SCENE_KEYS = ("version", "gravity", "statics", "objects", "friction", "ignore")
+
+Read = Callable[[Entry], Any]
+
+
+def load_scene(path: str | os.PathLike[str]) -> Scene:
+    """The work behind `Scene.load`; see there."""
+    path = Path(path)
+    if path.suffix.lower() not in _SUFFIXES:
+        raise FileError(
+            f"{path}: found suffix {path.suffix!r}, expected a scene file {', '.join(_SUFFIXES)}"
+            "; add a single mesh with Scene().add_static(name, path)"
+        )
+    if not path.is_file():
+        raise FileError(f"{path}: there is no such file, expected a scene ({', '.join(_SUFFIXES)})")
+    root = _mapping(read_tree(path), _SCENE_KEYS)
+    if "version" in root:
+        version = _number(root["version"])
+        if version != VERSION:
+            raise root["version"].error(
+                f"found version {version:g}, expected {VERSION}; a newer halfphysics may read it"
+            )
+    gravity = root.get("gravity")
+    scene = _guarded(gravity, Scene, _gravity(gravity)) if gravity else Scene()
+    for name, entry in _named(root.get("statics")):
+        _add(scene.add_static, name, entry, _STATIC_KEYS, path.parent)
+    for name, entry in _named(root.get("objects")):
+        _add(scene.add_object, name, entry, _OBJECT_KEYS, path.parent)
+    for entry in _items(root.get("friction")):
+        a, b, mu = _sequence(entry, 3, "[name, name, coefficient]")
+        _guarded(entry, scene.friction, _text(a), _text(b), _number(mu))
+    for entry in _items(root.get("ignore")):
+        a, b = _sequence(entry, 2, "[name, name]")
+        _guarded(entry, scene.ignore, _text(a), _text(b))
+    return scene
+
+
+def _add(
+    add: Callable[..., Any], name: str, entry: Entry, keys: tuple[str, ...], base: Path
+) -> None:
+    given = _named_entries(entry, "a thing of a scene: shape or mesh, and more")
+    shape, mesh = given.get("shape"), given.get("mesh")
+    if shape is None and mesh is None:
+        sizes = [key for _, needed, optional in _SHAPES.values() for key in (*needed, *optional)]
+        _mapping(entry, ("shape", "mesh", *dict.fromkeys(sizes), *_MESH_KEYS, *keys))
+    if (shape is None) == (mesh is None):
+        found = "neither" if shape is None else "both"
+        raise entry.error(
+            f"expected shape ({', '.join(_SHAPES)}) or mesh (path of a file), found {found}"
+        )
+    if shape is not None:
+        kind = _choice(shape, tuple(_SHAPES))
+        cls, needed, optional = _SHAPES[kind]
+        _mapping(entry, ("shape", *needed, *optional, *keys), f" for a {kind}")
+        missing = [key for key in needed if key not in given]
+        if missing:
+            raise entry.error(f"a {kind} needs {' and '.join(missing)}")
+        size = {key: _READ[key](given[key]) for key in (*needed, *optional) if key in given}
+        options = {key: _READ[key](given[key]) for key in keys if key in given}
+        _guarded(entry, lambda: add(name, cls(**size), **options))
+    elif mesh is not None:
+        _mapping(entry, ("mesh", *_MESH_KEYS, *keys), " for a mesh")
+        _add_mesh(add, name, entry, keys, base)
+
+
+def _add_mesh(
+    add: Callable[..., Any], name: str, entry: Entry, keys: tuple[str, ...], base: Path
+) -> None:
+    given: dict[str, Entry] = entry.value
+    mesh = given["mesh"]
+    options = {key: _READ[key](given[key]) for key in (*keys, "scale", "up") if key in given}
+    source: Any
+    if isinstance(mesh.value, dict):
+        arrays = _mapping(mesh, ("vertices", "faces"))
+        if len(arrays) != 2:
+            raise mesh.error("a mesh written out needs vertices and faces")
+        rows = (_rows(arrays["vertices"], float), _rows(arrays["faces"], int))
+        source = _guarded(mesh, Mesh, *rows)
+    else:
+        source = base / _text(mesh)
+    try:
+        added = add(name, source, **options)
+    except HalfPhysicsError as error:
+        # What is wrong with a file stands at its path, what is wrong with a value at the thing.
+        place = mesh if isinstance(error, FileError) else entry
+        raise place.error(str(error)) from error
+    if "sha256" in given and added.source is not None:
+        noted = _text(given["sha256"])
+        if noted != added.source.sha256:
+            warnings.warn(
+                f"{mesh.file}, line {given['sha256'].line}, {given['sha256'].where}: "
+                f"{source} has changed since this scene was written (its SHA-256 is "
+                f"{added.source.sha256[:12]}..., noted is {noted[:12]}...)",
+                HalfPhysicsWarning,
+                stacklevel=5,
+            )
+
+
+def _guarded(entry: Entry, make: Callable[..., Any], *args: Any) -> Any:
+    """make(*args), with the place in the file put before what goes wrong."""
+    try:
+        return make(*args)
+    except HalfPhysicsError as error:
+        raise entry.error(str(error)) from error
+
+
+def _mapping(entry: Entry, allowed: tuple[str, ...], suffix: str = "") -> dict[str, Entry]:
+    if not isinstance(entry.value, dict):
+        raise entry.error(f"expected a mapping with {', '.join(allowed)}, found {_describe(entry)}")
+    for key, child in entry.value.items():
+        if key not in allowed:
+            close = difflib.get_close_matches(key, allowed, n=1, cutoff=0.6)
+            hint = f"; did you mean {close[0]}?" if close else "."
+            raise child.error(f"unknown key {key!r}{suffix}{hint} Allowed: {', '.join(allowed)}")
+    return entry.value
+
+
+def _named(entry: Entry | None) -> list[tuple[str, Entry]]:
+    if entry is None or entry.value is None:
+        return []
+    return list(_named_entries(entry, "from names to things").items())
+
+
+def _named_entries(entry: Entry, of: str) -> dict[str, Entry]:
+    if not isinstance(entry.value, dict):
+        raise entry.error(f"expected a mapping ({of}), found {_describe(entry)}")
+    return entry.value
+
+
+def _items(entry: Entry | None) -> list[Entry]:
+    if entry is None or entry.value is None:
+        return []
+    if not isinstance(entry.value, list):
+        raise entry.error(f"expected a list, found {_describe(entry)}")
+    return entry.value
+
+
+def _sequence(entry: Entry, size: int, form: str) -> list[Entry]:
+    if not isinstance(entry.value, list) or len(entry.value) != size:
+        raise entry.error(f"expected {form}, found {_describe(entry)}")
+    return entry.value
+
+
+def _number(entry: Entry) -> float:
+    value = entry.value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise entry.error(f"expected a number, found {_describe(entry)}")
+    if not np.isfinite(value):
+        raise entry.error(f"expected a finite number, found {value}")
+    return float(value)
+
+
+def _vector(size: int) -> Read:
+    return lambda entry: [
+        _number(child) for child in _sequence(entry, size, f"a list of {size} numbers")
+    ]
+
+
+def _gravity(entry: Entry) -> Any:
+    return _vector(3)(entry) if isinstance(entry.value, list) else _number(entry)
+
+
+def _rows(entry: Entry, kind: type) -> np.ndarray:
+    rows = [_vector(3)(row) for row in _items(entry)]
+    array = np.array(rows, dtype=np.float64).reshape(-1, 3)
+    if kind is int:
+        if (array != np.round(array)).any():
+            raise entry.error("expected whole numbers (indices of vertices)")
+        return array.astype(np.int64)
+    return array
+
+
+def _text(entry: Entry) -> str:
+    if not isinstance(entry.value, str) or not entry.value:
+        raise entry.error(f"expected text, found {_describe(entry)}")
+    return entry.value
+
+
+def _choice(entry: Entry, options: tuple[str, ...]) -> str:
+    if entry.value not in options:
+        close = difflib.get_close_matches(str(entry.value), options, n=1)
+        hint = f"; did you mean {close[0]}?" if close else ""
+        raise entry.error(f"expected one of {', '.join(options)}, found {_describe(entry)}{hint}")
+    return entry.value
+
+
+def _describe(entry: Entry) -> str:
+    if isinstance(entry.value, dict):
+        return "a mapping" + (f" ({', '.join(entry.value)})"[:80] if entry.value else "")
+    if isinstance(entry.value, list):
+        return f"a list of {len(entry.value)}"
+    return "nothing" if entry.value is None else shown(entry.value)
+
+
+_READ: dict[str, Read] = {
+    **dict.fromkeys(
+        ("radius", "length", "offset", "mass", "density", "friction", "restitution", "scale"),
+        _number,
+    ),
+    **dict.fromkeys(
+        ("size", "normal", "com", "position", "velocity", "angular_velocity"), _vector(3)
+    ),
+    "quaternion": _vector(4),
+    "up": lambda entry: _choice(entry, ("y", "z")),
+}
+
+
+def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
+    """The work behind `Scene.save`; see there."""
+    path = Path(path)
+    if path.suffix.lower() not in _SUFFIXES:
+        raise InputError(f"{path}: found suffix {path.suffix!r}, expected {', '.join(_SUFFIXES)}")
+    document = scene_document(scene, path.parent)
+    if path.suffix.lower() == ".json":
+        text = json.dumps(document, indent=1, ensure_ascii=False)
+    else:
+        import yaml
+
+        text = yaml.safe_dump(document, sort_keys=False, default_flow_style=None, width=100)
+    with atomic_write(path) as handle:
+        handle.write((text.rstrip() + "\n").encode())
+
+
+def scene_document(scene: Scene, base: Path | None = None) -> dict[str, Any]:
+    """The scene as plain data in the file's format; mesh paths relative to `base` if given."""
+    down = -scene.gravity[2]
+    plain = down >= 0.0 and not scene.gravity[:2].any()
+    document: dict[str, Any] = {
+        "version": VERSION,
+        "gravity": float(down) + 0.0 if plain else scene.gravity.tolist(),
+        "statics": {name: _thing(s, base) for name, s in scene.statics.items()},
+        "objects": {name: _thing(o, base) | _moving(o) for name, o in scene.objects.items()},
+        "friction": [list(pair) for pair in scene.friction_pairs],
+        "ignore": [list(pair) for pair in scene.ignored_pairs],
+    }
+    return {key: value for key, value in document.items() if value not in ({}, [])}
+
+
+def _thing(thing: Static | Object, base: Path | None) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    shape = (thing.visual if isinstance(thing, Object) else None) or thing.shape
+    if isinstance(shape, Mesh):
+        result |= _mesh(shape, thing.source, base)
+    else:
+        kind = next(name for name, (cls, _, _) in _SHAPES.items() if type(shape) is cls)
+        _, needed, optional = _SHAPES[kind]
+        result["shape"] = kind
+        for key in (*needed, *optional):
+            value = getattr(shape, key)
+            result[key] = list(value) if isinstance(value, tuple) else value
+    default = OBJECT_FRICTION if isinstance(thing, Object) else STATIC_FRICTION
+    result["position"] = thing.position.tolist()
+    if thing.quaternion.tolist() != [1.0, 0.0, 0.0, 0.0]:
+        result["quaternion"] = thing.quaternion.tolist()
+    if thing.friction != default:
+        result["friction"] = thing.friction
+    if thing.restitution:
+        result["restitution"] = thing.restitution
+    return result
+
+
+def _mesh(mesh: Mesh, source: MeshSource | None, base: Path | None) -> dict[str, Any]:
+    if source is None:
+        return {"mesh": {"vertices": mesh.vertices.tolist(), "faces": mesh.faces.tolist()}}
+    path = Path(source.path)
+    if base is not None:
+        try:
+            path = Path(os.path.relpath(path, base.resolve()))
+        except ValueError:  # another drive: no relative path leads there
+            path = Path(source.path)
+    return {
+        "mesh": path.as_posix(),
+        "scale": source.scale,
+        "up": source.up,
+        "sha256": source.sha256,
+    }
+
+
+def _moving(thing: Object) -> dict[str, Any]:
+    result: dict[str, Any] = {"mass": thing.mass}
+    if thing.com.tolist() != thing.filling.centre.tolist():
+        result["com"] = thing.com.tolist()
+    for key in ("velocity", "angular_velocity"):
+        value = getattr(thing, key).tolist()
+        if any(value):
+            result[key] = value
+    return result

@@ -1,0 +1,137 @@
+"""YAML and JSON documents as trees that know where in the file each value stands.
+
+Strict: a key given twice, a key that is not text, and what is no plain data are errors.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from halfphysics.errors import FileError
+
+_MAX_DEPTH = 20  # a scene file needs five
+
+# YAML 1.2 numbers such as 1e3, which PyYAML (YAML 1.1) would take for text.
+_FLOAT = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """A value of a document: a dict or list of entries, a number, text, bool or None.
+
+    `where` is its path in the document, such as "objects.ball.mass"; `line` counts from 1.
+    """
+
+    value: Any
+    where: str
+    line: int
+    file: Path
+
+    def error(self, message: str) -> FileError:
+        """`message`, led by file, line and path in the document."""
+        place = f", {self.where}" if self.where else ""
+        return FileError(f"{self.file}, line {self.line}{place}: {message}")
+
+
+def read_tree(path: Path) -> Entry:
+    """The document of a .yaml, .yml or .json file; raises `FileError`."""
+    import yaml
+
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path}: not a text file (UTF-8): {error}") from None
+    except OSError as error:
+        raise FileError(f"{path}: cannot be read: {error.strerror}") from None
+    if path.suffix.lower() == ".json":
+        try:
+            json.loads(text)
+        except json.JSONDecodeError as error:
+            raise FileError(f"{path}, line {error.lineno}: not valid JSON: {error.msg}") from None
+        except RecursionError:
+            raise FileError(f"{path}: nested too deeply for a scene") from None
+        # JSON is YAML but for tabs, which JSON allows between values only.
+        text = text.replace("\t", " ")
+    loader = _loader(yaml)(text)
+    try:
+        root = loader.get_single_node()
+        if root is None:
+            raise FileError(f"{path}: the file is empty, expected a mapping with statics, objects")
+        return _Builder(path, loader.construct_object)(root, "", 0)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = f", line {mark.line + 1}" if mark is not None else ""
+        problem = getattr(error, "problem", None) or str(error)
+        raise FileError(f"{path}{line}: not valid YAML: {problem}") from None
+    except RecursionError:
+        raise FileError(f"{path}: nested too deeply for a scene") from None
+    finally:
+        loader.dispose()
+
+
+def _loader(yaml: Any) -> Any:
+    base: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+    class Loader(base):
+        pass
+
+    Loader.add_implicit_resolver("tag:yaml.org,2002:float", _FLOAT, list("-+0123456789."))
+    return Loader
+
+
+class _Builder:
+    """Entries from YAML nodes. A node that aliases name again is built once."""
+
+    def __init__(self, file: Path, scalar: Callable[[Any], Any]) -> None:
+        self.file = file
+        self.scalar = scalar
+        self.built: dict[int, Any] = {}
+
+    def __call__(self, node: Any, where: str, depth: int) -> Entry:
+        here = Entry(value=None, where=where, line=node.start_mark.line + 1, file=self.file)
+        if depth > _MAX_DEPTH:
+            raise here.error("nested too deeply for a scene")
+        if id(node) not in self.built:
+            self.built[id(node)] = self._value(node, here, depth)
+        return Entry(value=self.built[id(node)], where=where, line=here.line, file=self.file)
+
+    def _value(self, node: Any, here: Entry, depth: int) -> Any:
+        if node.id == "sequence":
+            return [
+                self(child, f"{here.where}[{i}]", depth + 1) for i, child in enumerate(node.value)
+            ]
+        if node.id == "mapping":
+            return self._mapping(node, here, depth)
+        kind = node.tag.rsplit(":", 1)[-1]
+        if kind not in ("str", "int", "float", "bool", "null"):
+            return node.value  # dates and the like are text here
+        try:
+            # "1_000" and "1:30" are numbers in YAML 1.1 only: text here, refused as numbers.
+            if kind in ("int", "float") and re.search(r"[_:]", node.value):
+                return node.value
+            return self.scalar(node)
+        except (ValueError, TypeError):
+            return node.value
+
+    def _mapping(self, node: Any, here: Entry, depth: int) -> dict[str, Entry]:
+        result: dict[str, Entry] = {}
+        for key_node, child in node.value:
+            at = Entry(
+                value=None, where=here.where, line=key_node.start_mark.line + 1, file=self.file
+            )
+            if key_node.id != "scalar" or key_node.tag != "tag:yaml.org,2002:str":
+                shown = getattr(key_node, "value", "")
+                raise at.error(f"found key {shown!r} that is not text; put it in quotes")
+            key = key_node.value
+            if key in result:
+                raise at.error(
+                    f"key {key!r} is given twice, first in line {result[key].line}; keep one"
+                )
+            entry = self(child, f"{here.where}.{key}".lstrip("."), depth + 1)
+            result[key] = replace(entry, line=at.line)  # where the key is: easiest to find
+        return result

@@ -1,0 +1,188 @@
+"""Measures of a motion: joint errors against a reference, penetration of a scene.
+
+Motions are `halfphysics.motion.Motion`, bodies `halfphysics.body.Body`, scenes
+`halfphysics.scene.Scene`.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations
+from halfphysics.errors import InputError
+from halfphysics.scene import Scene
+from halfphysics.shape_base import Shape
+from halfphysics.validation import number
+
+Array = NDArray[np.float64]
+
+_BATCH = 32  # frames skinned at a time: about 10 MB of vertices
+
+
+def mpjpe(a: Any, b: Any, body: Any) -> float:
+    """Mean error of joint positions relative to the pelvis [mm].
+
+    Both motions are posed on `body`; each frame's pelvis position is subtracted, nothing is
+    rotated; the mean is over all frames and 55 joints. Raises `InputError` where lengths or
+    frame rates differ.
+    """
+    p, q = _joints(a, b, body)
+    return _mean_error(p - p[:, :1], q - q[:, :1])
+
+
+def mpjpe_global(a: Any, b: Any, body: Any) -> float:
+    """Mean error of joint positions in the world [mm]; otherwise as `mpjpe`."""
+    return _mean_error(*_joints(a, b, body))
+
+
+def _joints(a: Any, b: Any, body: Any) -> tuple[Array, Array]:
+    if len(a) != len(b):
+        raise InputError(
+            f"motions of one length are compared, found {len(a)} and {len(b)} frames; "
+            "cut the longer one (motion[:n]) or resample one (motion.resample(fps))"
+        )
+    if abs(a.fps - b.fps) > 1e-6 * abs(b.fps):
+        raise InputError(
+            f"motions of one frame rate are compared, found {a.fps:g} and {b.fps:g} fps; "
+            "resample one: motion.resample(fps)"
+        )
+    return body.joints(a), body.joints(b)
+
+
+def _mean_error(p: Array, q: Array) -> float:
+    return float(1000.0 * np.linalg.norm(p - q, axis=-1).mean())
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PenetrationReport:
+    """How far a motion's skin goes into a scene.
+
+    A vertex is inside where the winding number of a mesh is over 0.5 (see
+    `halfphysics.mesh_queries`) or a primitive holds it; its depth is the distance to that
+    shape's surface, the larger where it is in several.
+
+    Attributes:
+        rate_percent: Mean over frames of the share of vertices inside [%].
+        depth_mean_mm: Mean over frames of the deepest vertex (0 in a clear frame) [mm].
+        depth_max_mm: Deepest vertex of the sequence [mm].
+        depth_penetrating_mm: Mean depth over all vertices that are inside, 0 if none [mm].
+        share: Share of vertices inside in every frame (T,) [%].
+        deepest: Deepest vertex of every frame (T,) [mm].
+        by_name: Deepest vertex of every frame in each thing, name -> (T,) [mm].
+    """
+
+    rate_percent: float
+    depth_mean_mm: float
+    depth_max_mm: float
+    depth_penetrating_mm: float
+    share: Array
+    deepest: Array
+    by_name: Mapping[str, Array]
+
+
+def penetration(
+    motion: Any,
+    body: Any,
+    scene: Scene,
+    *,
+    objects: Mapping[str, Any] | None = None,
+    threads: int = 1,
+    progress: bool = False,
+) -> PenetrationReport:
+    """Penetration of the skinned body into the scene's statics, and objects where they are known.
+
+    Args:
+        motion: T frames, or a single pose.
+        body: Whose skin; every vertex counts.
+        scene: Its statics, pair by pair unless `scene.ignore(name, "person")` excuses them.
+        objects: Tracks of objects (name -> `.position (T, 3)`, `.quaternion (T, 4)`), as in
+            `result.objects`; objects without a track are left out.
+        threads: Threads to use; the numbers do not depend on it.
+        progress: Show a progress bar.
+
+    Raises:
+        InputError: Tracks of unknown objects or another length.
+    """
+    if int(number(threads, "threads", least=1)) != threads:
+        raise InputError(f"threads: expected a whole number, found {threads:g}")
+    frames = np.asarray(motion.rotations).shape[0] if np.ndim(motion.rotations) == 3 else 1
+    tracks = _tracks(scene, objects or {}, frames)
+    things: dict[str, Shape] = {n: s.shape for n, s in scene.statics.items()}
+    things |= {n: scene.objects[n].shape for n in tracks}
+    for name, static in scene.statics.items():
+        tracks[name] = static.position[None], static.quaternion[None]
+    names = [n for n in things if not scene.ignores(n, "person")]
+    share, deepest = np.zeros(frames), np.zeros(frames)
+    by_name = {n: np.zeros(frames) for n in names}
+    total, count = 0.0, 0
+    for part in _batches(frames, progress):
+        whole = frames == 1 or part == slice(0, frames)
+        vertices = np.asarray(body.vertices(motion if whole else motion[part]))
+        vertices = vertices.reshape(-1, *vertices.shape[-2:])
+        depth = np.zeros(vertices.shape[:2])
+        for name in names:
+            position, quaternion = tracks[name]
+            if len(position) > 1:
+                position, quaternion = position[part], quaternion[part]
+            own = _depth(things[name], vertices, position, quaternion, int(threads))
+            by_name[name][part] = 1000.0 * own.max(axis=1)
+            np.maximum(depth, own, out=depth)
+        inside = depth > 0.0
+        share[part] = 100.0 * inside.mean(axis=1)
+        deepest[part] = 1000.0 * depth.max(axis=1)
+        total += float(depth.sum())
+        count += int(inside.sum())
+    for array in (share, deepest, *by_name.values()):
+        array.setflags(write=False)
+    return PenetrationReport(
+        rate_percent=float(share.mean()),
+        depth_mean_mm=float(deepest.mean()),
+        depth_max_mm=float(deepest.max()),
+        depth_penetrating_mm=1000.0 * total / count if count else 0.0,
+        share=share,
+        deepest=deepest,
+        by_name=by_name,
+    )
+
+
+def _depth(shape: Shape, points: Array, position: Array, turn: Array, threads: int) -> Array:
+    """Depths (T, V) of points (T, V, 3) in a shape that stands at poses (T or 1, ...)."""
+    matrix = rotations.to_matrix(turn)
+    local = (points - position[:, None]) @ matrix  # row vectors: the transpose turns back
+    return shape.depth(local.reshape(-1, 3), threads=threads).reshape(points.shape[:2])
+
+
+def _tracks(
+    scene: Scene, objects: Mapping[str, Any], frames: int
+) -> dict[str, tuple[Array, Array]]:
+    tracks = {}
+    for name, track in objects.items():
+        if name not in scene.objects:
+            known = ", ".join(scene.objects) or "none"
+            raise InputError(f"objects: the scene has no object {name!r}; it has: {known}")
+        position = np.asarray(track.position, dtype=np.float64)
+        quaternion = np.asarray(track.quaternion, dtype=np.float64)
+        if position.shape != (frames, 3) or quaternion.shape != (frames, 4):
+            raise InputError(
+                f"objects: {name!r}: expected position ({frames}, 3) and quaternion ({frames}, 4) "
+                f"for a motion of {frames} frames, found {position.shape} and {quaternion.shape}"
+            )
+        tracks[name] = position, rotations.normalize(quaternion)
+    return tracks
+
+
+def _batches(frames: int, progress: bool) -> Any:
+    """Slices of nearly equal length that cover all frames, none of a single frame of several."""
+    edges = np.linspace(0, frames, -(-frames // _BATCH) + 1).round().astype(int)
+    parts = [slice(int(i), int(j)) for i, j in itertools.pairwise(edges)]
+    if not progress:
+        return parts
+    from tqdm import tqdm
+
+    return tqdm(parts, desc="penetration", unit_scale=_BATCH, unit="frames", leave=False)

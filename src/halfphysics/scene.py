@@ -1,0 +1,408 @@
+"""A scene: what stands around a person (statics) and what can be pushed about (objects).
+
+World z-up, metres, kilograms, seconds; quaternions wxyz.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.mesh import Mesh, MeshSource
+from halfphysics.shape_base import Shape, Triangles
+from halfphysics.shapes import Plane
+from halfphysics.validation import number, quaternion, shown, vector
+
+Array = NDArray[np.float64]
+
+#: Stands for every part of every person, where a pair of things is named.
+PERSON = "person"
+
+#: Coulomb friction where nothing else is said; a pair has the smaller of its two.
+PERSON_FRICTION = 1.0
+STATIC_FRICTION = 1.0
+OBJECT_FRICTION = 0.8
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Static:
+    """Something that never moves; `position` (3,), `quaternion` (4,) of its frame in the world."""
+
+    name: str
+    shape: Shape
+    position: Array
+    quaternion: Array
+    friction: float = STATIC_FRICTION
+    restitution: float = 0.0
+    source: MeshSource | None = None
+
+    def mesh(self) -> Triangles:
+        """Vertices (V, 3) [m] and faces (F, 3) in its own frame; a plane is a large square."""
+        return self.shape.triangles()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Object:
+    """Something that moves by contact and gravity alone.
+
+    `shape` is what touches: a primitive or a convex mesh, the hull of the mesh as given, which
+    is kept as `visual` (None for a primitive). `mass` [kg], `com` (3,) centre of mass [m] and
+    `inertia` (3, 3) about it [kg m^2] in the object's frame; at the start `position` (3,) and
+    `quaternion` (4,) of that frame, `velocity` (3,) of its origin [m/s] and `angular_velocity`
+    (3,) [rad/s], all in the world.
+    """
+
+    name: str
+    shape: Shape
+    mass: float
+    com: Array
+    inertia: Array
+    friction: float = OBJECT_FRICTION
+    restitution: float = 0.0
+    position: Array
+    quaternion: Array
+    velocity: Array
+    angular_velocity: Array
+    source: MeshSource | None = None
+    visual: Mesh | None = None
+
+    def mesh(self) -> Triangles:
+        """Vertices (V, 3) [m] and faces (F, 3) of what touches, in the object's frame."""
+        return self.shape.triangles()
+
+    @property
+    def filling(self) -> Shape:
+        """The solid whose even filling mass, centre and inertia come from."""
+        given = self.visual
+        return given if given is not None and given.closed else self.shape
+
+
+class Scene:
+    """Statics, objects, gravity, and what holds between pairs of them.
+
+    gravity: acceleration downward (-z) [m/s^2], or its vector (3,).
+    """
+
+    def __init__(self, gravity: float | ArrayLike = 9.81) -> None:
+        if isinstance(gravity, list | tuple) or np.ndim(gravity) > 0:
+            self._gravity = vector(gravity, "Scene: gravity", unit="m/s^2")
+        else:
+            down = number(gravity, "Scene: gravity (downward; a vector points anywhere)", least=0.0)
+            self._gravity = vector([0.0, 0.0, 0.0 - down], "Scene: gravity")
+        self._statics: dict[str, Static] = {}
+        self._objects: dict[str, Object] = {}
+        self._friction: dict[frozenset[str], float] = {}
+        self._ignored: dict[frozenset[str], None] = {}
+
+    @property
+    def gravity(self) -> Array:
+        """Acceleration of free fall (3,) [m/s^2]; (0, 0, -9.81) unless said otherwise."""
+        return self._gravity
+
+    @property
+    def statics(self) -> Mapping[str, Static]:
+        """What never moves, by name, in the order added (read-only)."""
+        return MappingProxyType(self._statics)
+
+    @property
+    def objects(self) -> Mapping[str, Object]:
+        """What moves, by name, in the order added (read-only)."""
+        return MappingProxyType(self._objects)
+
+    def __repr__(self) -> str:
+        return f"Scene(statics={list(self._statics)}, objects={list(self._objects)})"
+
+    def add_static(
+        self,
+        name: str,
+        shape: Shape | str | os.PathLike[str] | Any,
+        *,
+        scale: float = 1.0,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        quaternion: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        up: str | None = None,
+        friction: float = STATIC_FRICTION,
+        restitution: float = 0.0,
+    ) -> Static:
+        """Add something that never moves.
+
+        Args:
+            name: New in this scene.
+            shape: A shape, the path of a mesh file, a `trimesh.Trimesh` or `trimesh.Scene`.
+            scale: Metres per unit of a mesh.
+            position, quaternion: Pose of its frame in the world (3,) [m], (4,).
+            up: Axis of a mesh that points up, "y" or "z"; None: y for glTF files, else z.
+            friction: Coulomb coefficient; a pair has the smaller of the two.
+            restitution: 0 to 1; a pair has the larger of the two.
+
+        Raises:
+            InputError: An impossible value. FileError: A mesh file that cannot be used.
+        """
+        what = self._new(name, "static")
+        pose = _pose(what, position, quaternion)
+        material = _material(what, friction, restitution)
+        made, source = _shape(what, shape, scale, up)
+        static = Static(name=name, shape=made, source=source, **pose, **material)
+        self._statics[name] = static
+        return static
+
+    def add_object(
+        self,
+        name: str,
+        shape: Shape | str | os.PathLike[str] | Any,
+        *,
+        mass: float | None = None,
+        density: float | None = None,
+        friction: float = OBJECT_FRICTION,
+        restitution: float = 0.0,
+        com: ArrayLike | None = None,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        quaternion: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        velocity: ArrayLike = (0.0, 0.0, 0.0),
+        angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
+        scale: float = 1.0,
+        up: str | None = None,
+    ) -> Object:
+        """Add something that moves by contact and gravity.
+
+        Args:
+            name: New in this scene.
+            shape: A shape that has a volume, the path of a mesh file, or a trimesh. A mesh that
+                is not convex touches as its convex hull (with a `HalfPhysicsWarning`).
+            mass, density: Exactly one of them [kg], [kg/m^3].
+            friction, restitution: As for statics.
+            com: Centre of mass (3,) in the object's frame [m]; None: that of an even filling.
+                The inertia about it stays that of the even filling.
+            position, quaternion: Pose of its frame in the world at the start.
+            velocity, angular_velocity: Of its origin [m/s], [rad/s], in the world, at the start.
+            scale, up: As for statics.
+
+        Raises:
+            InputError: An impossible value. FileError: A mesh file that cannot be used.
+        """
+        what = self._new(name, "object")
+        pose = _pose(what, position, quaternion)
+        material = _material(what, friction, restitution)
+        if (mass is None) == (density is None):
+            found = "neither" if mass is None else f"both, {shown(mass)} and {shown(density)}"
+            raise InputError(f"{what}: expected mass= [kg] or density= [kg/m^3], found {found}")
+        if mass is not None:
+            mass = number(mass, f"{what}: mass", above=0.0, unit="kg")
+        if density is not None:
+            density = number(density, f"{what}: density", above=0.0, unit="kg/m^3")
+        motion: dict[str, Any] = {
+            "velocity": vector(velocity, f"{what}: velocity", unit="m/s"),
+            "angular_velocity": vector(angular_velocity, f"{what}: angular_velocity", unit="rad/s"),
+        }
+        given, source = _shape(what, shape, scale, up)
+        if isinstance(given, Plane):
+            raise InputError(
+                f"{what}: a Plane has no volume to move, expected Box, Sphere, "
+                "Capsule, Cylinder or a mesh; add_static takes planes"
+            )
+        solid = _convex(what, given)
+        visual = given if isinstance(given, Mesh) else None
+        filled = given if visual is None or visual.closed else solid
+        properties = filled.mass_properties(mass=mass, density=density)
+        centre = properties.com if com is None else vector(com, f"{what}: com", unit="m")
+        thing = Object(
+            name=name,
+            shape=solid,
+            mass=properties.mass,
+            com=_fixed(centre),
+            inertia=_fixed(properties.inertia),
+            source=source,
+            visual=visual,
+            **pose,
+            **material,
+            **motion,
+        )
+        self._objects[name] = thing
+        return thing
+
+    def friction(self, a: str, b: str, mu: float) -> None:
+        """Coulomb friction `mu` between two things, instead of the smaller of their own.
+
+        `a`, `b`: names of this scene, or "person" for every part of every person. Raises
+        `InputError` for a name that is not there and for a negative mu.
+        """
+        pair = self._pair("friction", a, b)
+        self._friction[pair] = number(mu, f"friction between {a!r} and {b!r}", least=0.0)
+
+    def ignore(self, a: str, b: str) -> None:
+        """Let two things pass through each other; names as in `friction`."""
+        self._ignored[self._pair("ignore", a, b)] = None
+
+    def friction_of(self, a: str, b: str) -> float:
+        """Coulomb friction between two things (names as in `friction`)."""
+        pair = self._pair("friction_of", a, b)
+        return self._friction.get(pair, min(self._own_friction(a), self._own_friction(b)))
+
+    def restitution_of(self, a: str, b: str) -> float:
+        """Restitution between two things: the larger of the two (a person has 0)."""
+        self._pair("restitution_of", a, b)
+        things: dict[str, Static | Object] = {**self._statics, **self._objects}
+        return max(things[n].restitution if n != PERSON else 0.0 for n in (a, b))
+
+    def ignores(self, a: str, b: str) -> bool:
+        """Whether two things pass through each other (names as in `friction`)."""
+        return self._pair("ignores", a, b) in self._ignored
+
+    @property
+    def friction_pairs(self) -> tuple[tuple[str, str, float], ...]:
+        """What `friction` was called with: (a, b, mu), names sorted."""
+        return tuple((*_ends(pair), mu) for pair, mu in self._friction.items())
+
+    @property
+    def ignored_pairs(self) -> tuple[tuple[str, str], ...]:
+        """What `ignore` was called with: (a, b), names sorted."""
+        return tuple(_ends(pair) for pair in self._ignored)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Scene:
+        """Scene from a YAML or JSON file; see docs/scene-files.md.
+
+        Raises:
+            FileError: The file or a mesh it names is missing or wrong: says where and how to mend.
+        """
+        from halfphysics.io.scene_file import load_scene
+
+        return load_scene(path)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a scene file (.yaml, .yml or .json); mesh files are named relative to it.
+
+        Meshes that came from no file are written out in full. Raises `InputError` for another
+        suffix and `FileError` where it cannot be written.
+        """
+        from halfphysics.io.scene_file import save_scene
+
+        save_scene(self, path)
+
+    def _new(self, name: object, kind: str) -> str:
+        if not isinstance(name, str) or not name.strip() or "/" in name or not name.isprintable():
+            raise InputError(
+                f"{kind}: found name {shown(name)}, expected text without '/' or line breaks"
+            )
+        if name == PERSON:
+            raise InputError(f"{kind} {name!r}: this name means the people; choose another")
+        for there, things in (("static", self._statics), ("object", self._objects)):
+            if name in things:
+                raise InputError(
+                    f"{kind} {name!r}: the scene has {_article(there)} of this name already; "
+                    "names are unique among statics and objects together"
+                )
+        return f"{kind} {name!r}"
+
+    def _pair(self, what: str, a: str, b: str) -> frozenset[str]:
+        known = [*self._statics, *self._objects, PERSON]
+        for name in (a, b):
+            if name not in known:
+                close = difflib.get_close_matches(str(name), known, n=1)
+                hint = f"; did you mean {close[0]!r}?" if close else ""
+                raise InputError(
+                    f"{what}: the scene has nothing called {shown(name)}{hint}. "
+                    f"It has: {', '.join(known)}. Add it first."
+                )
+        if a == b and a != PERSON:
+            raise InputError(f"{what}: found {a!r} twice, expected two different things")
+        return frozenset((a, b))
+
+    def _own_friction(self, name: str) -> float:
+        if name == PERSON:
+            return PERSON_FRICTION
+        return (self._statics.get(name) or self._objects[name]).friction
+
+
+def _article(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+
+
+def _ends(pair: frozenset[str]) -> tuple[str, str]:
+    names = sorted(pair)
+    return names[0], names[-1]
+
+
+def _fixed(array: Array) -> Array:
+    result = np.array(array, dtype=np.float64)
+    result.setflags(write=False)
+    return result
+
+
+def _pose(what: str, position: ArrayLike, turn: ArrayLike) -> dict[str, Any]:
+    return {
+        "position": vector(position, f"{what}: position", unit="m"),
+        "quaternion": quaternion(turn, f"{what}: quaternion"),
+    }
+
+
+def _material(what: str, friction: float, restitution: float) -> dict[str, Any]:
+    return {
+        "friction": number(friction, f"{what}: friction", least=0.0),
+        "restitution": number(restitution, f"{what}: restitution", least=0.0, most=1.0),
+    }
+
+
+def _shape(what: str, given: Any, scale: float, up: str | None) -> tuple[Shape, MeshSource | None]:
+    """The shape that was meant, and its file if it came from one."""
+    from halfphysics.io import meshes
+
+    scale = number(scale, f"{what}: scale", above=0.0)
+    if up not in (None, "y", "z"):
+        raise InputError(f"{what}: up: expected 'y', 'z' or None, found {shown(up)}")
+    if isinstance(given, str | os.PathLike):
+        return meshes.load_mesh(given, scale=scale, up=up)
+    if isinstance(given, Shape) and not isinstance(given, Mesh):
+        if scale != 1.0 or up is not None:
+            name = type(given).__name__
+            raise InputError(f"{what}: scale and up are for meshes; give the {name} its size")
+        return given, None
+    if not isinstance(given, Mesh):
+        try:
+            if hasattr(given, "graph") and hasattr(given, "geometry"):
+                given = Mesh(*meshes.flatten(given))
+            elif hasattr(given, "vertices") and hasattr(given, "faces"):
+                given = Mesh(np.asarray(given.vertices), np.asarray(given.faces))
+        except InputError as error:
+            raise InputError(f"{what}: {error}") from None
+    if not isinstance(given, Mesh):
+        raise InputError(
+            f"{what}: found {shown(given)} as shape, expected Plane, Box, Sphere, Capsule, "
+            "Cylinder, Mesh, the path of a mesh file or a trimesh.Trimesh"
+        )
+    return meshes.turned(given, scale=scale, up=up or "z"), None
+
+
+def _convex(what: str, given: Shape) -> Shape:
+    """What touches; warns where that is more than the mesh as given."""
+    if not isinstance(given, Mesh):
+        return given
+    try:
+        hull = given.hull
+    except InputError as error:
+        raise InputError(f"{what}: {error}") from None
+    if given.is_convex:
+        return hull
+    solid = given.solid_volume
+    if solid > 0.0:
+        added = f"which adds {100.0 * (hull.volume / solid - 1.0):.1f} % to its volume"
+    else:
+        added = f"of {1000.0 * hull.volume:.3g} litres; the mesh itself encloses nothing"
+    kind = "not convex" if given.closed else "not a closed surface"
+    weight = "" if given.closed else " Mass and inertia are spread over the hull."
+    warnings.warn(
+        f"{what}: the mesh is {kind}: it touches as its convex hull, {added}.{weight} "
+        "Moving things are convex for now; give a primitive or a convex mesh to choose the shape.",
+        HalfPhysicsWarning,
+        stacklevel=3,
+    )
+    return hull

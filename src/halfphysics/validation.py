@@ -1,0 +1,86 @@
+"""Checks of single values a caller gave: numbers, vectors, unit quaternions.
+
+Each raises `InputError` naming what the value is for, what was found and what is expected.
+"""
+
+from __future__ import annotations
+
+import numbers
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError
+
+
+def number(
+    value: object,
+    what: str,
+    *,
+    above: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
+    unit: str = "",
+) -> float:
+    """`value` as a finite float within (above, ...) or [least, most]."""
+    wanted = "a number"
+    if above is not None:
+        wanted += f" above {above:g}"
+    if least is not None and most is not None:
+        wanted += f" from {least:g} to {most:g}"
+    elif least is not None:
+        wanted += f" of at least {least:g}"
+    if unit:
+        wanted += f" [{unit}]"
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
+        raise InputError(f"{what}: expected {wanted}, found {shown(value)}")
+    result = float(value)
+    if (
+        not np.isfinite(result)
+        or (above is not None and result <= above)
+        or (least is not None and result < least)
+        or (most is not None and result > most)
+    ):
+        raise InputError(f"{what}: expected {wanted}, found {result:g}")
+    return result
+
+
+def vector(value: object, what: str, size: int = 3, *, unit: str = "") -> NDArray[np.float64]:
+    """`value` as a read-only float64 array (size,) of finite numbers."""
+    wanted = f"{size} finite numbers" + (f" [{unit}]" if unit else "")
+    try:
+        raw = np.asarray(value)
+        ok = raw.dtype.kind in "fiu" and raw.shape == (size,)
+        array = np.array(raw, dtype=np.float64) if ok else None
+    except (TypeError, ValueError):
+        array = None
+    if array is None or not np.isfinite(array).all():
+        raise InputError(f"{what}: expected {wanted}, found {shown(value)}")
+    array.setflags(write=False)
+    return array
+
+
+def quaternion(value: object, what: str) -> NDArray[np.float64]:
+    """`value` (w, x, y, z) scaled to unit length, a read-only array (4,)."""
+    raw = vector(value, what, 4)
+    largest = np.abs(raw).max()
+    scaled = raw / largest if largest > 0.0 else raw
+    length = np.linalg.norm(scaled)
+    if not length > 0.5:  # the largest component is 1 unless all are zero
+        raise InputError(
+            f"{what}: a quaternion of zero length is no rotation; "
+            "expected w, x, y, z (no rotation: 1, 0, 0, 0)"
+        )
+    # An exact unit quaternion stays as it is, so that saving and loading changes nothing.
+    exact = largest <= 1.0 and abs(float(raw @ raw) - 1.0) < 1e-15
+    unit = raw if exact else scaled / length
+    unit.setflags(write=False)
+    return unit
+
+
+def shown(value: object) -> str:
+    """`value` for a message, cut to a readable length."""
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -56,6 +56,24 @@ def _joints(model: Any, body: int) -> range:
     return range(first, first + model.body_jntnum[body])
 
 
+def _joint_frame(model: Any, x: Array, q: Array, joint: int, qpos: Array) -> tuple[Array, Array]:
+    """Anchor and orientation at which a hinge or slide acts: after the body's joints before it."""
+    body = model.jnt_bodyid[joint]
+    parent = model.body_parentid[body]
+    pos = x[parent] + rot.rotate(q[parent], model.body_pos[body])
+    quat = rot.multiply(q[parent], model.body_quat[body])
+    for j in range(model.body_jntadr[body], joint):
+        at = model.jnt_qposadr[j]
+        way = (qpos[at] - model.qpos0[at]) * model.jnt_axis[j]
+        if model.jnt_type[j] == SLIDE:
+            pos = pos + rot.rotate(quat, way)
+        else:
+            anchor = pos + rot.rotate(quat, model.jnt_pos[j])
+            quat = rot.multiply(quat, rot.exp(way))
+            pos = anchor - rot.rotate(quat, model.jnt_pos[j])
+    return pos + rot.rotate(quat, model.jnt_pos[joint]), quat
+
+
 def jacobian(model: Any, qpos: Array, body: int, point: Array) -> tuple[Array, Array]:
     """How a point (3,) carried by `body` moves: (3, nv) linear [m/s] and (3, nv) angular."""
     x, q = body_frames(model, qpos)
@@ -72,13 +90,14 @@ def jacobian(model: Any, qpos: Array, body: int, point: Array) -> tuple[Array, A
                 anchor = x[body] + rot.rotate(q[body], model.jnt_pos[j])
                 angular[:, d : d + 3] = axes
                 linear[:, d : d + 3] = np.cross(axes.T, point - anchor).T
-            elif kind == HINGE:
-                axis = rot.rotate(q[body], model.jnt_axis[j])
-                anchor = x[body] + rot.rotate(q[body], model.jnt_pos[j])
-                angular[:, d] = axis
-                linear[:, d] = np.cross(axis, point - anchor)
             else:
-                linear[:, d] = rot.rotate(q[body], model.jnt_axis[j])
+                anchor, turn = _joint_frame(model, x, q, j, qpos)
+                axis = rot.rotate(turn, model.jnt_axis[j])
+                if kind == HINGE:
+                    angular[:, d] = axis
+                    linear[:, d] = np.cross(axis, point - anchor)
+                else:
+                    linear[:, d] = axis
         body = model.body_parentid[body]
     return linear, angular
 
@@ -142,11 +161,14 @@ class ReferenceDrive:
             self.v_ref = np.concatenate([root, _turns(q, target).ravel() / dt])
             qvel[self.dofs] = self.v_ref
 
-    def free_velocity(self, k: int, h: float, qpos: Array, qvel: Array, inertia: Array) -> Array:
-        """v* of substep k. `inertia`: lambda times each joint's mean diagonal of M, 0 at the root.
+    def free_velocity(
+        self, k: int, h: float, qpos: Array, qvel: Array, M: Array, stiff: Array
+    ) -> Array:
+        """v* of substep k of length h.
 
         With a time constant the implicit, critically damped decay of the deviation; else PJSC
-        of Algorithm 1, for which `inertia` is (M, lambda diag I) rows of all dofs.
+        of Algorithm 1, for which M (n, n) are the person's rows of the inertia matrix and
+        `stiff` (n,) those of lambda diag(I).
         """
         s, q = self.settings, self.coordinates(qpos)
         expected_at = (k if s.drive_time is not None else k + 1) * h
@@ -154,8 +176,7 @@ class ReferenceDrive:
         expected = _turned(start, expected_at * self.v_ref[3:].reshape(-1, 3))
         if s.drive_time is not None:
             tau = s.drive_time
-            xi = -_turns(q, expected)  # log(q_ref^-1 q) has the opposite sign of the way back
-            xi = -rot.log(rot.multiply(rot.conjugate(_quats(q)), _quats(expected)))
+            xi = _turns(expected, q)
             size = np.linalg.norm(xi, axis=1, keepdims=True)
             limit = 2.0 * s.recovery_rate * tau
             xi = np.where(size > limit, xi * limit / np.maximum(size, 1e-300), xi)
@@ -164,7 +185,6 @@ class ReferenceDrive:
         v = qvel[self.dofs].copy()
         epsilon = np.concatenate([np.zeros(3), _turns(q, expected).ravel()])
         gap = np.where(np.arange(len(v)) < 6, 0.0, epsilon - h * v)
-        M, stiff = inertia
         return v + np.linalg.solve(M + np.diag(stiff), stiff / h * gap)
 
     def scale(self, h: float) -> float:
@@ -259,29 +279,50 @@ def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> 
     return np.concatenate(rows) if rows else np.zeros((0, model.nv))
 
 
-def contact_velocity(
-    model: Any,
-    qpos: Array,
-    v_free: Array,
-    M_hat: Array,
-    h: float,
-    contacts: Mapping[str, Array],
-    *,
-    tolerance: float = 1e-13,
-    sweeps: int = 20000,
-) -> tuple[Array, Array]:
-    """v (nv,) and impulses p (n, 3): M^ (v - v*) = J^T p with Coulomb's law at every contact."""
-    n = len(contacts["dist"])
-    if n == 0:
-        return v_free.copy(), np.zeros((0, 3))
+@dataclass(frozen=True)
+class ContactProblem:
+    """The contact problem of one substep: w = A p + b, and the way from p to velocities.
+
+    Rows come in threes (normal, tangent, binormal); the normal rows of `b` (3n,) have what the
+    contact demands taken off. `A` (3n, 3n) = J M^^-1 J^T.
+    """
+
+    A: Array
+    b: Array
+    friction: Array
+    found: Array  # the impulses (n, 3) that the core found
+    _back: Array  # M^^-1 J^T
+    _v_free: Array
+
+    def velocity(self, p: Array) -> Array:
+        """v = v* + M^^-1 J^T p, shape (nv,)."""
+        return self._v_free + self._back @ p.ravel()
+
+    def violation(self, p: Array) -> float:
+        """Largest violation of 0 <= p_n, w_n >= 0, p_n w_n = 0 and |p_t| <= mu p_n [m/s]."""
+        w = (self.A @ p.ravel() + self.b).reshape(-1, 3)
+        own = np.diag(self.A)[::3]
+        normal = np.abs(np.minimum(w[:, 0], p[:, 0] * own)).max(initial=0.0)
+        cone = (np.hypot(p[:, 1], p[:, 2]) - self.friction * p[:, 0]) * own
+        return float(max(normal, cone.max(initial=0.0), -(p[:, 0] * own).min(initial=0.0)))
+
+    def solve(self, tolerance: float = 1e-14, sweeps: int = 20000) -> Array:
+        """Impulses (n, 3) from nothing, by `solve_contacts`."""
+        start = np.zeros_like(self.found)
+        return solve_contacts(
+            self.A, self.b, self.friction, tolerance=tolerance, sweeps=sweeps, start=start
+        )
+
+
+def contact_problem(
+    model: Any, qpos: Array, v_free: Array, M_hat: Array, h: float, contacts: Mapping[str, Array]
+) -> ContactProblem:
+    """The problem M^ (v - v*) = J^T p at the contact points (n) that the core found."""
     J = contact_jacobian(model, qpos, contacts)
-    A = J @ np.linalg.solve(M_hat, J.T)
+    back = np.linalg.solve(M_hat, J.T)
     b = J @ v_free
     demand = (contacts["target"] - contacts["dist"] + contacts["shift"]) / h
     b[::3] -= np.maximum(demand, contacts["bounce"])
     frames = [contacts[name] for name in ("normal", "tangent", "binormal")]
-    start = np.stack([np.einsum("ij,ij->i", contacts["impulse"], f) for f in frames], axis=1)
-    p = solve_contacts(
-        A, b, contacts["friction"], tolerance=tolerance, sweeps=sweeps, start=start
-    )
-    return v_free + np.linalg.solve(M_hat, J.T @ p.ravel()), p
+    found = np.stack([np.einsum("ij,ij->i", contacts["impulse"], f) for f in frames], axis=1)
+    return ContactProblem(J @ back, b, np.asarray(contacts["friction"]), found, back, v_free)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +15,7 @@ from halfphysics.drawing import GHOST, PEOPLE, Drawing
 from halfphysics.errors import InputError
 from halfphysics.render import Color, Look, render
 from halfphysics.skeleton import JOINT_NAMES
-from halfphysics.viewpoint import cameras, choose_direction, glass, spread
+from halfphysics.viewpoint import cameras, choose_direction, glass
 
 if TYPE_CHECKING:
     from halfphysics.result import Result
@@ -35,7 +36,7 @@ def key_frames(result: Result, count: int) -> list[int]:
         result: The story.
         count: How many, at least 1.
     """
-    from halfphysics.scene import Plane
+    from halfphysics.shapes import Plane
 
     total = len(result.motion)
     if count < 1:
@@ -70,7 +71,7 @@ def key_frames(result: Result, count: int) -> list[int]:
             chosen.append(frame)
     while len(chosen) < count:
         ends = sorted({-1, *chosen, total})
-        gaps = [(b - a, -a) for a, b in zip(ends, ends[1:], strict=False)]
+        gaps = [(b - a, -a) for a, b in itertools.pairwise(ends)]
         width, start = max(gaps)
         if width < 2:
             break
@@ -86,7 +87,7 @@ def key_frames(result: Result, count: int) -> list[int]:
 
 def caption(result: Result, frame: int) -> tuple[str, str]:
     """Two short lines: the time, and what touches what (strongest first, planes left out)."""
-    from halfphysics.scene import Plane
+    from halfphysics.shapes import Plane
 
     time = f"frame {frame}   {frame / result.fps:.2f} s"
     contacts: Any = result.contacts

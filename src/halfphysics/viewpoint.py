@@ -88,7 +88,7 @@ def subject(drawing: Drawing, frame: int, story: Mapping[str, Surface]) -> Array
 
 def spread(total: int, count: int) -> list[int]:
     """At most `count` frames of `total`, evenly spread, first and last among them."""
-    return sorted({int(round(k)) for k in np.linspace(0, total - 1, min(count, total))})
+    return sorted({round(float(k)) for k in np.linspace(0, total - 1, min(count, total))})
 
 
 def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, int]) -> Array:
@@ -164,7 +164,7 @@ def cameras(
     for frame in frames:
         points = subject(drawing, frame, drawing.story(frame))
         near.append((points, Camera.framing(points, direction, size=size, fov=FOV)))
-    distance = [float(np.linalg.norm(c.position - c.target)) for _, c in near]  # type: ignore[operator]
+    distance = [float(np.linalg.norm(c.position - c.target)) for _, c in near]
     common = float(np.median(distance))
     return [
         Camera.framing(points, direction, size=size, fov=FOV, distance=common) for points, _ in near

@@ -1,3 +1,350 @@
-#include "module.h"
+// Python face of the stepper. Arrays are copied in once; frames run without the GIL.
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
-void bind_physics(nb::module_&) {}
+#include <cstring>
+#include <stdexcept>
+
+#include "module.h"
+#include "stepper.h"
+
+using namespace hp;
+
+namespace {
+
+using Doubles = f64<nb::ndim<1>>;
+using Ints = i32<nb::ndim<1>>;
+using Rows3 = f64<nb::shape<-1, 3>>;
+using Rows4 = f64<nb::shape<-1, 4>>;
+using Faces = i32<nb::shape<-1, 3>>;
+using Square = f64<nb::shape<-1, -1>>;
+
+std::vector<Vec3> vectors(const Rows3& a) {
+  std::vector<Vec3> out(a.shape(0));
+  for (size_t i = 0; i < out.size(); i++) out[i] = load3(a.data() + 3 * i);
+  return out;
+}
+
+std::vector<Quat> quats(const Rows4& a) {
+  std::vector<Quat> out(a.shape(0));
+  for (size_t i = 0; i < out.size(); i++) out[i] = load4(a.data() + 4 * i);
+  return out;
+}
+
+template <typename T, typename A>
+std::vector<T> list(const A& a) {
+  return {a.data(), a.data() + a.shape(0)};
+}
+
+auto array(std::vector<size_t> shape, const std::vector<double>& values) {
+  double* data = new double[values.size() + 1];
+  std::memcpy(data, values.data(), sizeof(double) * values.size());
+  nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+  return nb::ndarray<nb::numpy, double>(data, shape.size(), shape.data(), owner);
+}
+
+auto array(const std::vector<double>& v) { return array({v.size()}, v); }
+
+void push(std::vector<double>& out, Vec3 v) { out.insert(out.end(), {v.x, v.y, v.z}); }
+
+void need(bool ok, const char* what) {
+  if (!ok) throw std::invalid_argument(what);
+}
+
+void set_model(Stepper& s, Ints parent, Ints jnt_first, Ints jnt_count, Ints dof_first,
+               Ints dof_count, Rows3 pos, Rows4 quat, Rows3 ipos, Rows4 iquat, Doubles mass,
+               Rows3 inertia, Ints jnt_type, Ints jnt_qpos, Ints jnt_dof, Ints jnt_body,
+               Rows3 jnt_pos, Rows3 jnt_axis, Doubles qpos0, Doubles armature) {
+  Model& m = s.model;
+  m = {};
+  m.nbody = (int)parent.shape(0);
+  m.njnt = (int)jnt_type.shape(0);
+  m.nq = (int)qpos0.shape(0);
+  m.nv = (int)armature.shape(0);
+  m.parent = list<int>(parent);
+  m.jnt_first = list<int>(jnt_first);
+  m.jnt_count = list<int>(jnt_count);
+  m.dof_first = list<int>(dof_first);
+  m.dof_count = list<int>(dof_count);
+  m.pos = vectors(pos);
+  m.quat = quats(quat);
+  m.ipos = vectors(ipos);
+  m.iquat = quats(iquat);
+  m.mass = list<double>(mass);
+  m.inertia = vectors(inertia);
+  for (int t : list<int>(jnt_type)) m.jnt_type.push_back(static_cast<Joint>(t));
+  m.jnt_qpos = list<int>(jnt_qpos);
+  m.jnt_dof = list<int>(jnt_dof);
+  m.jnt_body = list<int>(jnt_body);
+  m.jnt_pos = vectors(jnt_pos);
+  m.jnt_axis = vectors(jnt_axis);
+  m.qpos0 = list<double>(qpos0);
+  m.armature = list<double>(armature);
+  m.finish();
+}
+
+nb::dict contact_rows(const std::vector<Contact>& contacts) {
+  std::vector<double> n, t, u, x, imp, dist, target, shift, mu, bounce, a, b;
+  for (const Contact& c : contacts) {
+    push(n, c.n);
+    push(t, c.t);
+    push(u, c.s);
+    push(x, c.position);
+    push(imp, c.impulse);
+    dist.push_back(c.dist);
+    target.push_back(c.target);
+    shift.push_back(c.shift);
+    mu.push_back(c.friction);
+    bounce.push_back(c.bounce);
+    a.push_back(c.a.count ? c.a.body[0] : 0);
+    b.push_back(c.b.count ? c.b.body[0] : 0);
+  }
+  size_t k = contacts.size();
+  nb::dict d;
+  d["normal"] = array({k, 3}, n);
+  d["tangent"] = array({k, 3}, t);
+  d["binormal"] = array({k, 3}, u);
+  d["position"] = array({k, 3}, x);
+  d["impulse"] = array({k, 3}, imp);
+  d["dist"] = array(dist);
+  d["target"] = array(target);
+  d["shift"] = array(shift);
+  d["friction"] = array(mu);
+  d["bounce"] = array(bounce);
+  d["body_a"] = array(a);
+  d["body_b"] = array(b);
+  return d;
+}
+
+}  // namespace
+
+void bind_physics(nb::module_& m) {
+  nb::class_<Stepper>(m, "Stepper")
+      .def(nb::init<>())
+      .def("set_model", &set_model)
+      .def("add_mover",
+           [](Stepper& s, int body, int name, int person, int part, Rows3 vertices, Rows3 normals,
+              double radius) {
+             need(vertices.shape(0) > 0, "a shape needs at least one vertex");
+             Mover v;
+             v.body = body, v.name = name, v.person = person, v.part = part;
+             v.shape.vertices = vectors(vertices);
+             v.shape.normals = vectors(normals);
+             v.shape.radius = radius;
+             s.world.movers.push_back(std::move(v));
+           })
+      .def("add_half_space",
+           [](Stepper& s, int name, Doubles n, double offset) {
+             Static v;
+             v.name = name, v.n = load3(n.data()), v.offset = offset;
+             s.world.statics.push_back(std::move(v));
+           })
+      .def("add_hull",
+           [](Stepper& s, int name, Rows3 vertices, Rows3 normals, double radius) {
+             need(vertices.shape(0) > 0, "a shape needs at least one vertex");
+             Static v;
+             v.kind = Static::Kind::Hull;
+             v.name = name;
+             v.shape.vertices = vectors(vertices);
+             v.shape.normals = vectors(normals);
+             v.shape.radius = radius;
+             v.shape.finish();
+             s.world.statics.push_back(std::move(v));
+           })
+      .def("add_mesh",
+           [](Stepper& s, int name, Rows3 vertices, Faces faces) {
+             Static v;
+             v.kind = Static::Kind::Mesh;
+             v.name = name;
+             {
+               nb::gil_scoped_release release;
+               v.tree = std::make_unique<TriangleTree>(vertices.data(), (int)vertices.shape(0),
+                                                       faces.data(), (int)faces.shape(0));
+             }
+             s.world.statics.push_back(std::move(v));
+           })
+      .def("set_pairings",
+           [](Stepper& s, Square friction, Square restitution, Square ignore) {
+             size_t n = friction.shape(0);
+             need(friction.shape(1) == n && restitution.shape(0) == n &&
+                      restitution.shape(1) == n && ignore.shape(0) == n && ignore.shape(1) == n,
+                  "pairings must be square and of one size");
+             s.world.n_names = (int)n;
+             s.world.pairings.resize(n * n);
+             for (size_t i = 0; i < n * n; i++)
+               s.world.pairings[i] = {friction.data()[i], restitution.data()[i],
+                                      ignore.data()[i] != 0};
+           })
+      .def("set_settings",
+           [](Stepper& s, double stiffness, double drive_time, double recovery_rate,
+              bool recover_root, double root_speed, double clearance, double clearance_range,
+              double depenetration_speed, double tolerance, Doubles gravity) {
+             s.drive_settings = {stiffness, drive_time, recovery_rate, recover_root, root_speed};
+             s.world.settings = {clearance, depenetration_speed, tolerance};
+             s.clearance_range = clearance_range;
+             s.gravity = load3(gravity.data());
+           })
+      .def("finish",
+           [](Stepper& s, std::vector<int> person_roots) {
+             // Hulls point at their own shapes: only now do the statics stop moving in memory.
+             for (Static& v : s.world.statics)
+               if (v.kind == Static::Kind::Hull) v.placed.place(v.shape, {}, {});
+             s.finish(person_roots);
+           })
+      .def("reset",
+           [](Stepper& s, Doubles qpos, Doubles qvel) {
+             need((int)qpos.shape(0) == s.model.nq && (int)qvel.shape(0) == s.model.nv,
+                  "reset: bad length of qpos or qvel");
+             s.reset(qpos.data(), qvel.data());
+           })
+      .def("frame",
+           [](Stepper& s, Doubles targets, double dt, int n, bool record) {
+             int want = 0;
+             for (int p = 0; p < s.person_count(); p++) want += s.person_qpos_count(p);
+             need((int)targets.shape(0) == want, "frame: bad length of targets");
+             std::vector<double> poses;
+             {
+               nb::gil_scoped_release release;
+               s.frame(targets.data(), dt, n, record ? &poses : nullptr);
+             }
+             size_t rows = record ? n : 0;
+             return array({rows, (size_t)s.model.nq}, poses);
+           })
+      .def("person_qpos", &Stepper::person_qpos)
+      .def("person_qpos_count", &Stepper::person_qpos_count)
+      .def("qpos", [](Stepper& s) { return array(s.qpos()); })
+      .def("qvel", [](Stepper& s) { return array(s.qvel()); })
+      .def("clearance",
+           [](Stepper& s) {
+             nb::gil_scoped_release release;
+             return s.clearance();
+           })
+      .def("touches",
+           [](Stepper& s) {
+             // Columns: mover, other static, other mover, position, normal, impulse.
+             std::vector<double> out;
+             for (const Touch& t : s.touches()) {
+               out.insert(out.end(),
+                          {(double)t.mover, (double)t.other_static, (double)t.other_mover});
+               double length = norm(t.normal);
+               push(out, t.weight > 0 ? (1 / t.weight) * t.position : t.position);
+               push(out, length > 0 ? (1 / length) * t.normal : t.normal);
+               push(out, t.impulse);
+             }
+             return array({s.touches().size(), 12}, out);
+           })
+      .def("diagnostics",
+           [](Stepper& s) {
+             const Diagnostics& d = s.diagnostics();
+             nb::dict out;
+             out["candidates"] = d.candidates;
+             out["contacts"] = d.contacts;
+             out["passes"] = d.passes;
+             out["sweeps"] = d.sweeps;
+             out["shortened"] = d.shortened;
+             out["residual"] = d.residual;
+             out["lost_time"] = d.lost_time;
+             return out;
+           })
+      .def("save", [](Stepper& s) { return array(s.save()); })
+      .def("load", [](Stepper& s, Doubles state) { s.load(list<double>(state)); })
+      .def("keep_trace", [](Stepper& s, bool on) { s.keep_trace = on; })
+      .def("trace",
+           [](Stepper& s) {
+             nb::dict d;
+             d["qpos"] = array(s.trace.qpos);
+             d["qvel"] = array(s.trace.qvel);
+             d["v_free"] = array(s.trace.v_free);
+             d["v"] = array(s.trace.v);
+             d["h"] = s.trace.h;
+             d["substep"] = s.trace.k;
+             d["contacts"] = contact_rows(s.trace.contacts);
+             return d;
+           })
+      // Kinematics and inertia on their own, for tests against other engines.
+      .def("body_frames",
+           [](Stepper& s, Doubles qpos) {
+             Kinematics k;
+             k.resize(s.model);
+             k.update(s.model, qpos.data());
+             std::vector<double> x, q;
+             for (Vec3 p : k.xpos) push(x, p);
+             for (Quat r : k.xquat) q.insert(q.end(), {r.w, r.x, r.y, r.z});
+             size_t n = s.model.nbody;
+             return nb::make_tuple(array({n, 3}, x), array({n, 4}, q));
+           })
+      .def("inertia_matrix",
+           [](Stepper& s, Doubles qpos) {
+             const Model& mod = s.model;
+             Kinematics k;
+             k.resize(mod);
+             k.update(mod, qpos.data());
+             k.update_dofs(mod, qpos.data());
+             Inertia inertia;
+             inertia.compose(mod, k);
+             size_t n = mod.nv;
+             std::vector<double> M(n * n, 0);
+             for (size_t i = 0; i < n; i++)
+               for (int a = 0; a < mod.row_size[i]; a++) {
+                 int j = mod.chain[mod.row_start[i] + a];
+                 M[i * n + j] = M[j * n + i] = inertia.M[mod.row_start[i] + a];
+               }
+             return array({n, n}, M);
+           })
+      .def("inertia_solve",
+           [](Stepper& s, Doubles qpos, Doubles x) {
+             const Model& mod = s.model;
+             Kinematics k;
+             k.resize(mod);
+             k.update(mod, qpos.data());
+             k.update_dofs(mod, qpos.data());
+             Inertia inertia;
+             inertia.compose(mod, k);
+             inertia.factor(mod, std::vector<double>(mod.nv, 1), std::vector<double>(mod.nv, 0));
+             std::vector<double> y = list<double>(x);
+             inertia.solve(mod, y.data());
+             return array(y);
+           })
+      .def("integrate", [](Stepper& s, Doubles qpos, Doubles qvel, double t) {
+        std::vector<double> q = list<double>(qpos);
+        integrate(s.model, q.data(), qvel.data(), t);
+        return array(q);
+      });
+
+  // Distance of two convex vertex sets; normals (may be empty) decide the way out of an overlap.
+  m.def("convex_distance", [](Rows3 a, Rows3 normals_a, double ra, Rows3 b, Rows3 normals_b,
+                              double rb) {
+    Convex A, B;
+    A.vertices = vectors(a), A.normals = vectors(normals_a), A.radius = ra;
+    B.vertices = vectors(b), B.normals = vectors(normals_b), B.radius = rb;
+    A.finish();
+    B.finish();
+    Placed pa, pb;
+    pa.place(A, {}, {});
+    pb.place(B, {}, {});
+    Separation s = separate(pa, pb);
+    std::vector<double> n, x, y;
+    push(n, s.n);
+    push(x, s.pa);
+    push(y, s.pb);
+    return nb::make_tuple(s.dist, array(n), array(x), array(y));
+  });
+  // Planes (normal, offset, distance, triangle) between a convex vertex set and triangles.
+  m.def("triangle_planes", [](Rows3 vertices, Faces faces, Rows3 hull, double radius,
+                              double reach) {
+    TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
+    Convex A;
+    A.vertices = vectors(hull), A.radius = radius;
+    A.finish();
+    Placed p;
+    p.place(A, {}, {});
+    std::vector<Plane> planes;
+    tree.planes(p, reach, planes);
+    std::vector<double> out;
+    for (const Plane& q : planes) {
+      push(out, q.n);
+      out.insert(out.end(), {q.offset, q.dist, (double)q.triangle});
+    }
+    return nb::make_tuple(array({planes.size(), 6}, out), tree.distance(p, reach));
+  });
+}

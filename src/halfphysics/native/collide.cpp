@@ -1,1 +1,359 @@
-// placeholder
+#include "collide.h"
+
+#include <limits>
+
+namespace hp {
+
+namespace {
+
+constexpr double kGiveWay = 0.05;   // speed at which a clearance that was lost is regained [m/s]
+constexpr double kHardGap = 1e-4;   // a step that would end nearer than this is shortened [m]
+
+// Where a point carried by a body at the end pose was at the start.
+Vec3 carried_back(const Poses& start, const Poses& end, int body, Vec3 x) {
+  if (body == 0) return x;
+  return start.kin.xpos[body] + start.kin.xmat[body] * mul_t(end.kin.xmat[body], x - end.kin.xpos[body]);
+}
+
+Vec3 carried(const Poses& start, const Poses& end, int body, Vec3 x) {
+  return body == 0 ? x : carried_back(end, start, body, x);
+}
+
+}  // namespace
+
+void World::start_poses(Poses& p) const {
+  p.placed.resize(movers.size());
+  p.fresh.assign(movers.size(), 0);
+}
+
+const Placed& World::place(Poses& p, int i) const {
+  if (!p.fresh[i]) {
+    const Mover& m = movers[i];
+    p.placed[i].place(m.shape, p.kin.xmat[m.body], p.kin.xpos[m.body]);
+    p.fresh[i] = 1;
+  }
+  return p.placed[i];
+}
+
+bool World::may_touch(const Model& m, int a, int b) const {
+  const Mover &A = movers[a], &B = movers[b];
+  if (A.body == B.body || m.root[A.body] == m.root[B.body]) return false;
+  return !pairing(A.name, B.name).ignore;
+}
+
+void World::demand(Candidate& c, double h) {
+  double clear = settings.clearance;
+  auto it = pairs_.find(key(c));
+  if (it != pairs_.end()) {
+    if (c.dist >= clear) {
+      pairs_.erase(it);
+    } else {
+      clear = std::min(clear, it->second.clearance);
+    }
+  }
+  if (c.dist >= clear)
+    c.target = clear;
+  else if (c.dist >= 0)
+    c.target = c.dist + std::min(clear - c.dist, kGiveWay * h);
+  else
+    c.target = c.dist + std::min(settings.depenetration_speed * h, -c.dist);
+  c.hard = std::min(c.dist - 1e-9, kHardGap);
+}
+
+void World::gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
+                   std::vector<Candidate>& out) {
+  out.clear();
+  std::vector<Plane> planes;
+  auto sphere = [&](int i) {
+    const Mover& M = movers[i];
+    return start.kin.xpos[M.body] + start.kin.xmat[M.body] * M.shape.center;
+  };
+  // A pair that overlaps leaves along the direction fixed when the overlap was first seen.
+  auto fixed_exit = [&](Candidate& c, auto along) {
+    auto it = pairs_.find(key(c));
+    if (c.dist >= 0) {
+      if (it != pairs_.end() && it->second.inside) pairs_.erase(it);
+      return;
+    }
+    if (it == pairs_.end() || !it->second.inside) {
+      PairState state;
+      state.clearance = settings.clearance;
+      state.inside = true;
+      state.exit = c.n;
+      pairs_[key(c)] = state;
+    } else {
+      c.n = it->second.exit;
+      along(c);
+    }
+  };
+  for (int i = 0; i < (int)movers.size(); i++) {
+    const Mover& M = movers[i];
+    double bound = M.shape.bound, r = reach[i];
+    Vec3 center = sphere(i);
+    Box3 box{center, center};
+    box.grow(bound + r);
+    for (int j = 0; j < (int)statics.size(); j++) {
+      const Static& S = statics[j];
+      if (pairing(M.name, S.name).ignore) continue;
+      Candidate c;
+      c.mover = i;
+      c.other_static = j;
+      if (S.kind == Static::Kind::HalfSpace) {
+        if (dot(S.n, center) - bound - S.offset > r) continue;
+        c.n = S.n;
+        c.offset = S.offset;
+        c.dist = place(start, i).lowest(S.n) - S.offset;
+        if (c.dist > r) continue;
+        demand(c, h);
+        out.push_back(c);
+      } else if (S.kind == Static::Kind::Hull) {
+        if (!box.meets(S.placed.box)) continue;
+        const Placed& A = place(start, i);
+        Separation s = separate(A, S.placed, r);
+        if (s.dist > r) continue;
+        c.n = s.n;
+        c.dist = s.dist;
+        fixed_exit(c, [&](Candidate& k) { k.dist = separate_along(A, S.placed, k.n).dist; });
+        c.offset = S.placed.highest(c.n);
+        demand(c, h);
+        out.push_back(c);
+      } else {
+        if (!box.meets(S.tree->box())) continue;
+        S.tree->planes(place(start, i), r, planes);
+        bool overlaps = false;
+        for (const Plane& p : planes) overlaps |= p.overlaps;
+        if (overlaps) continue;  // started inside this mesh: nothing holds it until it is out
+        for (const Plane& p : planes) {
+          c.n = p.n;
+          c.offset = p.offset;
+          c.dist = p.dist;
+          c.triangle = p.triangle;
+          demand(c, h);
+          out.push_back(c);
+        }
+      }
+    }
+    for (int j = 0; j < (int)movers.size(); j++) {
+      // People come first, so that the normal points into the part.
+      if (j <= i || !may_touch(m, i, j)) continue;
+      double both = r + reach[j];
+      if (norm(center - sphere(j)) > bound + movers[j].shape.bound + both) continue;
+      Candidate c;
+      c.mover = i;
+      c.other_mover = j;
+      const Placed &A = place(start, i), &B = place(start, j);
+      Separation s = separate(A, B, both);
+      if (s.dist > both) continue;
+      c.n = s.n;
+      c.dist = s.dist;
+      fixed_exit(c, [&](Candidate& k) { k.dist = separate_along(A, B, k.n).dist; });
+      demand(c, h);
+      out.push_back(c);
+    }
+  }
+}
+
+void World::reset(const Model& m, Poses& start) {
+  pairs_.clear();
+  std::vector<double> reach(movers.size(), settings.clearance);
+  std::vector<Candidate> near;
+  gather(m, start, reach, 1.0, near);
+  for (const Candidate& c : near) {
+    if (c.dist < 0 || c.dist >= settings.clearance) continue;
+    PairState& state = pairs_[key(c)];
+    state.clearance = state.clearance > 0 ? std::min(state.clearance, c.dist) : c.dist;
+  }
+}
+
+// Is the hull of the mover's start and end vertices, relative to the other, disjoint from it by
+// the clearance? Then the plane between them says nothing. The margin covers the arcs of the
+// vertices, which bulge out of the hull by at most r angle^2 / 8.
+bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,
+                        Poses& end) const {
+  if (c.dist < settings.clearance) return false;
+  Mat3 turn = a1.R * transposed(a0.R);
+  Points p0 = a0.points(), p1 = a1.points();
+  int n = p0.n;
+  std::vector<double> xyz(6 * (size_t)n);
+  double *x = xyz.data(), *y = x + 2 * n, *z = y + 2 * n;
+  Mat3 back;
+  Vec3 shift;
+  if (c.other_mover >= 0) {
+    // Into the other's start frame: x -> R0 R1^T (x - p1) + p0.
+    int b = movers[c.other_mover].body;
+    back = start.kin.xmat[b] * transposed(end.kin.xmat[b]);
+    shift = start.kin.xpos[b] - back * end.kin.xpos[b];
+    turn = back * turn;
+  }
+  for (int i = 0; i < n; i++) {
+    Vec3 q = p1.at(i);
+    if (c.other_mover >= 0) q = back * q + shift;
+    x[i] = p0.x[i], y[i] = p0.y[i], z[i] = p0.z[i];
+    x[n + i] = q.x, y[n + i] = q.y, z[n + i] = q.z;
+  }
+  double cosine = 0.5 * (turn.m[0] + turn.m[4] + turn.m[8] - 1);
+  double angle = std::acos(std::min(1.0, std::max(-1.0, cosine)));
+  double margin = a0.shape->bound * angle * angle / 8 + a0.shape->radius + settings.clearance;
+  Vec3 pa, pb;
+  if (c.other_static >= 0 && c.triangle >= 0) {
+    Vec3 v[3];
+    statics[c.other_static].tree->triangle(c.triangle, v);
+    double tx[3] = {v[0].x, v[1].x, v[2].x}, ty[3] = {v[0].y, v[1].y, v[2].y},
+           tz[3] = {v[0].z, v[1].z, v[2].z};
+    return gjk({x, y, z, 2 * n}, {tx, ty, tz, 3}, c.n, pa, pb, margin) > margin;
+  }
+  const Placed& b =
+      c.other_static >= 0 ? statics[c.other_static].placed : place(start, c.other_mover);
+  margin += b.shape->radius;
+  return gjk({x, y, z, 2 * n}, b.points(), c.n, pa, pb, margin) > margin;
+}
+
+double World::excess(Poses& start, Poses& end, Candidate& c) const {
+  const Placed& a1 = place(end, c.mover);
+  c.forgiven = false;
+  bool half_space =
+      c.other_static >= 0 && statics[c.other_static].kind == Static::Kind::HalfSpace;
+  double gap;
+  if (c.other_static >= 0) {
+    gap = a1.lowest(c.n) - c.offset;
+    if (half_space || gap >= c.target) return gap - c.target;
+  } else {
+    const Placed& b1 = place(end, c.other_mover);
+    gap = separate_along(a1, b1, c.n).dist;
+    if (gap >= c.target || c.dist < 0) return gap - c.target;
+    // The plane between two things turns as they do: where their nearest sides are still the
+    // same, what counts is their distance at the end.
+    Separation s = separate(a1, b1);
+    if (s.dist > 0 && dot(s.n, c.n) > 0.5) return s.dist - c.target;
+  }
+  if (swept_clear(place(start, c.mover), a1, c, start, end)) {
+    c.forgiven = true;
+    return 1e300;
+  }
+  return gap - c.target;
+}
+
+double World::gap_at(const Poses& start, const Poses& end, const Contact& c) const {
+  Vec3 a, b;
+  for (int i = 0; i < c.a.count; i++)
+    a += c.a.weight[i] * carried(start, end, c.a.body[i], c.a.point[i]);
+  if (c.b.count == 0) return c.dist + dot(c.n, a - c.a.point[0]);
+  for (int i = 0; i < c.b.count; i++)
+    b += c.b.weight[i] * carried(start, end, c.b.body[i], c.b.point[i]);
+  return c.dist + dot(c.n, a - b);  // both points coincide at the start
+}
+
+void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate& c, int index,
+                         bool first, std::vector<Contact>& contacts) const {
+  const Mover& M = movers[c.mover];
+  const Placed& a0 = place(start, c.mover);
+  int other_name =
+      c.other_static >= 0 ? statics[c.other_static].name : movers[c.other_mover].name;
+  const Pairing& pair = pairing(M.name, other_name);
+  auto make = [&](Vec3 n, double dist, Vec3 position, int feature) {
+    Contact k;
+    k.n = n;
+    tangents(n, k.t, k.s);
+    k.dist = dist;
+    k.target = c.target;
+    k.position = position;
+    k.a = Endpoint::rigid(M.body, position);
+    if (c.other_mover >= 0) k.b = Endpoint::rigid(movers[c.other_mover].body, position);
+    k.friction = pair.friction;
+    k.restitution = pair.restitution;
+    k.pair = index;
+    k.key = key(c);
+    k.feature = feature;
+    contacts.push_back(k);
+  };
+  if (c.other_static >= 0) {
+    // The vertices that would end deepest; at first spread out, so that few carry a face.
+    const Placed& a1 = place(end, c.mover);
+    Points p0 = a0.points(), p1 = a1.points();
+    double r = M.shape.radius;
+    std::vector<std::pair<double, int>> worst;
+    for (int v = 0; v < p1.n; v++) {
+      double gap = dot(c.n, p1.at(v)) - r - c.offset;
+      if (gap < c.target) worst.push_back({gap, v});
+    }
+    std::sort(worst.begin(), worst.end());
+    int added = 0;
+    std::vector<Vec3> chosen;
+    for (auto [gap, v] : worst) {
+      if (added == 3) break;
+      Vec3 x = p0.at(v);
+      bool skip = false;
+      for (const Contact& k : contacts) skip |= k.pair == index && k.feature == v;
+      if (first)
+        for (Vec3 o : chosen) skip |= norm2(o - x) < 25e-6;
+      if (skip) continue;
+      chosen.push_back(x);
+      added++;
+      make(c.n, dot(c.n, x) - r - c.offset, x - r * c.n, v);
+    }
+    return;
+  }
+  const Placed& b0 = place(start, c.other_mover);
+  int already = 0;
+  for (const Contact& k : contacts) already += k.pair == index;
+  if (already >= 12) return;
+  if (first) {
+    Vec3 pa[4], pb[4];
+    int n = face_manifold(a0, b0, c.n, 2e-3, 4, pa, pb);
+    for (int i = 0; i < n; i++) make(c.n, c.dist, 0.5 * (pa[i] + pb[i]), i);
+    if (n < 3) {
+      Separation s = c.dist > 0 ? separate(a0, b0) : separate_along(a0, b0, c.n);
+      make(c.n, c.dist, 0.5 * (s.pa + s.pb), 4);
+    }
+    return;
+  }
+  const Placed &a1 = place(end, c.mover), &b1 = place(end, c.other_mover);
+  Separation s = separate(a1, b1);
+  if (s.dist <= 0 || dot(s.n, c.n) < 0.5) s = separate_along(a1, b1, c.n);
+  // The same material points at the start, and how far apart they were along the end's normal.
+  Vec3 xa = carried_back(start, end, M.body, s.pa),
+       xb = carried_back(start, end, movers[c.other_mover].body, s.pb);
+  make(s.n, dot(s.n, xa - xb), 0.5 * (xa + xb), 5 + already);
+}
+
+double World::clearance(const Model&, Poses& p, double range) const {
+  double best = range;
+  for (int i = 0; i < (int)movers.size(); i++) {
+    const Mover& M = movers[i];
+    if (M.person < 0) continue;
+    Vec3 center = p.kin.xpos[M.body] + p.kin.xmat[M.body] * M.shape.center;
+    for (const Static& S : statics) {
+      if (pairing(M.name, S.name).ignore) continue;
+      if (S.kind == Static::Kind::HalfSpace) {
+        if (dot(S.n, center) - M.shape.bound - S.offset < best)
+          best = std::min(best, place(p, i).lowest(S.n) - S.offset);
+        continue;
+      }
+      Box3 box{center, center};
+      box.grow(M.shape.bound + std::max(best, 0.0));
+      if (S.kind == Static::Kind::Hull) {
+        if (box.meets(S.placed.box))
+          best = std::min(best, separate(place(p, i), S.placed, std::max(best, 0.0)).dist);
+      } else if (box.meets(S.tree->box())) {
+        best = std::min(best, S.tree->distance(place(p, i), std::max(best, 1e-9)));
+      }
+    }
+  }
+  return best < range ? best : std::numeric_limits<double>::infinity();
+}
+
+void World::save(std::vector<double>& out) const {
+  out.push_back((double)pairs_.size());
+  for (const auto& [k, s] : pairs_)
+    out.insert(out.end(), {(double)(k >> 32), (double)(k & 0xffffffff), s.clearance,
+                           s.inside ? 1.0 : 0.0, s.exit.x, s.exit.y, s.exit.z});
+}
+
+const double* World::load(const double* in) {
+  pairs_.clear();
+  for (int n = (int)*in++; n > 0; n--, in += 7)
+    pairs_[((int64_t)in[0] << 32) | (int64_t)in[1]] = {in[2], in[3] != 0, load3(in + 4)};
+  return in;
+}
+
+}  // namespace hp

@@ -1,1 +1,255 @@
-// placeholder
+#include "convex.h"
+
+namespace hp {
+
+int Points::support(Vec3 d) const {
+  double best = -1e300;
+  int at = 0;
+  for (int i = 0; i < n; i++) {
+    double s = d.x * x[i] + d.y * y[i] + d.z * z[i];
+    if (s > best) best = s, at = i;
+  }
+  return at;
+}
+
+void Convex::finish() {
+  Box3 box;
+  for (Vec3 v : vertices) box.add(v);
+  center = 0.5 * (box.lo + box.hi);
+  bound = 0;
+  for (Vec3 v : vertices) bound = std::max(bound, norm(v - center));
+  bound += radius;
+}
+
+void Placed::place(const Convex& c, const Mat3& rot, Vec3 pos) {
+  shape = &c;
+  R = rot;
+  center = pos + rot * c.center;
+  int n = (int)c.vertices.size();
+  xyz.resize(3 * n);
+  double *x = xyz.data(), *y = x + n, *z = y + n;
+  box = {};
+  for (int i = 0; i < n; i++) {
+    Vec3 p = pos + rot * c.vertices[i];
+    x[i] = p.x, y[i] = p.y, z[i] = p.z;
+    box.add(p);
+  }
+  box.grow(c.radius);
+}
+
+double Placed::lowest(Vec3 n) const {
+  Points p = points();
+  return dot(n, p.at(p.support(-n))) - shape->radius;
+}
+
+namespace {
+
+struct Simplex {
+  Vec3 w[4], a[4], b[4];
+  int n = 0;
+};
+
+// Nearest point to the origin of a segment, triangle or tetrahedron (Ericson 2005, ch. 5); keeps
+// the vertices that carry it and their weights.
+struct Nearest {
+  Vec3 p;
+  int n;
+  int id[4];
+  double l[4];
+};
+
+Nearest nearest_segment(const Vec3* w, int i, int j) {
+  Vec3 d = w[j] - w[i];
+  double t = -dot(w[i], d), dd = norm2(d);
+  if (t <= 0 || dd == 0) return {w[i], 1, {i}, {1}};
+  if (t >= dd) return {w[j], 1, {j}, {1}};
+  t /= dd;
+  return {w[i] + t * d, 2, {i, j}, {1 - t, t}};
+}
+
+Nearest nearest_triangle(const Vec3* w, int i, int j, int k) {
+  Vec3 A = w[i], B = w[j], C = w[k], ab = B - A, ac = C - A;
+  double d1 = -dot(ab, A), d2 = -dot(ac, A);
+  if (d1 <= 0 && d2 <= 0) return {A, 1, {i}, {1}};
+  double d3 = -dot(ab, B), d4 = -dot(ac, B);
+  if (d3 >= 0 && d4 <= d3) return {B, 1, {j}, {1}};
+  double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return nearest_segment(w, i, j);
+  double d5 = -dot(ab, C), d6 = -dot(ac, C);
+  if (d6 >= 0 && d5 <= d6) return {C, 1, {k}, {1}};
+  double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return nearest_segment(w, i, k);
+  double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return nearest_segment(w, j, k);
+  Vec3 normal = cross(ab, ac);
+  double nn = norm2(normal), s = 1 / (va + vb + vc);
+  // Projection on the plane: more exact than the weighted sum of far vertices.
+  Vec3 p = nn > 0 ? (dot(A, normal) / nn) * normal : A + (vb * s) * ab + (vc * s) * ac;
+  return {p, 3, {i, j, k}, {va * s, vb * s, vc * s}};
+}
+
+Nearest nearest_tetrahedron(const Vec3* w, bool& inside) {
+  static const int face[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};
+  Nearest best{};
+  double least = 1e300;
+  inside = true;
+  for (const int* f : face) {
+    Vec3 n = cross(w[f[1]] - w[f[0]], w[f[2]] - w[f[0]]);
+    double other = dot(w[f[3]] - w[f[0]], n), origin = -dot(w[f[0]], n);
+    if (other * origin >= 0 && other != 0) continue;
+    inside = false;
+    Nearest q = nearest_triangle(w, f[0], f[1], f[2]);
+    double d = norm2(q.p);
+    if (d < least) least = d, best = q;
+  }
+  return best;
+}
+
+}  // namespace
+
+double gjk(Points a, Points b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond) {
+  Simplex s;
+  Vec3 v = norm2(guess) > 1e-24 ? guess : Vec3{1, 0, 0};
+  double vv = 1e300;
+  for (int it = 0; it < 64; it++) {
+    int i = a.support(-v), j = b.support(v);
+    Vec3 w = a.at(i) - b.at(j);
+    double vw = dot(v, w);
+    if (s.n) {
+      if (vv - vw <= 1e-13 * vv) break;  // no support point gets nearer
+      if (vw > 0 && vw * vw > beyond * beyond * vv) return vw / std::sqrt(vv);
+      bool known = false;
+      for (int k = 0; k < s.n; k++) known |= norm2(w - s.w[k]) < 1e-28;
+      if (known) break;
+    }
+    s.w[s.n] = w, s.a[s.n] = a.at(i), s.b[s.n] = b.at(j);
+    s.n++;
+    bool inside = false;
+    Nearest q = s.n == 1   ? Nearest{s.w[0], 1, {0}, {1}}
+                : s.n == 2 ? nearest_segment(s.w, 0, 1)
+                : s.n == 3 ? nearest_triangle(s.w, 0, 1, 2)
+                           : nearest_tetrahedron(s.w, inside);
+    if (inside || norm2(q.p) < 1e-22) return 0;
+    if (norm2(q.p) >= vv) break;  // rounding: no further progress
+    Simplex kept;
+    kept.n = q.n;
+    pa = pb = {};
+    for (int k = 0; k < q.n; k++) {
+      int id = q.id[k];
+      kept.w[k] = s.w[id], kept.a[k] = s.a[id], kept.b[k] = s.b[id];
+      pa += q.l[k] * s.a[id];
+      pb += q.l[k] * s.b[id];
+    }
+    s = kept;
+    v = q.p;
+    vv = norm2(v);
+  }
+  pb = pa - v;  // exactly along v
+  return std::sqrt(vv);
+}
+
+Separation separate_along(const Placed& a, const Placed& b, Vec3 n) {
+  Points A = a.points();
+  Vec3 pa = A.at(A.support(-n)) - a.shape->radius * n;
+  double dist = dot(n, pa) - b.highest(n);
+  return {dist, n, pa, pa - dist * n};
+}
+
+Separation separate(const Placed& a, const Placed& b, double beyond) {
+  double round = a.shape->radius + b.shape->radius;
+  Vec3 pa, pb;
+  double d = gjk(a.points(), b.points(), a.center - b.center, pa, pb, beyond + round);
+  if (d > beyond + round) return {d - round, {}, {}, {}};
+  if (d > 1e-9) {
+    Vec3 n = (1 / d) * (pa - pb);
+    return {d - round, n, pa - a.shape->radius * n, pb + b.shape->radius * n};
+  }
+  Separation best;
+  best.dist = -1e300;
+  auto consider = [&](Vec3 n) {
+    Separation s = separate_along(a, b, n);
+    if (s.dist > best.dist) best = s;
+  };
+  for (Vec3 n : a.shape->normals) consider(-(a.R * n));
+  for (Vec3 n : b.shape->normals) consider(b.R * n);
+  Vec3 line = a.center - b.center;
+  double length = norm(line);
+  consider(length > 1e-9 ? (1 / length) * line : Vec3{0, 0, 1});
+  return best;
+}
+
+namespace {
+
+struct P2 {
+  double u, v;
+};
+
+double cross2(P2 o, P2 a, P2 b) { return (a.u - o.u) * (b.v - o.v) - (a.v - o.v) * (b.u - o.u); }
+
+// Vertices within tol of the face nearest along -n, projected on the plane, as a convex polygon
+// in counter-clockwise order (monotone chain).
+std::vector<P2> near_face(const Placed& s, Vec3 n, Vec3 t, Vec3 b, double tol) {
+  Points p = s.points();
+  double low = dot(n, p.at(p.support(-n)));
+  std::vector<P2> pts;
+  for (int i = 0; i < p.n; i++)
+    if (dot(n, p.at(i)) <= low + tol) pts.push_back({dot(t, p.at(i)), dot(b, p.at(i))});
+  std::sort(pts.begin(), pts.end(),
+            [](P2 x, P2 y) { return x.u < y.u || (x.u == y.u && x.v < y.v); });
+  if (pts.size() < 3) return pts;
+  std::vector<P2> hull(2 * pts.size());
+  size_t k = 0;
+  for (size_t i = 0; i < pts.size(); hull[k++] = pts[i++])
+    while (k >= 2 && cross2(hull[k - 2], hull[k - 1], pts[i]) <= 1e-12) k--;
+  for (size_t i = pts.size() - 1, floor = k + 1; i-- > 0; hull[k++] = pts[i])
+    while (k >= floor && cross2(hull[k - 2], hull[k - 1], pts[i]) <= 1e-12) k--;
+  hull.resize(k - 1);
+  return hull;
+}
+
+}  // namespace
+
+int face_manifold(const Placed& a, const Placed& b, Vec3 n, double tol, int most, Vec3* pa,
+                  Vec3* pb) {
+  Vec3 t, s;
+  tangents(n, t, s);
+  std::vector<P2> A = near_face(a, n, t, s, tol), B = near_face(b, -n, t, s, tol);
+  if (A.size() < 2 || B.size() < 2 || (A.size() == 2 && B.size() == 2)) return 0;
+  if (B.size() == 2) std::swap(A, B);
+  // Clip A (a segment or polygon) by the edges of the polygon B (Sutherland, Hodgman 1974).
+  for (size_t e = 0; e < B.size() && !A.empty(); e++) {
+    P2 p = B[e], q = B[(e + 1) % B.size()];
+    std::vector<P2> out;
+    for (size_t i = 0; i < A.size(); i++) {
+      P2 c = A[i], d = A[(i + 1) % A.size()];
+      double fc = cross2(p, q, c), fd = cross2(p, q, d);
+      if (fc >= 0) out.push_back(c);
+      if ((fc < 0) != (fd < 0)) {
+        double f = fc / (fc - fd);
+        out.push_back({c.u + f * (d.u - c.u), c.v + f * (d.v - c.v)});
+      }
+    }
+    A = out;
+  }
+  if (A.empty()) return 0;
+  // Spread: the extreme points along evenly turned directions.
+  std::vector<P2> pick;
+  for (int k = 0; k < most; k++) {
+    double angle = 2 * M_PI * (k + 0.125) / most, cu = std::cos(angle), cv = std::sin(angle);
+    P2 best = A[0];
+    for (P2 q : A)
+      if (cu * q.u + cv * q.v > cu * best.u + cv * best.v) best = q;
+    bool known = false;
+    for (P2 q : pick) known |= std::hypot(q.u - best.u, q.v - best.v) < 1e-9;
+    if (!known) pick.push_back(best);
+  }
+  double la = a.lowest(n), hb = b.highest(n);
+  for (size_t k = 0; k < pick.size(); k++) {
+    Vec3 base = pick[k].u * t + pick[k].v * s;
+    pa[k] = base + la * n;
+    pb[k] = base + hb * n;
+  }
+  return (int)pick.size();
+}
+
+}  // namespace hp

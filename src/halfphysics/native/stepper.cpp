@@ -1,1 +1,415 @@
-// placeholder
+#include "stepper.h"
+
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+namespace hp {
+
+namespace {
+
+constexpr int kPasses = 8;         // solve and verify, at most
+constexpr int kMaxSweeps = 50;
+constexpr double kSlackReach = 0.004;  // planes are asked for this much farther than needed [m]
+constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
+constexpr double kWarmRadius2 = 0.02 * 0.02;
+
+}  // namespace
+
+void Stepper::finish(const std::vector<int>& person_roots) {
+  model.finish();
+  drives_.clear();
+  std::vector<char> person(model.nbody, 0);
+  for (int root : person_roots) {
+    if (root <= 0 || root >= model.nbody) throw std::invalid_argument("bad root body");
+    drives_.emplace_back(model, root);
+    person[root] = 1;
+  }
+  objects_.clear();
+  for (int b = 1; b < model.nbody; b++)
+    if (!person[b] && model.jnt_count[b] == 1 &&
+        model.jnt_type[model.jnt_first[b]] == Joint::Free)
+      objects_.push_back(b);
+  for (Mover& m : world.movers) {
+    if (m.body <= 0 || m.body >= model.nbody) throw std::invalid_argument("bad body of a shape");
+    m.shape.finish();
+  }
+  qpos_.assign(model.nq, 0);
+  for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_})
+    v->assign(model.nv, 0);
+  scale_.assign(model.nv, 1);
+  start_.kin.resize(model);
+  end_.kin.resize(model);
+}
+
+void Stepper::reset(const double* qpos, const double* qvel) {
+  qpos_.assign(qpos, qpos + model.nq);
+  qvel_.assign(qvel, qvel + model.nv);
+  for (Drive& d : drives_) d.reset(&qpos_[d.first_qpos()], qvel_.data());
+  warm_.clear();
+  touches_.clear();
+  start_.kin.update(model, qpos_.data());
+  world.start_poses(start_);
+  world.reset(model, start_);
+}
+
+void Stepper::frame(const double* targets, double dt, int n, std::vector<double>* poses) {
+  touches_.clear();
+  diagnostics_ = {};
+  for (Drive& d : drives_) {
+    d.begin_frame(model, drive_settings, targets, dt, qpos_.data(), qvel_.data());
+    targets += d.qpos_count();
+  }
+  for (int k = 0; k < n; k++) {
+    substep(k, dt / n);
+    if (poses) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
+  }
+}
+
+void Stepper::build_inertia(double h) {
+  if (inertia_ready_) return;
+  inertia_.compose(model, start_.kin);
+  std::fill(extra_.begin(), extra_.end(), 0.0);
+  for (const Drive& d : drives_) {
+    d.added_inertia(model, inertia_, drive_settings, extra_);
+    double s = d.scale(drive_settings, h);
+    std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
+  }
+  inertia_.factor(model, scale_, extra_);
+  inertia_ready_ = true;
+}
+
+// Gravity, and the free rotation by the implicit midpoint rule. The pose moves with the midpoint
+// velocity; `spin_` keeps what is then missing to the velocity at the end of the substep.
+void Stepper::object_velocity(double h) {
+  for (int b : objects_) {
+    int d = model.dof_first[b];
+    Vec3 v = load3(&qvel_[d]) + h * gravity, w0 = load3(&qvel_[d + 3]);
+    Mat3 R = to_matrix(model.iquat[b]), I;
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++) {
+        I.m[3 * i + j] = 0;
+        for (int a = 0; a < 3; a++)
+          I.m[3 * i + j] += R.m[3 * i + a] * model.inertia[b][a] * R.m[3 * j + a];
+      }
+    // Newton on  2 I (w - w0) + h w x I w = 0  for the midpoint velocity w.
+    Vec3 w = w0, L0 = I * w0;
+    for (int it = 0; it < 20; it++) {
+      Vec3 Lw = I * w, f = 2.0 * (Lw - L0) + h * cross(w, Lw);
+      if (norm2(f) <= 1e-32 * (norm2(L0) + 1e-300)) break;
+      Mat3 D;
+      for (int j = 0; j < 3; j++) {
+        Vec3 e;
+        e[j] = 1;
+        Vec3 Ie = I.col(j), c = 2.0 * Ie + h * (cross(e, Lw) + cross(w, Ie));
+        for (int i = 0; i < 3; i++) D.m[3 * i + j] = c[i];
+      }
+      w -= solve3(D, f);
+    }
+    store3(&v_free_[d], v);
+    store3(&v_free_[d + 3], w);
+    store3(&spin_[d + 3], w - w0);
+  }
+}
+
+void Stepper::free_velocity(int k, double h) {
+  v_free_ = qvel_;
+  std::fill(torque_.begin(), torque_.end(), 0.0);
+  bool any = false;
+  for (const Drive& d : drives_)
+    any |= d.free_velocity(drive_settings, k, h, qpos_.data(), qvel_.data(), v_free_.data(),
+                           torque_.data());
+  if (any) {
+    build_inertia(h);
+    for (int i = 0; i < model.nv; i++) torque_[i] *= extra_[i] / h;
+    inertia_.solve(model, torque_.data());
+    for (int i = 0; i < model.nv; i++) v_free_[i] += torque_[i];
+  }
+  object_velocity(h);
+}
+
+double Stepper::speed_bound(const Mover& m, const std::vector<Twist>& t) const {
+  const Twist& w = t[m.body];
+  Vec3 center = start_.kin.xpos[m.body] + start_.kin.xmat[m.body] * m.shape.center;
+  Vec3 v = w.v + cross(w.w, center - start_.kin.reference(model, m.body));
+  return norm(v) + norm(w.w) * m.shape.bound;
+}
+
+void Stepper::pose_at(const std::vector<double>& v, double h, Poses& out,
+                      std::vector<double>& q) {
+  q = qpos_;
+  integrate(model, q.data(), v.data(), h);
+  out.kin.update(model, q.data());
+  world.start_poses(out);
+}
+
+void Stepper::warm_start(Contact& c) {
+  const Mover& m = world.movers[candidates_[c.pair].mover];
+  Vec3 local = mul_t(start_.kin.xmat[m.body], c.position - start_.kin.xpos[m.body]);
+  double best = kWarmRadius2;
+  Warm* found = nullptr;
+  for (Warm& w : warm_) {
+    if (w.key != c.key || dot(w.normal, c.n) < 0.8) continue;
+    double d = norm2(w.local - local);
+    if (d < best) best = d, found = &w;
+  }
+  if (!found) return;
+  c.impulse = found->impulse;
+  found->key = -1;  // used
+}
+
+void Stepper::remember() {
+  warm_.clear();
+  for (const Contact& c : contacts_) {
+    if (norm2(c.impulse) == 0) continue;
+    const Candidate& k = candidates_[c.pair];
+    const Mover& m = world.movers[k.mover];
+    Vec3 local = mul_t(start_.kin.xmat[m.body], c.position - start_.kin.xpos[m.body]);
+    warm_.push_back({c.key, c.feature, local, c.n, c.impulse});
+    Touch* t = nullptr;
+    for (Touch& o : touches_)
+      if (o.mover == k.mover && o.other_static == k.other_static &&
+          o.other_mover == k.other_mover && dot(o.normal, c.n) > 0.95 * norm(o.normal))
+        t = &o;
+    if (!t) {
+      touches_.push_back({k.mover, k.other_static, k.other_mover, {}, {}, {}, 0});
+      t = &touches_.back();
+    }
+    double p = dot(c.impulse, c.n);
+    t->position += p * c.position;
+    t->normal += p * c.n;
+    t->impulse += c.impulse;
+    t->weight += p;
+  }
+}
+
+// Checks the end pose against every candidate; adds contact points where something is violated
+// and corrects the linear prediction of those there are. True if all is well.
+bool Stepper::verify(std::vector<Contact>& contacts, double h, bool first, double& worst) {
+  const double slack = 2 * world.settings.tolerance;
+  worst = 0;
+  bool good = true;
+  body_twists(model, start_.kin, v_.data(), twists_);
+  std::vector<char> violated(candidates_.size(), 0);
+  for (size_t i = 0; i < candidates_.size(); i++) {
+    double e = world.excess(start_, end_, candidates_[i]);
+    worst = std::min(worst, e);
+    if (e < -slack) violated[i] = 1, good = false;
+  }
+  if (good) return true;
+  size_t old = contacts.size();
+  for (size_t i = 0; i < old; i++) {
+    Contact& c = contacts[i];
+    Vec3 u = endpoint_velocity(model, start_.kin, twists_, c.a) -
+             endpoint_velocity(model, start_.kin, twists_, c.b);
+    c.shift = c.dist + h * dot(c.n, u) - world.gap_at(start_, end_, c);
+  }
+  for (size_t i = 0; i < candidates_.size(); i++)
+    if (violated[i])
+      world.add_contacts(model, start_, end_, candidates_[i], (int)i, first, contacts);
+  for (size_t i = old; i < contacts.size(); i++) {
+    Contact& c = contacts[i];
+    if (!first) {
+      Vec3 u = endpoint_velocity(model, start_.kin, twists_, c.a) -
+               endpoint_velocity(model, start_.kin, twists_, c.b);
+      c.shift = c.dist + h * dot(c.n, u) - world.gap_at(start_, end_, c);
+    }
+    warm_start(c);
+  }
+  return false;
+}
+
+// Where all demands cannot be met, the clearance gives way before the step does.
+void Stepper::give_way() {
+  for (Candidate& c : candidates_)
+    if (c.dist >= 0) c.target = std::min(c.target, std::min(c.dist, 1e-4));
+  for (Contact& c : contacts_) c.target = candidates_[c.pair].target;
+}
+
+// What is still violated shortens the step of everything connected to it. Fills moved_ with the
+// velocity scaled by each island's factor and returns the largest share of the step lost.
+double Stepper::shorten(double h) {
+  std::vector<int> island(model.nbody);
+  std::iota(island.begin(), island.end(), 0);
+  auto find = [&](int b) {
+    while (island[b] != b) b = island[b] = island[island[b]];
+    return b;
+  };
+  auto tree = [&](int mover) { return model.root[world.movers[mover].body]; };
+  for (const Candidate& c : candidates_)
+    if (c.other_mover >= 0) island[find(tree(c.mover))] = find(tree(c.other_mover));
+  std::vector<double> good(model.nbody, 0), bad(model.nbody, 1), at(model.nbody, 1);
+  std::vector<char> hurt(model.nbody, 0);
+  auto check = [&]() {
+    std::vector<char> ok(model.nbody, 1);
+    for (Candidate& c : candidates_)
+      if (world.excess(start_, end_, c) + c.target < c.hard) ok[find(tree(c.mover))] = 0;
+    return ok;
+  };
+  auto move = [&]() {
+    for (int i = 0; i < model.nv; i++)
+      moved_[i] = v_[i] * at[find(model.root[model.dof_body[i]])];
+    pose_at(moved_, h, end_, q_end_);
+  };
+  std::vector<char> ok = check();
+  for (int b = 1; b < model.nbody; b++) hurt[b] = !ok[find(model.root[b])];
+  for (int it = 0; it < 6; it++) {
+    for (int b = 1; b < model.nbody; b++)
+      if (hurt[b]) at[b] = 0.5 * (good[b] + bad[b]);
+    move();
+    ok = check();
+    for (int b = 1; b < model.nbody; b++)
+      if (hurt[b]) (ok[find(model.root[b])] ? good[b] : bad[b]) = at[b];
+  }
+  double lost = 0;
+  for (int b = 1; b < model.nbody; b++)
+    if (hurt[b]) at[b] = good[b], lost = std::max(lost, 1 - good[b]);
+  move();
+  return lost;
+}
+
+// Restitution of a pair that arrived fast enough: a second pass demands its rebound.
+void Stepper::bounce(std::vector<Contact>& contacts, double h) {
+  body_twists(model, start_.kin, v_free_.data(), twists_);
+  bool any = false;
+  for (Contact& c : contacts) {
+    if (c.restitution <= 0 || dot(c.impulse, c.n) <= 0) continue;
+    double arriving = dot(c.n, endpoint_velocity(model, start_.kin, twists_, c.a) -
+                                   endpoint_velocity(model, start_.kin, twists_, c.b));
+    if (arriving > -kBounceSpeed) continue;
+    c.bounce = -c.restitution * arriving;
+    any = true;
+  }
+  if (!any) return;
+  for (int pass = 0; pass < 3; pass++) {
+    solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(), contacts,
+                  world.settings.tolerance / h, kMaxSweeps);
+    pose_at(v_, h, end_, q_end_);
+    double worst;
+    if (verify(contacts, h, false, worst)) break;
+  }
+}
+
+void Stepper::substep(int k, double h) {
+  inertia_ready_ = false;
+  start_.kin.update(model, qpos_.data());
+  // Twists need the dofs' axes.
+  start_.kin.update_dofs(model, qpos_.data());
+  world.start_poses(start_);
+  free_velocity(k, h);
+  v_ = v_free_;
+  contacts_.clear();
+
+  const double clear = world.settings.clearance;
+  body_twists(model, start_.kin, v_.data(), twists_);
+  reach_.resize(world.movers.size());
+  double fastest = 0;
+  for (size_t i = 0; i < reach_.size(); i++) {
+    reach_[i] = h * speed_bound(world.movers[i], twists_);
+    fastest = std::max(fastest, reach_[i]);
+  }
+  // A contact can speed up what is slow now: a share of the fastest part's way for everyone.
+  for (double& r : reach_) r = 1.25 * std::max(r, 0.35 * fastest) + clear + kSlackReach;
+
+  double worst = 0;
+  bool good = true;
+  for (int query = 0; query < 4; query++) {
+    world.gather(model, start_, reach_, h, candidates_);
+    if (candidates_.empty()) break;
+    diagnostics_.candidates = std::max(diagnostics_.candidates, (int)candidates_.size());
+    contacts_.clear();
+    v_ = v_free_;
+    pose_at(v_, h, end_, q_end_);
+    good = verify(contacts_, h, true, worst);
+    bool gave_way = false;
+    for (int pass = 1; !good; pass++) {
+      if (pass > kPasses) {
+        if (gave_way) break;
+        gave_way = true;
+        give_way();
+        pass = 1;
+      }
+      build_inertia(h);
+      SolveReport r = solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(),
+                                    contacts_, world.settings.tolerance / h, kMaxSweeps);
+      diagnostics_.sweeps += r.sweeps;
+      diagnostics_.passes++;
+      pose_at(v_, h, end_, q_end_);
+      good = verify(contacts_, h, false, worst);
+    }
+    if (contacts_.empty()) break;
+    bounce(contacts_, h);
+    // Planes hold only for what was asked: ask again, from the start pose, for what moved more.
+    body_twists(model, start_.kin, v_.data(), twists_);
+    bool beyond = false;
+    for (size_t i = 0; i < reach_.size(); i++) {
+      double way = h * speed_bound(world.movers[i], twists_) + clear;
+      if (way > reach_[i]) reach_[i] = 1.25 * way + kSlackReach, beyond = true;
+    }
+    if (!beyond) break;
+  }
+  if (candidates_.empty()) {
+    contacts_.clear();
+    pose_at(v_, h, end_, q_end_);
+  }
+  double lost = 0;
+  if (!good) {
+    bool hard = false;
+    for (Candidate& c : candidates_)
+      hard |= world.excess(start_, end_, c) + c.target < c.hard;
+    if (hard) {
+      lost = shorten(h);
+      diagnostics_.shortened++;
+      diagnostics_.lost_time += lost * h;
+    }
+  }
+  diagnostics_.residual = std::max(diagnostics_.residual, -worst);
+  diagnostics_.contacts = std::max(diagnostics_.contacts, (int)contacts_.size());
+  remember();
+  if (keep_trace) {
+    trace.qpos = qpos_, trace.qvel = qvel_, trace.v_free = v_free_, trace.v = v_;
+    trace.contacts = contacts_, trace.h = h, trace.k = k;
+  }
+  qpos_ = q_end_;
+  qvel_ = v_;
+  for (int b : objects_)
+    for (int i = 3; i < 6; i++) qvel_[model.dof_first[b] + i] += spin_[model.dof_first[b] + i];
+  for (Drive& d : drives_) d.end_substep(qvel_.data());
+}
+
+double Stepper::clearance() {
+  start_.kin.update(model, qpos_.data());
+  world.start_poses(start_);
+  return world.clearance(model, start_, clearance_range);
+}
+
+std::vector<double> Stepper::save() const {
+  std::vector<double> out(qpos_);
+  out.insert(out.end(), qvel_.begin(), qvel_.end());
+  for (const Drive& d : drives_) d.save(out);
+  world.save(out);
+  out.push_back((double)warm_.size());
+  for (const Warm& w : warm_) {
+    out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature});
+    for (Vec3 v : {w.local, w.normal, w.impulse}) out.insert(out.end(), {v.x, v.y, v.z});
+  }
+  return out;
+}
+
+void Stepper::load(const std::vector<double>& state) {
+  const double* in = state.data();
+  std::copy(in, in + model.nq, qpos_.begin());
+  in += model.nq;
+  std::copy(in, in + model.nv, qvel_.begin());
+  in += model.nv;
+  for (Drive& d : drives_) in = d.load(in);
+  in = world.load(in);
+  warm_.clear();
+  for (int n = (int)*in++; n > 0; n--, in += 12)
+    warm_.push_back({((int64_t)in[0] << 32) | (int64_t)in[1], (int)in[2], load3(in + 3),
+                     load3(in + 6), load3(in + 9)});
+  touches_.clear();
+}
+
+}  // namespace hp

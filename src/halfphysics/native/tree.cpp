@@ -1,1 +1,249 @@
-// placeholder
+#include "tree.h"
+
+#include <stdexcept>
+
+namespace hp {
+
+void Model::finish() {
+  auto need = [](bool ok, const char* what) {
+    if (!ok) throw std::invalid_argument(what);
+  };
+  need(nbody >= 1 && (int)parent.size() == nbody, "model: bad number of bodies");
+  root.assign(nbody, 0);
+  last_dof.assign(nbody, -1);
+  dof_body.assign(nv, 0);
+  for (int b = 1; b < nbody; b++) {
+    need(parent[b] >= 0 && parent[b] < b, "model: parents must precede their children");
+    root[b] = parent[b] == 0 ? b : root[parent[b]];
+    last_dof[b] = dof_count[b] > 0 ? dof_first[b] + dof_count[b] - 1 : last_dof[parent[b]];
+    for (int i = 0; i < dof_count[b]; i++) dof_body[dof_first[b] + i] = b;
+  }
+  row_start.assign(nv, 0);
+  row_size.assign(nv, 0);
+  chain.clear();
+  for (int i = 0; i < nv; i++) {
+    int b = dof_body[i], up = i > dof_first[b] ? i - 1 : last_dof[parent[b]];
+    row_start[i] = (int)chain.size();
+    if (up >= 0) {
+      for (int k = 0; k < row_size[up]; k++) {
+        int ancestor = chain[row_start[up] + k];
+        chain.push_back(ancestor);
+      }
+    }
+    chain.push_back(i);
+    row_size[i] = (int)chain.size() - row_start[i];
+  }
+}
+
+void Kinematics::resize(const Model& m) {
+  xpos.resize(m.nbody);
+  xcom.resize(m.nbody);
+  xquat.resize(m.nbody);
+  xmat.resize(m.nbody);
+  cdof.resize(m.nv);
+}
+
+void Kinematics::update(const Model& m, const double* qpos) {
+  for (int b = 1; b < m.nbody; b++) {
+    int p = m.parent[b], j0 = m.jnt_first[b], nj = m.jnt_count[b];
+    Vec3 pos;
+    Quat quat;
+    if (nj == 1 && m.jnt_type[j0] == Joint::Free) {
+      const double* q = qpos + m.jnt_qpos[j0];
+      pos = load3(q);
+      quat = normalized(load4(q + 3));
+    } else {
+      pos = xpos[p] + xmat[p] * m.pos[b];
+      quat = xquat[p] * m.quat[b];
+      for (int j = j0; j < j0 + nj; j++) {
+        const double* q = qpos + m.jnt_qpos[j];
+        double q0 = m.qpos0[m.jnt_qpos[j]];
+        Mat3 R = to_matrix(quat);
+        Vec3 anchor = pos + R * m.jnt_pos[j];
+        if (m.jnt_type[j] == Joint::Slide) {
+          pos += (q[0] - q0) * (R * m.jnt_axis[j]);
+          continue;
+        }
+        quat = quat * (m.jnt_type[j] == Joint::Ball ? normalized(load4(q))
+                                                    : exp_quat((q[0] - q0) * m.jnt_axis[j]));
+        pos = anchor - to_matrix(quat) * m.jnt_pos[j];
+      }
+      quat = normalized(quat);
+    }
+    xpos[b] = pos;
+    xquat[b] = quat;
+    xmat[b] = to_matrix(quat);
+    xcom[b] = pos + xmat[b] * m.ipos[b];
+  }
+}
+
+void Kinematics::update_dofs(const Model& m, const double* qpos) {
+  for (int b = 1; b < m.nbody; b++) {
+    if (m.dof_count[b] == 0) continue;
+    Vec3 ref = reference(m, b);
+    int nj = m.jnt_count[b], j0 = m.jnt_first[b];
+    // One rotating joint per body, or several (hinges and slides) applied in turn: for those the
+    // frames between are rebuilt.
+    Vec3 pos = xpos[m.parent[b]] + xmat[m.parent[b]] * m.pos[b];
+    Quat quat = xquat[m.parent[b]] * m.quat[b];
+    for (int j = j0; j < j0 + nj; j++) {
+      Twist* d = &cdof[m.jnt_dof[j]];
+      if (m.jnt_type[j] == Joint::Free) {
+        for (int k = 0; k < 3; k++) {
+          Vec3 e;
+          e[k] = 1;
+          d[k] = {{0, 0, 0}, e};
+          Vec3 axis = xmat[b].col(k);
+          d[3 + k] = {axis, cross(axis, ref - xpos[b])};
+        }
+        continue;
+      }
+      const double* q = qpos + m.jnt_qpos[j];
+      double q0 = m.qpos0[m.jnt_qpos[j]];
+      Mat3 R = to_matrix(quat);
+      Vec3 anchor = pos + R * m.jnt_pos[j];
+      if (m.jnt_type[j] == Joint::Ball) {
+        for (int k = 0; k < 3; k++) {
+          Vec3 axis = xmat[b].col(k);
+          d[k] = {axis, cross(axis, ref - anchor)};
+        }
+        continue;
+      }
+      Vec3 axis = R * m.jnt_axis[j];
+      if (m.jnt_type[j] == Joint::Slide) {
+        d[0] = {{0, 0, 0}, axis};
+        pos += (q[0] - q0) * axis;
+      } else {
+        d[0] = {axis, cross(axis, ref - anchor)};
+        quat = quat * exp_quat((q[0] - q0) * m.jnt_axis[j]);
+        pos = anchor - to_matrix(quat) * m.jnt_pos[j];
+      }
+    }
+  }
+}
+
+void body_twists(const Model& m, const Kinematics& k, const double* qvel,
+                 std::vector<Twist>& out) {
+  out.resize(m.nbody);
+  out[0] = {};
+  for (int b = 1; b < m.nbody; b++) {
+    Twist t = m.parent[b] == 0 ? Twist{} : out[m.parent[b]];
+    for (int i = m.dof_first[b]; i < m.dof_first[b] + m.dof_count[b]; i++) {
+      t.w += qvel[i] * k.cdof[i].w;
+      t.v += qvel[i] * k.cdof[i].v;
+    }
+    out[b] = t;
+  }
+}
+
+void integrate(const Model& m, double* qpos, const double* qvel, double t) {
+  for (int j = 0; j < m.njnt; j++) {
+    double* q = qpos + m.jnt_qpos[j];
+    const double* v = qvel + m.jnt_dof[j];
+    switch (m.jnt_type[j]) {
+      case Joint::Free:
+        for (int k = 0; k < 3; k++) q[k] += t * v[k];
+        store4(q + 3, normalized(load4(q + 3) * exp_quat(t * load3(v + 3))));
+        break;
+      case Joint::Ball:
+        store4(q, normalized(load4(q) * exp_quat(t * load3(v))));
+        break;
+      default:
+        q[0] += t * v[0];
+    }
+  }
+}
+
+void Inertia::compose(const Model& m, const Kinematics& k) {
+  composite_.assign(m.nbody, {});
+  for (int b = 1; b < m.nbody; b++) {
+    Composite& c = composite_[b];
+    Vec3 r = k.xcom[b] - k.reference(m, b);
+    double mass = m.mass[b];
+    Mat3 R = k.xmat[b] * to_matrix(m.iquat[b]);
+    c.mass = mass;
+    c.moment = mass * r;
+    double rr = norm2(r);
+    static const int row[6] = {0, 1, 2, 0, 0, 1}, col[6] = {0, 1, 2, 1, 2, 2};
+    for (int e = 0; e < 6; e++) {
+      int i = row[e], j = col[e];
+      double s = 0;
+      for (int a = 0; a < 3; a++) s += R.m[3 * i + a] * m.inertia[b][a] * R.m[3 * j + a];
+      c.I[e] = s + mass * ((i == j ? rr : 0) - r[i] * r[j]);
+    }
+  }
+  for (int b = m.nbody - 1; b > 0; b--) {
+    int p = m.parent[b];
+    if (p == 0) continue;
+    composite_[p].mass += composite_[b].mass;
+    composite_[p].moment += composite_[b].moment;
+    for (int e = 0; e < 6; e++) composite_[p].I[e] += composite_[b].I[e];
+  }
+  M.resize(m.chain.size());
+  for (int i = 0; i < m.nv; i++) {
+    const Composite& c = composite_[m.dof_body[i]];
+    const Twist& s = k.cdof[i];
+    const double* I = c.I;
+    // Momentum of the subtree under unit velocity of this dof, about the reference point.
+    Vec3 angular = Vec3{I[0] * s.w.x + I[3] * s.w.y + I[4] * s.w.z,
+                        I[3] * s.w.x + I[1] * s.w.y + I[5] * s.w.z,
+                        I[4] * s.w.x + I[5] * s.w.y + I[2] * s.w.z} +
+                   cross(c.moment, s.v);
+    Vec3 linear = c.mass * s.v + cross(s.w, c.moment);
+    double* row = &M[m.row_start[i]];
+    const int* dof = &m.chain[m.row_start[i]];
+    for (int a = 0; a < m.row_size[i]; a++)
+      row[a] = dot(k.cdof[dof[a]].w, angular) + dot(k.cdof[dof[a]].v, linear);
+    row[m.row_size[i] - 1] += m.armature[i];
+  }
+}
+
+void Inertia::factor(const Model& m, const std::vector<double>& scale,
+                     const std::vector<double>& extra) {
+  L.resize(M.size());
+  inv_D.resize(m.nv);
+  root_D.resize(m.nv);
+  for (int i = 0; i < m.nv; i++) {
+    int start = m.row_start[i], n = m.row_size[i];
+    for (int a = 0; a < n; a++) L[start + a] = scale[i] * M[start + a];
+    L[start + n - 1] += scale[i] * extra[i];
+  }
+  for (int i = m.nv - 1; i >= 0; i--) {
+    double* row = &L[m.row_start[i]];
+    const int* dof = &m.chain[m.row_start[i]];
+    int n = m.row_size[i] - 1;
+    double inv = 1 / row[n];
+    inv_D[i] = inv;
+    root_D[i] = std::sqrt(inv);
+    for (int a = n - 1; a >= 0; a--) {
+      double t = row[a] * inv;
+      double* up = &L[m.row_start[dof[a]]];
+      for (int c = 0; c <= a; c++) up[c] -= t * row[c];
+    }
+    for (int a = 0; a < n; a++) row[a] *= inv;
+  }
+}
+
+void Inertia::solve(const Model& m, double* x) const {
+  for (int i = m.nv - 1; i >= 0; i--) {
+    const double* row = &L[m.row_start[i]];
+    const int* dof = &m.chain[m.row_start[i]];
+    double t = x[i];
+    if (t == 0) continue;
+    for (int a = 0; a < m.row_size[i] - 1; a++) x[dof[a]] -= row[a] * t;
+  }
+  for (int i = 0; i < m.nv; i++) x[i] *= inv_D[i];
+  half_solve_back(m, x);
+}
+
+void Inertia::half_solve_back(const Model& m, double* x) const {
+  for (int i = 0; i < m.nv; i++) {
+    const double* row = &L[m.row_start[i]];
+    const int* dof = &m.chain[m.row_start[i]];
+    double t = x[i];
+    for (int a = 0; a < m.row_size[i] - 1; a++) t -= row[a] * x[dof[a]];
+    x[i] = t;
+  }
+}
+
+}  // namespace hp

@@ -1,0 +1,112 @@
+// Who could touch whom in the next substep, and what it takes to keep them apart.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "bvh.h"
+#include "convex.h"
+#include "solver.h"
+#include "tree.h"
+
+namespace hp {
+
+// A convex shape carried by a body: a part of a person, or an object.
+struct Mover {
+  Convex shape;
+  int body = 0;
+  int name = 0;    // index into the names
+  int person = -1;  // -1: an object
+  int part = -1;    // joint index, -1: an object
+};
+
+struct Static {
+  enum class Kind { HalfSpace, Hull, Mesh } kind = Kind::HalfSpace;
+  int name = 0;
+  Vec3 n;             // half-space n.x <= offset
+  double offset = 0;
+  Convex shape;       // hull, in the world frame
+  Placed placed;
+  std::unique_ptr<TriangleTree> tree;
+};
+
+struct Pairing {  // of two names
+  double friction = 0, restitution = 0;
+  bool ignore = false;
+};
+
+// A pair of shapes that may meet in this substep.
+struct Candidate {
+  int mover = 0;
+  int other_static = -1, other_mover = -1;  // one of them
+  Vec3 n;             // from the other to the mover
+  double offset = 0;  // static: the other lies in n.x <= offset
+  double dist = 0;    // at the start of the substep
+  double target = 0;  // distance demanded at its end
+  double hard = 0;    // distance under which the step is shortened
+  int triangle = -1;
+  bool forgiven = false;  // the plane may be crossed: the thing behind it is not there
+};
+
+struct ContactSettings {
+  double clearance = 1e-3, depenetration_speed = 0.5, tolerance = 1e-6;
+};
+
+// Poses of all movers.
+struct Poses {
+  Kinematics kin;
+  std::vector<Placed> placed;
+  std::vector<char> fresh;
+};
+
+class World {
+ public:
+  std::vector<Mover> movers;
+  std::vector<Static> statics;
+  std::vector<Pairing> pairings;  // names x names
+  int n_names = 0;
+  ContactSettings settings;
+
+  const Pairing& pairing(int a, int b) const { return pairings[a * n_names + b]; }
+  void start_poses(Poses& p) const;
+  const Placed& place(Poses& p, int mover) const;
+
+  // Remembers the pairs that start nearer than the clearance, or inside each other.
+  void reset(const Model& m, Poses& start);
+  // All pairs within `reach[mover]` of each other.
+  void gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
+              std::vector<Candidate>& out);
+  // Smallest gap of a candidate at the end pose minus what it demands; forgives planes that are
+  // crossed where nothing is behind them.
+  double excess(Poses& start, Poses& end, Candidate& c) const;
+  // Adds contact points of a violated candidate.
+  void add_contacts(const Model& m, Poses& start, Poses& end, const Candidate& c, int index,
+                    bool first, std::vector<Contact>& contacts) const;
+  // The gap that a contact's own points have at the end pose.
+  double gap_at(const Poses& start, const Poses& end, const Contact& c) const;
+  // Smallest distance of a person's parts from the statics, up to `range`, inf beyond.
+  double clearance(const Model& m, Poses& p, double range) const;
+
+  void save(std::vector<double>& out) const;
+  const double* load(const double* in);
+
+ private:
+  struct PairState {
+    double clearance = 0;  // its own: it started nearer
+    bool inside = false;
+    Vec3 exit;  // direction out, where inside
+  };
+  static int64_t key(const Candidate& c) {
+    return ((int64_t)c.mover << 32) | (int64_t)(c.other_static >= 0 ? 2 * c.other_static
+                                                                    : 2 * c.other_mover + 1);
+  }
+  bool may_touch(const Model& m, int a, int b) const;
+  void demand(Candidate& c, double h);
+  bool swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,
+                   Poses& end) const;
+
+  std::map<int64_t, PairState> pairs_;
+};
+
+}  // namespace hp

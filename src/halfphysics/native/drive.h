@@ -1,0 +1,62 @@
+// The drive: which velocity the motion asks of a person's joints (METHOD: "The drive").
+#pragma once
+#include <vector>
+
+#include "tree.h"
+
+namespace hp {
+
+struct DriveSettings {
+  double stiffness = 1;      // lambda
+  double time_constant = 0;  // tau [s]; 0: Algorithm 1 of the paper
+  double recovery_rate = 8;  // w_max [rad/s]
+  bool recover_root = false;
+  double root_speed = 1;     // v_max [m/s]
+};
+
+// One person: a free root and ball joints, contiguous in the model.
+class Drive {
+ public:
+  Drive(const Model& m, int root_body);
+
+  int first_qpos() const { return qpos0_; }
+  int first_dof() const { return dof0_; }
+  int qpos_count() const { return nq_; }
+  int dof_count() const { return nv_; }
+
+  // The body is put at `target` (qpos layout of the person) at rest.
+  void reset(const double* target, double* qvel);
+  // Start of a frame of length dt towards `target`; Algorithm 1 sets qvel here.
+  void begin_frame(const Model& m, const DriveSettings& s, const double* target, double dt,
+                   const double* qpos, double* qvel);
+  // Velocity v* that substep k (of length h, from pose qpos) would have without contact, and
+  // the deviation eps - h v that PJSC restores (Algorithm 1 with lambda > 0; zero at the root
+  // and wherever the motion is free). True if any is not zero: then the caller adds
+  // M^-1 (lambda I / h) deviation.
+  bool free_velocity(const DriveSettings& s, int k, double h, const double* qpos,
+                     const double* qvel, double* v_free, double* deviation) const;
+  // lambda * mean of each joint's diagonal entries of M, into extra[nv of the model].
+  void added_inertia(const Model& m, const Inertia& inertia, const DriveSettings& s,
+                     std::vector<double>& extra) const;
+  double scale(const DriveSettings& s, double h) const;
+  // After the solve: keeps the deviation of velocity.
+  void end_substep(const double* qvel);
+  // Root offset from the reference at the last target [m].
+  const std::vector<double>& target() const { return target_; }
+
+  // Everything that outlives a frame.
+  void save(std::vector<double>& out) const;
+  const double* load(const double* in);
+
+ private:
+  struct Ball {
+    int qpos, dof;  // relative to the person's first
+  };
+  int qpos0_, dof0_, nq_, nv_;
+  std::vector<Ball> balls_;  // the root's rotation first
+  std::vector<double> target_, previous_;   // qpos layout
+  std::vector<double> v_ref_, deviation_;   // dof layout
+  std::vector<double> q_start_, v_drive_;   // Algorithm 1: pose and velocity at the frame's start
+};
+
+}  // namespace hp

@@ -1,0 +1,103 @@
+// The substep: drive, contact, verification, integration; and the frame made of substeps.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "collide.h"
+#include "drive.h"
+#include "solver.h"
+
+namespace hp {
+
+// What touched in a frame, summed over its substeps.
+struct Touch {
+  int mover = 0, other_static = -1, other_mover = -1;
+  Vec3 position, normal, impulse;
+  double weight = 0;
+};
+
+struct Diagnostics {  // of one frame
+  int candidates = 0, contacts = 0, passes = 0, sweeps = 0, shortened = 0;
+  double residual = 0;   // largest gap missing at the end of a substep [m]
+  double lost_time = 0;  // [s]
+};
+
+class Stepper {
+ public:
+  Stepper() = default;
+  Stepper(const Stepper&) = delete;
+  Model model;
+  World world;
+  DriveSettings drive_settings;
+  Vec3 gravity{0, 0, -9.81};
+  double clearance_range = 0.05;
+
+  // After model and world are filled in.
+  void finish(const std::vector<int>& person_roots);
+  int person_count() const { return (int)drives_.size(); }
+  int person_qpos(int p) const { return drives_[p].first_qpos(); }
+  int person_qpos_count(int p) const { return drives_[p].qpos_count(); }
+
+  // The pose to start from; people must be at their targets. Objects keep qvel.
+  void reset(const double* qpos, const double* qvel);
+  // One frame of length dt in n substeps. `targets`: the people's qpos, one after the other.
+  // With `poses`, the committed pose of every substep is appended to it.
+  void frame(const double* targets, double dt, int n, std::vector<double>* poses = nullptr);
+
+  const std::vector<double>& qpos() const { return qpos_; }
+  const std::vector<double>& qvel() const { return qvel_; }
+  const std::vector<Touch>& touches() const { return touches_; }
+  const Diagnostics& diagnostics() const { return diagnostics_; }
+  double clearance();  // of the present pose
+
+  std::vector<double> save() const;
+  void load(const std::vector<double>& state);
+
+  // The last substep's problem and answer, for comparison with the reference.
+  struct Trace {
+    std::vector<double> qpos, qvel, v_free, v;
+    std::vector<Contact> contacts;
+    double h = 0;
+    int k = 0;
+  };
+  bool keep_trace = false;
+  Trace trace;
+
+ private:
+  void substep(int k, double h);
+  void free_velocity(int k, double h);
+  void object_velocity(double h);
+  void build_inertia(double h);
+  bool verify(std::vector<Contact>& contacts, double h, bool first, double& worst);
+  void give_way();
+  double shorten(double h);
+  void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
+  void warm_start(Contact& c);
+  void remember();
+  void bounce(std::vector<Contact>& contacts, double h);
+  double speed_bound(const Mover& m, const std::vector<Twist>& t) const;
+
+  struct Warm {
+    int64_t key;
+    int feature;
+    Vec3 local, normal, impulse;  // contact point in the mover's frame
+  };
+
+  std::vector<Drive> drives_;
+  std::vector<int> objects_;  // bodies with a free joint that are no person's root
+  std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
+      q_end_;
+  Poses start_, end_;
+  Inertia inertia_;
+  bool inertia_ready_ = false;
+  std::vector<Twist> twists_;
+  std::vector<double> reach_;
+  std::vector<Candidate> candidates_;
+  std::vector<Contact> contacts_;
+  std::vector<Warm> warm_;
+  ContactSolver solver_;
+  std::vector<Touch> touches_;
+  Diagnostics diagnostics_;
+};
+
+}  // namespace hp

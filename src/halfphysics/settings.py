@@ -1,0 +1,100 @@
+"""How to simulate: one frozen dataclass, read by the Python API and the command line alike."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Any, Literal
+
+from .errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """All choices of a simulation; every one has a default. Raises InputError if impossible."""
+
+    substeps: int | None = None
+    """Substeps N per frame; None: as many as keep h at or under 1/240 s (8 at 30 fps)."""
+    stiffness: float = 1.0
+    """Firmness of the joints, lambda: 0 limp (with drive_time=None), 1 firm, 10 nearly rigid."""
+    drive_time: float | None = 0.02
+    """Time constant of the drive [s]; None: Algorithm 1 of the paper to the letter."""
+    recovery_rate: float = 8.0
+    """Fastest speed at which a joint returns to its reference [rad/s] (with drive_time)."""
+    root: Literal["stay", "recover"] = "stay"
+    """After an obstacle the root keeps its offset ("stay") or walks back to the reference."""
+    root_speed: float = 1.0
+    """Fastest speed of that return [m/s]."""
+    clearance: float = 0.001
+    """Distance kept between the body and everything else [m]."""
+    clearance_range: float = 0.05
+    """Distances up to this are reported exactly in `Result.clearance` [m], inf beyond."""
+    contact: Literal["parts"] = "parts"
+    """What touches: the 55 rigid convex parts."""
+    depenetration_speed: float = 0.5
+    """Fastest speed at which a part that starts inside something leaves it [m/s]."""
+    tolerance: float = 1e-6
+    """Largest violation of a contact that the solver may leave in a substep [m]."""
+    threads: int = 1
+    """Threads for whatever runs in parallel; the numbers do not depend on it."""
+    record: Literal["frames", "substeps"] = "frames"
+    """Keep the pose at every frame, or at every committed substep too."""
+
+    def __post_init__(self) -> None:
+        def check(name: str, ok: bool, expected: str) -> None:
+            if not ok:
+                raise InputError(f"Settings.{name} is {getattr(self, name)!r}; expected {expected}")
+
+        def number(name: str, *, above: float | None = None, least: float | None = None) -> None:
+            value = getattr(self, name)
+            real = isinstance(value, int | float) and not isinstance(value, bool)
+            limit = f"> {above}" if above is not None else f">= {least}"
+            good = real and math.isfinite(value)
+            if good and above is not None:
+                good = value > above
+            if good and least is not None:
+                good = value >= least
+            check(name, good, f"a finite number {limit}")
+
+        def choice(name: str, *values: str) -> None:
+            check(name, getattr(self, name) in values, " or ".join(repr(v) for v in values))
+
+        def count(name: str) -> None:
+            value = getattr(self, name)
+            ok = isinstance(value, int) and not isinstance(value, bool) and value >= 1
+            check(name, ok, "a whole number >= 1")
+
+        if self.substeps is not None:
+            count("substeps")
+        number("stiffness", least=0.0)
+        if self.drive_time is not None:
+            number("drive_time", above=0.0)
+        number("recovery_rate", above=0.0)
+        choice("root", "stay", "recover")
+        number("root_speed", above=0.0)
+        number("clearance", least=0.0)
+        number("clearance_range", least=0.0)
+        choice("contact", "parts")
+        number("depenetration_speed", least=0.0)
+        number("tolerance", above=0.0)
+        count("threads")
+        choice("record", "frames", "substeps")
+
+    @classmethod
+    def paper(cls, stiffness: float = 0.0, **changes: Any) -> Settings:
+        """The paper's own setting: Algorithm 1, eight substeps a frame, lambda = `stiffness`.
+
+        `changes` overrides further fields.
+        """
+        values: dict[str, Any] = {"drive_time": None, "substeps": 8, "stiffness": stiffness}
+        known = {f.name for f in fields(cls)}
+        for name in changes:
+            if name not in known:
+                raise InputError(f"Settings has no field {name!r}; it has {sorted(known)}")
+        return cls(**{**values, **changes})
+
+    def substeps_for(self, dt: float) -> int:
+        """Number of substeps N of a frame of length `dt` [s] (METHOD: h = dt/N <= 1/240 s)."""
+        if self.substeps is not None:
+            return self.substeps
+        return max(1, math.ceil(240.0 * dt - 1e-9))

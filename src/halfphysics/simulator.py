@@ -1,0 +1,263 @@
+"""One frame at a time: the stateful simulator. `simulate` runs it over a whole motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError
+from halfphysics.pose import Pose
+from halfphysics.settings import Settings
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.scene import Scene
+    from halfphysics.world import World
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Touches:
+    """What touched what in one frame; arrays of one length n, one row per pair and side.
+
+    Attributes:
+        person: Index of the person (n,), -1 where an object touches something that is no person.
+        part: Joint index of the part (n,), -1 for objects.
+        subject: Index into the names of the object that plays the part's role (n,), else -1.
+        other: Index into the names of what was touched (n,).
+        other_part: Joint index on the other, where that is a person (n,), else -1.
+        position: In the world (n, 3) [m].
+        normal: Unit vector from the other into the part (n, 3).
+        impulse: On the part, summed over the frame (n, 3) [N s].
+    """
+
+    person: NDArray[np.int64]
+    part: NDArray[np.int64]
+    subject: NDArray[np.int64]
+    other: NDArray[np.int64]
+    other_part: NDArray[np.int64]
+    position: Array
+    normal: Array
+    impulse: Array
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The state after one `Simulator.step`.
+
+    Attributes:
+        poses: The people's corrected poses.
+        objects: Name -> (position (3,) [m], quaternion (4,)).
+        contacts: What touched during the frame.
+        clearance: Smallest distance of the people from the statics [m]; inf beyond
+            `Settings.clearance_range`, negative where they penetrate.
+        lost_time: Time by which blocked steps were shortened [s].
+        diagnostics: Numbers of the solver in this frame: candidates, contacts, passes, sweeps,
+            shortened, residual [m].
+        substeps: With `Settings.record="substeps"`: model coordinates (N, nq) after every
+            substep, else (0, nq).
+    """
+
+    poses: tuple[Pose, ...]
+    objects: Mapping[str, tuple[Array, Array]]
+    contacts: Touches
+    clearance: float
+    lost_time: float
+    diagnostics: Mapping[str, float]
+    substeps: Array
+
+    @property
+    def pose(self) -> Pose:
+        """The first person's pose."""
+        return self.poses[0]
+
+
+@dataclass(frozen=True)
+class State:
+    """All that a simulation remembers between frames; `Simulator.set_state` resumes bit-exactly."""
+
+    numbers: bytes
+    axes: tuple[Array, ...]
+    signature: str
+
+
+class Simulator:
+    """Half-physics, one frame at a time; the numbers are those of `simulate`.
+
+    Args:
+        scene: Statics and objects; None: an empty one.
+        body: The person's body, or a sequence for several people; None: `Body.default()`.
+        settings: See `Settings`.
+        fps: Frame rate that `step` assumes where it is given no `dt`.
+
+    Raises:
+        InputError: An impossible value.
+    """
+
+    def __init__(
+        self,
+        scene: Scene | None = None,
+        *,
+        body: Body | Sequence[Body] | None = None,
+        settings: Settings | None = None,
+        fps: float = 30.0,
+    ) -> None:
+        from halfphysics.body import Body
+        from halfphysics.scene import Scene
+        from halfphysics.world import World
+
+        if body is None:
+            body = Body.default()
+        bodies = list(body) if isinstance(body, list | tuple) else [body]
+        for one in bodies:
+            if not isinstance(one, Body):
+                raise InputError(f"body: found {one!r}, expected a halfphysics.Body")
+        if scene is not None and not isinstance(scene, Scene):
+            raise InputError(f"scene: found {scene!r}, expected a halfphysics.Scene")
+        if settings is not None and not isinstance(settings, Settings):
+            raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
+        self.settings = settings or Settings()
+        self.dt = 1.0 / _positive("fps", fps)
+        self.world = World(bodies, scene or Scene(), self.settings)
+        self._axes: tuple[Array, ...] = tuple(np.eye(3) for _ in bodies)
+        self._started = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What contacts refer to: statics, objects, people."""
+        return self.world.names
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The people's bodies."""
+        return self.world.bodies
+
+    def reset(self, pose: Pose | Sequence[Pose]) -> Frame:
+        """Put the people at a pose (one each), objects at their start; everything forgets."""
+        poses = self._checked(pose)
+        self._axes = tuple(np.array(p.axes, dtype=np.float64) for p in poses)
+        self.world.stepper.reset(*self.world.start(poses))
+        self._started = True
+        return self._frame(np.zeros((0, self.world.nq)), moved=False)
+
+    def step(self, pose: Pose | Sequence[Pose], dt: float | None = None) -> Frame:
+        """Drive the people towards a pose (one each) for one frame of `dt` [s] (None: 1/fps).
+
+        Raises:
+            InputError: Before `reset`, for another number of poses, or an impossible `dt`.
+        """
+        poses = self._checked(pose)
+        if not self._started:
+            raise InputError("step: the simulator has no pose yet; call reset(pose) first")
+        dt = self.dt if dt is None else _positive("dt", dt)
+        return self._advance(self.world.targets(poses), dt)
+
+    def _advance(self, targets: Array, dt: float) -> Frame:
+        count = self.settings.substeps_for(dt)
+        record = self.settings.record == "substeps"
+        return self._frame(self.world.stepper.frame(targets, dt, count, record))
+
+    def get_state(self) -> State:
+        """Everything the simulation remembers: continue from it with `set_state`, bit for bit."""
+        if not self._started:
+            raise InputError("get_state: the simulator has no pose yet; call reset(pose) first")
+        return State(self.world.stepper.save().tobytes(), self._axes, self._signature())
+
+    def set_state(self, state: State) -> None:
+        """Return to a state of this simulator or of one with the same people, scene and settings.
+
+        Raises:
+            InputError: The state belongs to another model.
+        """
+        if not isinstance(state, State) or state.signature != self._signature():
+            raise InputError(
+                "set_state: the state is of another simulator; expected one with the same people "
+                f"and things: {', '.join(self.names)}"
+            )
+        self._axes = state.axes
+        self.world.stepper.load(np.frombuffer(state.numbers))
+        self._started = True
+
+    # -- inside ----------------------------------------------------------------------------
+
+    def _signature(self) -> str:
+        return f"{self.names} {self.world.nq} {self.world.nv}"
+
+    def _checked(self, pose: Pose | Sequence[Pose]) -> list[Pose]:
+        poses = list(pose) if isinstance(pose, list | tuple) else [pose]
+        if len(poses) != len(self.world.people) or not all(isinstance(p, Pose) for p in poses):
+            raise InputError(
+                f"pose: found {len(poses)} value(s) of {sorted({type(p).__name__ for p in poses})}, "
+                f"expected {len(self.world.people)} halfphysics.Pose (motion[i] gives one)"
+            )
+        return poses
+
+    def _frame(self, substeps: Array, moved: bool = True) -> Frame:
+        world, stepper = self.world, self.world.stepper
+        qpos = stepper.qpos()
+        poses = tuple(
+            Pose(*person.pose(qpos, axes), axes)
+            for person, axes in zip(world.people, self._axes, strict=True)
+        )
+        numbers = stepper.diagnostics() if moved else {"lost_time": 0.0}
+        return Frame(
+            poses=poses,
+            objects={thing.name: thing.pose(qpos) for thing in world.things},
+            contacts=touches(world, stepper.touches()),
+            clearance=stepper.clearance(),
+            lost_time=numbers.pop("lost_time"),
+            diagnostics=numbers,
+            substeps=substeps,
+        )
+
+
+def touches(world: World, rows: Array) -> Touches:
+    """Contacts in terms of people and names, from the core's rows (n, 12).
+
+    Where two people touch, each has a row of its own, with opposite normal and impulse.
+    """
+    w = world
+    person_of = {len(w.names) - len(w.people) + i: i for i in range(len(w.people))}
+    columns: list[tuple[int, int, int, int, int]] = []
+    vectors: list[Array] = []
+    for row in rows:
+        mover, static, mover2 = (int(x) for x in row[:3])
+        name, part = int(w.mover_name[mover]), int(w.mover_part[mover])
+        if static >= 0:
+            other, other_part = int(w.static_name[static]), -1
+        else:
+            other, other_part = int(w.mover_name[mover2]), int(w.mover_part[mover2])
+        person = person_of.get(name, -1)
+        columns.append((person, part, -1 if person >= 0 else name, other, other_part))
+        vectors.append(row[3:])
+        if person >= 0 and other in person_of:
+            columns.append((person_of[other], other_part, -1, name, part))
+            vectors.append(np.concatenate([row[3:6], -row[6:]]))
+    c = np.array(columns, dtype=np.int64).reshape(-1, 5)
+    v = np.array(vectors, dtype=np.float64).reshape(-1, 9)
+    return Touches(
+        person=c[:, 0],
+        part=c[:, 1],
+        subject=c[:, 2],
+        other=c[:, 3],
+        other_part=c[:, 4],
+        position=v[:, 0:3],
+        normal=v[:, 3:6],
+        impulse=v[:, 6:9],
+    )
+
+
+def _positive(name: str, value: float) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not (math.isfinite(number) and number > 0.0):
+        raise InputError(f"{name}: found {value!r}, expected a positive number")
+    return number

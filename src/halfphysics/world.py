@@ -1,0 +1,300 @@
+"""From people and a scene to the native stepper: what MuJoCo compiles, the core reads once.
+
+MuJoCo turns the trees of bodies into arrays of masses, inertias and joints; the geometry goes to
+the core directly, in float64.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+from halfphysics.colliders import convex_collider, hull_collider
+from halfphysics.errors import InputError
+from halfphysics.skeleton import JOINT_NAMES, N_JOINTS
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.motion import Motion
+    from halfphysics.pose import Pose
+    from halfphysics.scene import Scene
+    from halfphysics.settings import Settings
+
+Array = NDArray[np.float64]
+
+#: (1 + lambda) times the armature of a finger joint [kg m^2]: fingertips weigh a few grams and
+#: would crumple without, and squeeze too hard with more.
+FINGER_INERTIA = 1e-3
+
+
+@dataclass(frozen=True)
+class Person:
+    """Where one person's numbers stand in the model's coordinates."""
+
+    name: str
+    body: Body
+    root: int  # body id
+    qpos: int  # first coordinate
+    count: int  # number of coordinates
+    joint_qpos: NDArray[np.int64]  # first coordinate of every joint's quaternion (55,)
+
+    def coordinates(self, translation: Array, rotations: Array, axes: Array) -> Array:
+        """Coordinates (T, count) of SMPL-X poses: (T, 3) and (T, 55, 3)."""
+        q = np.zeros((len(translation), self.count))
+        q[:, :3] = translation + axes @ self.body.rest_joints[0]
+        quats = rot.exp(rotations)
+        for joint in range(N_JOINTS):
+            at = self.joint_qpos[joint] - self.qpos
+            q[:, at : at + 4] = quats[:, joint]
+        return q
+
+    def pose(self, qpos: Array, axes: Array) -> tuple[Array, Array]:
+        """SMPL-X translation (..., 3) and rotations (..., 55, 3) of model coordinates (..., nq)."""
+        translation = qpos[..., self.qpos : self.qpos + 3] - axes @ self.body.rest_joints[0]
+        at = self.joint_qpos[:, None] + np.arange(4)
+        return translation, rot.log(qpos[..., at])
+
+
+@dataclass(frozen=True)
+class Thing:
+    """Where one object's numbers stand. Its model frame is at the centre of mass."""
+
+    name: str
+    com: Array
+    qpos: int
+    dof: int
+
+    def pose(self, qpos: Array) -> tuple[Array, Array]:
+        """Position (..., 3) and quaternion (..., 4) of the object's own frame."""
+        quat = qpos[..., self.qpos + 3 : self.qpos + 7]
+        position = qpos[..., self.qpos : self.qpos + 3] - rot.rotate(quat, self.com)
+        return position, quat
+
+
+class World:
+    """People and a scene, compiled for the core.
+
+    Attributes:
+        names: What contacts refer to: statics, objects, people, in this order.
+        people, things: Their places in the coordinates.
+        stepper: The native stepper.
+        mover_name, mover_part: Per native shape: index into `names`, joint index or -1.
+        nq, nv: Numbers of coordinates and velocities.
+    """
+
+    def __init__(self, bodies: Sequence[Body], scene: Scene, settings: Settings) -> None:
+        from halfphysics import _native
+
+        self.bodies = tuple(bodies)
+        self.scene = scene
+        self.settings = settings
+        people = ["person"] if len(bodies) == 1 else [f"person{i}" for i in range(len(bodies))]
+        self.names: tuple[str, ...] = (*scene.statics, *scene.objects, *people)
+        if len(set(self.names)) < len(self.names):
+            raise InputError(
+                f"scene: a static or object is named like a person ({', '.join(people)}); rename it"
+            )
+        model = self._compile(people)
+        self.nq, self.nv = int(model.nq), int(model.nv)
+        self.stepper = _native.Stepper()
+        self.stepper.set_model(*model_arrays(model))
+        self._name_people(model, people)
+        self._add_movers(model)
+        self._add_statics()
+        self._set_pairings()
+        s = settings
+        self.stepper.set_settings(
+            s.stiffness,
+            s.drive_time or 0.0,
+            s.recovery_rate,
+            s.root == "recover",
+            s.root_speed,
+            s.clearance,
+            s.clearance_range,
+            s.depenetration_speed,
+            s.tolerance,
+            np.array(scene.gravity),
+        )
+        self.stepper.finish([p.root for p in self.people])
+
+    def _compile(self, people: list[str]) -> Any:
+        import mujoco
+
+        from halfphysics.variant import add_person
+
+        spec = mujoco.MjSpec()
+        finger = FINGER_INERTIA / (1.0 + self.settings.stiffness)
+        for name, body in zip(people, self.bodies, strict=True):
+            add_person(
+                spec, body.variant, prefix=f"{name}/", finger_armature=finger, geoms=False
+            )
+        for thing in self.scene.objects.values():
+            b = spec.worldbody.add_body(name=thing.name, pos=thing.position)
+            b.add_freejoint()
+            b.mass = thing.mass
+            b.explicitinertial = True
+            b.fullinertia = _full(thing.inertia)
+        return spec.compile()
+
+    def _name_people(self, model: Any, people: list[str]) -> None:
+        found = []
+        for name, body in zip(people, self.bodies, strict=True):
+            ids = [model.body(f"{name}/{joint}").id for joint in JOINT_NAMES]
+            adr = model.jnt_qposadr[model.body_jntadr[ids]].astype(np.int64)
+            adr[0] += 3  # the root's quaternion stands behind its position
+            count = 7 + 4 * (N_JOINTS - 1)
+            found.append(Person(name, body, ids[0], int(adr[0]) - 3, count, adr))
+        self.people = tuple(found)
+        things = []
+        for thing in self.scene.objects.values():
+            joint = model.body_jntadr[model.body(thing.name).id]
+            things.append(
+                Thing(
+                    thing.name,
+                    np.array(thing.com),
+                    int(model.jnt_qposadr[joint]),
+                    int(model.jnt_dofadr[joint]),
+                )
+            )
+        self.things = tuple(things)
+        self._model = model
+
+    def _add_movers(self, model: Any) -> None:
+        name_of = {name: i for i, name in enumerate(self.names)}
+        names, parts = [], []
+        for index, person in enumerate(self.people):
+            for part in person.body.variant.parts:
+                if len(part.vertices) == 0:
+                    continue
+                collider = hull_collider(part.vertices)
+                body = model.body(f"{person.name}/{part.name}").id
+                self.stepper.add_mover(
+                    body,
+                    name_of[person.name],
+                    index,
+                    part.index,
+                    collider.vertices,
+                    collider.normals,
+                    collider.radius,
+                )
+                names.append(name_of[person.name])
+                parts.append(part.index)
+        for thing in self.scene.objects.values():
+            collider = convex_collider(thing.shape).moved(np.eye(3), -np.array(thing.com))
+            self.stepper.add_mover(
+                model.body(thing.name).id,
+                name_of[thing.name],
+                -1,
+                -1,
+                collider.vertices,
+                collider.normals,
+                collider.radius,
+            )
+            names.append(name_of[thing.name])
+            parts.append(-1)
+        self.mover_name = np.array(names, dtype=np.int64)
+        self.mover_part = np.array(parts, dtype=np.int64)
+
+    def _add_statics(self) -> None:
+        from halfphysics.shapes import Mesh, Plane
+
+        static_name = []
+        for index, static in enumerate(self.scene.statics.values()):
+            rotation = rot.to_matrix(static.quaternion)
+            position = np.asarray(static.position, dtype=np.float64)
+            shape = static.shape
+            static_name.append(index)
+            if isinstance(shape, Plane):
+                normal = rotation @ np.asarray(shape.normal, dtype=np.float64)
+                self.stepper.add_half_space(index, normal, shape.offset + float(normal @ position))
+            elif isinstance(shape, Mesh):
+                vertices = np.ascontiguousarray(shape.vertices @ rotation.T + position)
+                faces = np.ascontiguousarray(shape.faces, dtype=np.int32)
+                self.stepper.add_mesh(index, vertices, faces)
+            else:
+                collider = convex_collider(shape).moved(rotation, position)
+                self.stepper.add_hull(index, collider.vertices, collider.normals, collider.radius)
+        self.static_name = np.array(static_name, dtype=np.int64)
+
+    def _set_pairings(self) -> None:
+        n = len(self.names)
+        people = {p.name for p in self.people}
+        friction, restitution, ignore = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
+        known = ["person" if name in people else name for name in self.names]
+        for i, a in enumerate(known):
+            for j, b in enumerate(known):
+                if a == b and a != "person":
+                    continue  # a thing does not meet itself
+                friction[i, j] = self.scene.friction_of(a, b)
+                restitution[i, j] = self.scene.restitution_of(a, b)
+                ignore[i, j] = self.scene.ignores(a, b)
+        self.stepper.set_pairings(friction, restitution, ignore)
+
+    # -- state -----------------------------------------------------------------------------
+
+    def start(self, poses: Sequence[Pose]) -> tuple[Array, Array]:
+        """Coordinates (nq,) and velocities (nv,) with people at `poses`, objects at their start."""
+        qpos, qvel = np.zeros(self.nq), np.zeros(self.nv)
+        for person, pose in zip(self.people, poses, strict=True):
+            q = person.coordinates(pose.translation[None], pose.rotations[None], pose.axes)
+            qpos[person.qpos : person.qpos + person.count] = q[0]
+        for place, thing in zip(self.things, self.scene.objects.values(), strict=True):
+            quat = rot.normalize(thing.quaternion)
+            arm = rot.rotate(quat, place.com)
+            qpos[place.qpos : place.qpos + 3] = thing.position + arm
+            qpos[place.qpos + 3 : place.qpos + 7] = quat
+            spin = np.asarray(thing.angular_velocity, dtype=np.float64)
+            qvel[place.dof : place.dof + 3] = thing.velocity + np.cross(spin, arm)
+            qvel[place.dof + 3 : place.dof + 6] = rot.rotate(rot.conjugate(quat), spin)
+        return qpos, qvel
+
+    def targets(self, poses: Sequence[Pose]) -> Array:
+        """What the stepper's frame() takes: all people's coordinates, one after the other."""
+        return np.concatenate(
+            [
+                person.coordinates(pose.translation[None], pose.rotations[None], pose.axes)[0]
+                for person, pose in zip(self.people, poses, strict=True)
+            ]
+            or [np.zeros(0)]
+        )
+
+    def motion_coordinates(self, motions: Sequence[Motion]) -> Array:
+        """Targets (T, .) of whole motions of one length."""
+        return np.concatenate(
+            [
+                person.coordinates(m.translation, m.rotations, m.axes)
+                for person, m in zip(self.people, motions, strict=True)
+            ],
+            axis=1,
+        )
+
+
+def _full(inertia: Array) -> list[float]:
+    i = np.asarray(inertia, dtype=np.float64)
+    return [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
+
+
+def model_arrays(model: Any) -> tuple[Any, ...]:
+    """The arrays of an MjModel that the core's set_model() takes, in its order."""
+
+    def ints(x: Any) -> NDArray[np.int32]:
+        return np.ascontiguousarray(x, dtype=np.int32)
+
+    def doubles(x: Any) -> Array:
+        return np.ascontiguousarray(x, dtype=np.float64)
+
+    return (
+        *map(ints, (model.body_parentid, model.body_jntadr, model.body_jntnum)),
+        *map(ints, (model.body_dofadr, model.body_dofnum)),
+        *map(doubles, (model.body_pos, model.body_quat, model.body_ipos, model.body_iquat)),
+        *map(doubles, (model.body_mass, model.body_inertia)),
+        *map(ints, (model.jnt_type, model.jnt_qposadr, model.jnt_dofadr, model.jnt_bodyid)),
+        *map(doubles, (model.jnt_pos, model.jnt_axis, model.qpos0, model.dof_armature)),
+    )
+
+

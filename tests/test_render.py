@@ -198,9 +198,7 @@ def test_checkerboard():
             even = (np.floor(x) + np.floor(y)) % 2 == 0
             np.testing.assert_array_equal(got, [255, 0, 0] if even else [0, 0, 255])
     # Far away it is grey, not a pattern of its own.
-    wide = Surface(
-        vertices=floor * 100, faces=TWO, color=(1, 0, 0), checker=(0, 0, 1), rim=0.0
-    )
+    wide = Surface(vertices=floor * 100, faces=TWO, color=(1, 0, 0), checker=(0, 0, 1), rim=0.0)
     far = render([wide], Camera(position=(0, -400, 40), fov=20.0), (40, 40), look=PLAIN)
     np.testing.assert_allclose(far[20, 20].astype(int), [188, 0, 188], atol=2)
 

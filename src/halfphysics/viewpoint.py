@@ -28,8 +28,8 @@ _PROBE_FRAMES = 5
 _NEAR = 1.6
 # A static thing that hides more than this share of the story is drawn as glass.
 _HIDES = 0.02
-# Weights of what makes a view good, beside what is visible (1).
-_FRONT, _ACROSS = 0.25, 0.3
+# Weights of what makes a view good: nothing hidden, seen from the front, across the correction.
+_OPEN, _FRONT, _ACROSS = 3.0, 0.25, 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,8 +113,10 @@ def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, i
             ]
             turned = np.arccos(np.clip(facing @ level, -1.0, 1.0))
             front = float(np.cos(turned - np.radians(_THREE_QUARTER)).mean())
-            across = float(np.mean(1.0 - np.abs(apart @ level))) if len(apart) else 0.0
-            score = float(np.mean(shares)) + _FRONT * front + _ACROSS * across
+            across = (
+                float(np.linalg.norm(np.cross(apart, level), axis=1).mean()) if len(apart) else 0.0
+            )
+            score = _OPEN * float(np.mean(shares)) + _FRONT * front + _ACROSS * across
             if score > best_score + 1e-9:
                 best, best_score = towards, score
     return best / np.linalg.norm(best)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-GHOST: Color = (0.30, 0.56, 0.95)
+GHOST: Color = (0.25, 0.51, 0.94)
 PEOPLE: tuple[Color, ...] = (
     (0.84, 0.74, 0.66),
     (0.66, 0.72, 0.64),
@@ -47,7 +47,7 @@ WALL: Color = (0.93, 0.93, 0.92)
 FLOOR: tuple[Color, Color] = ((0.92, 0.925, 0.93), (0.845, 0.855, 0.87))
 
 #: Opacity of the ghost, and of a wall that stands between the camera and the person.
-GHOST_ALPHA = 0.34
+GHOST_ALPHA = 0.40
 FAINT_ALPHA = 0.22
 
 # A static thing this tall or wide [m] is part of the building, anything smaller is furniture.

@@ -301,7 +301,5 @@ def contact_velocity(
     b[::3] -= np.maximum(demand, contacts["bounce"])
     frames = [contacts[name] for name in ("normal", "tangent", "binormal")]
     start = np.stack([np.einsum("ij,ij->i", contacts["impulse"], f) for f in frames], axis=1)
-    p = solve_contacts(
-        A, b, contacts["friction"], tolerance=tolerance, sweeps=sweeps, start=start
-    )
+    p = solve_contacts(A, b, contacts["friction"], tolerance=tolerance, sweeps=sweeps, start=start)
     return v_free + np.linalg.solve(M_hat, J.T @ p.ravel()), p

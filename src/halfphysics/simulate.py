@@ -109,9 +109,7 @@ def _result(simulator: Simulator, motions: list[Motion], frames: list[Frame]) ->
         for thing in world.things
     }
     names = ("person", "part", "subject", "other", "other_part", "position", "normal", "impulse")
-    columns = {
-        name: np.concatenate([getattr(f.contacts, name) for f in frames]) for name in names
-    }
+    columns = {name: np.concatenate([getattr(f.contacts, name) for f in frames]) for name in names}
     counts = [len(f.contacts.part) for f in frames]
     contacts = Contacts(frame=np.repeat(np.arange(len(frames)), counts), **columns)
     return Result(

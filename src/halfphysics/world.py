@@ -93,7 +93,8 @@ class World:
         self.bodies = tuple(bodies)
         self.scene = scene
         self.settings = settings
-        people = ["person"] if len(bodies) == 1 else [f"person{i}" for i in range(len(bodies))]
+        many = len(self.bodies) > 1
+        people = [f"person{i}" if many else "person" for i in range(len(self.bodies))]
         self.names: tuple[str, ...] = (*scene.statics, *scene.objects, *people)
         if len(set(self.names)) < len(self.names):
             raise InputError(
@@ -130,13 +131,11 @@ class World:
         spec = mujoco.MjSpec()
         finger = FINGER_INERTIA / (1.0 + self.settings.stiffness)
         for name, body in zip(people, self.bodies, strict=True):
-            add_person(
-                spec, body.variant, prefix=f"{name}/", finger_armature=finger, geoms=False
-            )
+            add_person(spec, body.variant, prefix=f"{name}/", finger_armature=finger, geoms=False)
         for thing in self.scene.objects.values():
             b = spec.worldbody.add_body(name=thing.name, pos=thing.position)
             b.add_freejoint()
-            b.mass = thing.mass
+            b.mass, b.ipos = thing.mass, [0.0, 0.0, 0.0]  # ipos left unset becomes pos
             b.explicitinertial = True
             b.fullinertia = _full(thing.inertia)
         return spec.compile()
@@ -296,5 +295,3 @@ def model_arrays(model: Any) -> tuple[Any, ...]:
         *map(ints, (model.jnt_type, model.jnt_qposadr, model.jnt_dofadr, model.jnt_bodyid)),
         *map(doubles, (model.jnt_pos, model.jnt_axis, model.qpos0, model.dof_armature)),
     )
-
-

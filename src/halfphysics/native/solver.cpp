@@ -6,6 +6,10 @@ namespace hp {
 
 namespace {
 
+// Friction is settled to this share of the tolerance where few points allow it: what is held
+// must not creep.
+constexpr double kFriction = 0.01;
+
 // Friction back onto its disc.
 void clamp(double* p, double mu) {
   double length = std::hypot(p[1], p[2]), limit = mu * p[0];
@@ -255,7 +259,7 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   // Where friction on many redundant points is slow to settle, it is held and the normal impulses
   // are finished alone, which converges: nothing penetrates, and the next substep starts warm.
   SolveReport report;
-  sweeps(n, false, tolerance, max_sweeps, report);
+  sweeps(n, false, kFriction * tolerance, max_sweeps, report);
   if (report.residual >= tolerance) sweeps(n, true, tolerance, 4 * max_sweeps, report);
 
   // v = v_free + M^-1 J^T p = v_free + L^-1 D^-1/2 Y p.

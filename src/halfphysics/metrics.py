@@ -6,6 +6,7 @@ Motions are `halfphysics.motion.Motion`, bodies `halfphysics.body.Body`, scenes
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -179,7 +180,7 @@ def _tracks(
 def _batches(frames: int, progress: bool) -> Any:
     """Slices of nearly equal length that cover all frames, none of a single frame of several."""
     edges = np.linspace(0, frames, -(-frames // _BATCH) + 1).round().astype(int)
-    parts = [slice(int(i), int(j)) for i, j in zip(edges[:-1], edges[1:], strict=True)]
+    parts = [slice(int(i), int(j)) for i, j in itertools.pairwise(edges)]
     if not progress:
         return parts
     from tqdm import tqdm

@@ -55,10 +55,10 @@ class Object:
     """Something that moves by contact and gravity alone.
 
     `shape` is what touches: a primitive or a convex mesh, the hull of the mesh as given, which
-    is kept as `visual` (None for a primitive). `mass` [kg], `com` (3,) centre of mass and `inertia` (3, 3) about it in
-    the object's frame [m, kg m^2]; `position` (3,) and `quaternion` (4,) of that frame and
-    `velocity` (3,) of its origin [m/s] and `angular_velocity` (3,) [rad/s], in the world, at
-    the start.
+    is kept as `visual` (None for a primitive). `mass` [kg], `com` (3,) centre of mass [m] and
+    `inertia` (3, 3) about it [kg m^2] in the object's frame; at the start `position` (3,) and
+    `quaternion` (4,) of that frame, `velocity` (3,) of its origin [m/s] and `angular_velocity`
+    (3,) [rad/s], all in the world.
     """
 
     name: str
@@ -403,6 +403,6 @@ def _convex(what: str, given: Shape) -> Shape:
         f"{what}: the mesh is {kind}: it touches as its convex hull, {added}.{weight} "
         "Moving things are convex for now; give a primitive or a convex mesh to choose the shape.",
         HalfPhysicsWarning,
-        stacklevel=4,
+        stacklevel=3,
     )
     return hull

@@ -92,7 +92,8 @@ class Simulator:
 
     Args:
         scene: Statics and objects; None: an empty one.
-        body: The person's body, or a sequence for several people; None: `Body.default()`.
+        body: The person's body, or a sequence for several people (empty: objects alone); None:
+            `Body.default()`.
         settings: See `Settings`.
         fps: Frame rate that `step` assumes where it is given no `dt`.
 
@@ -192,9 +193,10 @@ class Simulator:
     def _checked(self, pose: Pose | Sequence[Pose]) -> list[Pose]:
         poses = list(pose) if isinstance(pose, list | tuple) else [pose]
         if len(poses) != len(self.world.people) or not all(isinstance(p, Pose) for p in poses):
+            found = ", ".join(type(p).__name__ for p in poses) or "none"
             raise InputError(
-                f"pose: found {len(poses)} value(s) of {sorted({type(p).__name__ for p in poses})}, "
-                f"expected {len(self.world.people)} halfphysics.Pose (motion[i] gives one)"
+                f"pose: found {found}; expected one halfphysics.Pose per person, "
+                f"{len(self.world.people)} in all (motion[i] gives one)"
             )
         return poses
 

@@ -65,7 +65,8 @@ def vector(value: object, what: str, size: int = 3, *, unit: str = "") -> NDArra
 def quaternion(value: object, what: str) -> NDArray[np.float64]:
     """`value` (w, x, y, z) scaled to unit length, a read-only array (4,)."""
     raw = vector(value, what, 4)
-    scaled = raw / max(np.abs(raw).max(), np.finfo(float).tiny)
+    largest = np.abs(raw).max()
+    scaled = raw / largest if largest > 0.0 else raw
     length = np.linalg.norm(scaled)
     if not length > 0.5:  # the largest component is 1 unless all are zero
         raise InputError(
@@ -73,7 +74,8 @@ def quaternion(value: object, what: str) -> NDArray[np.float64]:
             "expected w, x, y, z (no rotation: 1, 0, 0, 0)"
         )
     # An exact unit quaternion stays as it is, so that saving and loading changes nothing.
-    unit = raw if abs(float(raw @ raw) - 1.0) < 1e-15 else scaled / length
+    exact = largest <= 1.0 and abs(float(raw @ raw) - 1.0) < 1e-15
+    unit = raw if exact else scaled / length
     unit.setflags(write=False)
     return unit
 

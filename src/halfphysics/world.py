@@ -93,7 +93,8 @@ class World:
         self.bodies = tuple(bodies)
         self.scene = scene
         self.settings = settings
-        people = ["person"] if len(bodies) == 1 else [f"person{i}" for i in range(len(bodies))]
+        many = len(self.bodies) > 1
+        people = [f"person{i}" if many else "person" for i in range(len(self.bodies))]
         self.names: tuple[str, ...] = (*scene.statics, *scene.objects, *people)
         if len(set(self.names)) < len(self.names):
             raise InputError(
@@ -102,7 +103,7 @@ class World:
         model = self._compile(people)
         self.nq, self.nv = int(model.nq), int(model.nv)
         self.stepper = _native.Stepper()
-        self.stepper.set_model(*_arrays(model))
+        self.stepper.set_model(*model_arrays(model))
         self._name_people(model, people)
         self._add_movers(model)
         self._add_statics()
@@ -130,13 +131,11 @@ class World:
         spec = mujoco.MjSpec()
         finger = FINGER_INERTIA / (1.0 + self.settings.stiffness)
         for name, body in zip(people, self.bodies, strict=True):
-            add_person(
-                spec, body.variant, prefix=f"{name}/", finger_armature=finger, geoms=False
-            )
+            add_person(spec, body.variant, prefix=f"{name}/", finger_armature=finger, geoms=False)
         for thing in self.scene.objects.values():
             b = spec.worldbody.add_body(name=thing.name, pos=thing.position)
             b.add_freejoint()
-            b.mass = thing.mass
+            b.mass, b.ipos = thing.mass, [0.0, 0.0, 0.0]  # ipos left unset becomes pos
             b.explicitinertial = True
             b.fullinertia = _full(thing.inertia)
         return spec.compile()
@@ -279,7 +278,7 @@ def _full(inertia: Array) -> list[float]:
     return [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
 
 
-def _arrays(model: Any) -> tuple[Any, ...]:
+def model_arrays(model: Any) -> tuple[Any, ...]:
     """The arrays of an MjModel that the core's set_model() takes, in its order."""
 
     def ints(x: Any) -> NDArray[np.int32]:
@@ -296,5 +295,3 @@ def _arrays(model: Any) -> tuple[Any, ...]:
         *map(ints, (model.jnt_type, model.jnt_qposadr, model.jnt_dofadr, model.jnt_bodyid)),
         *map(doubles, (model.jnt_pos, model.jnt_axis, model.qpos0, model.dof_armature)),
     )
-
-

@@ -33,7 +33,6 @@ _SHAPES: dict[str, tuple[type[Shape], tuple[str, ...], tuple[str, ...]]] = {
     "capsule": (Capsule, ("radius", "length"), ()),
     "cylinder": (Cylinder, ("radius", "length"), ()),
 }
-_SHAPE_KEYS = ("shape", "mesh", "size", "radius", "length", "normal", "offset")
 _MESH_KEYS = ("scale", "up", "sha256")
 _STATIC_KEYS = ("position", "quaternion", "friction", "restitution")
 _OBJECT_KEYS = ("mass", "density", "com", *_STATIC_KEYS, "velocity", "angular_velocity")
@@ -77,9 +76,11 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
 def _add(
     add: Callable[..., Any], name: str, entry: Entry, keys: tuple[str, ...], base: Path
 ) -> None:
-    given = _mapping(entry, (*_SHAPE_KEYS, *keys, *_MESH_KEYS))
-    options = {key: _READ[key](given[key]) for key in keys if key in given}
+    given = _named_entries(entry, "a thing of a scene: shape or mesh, and more")
     shape, mesh = given.get("shape"), given.get("mesh")
+    if shape is None and mesh is None:
+        sizes = [key for _, needed, optional in _SHAPES.values() for key in (*needed, *optional)]
+        _mapping(entry, ("shape", "mesh", *dict.fromkeys(sizes), *_MESH_KEYS, *keys))
     if (shape is None) == (mesh is None):
         found = "neither" if shape is None else "both"
         raise entry.error(
@@ -88,17 +89,24 @@ def _add(
     if shape is not None:
         kind = _choice(shape, tuple(_SHAPES))
         cls, needed, optional = _SHAPES[kind]
-        allowed = ("shape", *needed, *optional, *keys)
-        _mapping(entry, allowed, f" for a {kind}")
+        _mapping(entry, ("shape", *needed, *optional, *keys), f" for a {kind}")
         missing = [key for key in needed if key not in given]
         if missing:
             raise entry.error(f"a {kind} needs {' and '.join(missing)}")
         size = {key: _READ[key](given[key]) for key in (*needed, *optional) if key in given}
+        options = {key: _READ[key](given[key]) for key in keys if key in given}
         _guarded(entry, lambda: add(name, cls(**size), **options))
-        return
-    assert mesh is not None
-    _mapping(entry, ("mesh", *keys, *_MESH_KEYS), " for a mesh")
-    options |= {key: _READ[key](given[key]) for key in ("scale", "up") if key in given}
+    elif mesh is not None:
+        _mapping(entry, ("mesh", *_MESH_KEYS, *keys), " for a mesh")
+        _add_mesh(add, name, entry, keys, base)
+
+
+def _add_mesh(
+    add: Callable[..., Any], name: str, entry: Entry, keys: tuple[str, ...], base: Path
+) -> None:
+    given: dict[str, Entry] = entry.value
+    mesh = given["mesh"]
+    options = {key: _READ[key](given[key]) for key in (*keys, "scale", "up") if key in given}
     source: Any
     if isinstance(mesh.value, dict):
         arrays = _mapping(mesh, ("vertices", "faces"))
@@ -108,16 +116,21 @@ def _add(
         source = _guarded(mesh, Mesh, *rows)
     else:
         source = base / _text(mesh)
-    added = _guarded(mesh, lambda: add(name, source, **options))
+    try:
+        added = add(name, source, **options)
+    except HalfPhysicsError as error:
+        # What is wrong with a file stands at its path, what is wrong with a value at the thing.
+        place = mesh if isinstance(error, FileError) else entry
+        raise place.error(str(error)) from error
     if "sha256" in given and added.source is not None:
         noted = _text(given["sha256"])
         if noted != added.source.sha256:
             warnings.warn(
-                f"{entry.file}, line {given['sha256'].line}, {given['sha256'].where}: "
+                f"{mesh.file}, line {given['sha256'].line}, {given['sha256'].where}: "
                 f"{source} has changed since this scene was written (its SHA-256 is "
                 f"{added.source.sha256[:12]}..., noted is {noted[:12]}...)",
                 HalfPhysicsWarning,
-                stacklevel=4,
+                stacklevel=5,
             )
 
 
@@ -135,17 +148,21 @@ def _mapping(entry: Entry, allowed: tuple[str, ...], suffix: str = "") -> dict[s
     for key, child in entry.value.items():
         if key not in allowed:
             close = difflib.get_close_matches(key, allowed, n=1, cutoff=0.6)
-            hint = f"did you mean {close[0]}? " if close else ""
-            raise child.error(f"unknown key {key!r}{suffix}; {hint}Allowed: {', '.join(allowed)}")
+            hint = f"; did you mean {close[0]}?" if close else "."
+            raise child.error(f"unknown key {key!r}{suffix}{hint} Allowed: {', '.join(allowed)}")
     return entry.value
 
 
 def _named(entry: Entry | None) -> list[tuple[str, Entry]]:
     if entry is None or entry.value is None:
         return []
+    return list(_named_entries(entry, "from names to things").items())
+
+
+def _named_entries(entry: Entry, of: str) -> dict[str, Entry]:
     if not isinstance(entry.value, dict):
-        raise entry.error(f"expected a mapping from names to things, found {_describe(entry)}")
-    return list(entry.value.items())
+        raise entry.error(f"expected a mapping ({of}), found {_describe(entry)}")
+    return entry.value
 
 
 def _items(entry: Entry | None) -> list[Entry]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -132,5 +132,6 @@ class _Builder:
                 raise at.error(
                     f"key {key!r} is given twice, first in line {result[key].line}; keep one"
                 )
-            result[key] = self(child, f"{here.where}.{key}".lstrip("."), depth + 1)
+            entry = self(child, f"{here.where}.{key}".lstrip("."), depth + 1)
+            result[key] = replace(entry, line=at.line)  # where the key is: easiest to find
         return result

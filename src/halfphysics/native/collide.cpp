@@ -7,6 +7,7 @@ namespace hp {
 namespace {
 
 constexpr double kGiveWay = 0.05;   // speed at which a clearance that was lost is regained [m/s]
+constexpr double kTouch = 1e-5;     // overlaps up to this at the start are contacts at rest [m]
 constexpr double kHardGap = 1e-4;   // a step that would end nearer than this is shortened [m]
 
 // Where a point carried by a body at the end pose was at the start.
@@ -71,19 +72,16 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
   // A pair that overlaps leaves along the direction fixed when the overlap was first seen.
   auto fixed_exit = [&](Candidate& c, auto along) {
     auto it = pairs_.find(key(c));
+    bool known = it != pairs_.end() && it->second.inside;
     if (c.dist >= 0) {
-      if (it != pairs_.end() && it->second.inside) pairs_.erase(it);
-      return;
-    }
-    if (it == pairs_.end() || !it->second.inside) {
-      PairState state;
-      state.clearance = settings.clearance;
-      state.inside = true;
-      state.exit = c.n;
-      pairs_[key(c)] = state;
-    } else {
+      if (known) it->second.inside = false;
+    } else if (known) {
       c.n = it->second.exit;
       along(c);
+    } else {
+      if (it == pairs_.end()) it = pairs_.insert({key(c), {settings.clearance, false, {}}}).first;
+      it->second.inside = true;
+      it->second.exit = c.n;
     }
   };
   for (int i = 0; i < (int)movers.size(); i++) {
@@ -159,9 +157,11 @@ void World::reset(const Model& m, Poses& start) {
   std::vector<Candidate> near;
   gather(m, start, reach, 1.0, near);
   for (const Candidate& c : near) {
-    if (c.dist < 0 || c.dist >= settings.clearance) continue;
-    PairState& state = pairs_[key(c)];
-    state.clearance = state.clearance > 0 ? std::min(state.clearance, c.dist) : c.dist;
+    // What touches, to within rounding of files, rests there; what is deeper inside comes out.
+    if (c.dist < -kTouch || c.dist >= settings.clearance) continue;
+    double own = std::max(c.dist, 0.0);
+    auto [it, added] = pairs_.insert({key(c), {own, false, {}}});
+    if (!added) it->second.clearance = std::min(it->second.clearance, own);
   }
 }
 

@@ -4,6 +4,22 @@
 
 namespace hp {
 
+namespace {
+
+// Friction is settled to this share of the tolerance where few points allow it: what is held
+// must not creep.
+constexpr double kFriction = 0.01;
+
+// Friction back onto its disc.
+void clamp(double* p, double mu) {
+  double length = std::hypot(p[1], p[2]), limit = mu * p[0];
+  if (length <= limit) return;
+  double f = limit > 0 ? limit / length : 0;
+  p[1] *= f, p[2] *= f;
+}
+
+}  // namespace
+
 Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Twist>& twists,
                        const Endpoint& e) {
   Vec3 v;
@@ -38,7 +54,7 @@ void ContactSolver::half_solve(const Model& m, const Kinematics& k, const Inerti
     for (int e = 0; e < 6; e++) y[6 * a + e] *= inertia.root_D[dof[a]];
 }
 
-void ContactSolver::local(int i) {
+void ContactSolver::local(int i, bool normal_only) {
   const int n3 = (int)beta_.size();
   const double* A = &A_[(size_t)(3 * i) * n3 + 3 * i];
   double* p = &p_[3 * i];
@@ -50,9 +66,9 @@ void ContactSolver::local(int i) {
          w[1] - (a10 * p[0] + a11 * p[1] + a12 * p[2]),
          w[2] - (a20 * p[0] + a21 * p[1] + a22 * p[2])};
   double mu = friction_[i];
-  Vec3 q;
-  if (mu == 0) {
-    q.x = std::max(0.0, -r.x / a00);
+  Vec3 q{0, p[1], p[2]};
+  if (normal_only || mu == 0) {
+    q.x = std::max(0.0, -(r.x + a01 * q.y + a02 * q.z) / a00);
   } else {
     q = block_inverse_[i] * (-r);  // sticking
     if (!(q.x >= 0 && q.y * q.y + q.z * q.z <= mu * mu * q.x * q.x)) {
@@ -94,12 +110,12 @@ void ContactSolver::product(int n) {
   }
 }
 
-double ContactSolver::residual(int n) const {
+double ContactSolver::residual(int n, bool normal_only) const {
   double worst = 0;
   for (int i = 0; i < n; i++) {
     const double *p = &p_[3 * i], *w = &w_[3 * i];
     worst = std::max(worst, std::fabs(std::min(w[0], p[0] * diagonal_[i])));
-    if (p[0] <= 0) continue;
+    if (normal_only || p[0] <= 0) continue;
     double k = tangent_step_[i], y = p[1] - k * w[1], z = p[2] - k * w[2],
            length = std::sqrt(y * y + z * z), limit = friction_[i] * p[0],
            f = length > limit ? limit / length : 1;
@@ -108,8 +124,41 @@ double ContactSolver::residual(int n) const {
   return worst;
 }
 
-void ContactSolver::sweep(int n, bool forward) {
-  for (int k = 0; k < n; k++) local(forward ? k : n - 1 - k);
+// Symmetric sweeps, accelerated as nonlinear conjugate gradients (Silcowitz et al. 2010).
+void ContactSolver::sweeps(int n, bool normal_only, double tolerance, int most,
+                           SolveReport& report) {
+  const int n3 = 3 * n;
+  step_.assign(n3, 0);
+  double previous = 0;
+  product(n);
+  for (int it = 0;; it++, report.sweeps++) {
+    report.residual = residual(n, normal_only);
+    if (report.residual < tolerance || it == most) return;
+    before_ = p_;
+    for (int k = 0; k < n; k++) local(it % 2 == 0 ? k : n - 1 - k, normal_only);
+    double gradient = 0;
+    for (int i = 0; i < n3; i++) {
+      double d = p_[i] - before_[i];
+      gradient += d * d * A_[(size_t)i * n3 + i];
+    }
+    double ratio = previous > 0 ? gradient / previous : 2;
+    previous = gradient;
+    if (ratio > 1) {
+      for (int i = 0; i < n3; i++) step_[i] = p_[i] - before_[i];
+      continue;
+    }
+    for (int i = 0; i < n3; i++) {
+      double d = p_[i] - before_[i], extra = ratio * step_[i];
+      p_[i] += extra;
+      step_[i] = extra + d;
+    }
+    for (int i = 0; i < n; i++) {
+      double* p = &p_[3 * i];
+      p[0] = std::max(p[0], 0.0);
+      if (!normal_only) clamp(p, friction_[i]);
+    }
+    product(n);
+  }
 }
 
 SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Inertia& inertia,
@@ -170,10 +219,8 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
     }
     beta_[3 * i] -= demand;
     friction_[i] = c.friction;
-    double* p = &p_[3 * i];
-    p[0] = std::max(p[0], 0.0);
-    double length = std::hypot(p[1], p[2]), limit = c.friction * p[0];
-    if (length > limit) p[1] *= limit / length, p[2] *= limit / length;
+    p_[3 * i] = std::max(p_[3 * i], 0.0);
+    clamp(&p_[3 * i], c.friction);
   }
 
   // A = Y^T Y, symmetric.
@@ -209,43 +256,11 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
     tangent_step_[i] = 1 / (0.5 * (b + c) + std::sqrt(0.25 * (b - c) * (b - c) + d * d));
   }
 
-  // Symmetric sweeps, accelerated as nonlinear conjugate gradients (Silcowitz et al. 2010).
-  product(n);
+  // Where friction on many redundant points is slow to settle, it is held and the normal impulses
+  // are finished alone, which converges: nothing penetrates, and the next substep starts warm.
   SolveReport report;
-  step_.assign(n3, 0);
-  double previous = 0;
-  for (;; report.sweeps++) {
-    report.residual = residual(n);
-    if (report.residual < tolerance || report.sweeps == max_sweeps) break;
-    before_ = p_;
-    sweep(n, report.sweeps % 2 == 0);
-    double gradient = 0;
-    for (int i = 0; i < n3; i++) {
-      double d = p_[i] - before_[i];
-      gradient += d * d * A_[(size_t)i * n3 + i];
-    }
-    double ratio = previous > 0 ? gradient / previous : 2;
-    previous = gradient;
-    if (ratio > 1) {
-      for (int i = 0; i < n3; i++) step_[i] = p_[i] - before_[i];
-      continue;
-    }
-    for (int i = 0; i < n3; i++) {
-      double d = p_[i] - before_[i], extra = ratio * step_[i];
-      p_[i] += extra;
-      step_[i] = extra + d;
-    }
-    for (int i = 0; i < n; i++) {
-      double* p = &p_[3 * i];
-      p[0] = std::max(p[0], 0.0);
-      double length = std::hypot(p[1], p[2]), limit = friction_[i] * p[0];
-      if (length > limit) {
-        double f = limit > 0 ? limit / length : 0;
-        p[1] *= f, p[2] *= f;
-      }
-    }
-    product(n);
-  }
+  sweeps(n, false, kFriction * tolerance, max_sweeps, report);
+  if (report.residual >= tolerance) sweeps(n, true, tolerance, 4 * max_sweeps, report);
 
   // v = v_free + M^-1 J^T p = v_free + L^-1 D^-1/2 Y p.
   std::vector<double>& dv = before_;

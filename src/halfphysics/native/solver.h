@@ -61,10 +61,10 @@ class ContactSolver {
 
  private:
   void half_solve(const Model& m, const Kinematics& k, const Inertia& inertia, int body);
-  void sweep(int n, bool forward);
-  void local(int i);
+  void sweeps(int n, bool normal_only, double tolerance, int most, SolveReport& report);
+  void local(int i, bool normal_only);
   void product(int n);
-  double residual(int n) const;
+  double residual(int n, bool normal_only) const;
 
   std::vector<double> body_y_;        // per body: chain length x 6
   std::vector<int> body_slot_;        // offset into body_y_, -1: not yet

@@ -10,7 +10,7 @@ namespace hp {
 namespace {
 
 constexpr int kPasses = 8;         // solve and verify, at most
-constexpr int kMaxSweeps = 400;
+constexpr int kMaxSweeps = 50;
 constexpr double kSlackReach = 0.004;  // planes are asked for this much farther than needed [m]
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kWarmRadius2 = 0.02 * 0.02;

@@ -1,0 +1,230 @@
+// Software z-buffer: types, clipping and exact coverage. Shading is in raster_shade.h, the
+// tiles and the Python face in raster.cpp.
+//
+// Camera frame: x right, y down, z forward [m]. Coverage is decided in integers (1/256 of a
+// sample), so that neighbouring triangles leave no crack and the result does not depend on the
+// order of evaluation.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace raster {
+
+struct Vec {
+  double x = 0, y = 0, z = 0;
+};
+inline Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vec operator*(double s, Vec a) { return {s * a.x, s * a.y, s * a.z}; }
+inline Vec operator*(Vec a, Vec b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+inline double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec cross(Vec a, Vec b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Vec unit(Vec a) {
+  const double n = std::sqrt(dot(a, a));
+  return n > 0 ? (1.0 / n) * a : Vec{0, 0, 1};
+}
+inline Vec mix(Vec a, Vec b, double t) { return (1.0 - t) * a + t * b; }
+inline double clamp01(double t) { return t < 0 ? 0 : t > 1 ? 1 : t; }
+
+// How one mesh looks. Colours are linear light, 0 to 1.
+struct Style {
+  Vec color, checker;      // checker: second colour of a chequered surface
+  double alpha;            // < 1: drawn as one translucent layer
+  double rim;              // opaque: light added at grazing angles; translucent: alpha added
+  double checker_size;     // [m], 0: plain
+  double bias;             // a translucent layer shows only where it is nearer by this [m]
+  double fade_from, fade_to;  // dissolves into the background at these distances from `focus`
+  double crease;           // cosine of the angle beyond which an edge stays sharp
+  int cull;                // 0 none, 1 drops back faces, 2 drops front faces
+  bool casts, receives;    // shadows
+};
+
+struct Camera {
+  Vec right, down, forward, position;
+  double fx, fy, cx, cy, near;  // [px], [m]
+  int width, height, samples;   // samples x samples per pixel
+  Vec to_camera(Vec p) const {
+    const Vec d = p - position;
+    return {dot(d, right), dot(d, down), dot(d, forward)};
+  }
+  Vec direction(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
+  Vec to_world(Vec p) const {
+    return position + p.x * right + p.y * down + p.z * forward;
+  }
+};
+
+struct Meshes {
+  std::vector<Vec> world, view;             // vertices
+  std::vector<std::array<int, 3>> faces;
+  std::vector<int> mesh_of_face;
+  std::vector<std::array<Vec, 3>> normals;  // per corner, world
+  std::vector<Style> styles;
+};
+
+// A triangle on a sample grid. The value a x + b y + c (inverse depth, or height in a shadow
+// map) is linear over the grid; lo and hi bound it, so that slivers cannot run away.
+struct Tri {
+  std::int64_t x[3], y[3];  // 1/256 of a sample, counter-clockwise in grid orientation
+  double a, b, c, lo, hi;
+  int face, mesh;
+  double value(int i, int j) const {
+    const double v = a * (i + 0.5) + b * (j + 0.5) + c;
+    return v < lo ? lo : v > hi ? hi : v;
+  }
+};
+
+constexpr double kFixed = 256.0;
+
+// Sets the corners (grid coordinates); false when the triangle has no area.
+inline bool set_corners(Tri& t, const double gx[3], const double gy[3]) {
+  for (int k = 0; k < 3; ++k) {
+    t.x[k] = std::llround(gx[k] * kFixed);
+    t.y[k] = std::llround(gy[k] * kFixed);
+  }
+  const std::int64_t area =
+      (t.x[1] - t.x[0]) * (t.y[2] - t.y[0]) - (t.y[1] - t.y[0]) * (t.x[2] - t.x[0]);
+  if (area == 0) return false;
+  if (area < 0) {
+    std::swap(t.x[1], t.x[2]);
+    std::swap(t.y[1], t.y[2]);
+  }
+  return true;
+}
+
+struct Box {
+  int x0, y0, x1, y1;  // half open, in samples
+  bool empty() const { return x0 >= x1 || y0 >= y1; }
+};
+
+inline int first_centre(std::int64_t fixed) {  // smallest i with 256 i + 128 >= fixed
+  const std::int64_t n = fixed + 127;
+  return static_cast<int>(n >= 0 ? n / 256 : -((-n + 255) / 256));
+}
+
+inline Box bounds(const Tri& t, const Box& limit) {
+  const auto [xa, xb] = std::minmax({t.x[0], t.x[1], t.x[2]});
+  const auto [ya, yb] = std::minmax({t.y[0], t.y[1], t.y[2]});
+  return {std::max(limit.x0, first_centre(xa)), std::max(limit.y0, first_centre(ya)),
+          std::min(limit.x1, first_centre(xb + 1)), std::min(limit.y1, first_centre(yb + 1))};
+}
+
+// Calls put(i, j, value) for every sample of `limit` that the triangle covers, edges included.
+template <class Put>
+void fill(const Tri& t, const Box& limit, Put put) {
+  const Box box = bounds(t, limit);
+  if (box.empty()) return;
+  std::int64_t row[3], dx[3], dy[3];
+  for (int k = 0; k < 3; ++k) {
+    const int n = (k + 1) % 3;
+    const std::int64_t ex = t.x[n] - t.x[k], ey = t.y[n] - t.y[k];
+    row[k] = ex * (256LL * box.y0 + 128 - t.y[k]) - ey * (256LL * box.x0 + 128 - t.x[k]);
+    dx[k] = -256 * ey;
+    dy[k] = 256 * ex;
+  }
+  for (int j = box.y0; j < box.y1; ++j) {
+    std::int64_t e0 = row[0], e1 = row[1], e2 = row[2];
+    for (int i = box.x0; i < box.x1; ++i) {
+      if ((e0 | e1 | e2) >= 0) put(i, j, t.value(i, j));
+      e0 += dx[0];
+      e1 += dx[1];
+      e2 += dx[2];
+    }
+    for (int k = 0; k < 3; ++k) row[k] += dy[k];
+  }
+}
+
+// Clips a convex polygon against dot(plane, p) >= offset.
+inline void clip(std::vector<Vec>& poly, Vec plane, double offset, std::vector<Vec>& scratch) {
+  scratch.clear();
+  for (std::size_t k = 0; k < poly.size(); ++k) {
+    const Vec p = poly[k], q = poly[(k + 1) % poly.size()];
+    const double dp = dot(plane, p) - offset, dq = dot(plane, q) - offset;
+    if (dp >= 0) scratch.push_back(p);
+    if ((dp >= 0) != (dq >= 0)) scratch.push_back(mix(p, q, dp / (dp - dq)));
+  }
+  poly.swap(scratch);
+}
+
+// Screen triangles of all faces, in face order: culled, clipped to the near plane and to a
+// guard band eight pictures wide (which keeps the integers small), projected.
+inline std::vector<Tri> project(const Meshes& m, const Camera& cam) {
+  std::vector<Tri> out;
+  out.reserve(m.faces.size());
+  std::vector<Vec> poly, scratch;
+  const double gx = 8.0 * cam.width / cam.fx, gy = 8.0 * cam.height / cam.fy;
+  const Vec planes[5] = {{0, 0, 1}, {1, 0, gx}, {-1, 0, gx}, {0, 1, gy}, {0, -1, gy}};
+  for (std::size_t f = 0; f < m.faces.size(); ++f) {
+    const auto& face = m.faces[f];
+    const Vec p[3] = {m.view[face[0]], m.view[face[1]], m.view[face[2]]};
+    const Vec n = cross(p[1] - p[0], p[2] - p[0]);
+    const double height = dot(n, p[0]);  // < 0: front face
+    const int cull = m.styles[m.mesh_of_face[f]].cull;
+    if (height == 0 || (cull == 1 && height > 0) || (cull == 2 && height < 0)) continue;
+    poly.assign(p, p + 3);
+    for (int k = 0; k < 5 && poly.size() >= 3; ++k) {
+      const double offset = k == 0 ? cam.near : 0.0;
+      bool out_of_plane = false;
+      for (const Vec& q : poly) out_of_plane = out_of_plane || dot(planes[k], q) < offset;
+      if (out_of_plane) clip(poly, planes[k], offset, scratch);
+    }
+    if (poly.size() < 3) continue;
+    const int s = cam.samples;
+    Tri t;
+    t.face = static_cast<int>(f);
+    t.mesh = m.mesh_of_face[f];
+    // 1 / depth = n . direction(u, v) / (n . p0), with u = x / samples.
+    t.a = n.x / (cam.fx * s * height);
+    t.b = n.y / (cam.fy * s * height);
+    t.c = (n.z - n.x * cam.cx / cam.fx - n.y * cam.cy / cam.fy) / height;
+    t.lo = 1e300;
+    t.hi = 0;
+    for (const Vec& q : poly) {
+      t.lo = std::min(t.lo, 1.0 / q.z);
+      t.hi = std::max(t.hi, 1.0 / q.z);
+    }
+    const auto px = [&](const Vec& q) { return (cam.fx * q.x / q.z + cam.cx) * s; };
+    const auto py = [&](const Vec& q) { return (cam.fy * q.y / q.z + cam.cy) * s; };
+    for (std::size_t k = 2; k < poly.size(); ++k) {
+      const double x[3] = {px(poly[0]), px(poly[k - 1]), px(poly[k])};
+      const double y[3] = {py(poly[0]), py(poly[k - 1]), py(poly[k])};
+      if (set_corners(t, x, y)) out.push_back(t);
+    }
+  }
+  return out;
+}
+
+// Corner normals: area-weighted mean over the faces around the vertex that turn by less than
+// the crease angle from the corner's own face.
+inline void compute_normals(Meshes& m) {
+  const std::size_t faces = m.faces.size();
+  std::vector<Vec> area(faces), normal(faces);
+  std::vector<int> start(m.world.size() + 1, 0);
+  for (std::size_t f = 0; f < faces; ++f) {
+    const auto& t = m.faces[f];
+    area[f] = cross(m.world[t[1]] - m.world[t[0]], m.world[t[2]] - m.world[t[0]]);
+    normal[f] = unit(area[f]);
+    for (int v : t) ++start[v + 1];
+  }
+  for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];
+  std::vector<int> around(start.back()), next(start.begin(), start.end() - 1);
+  for (std::size_t f = 0; f < faces; ++f)
+    for (int v : m.faces[f]) around[next[v]++] = static_cast<int>(f);
+  m.normals.resize(faces);
+  for (std::size_t f = 0; f < faces; ++f) {
+    const double crease = m.styles[m.mesh_of_face[f]].crease;
+    for (int k = 0; k < 3; ++k) {
+      const int v = m.faces[f][k];
+      Vec sum;
+      for (int e = start[v]; e < start[v + 1]; ++e)
+        if (dot(normal[around[e]], normal[f]) >= crease) sum = sum + area[around[e]];
+      m.normals[f][k] = dot(sum, sum) > 0 ? unit(sum) : normal[f];
+    }
+  }
+}
+
+}  // namespace raster

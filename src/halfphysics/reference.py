@@ -1,0 +1,305 @@
+"""The substep in plain numpy: slow, obvious, and held equal to the native core by the tests.
+
+Reads beside docs/method.md. Quantities have the names of the equations: M inertia matrix, J
+contact Jacobian, h substep, v* velocity without contact, p contact impulses. Which points are in
+contact is not decided here: the reference takes the contact points that the core found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+from halfphysics.settings import Settings
+
+Array = NDArray[np.float64]
+
+FREE, BALL, SLIDE, HINGE = range(4)  # joint types, numbered as MuJoCo does
+
+
+# -- bodies ------------------------------------------------------------------------------------
+
+
+def body_frames(model: Any, qpos: Array) -> tuple[Array, Array]:
+    """World positions (nbody, 3) and quaternions (nbody, 4) of an MjModel's bodies at `qpos`."""
+    x, q = np.zeros((model.nbody, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (model.nbody, 1))
+    for b in range(1, model.nbody):
+        parent = model.body_parentid[b]
+        x[b] = x[parent] + rot.rotate(q[parent], model.body_pos[b])
+        q[b] = rot.multiply(q[parent], model.body_quat[b])
+        for j in _joints(model, b):
+            at = model.jnt_qposadr[j]
+            if model.jnt_type[j] == FREE:
+                x[b], q[b] = qpos[at : at + 3], rot.normalize(qpos[at + 3 : at + 7])
+                continue
+            anchor = x[b] + rot.rotate(q[b], model.jnt_pos[j])
+            if model.jnt_type[j] == SLIDE:
+                way = qpos[at] - model.qpos0[at]
+                x[b] = x[b] + way * rot.rotate(q[b], model.jnt_axis[j])
+                continue
+            if model.jnt_type[j] == BALL:
+                turn = rot.normalize(qpos[at : at + 4])
+            else:
+                turn = rot.exp((qpos[at] - model.qpos0[at]) * model.jnt_axis[j])
+            q[b] = rot.multiply(q[b], turn)
+            x[b] = anchor - rot.rotate(q[b], model.jnt_pos[j])
+    return x, q
+
+
+def _joints(model: Any, body: int) -> range:
+    first = model.body_jntadr[body]
+    return range(first, first + model.body_jntnum[body])
+
+
+def _joint_frame(model: Any, x: Array, q: Array, joint: int, qpos: Array) -> tuple[Array, Array]:
+    """Anchor and orientation at which a hinge or slide acts: after the body's joints before it."""
+    body = model.jnt_bodyid[joint]
+    parent = model.body_parentid[body]
+    pos = x[parent] + rot.rotate(q[parent], model.body_pos[body])
+    quat = rot.multiply(q[parent], model.body_quat[body])
+    for j in range(model.body_jntadr[body], joint):
+        at = model.jnt_qposadr[j]
+        way = (qpos[at] - model.qpos0[at]) * model.jnt_axis[j]
+        if model.jnt_type[j] == SLIDE:
+            pos = pos + rot.rotate(quat, way)
+        else:
+            anchor = pos + rot.rotate(quat, model.jnt_pos[j])
+            quat = rot.multiply(quat, rot.exp(way))
+            pos = anchor - rot.rotate(quat, model.jnt_pos[j])
+    return pos + rot.rotate(quat, model.jnt_pos[joint]), quat
+
+
+def jacobian(model: Any, qpos: Array, body: int, point: Array) -> tuple[Array, Array]:
+    """How a point (3,) carried by `body` moves: (3, nv) linear [m/s] and (3, nv) angular."""
+    x, q = body_frames(model, qpos)
+    linear, angular = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+    while body > 0:
+        for j in _joints(model, body):
+            d = model.jnt_dofadr[j]
+            kind = model.jnt_type[j]
+            if kind == FREE:
+                linear[:, d : d + 3] = np.eye(3)
+                d += 3
+            if kind in (FREE, BALL):
+                axes = rot.to_matrix(q[body])  # angular velocity is in the child's frame
+                anchor = x[body] + rot.rotate(q[body], model.jnt_pos[j])
+                angular[:, d : d + 3] = axes
+                linear[:, d : d + 3] = np.cross(axes.T, point - anchor).T
+            else:
+                anchor, turn = _joint_frame(model, x, q, j, qpos)
+                axis = rot.rotate(turn, model.jnt_axis[j])
+                if kind == HINGE:
+                    angular[:, d] = axis
+                    linear[:, d] = np.cross(axis, point - anchor)
+                else:
+                    linear[:, d] = axis
+        body = model.body_parentid[body]
+    return linear, angular
+
+
+def inertia_matrix(model: Any, qpos: Array) -> Array:
+    """M (nv, nv): the sum over bodies of m J_v^T J_v + J_w^T I J_w, and the armature."""
+    x, q = body_frames(model, qpos)
+    M = np.diag(np.asarray(model.dof_armature, dtype=np.float64))
+    for b in range(1, model.nbody):
+        com = x[b] + rot.rotate(q[b], model.body_ipos[b])
+        R = rot.to_matrix(rot.multiply(q[b], model.body_iquat[b]))
+        Jv, Jw = jacobian(model, qpos, b, com)
+        M += model.body_mass[b] * Jv.T @ Jv
+        M += Jw.T @ R @ np.diag(model.body_inertia[b]) @ R.T @ Jw
+    return M
+
+
+# -- the drive ---------------------------------------------------------------------------------
+
+
+@dataclass
+class ReferenceDrive:
+    """One person's drive; `first_qpos` and `first_dof` say where its coordinates begin.
+
+    Velocities are 6 of the root (linear in the world, angular in its own frame), then 3 per
+    ball joint in the model's order.
+    """
+
+    settings: Settings
+    first_qpos: int
+    first_dof: int
+    target: Array  # coordinates the motion asked for at the last frame
+    v_ref: Array = field(init=False)
+    deviation: Array = field(init=False)  # e
+    previous: Array = field(init=False)
+    q_start: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.v_ref = np.zeros(6 + 3 * ((len(self.target) - 7) // 4))
+        self.deviation = np.zeros_like(self.v_ref)
+        self.previous = self.q_start = self.target
+
+    @property
+    def dofs(self) -> slice:
+        return slice(self.first_dof, self.first_dof + len(self.v_ref))
+
+    def coordinates(self, qpos: Array) -> Array:
+        return qpos[self.first_qpos : self.first_qpos + len(self.target)]
+
+    def begin_frame(self, target: Array, dt: float, qpos: Array, qvel: Array) -> None:
+        """Eq. of the drive's reference velocity; Algorithm 1 writes it to `qvel`."""
+        s, q = self.settings, self.coordinates(qpos)
+        self.previous, self.target = self.target, target
+        root = (target[:3] - self.previous[:3]) / dt
+        if s.root == "recover":
+            u = (1.0 - np.exp(-dt / 0.3)) * (self.previous[:3] - q[:3]) / dt
+            root = root + u * min(1.0, s.root_speed / max(float(np.linalg.norm(u)), 1e-300))
+        self.v_ref = np.concatenate([root, _turns(self.previous, target).ravel() / dt])
+        if s.drive_time is None:
+            self.q_start = q.copy()
+            self.v_ref = np.concatenate([root, _turns(q, target).ravel() / dt])
+            qvel[self.dofs] = self.v_ref
+
+    def free_velocity(
+        self, k: int, h: float, qpos: Array, qvel: Array, M: Array, stiff: Array
+    ) -> Array:
+        """v* of substep k of length h.
+
+        With a time constant the implicit, critically damped decay of the deviation; else PJSC
+        of Algorithm 1, for which M (n, n) are the person's rows of the inertia matrix and
+        `stiff` (n,) those of lambda diag(I).
+        """
+        s, q = self.settings, self.coordinates(qpos)
+        expected_at = (k if s.drive_time is not None else k + 1) * h
+        start = self.previous if s.drive_time is not None else self.q_start
+        expected = _turned(start, expected_at * self.v_ref[3:].reshape(-1, 3))
+        if s.drive_time is not None:
+            tau = s.drive_time
+            xi = _turns(expected, q)
+            size = np.linalg.norm(xi, axis=1, keepdims=True)
+            limit = 2.0 * s.recovery_rate * tau
+            xi = np.where(size > limit, xi * limit / np.maximum(size, 1e-300), xi)
+            xi = np.concatenate([np.zeros(3), xi.ravel()])
+            return self.v_ref + (self.deviation - h * xi / tau**2) / self.scale(h)
+        v = qvel[self.dofs].copy()
+        epsilon = np.concatenate([np.zeros(3), _turns(q, expected).ravel()])
+        gap = np.where(np.arange(len(v)) < 6, 0.0, epsilon - h * v)
+        return v + np.linalg.solve(M + np.diag(stiff), stiff / h * gap)
+
+    def scale(self, h: float) -> float:
+        """s: how much heavier the drive makes the person."""
+        if self.settings.drive_time is None:
+            return 1.0
+        r = h / self.settings.drive_time
+        return 1.0 + 2.0 * r + r * r
+
+    def end_substep(self, qvel: Array) -> None:
+        self.deviation = qvel[self.dofs] - self.v_ref
+
+
+def _quats(q: Array) -> Array:
+    """Root and joint quaternions (n, 4) of a person's coordinates."""
+    return np.concatenate([q[3:7][None], q[7:].reshape(-1, 4)])
+
+
+def _turns(a: Array, b: Array) -> Array:
+    """log(a^-1 b) (n, 3), in the children's frames."""
+    return rot.log(rot.multiply(rot.conjugate(_quats(a)), _quats(b)))
+
+
+def _turned(q: Array, turns: Array) -> Array:
+    quats = rot.multiply(_quats(q), rot.exp(turns))
+    return np.concatenate([q[:3], quats.ravel()])
+
+
+def stiff_diagonal(model: Any, M: Array, drive: ReferenceDrive) -> Array:
+    """lambda * I of all dofs (nv,): per ball joint the mean of its three diagonal entries of M."""
+    out = np.zeros(model.nv)
+    for d in range(drive.dofs.start + 6, drive.dofs.stop, 3):
+        out[d : d + 3] = drive.settings.stiffness * np.diag(M)[d : d + 3].mean()
+    return out
+
+
+# -- contact -----------------------------------------------------------------------------------
+
+
+def solve_contacts(
+    A: Array, b: Array, friction: Array, *, tolerance: float, sweeps: int, start: Array
+) -> Array:
+    """Impulses p (n, 3) of Coulomb contacts: block Gauss-Seidel, one contact after the other.
+
+    With w = A p + b (normal row first, minus what it must reach): 0 <= p_n, w_n >= 0 and
+    p_n w_n = 0, |p_t| <= mu p_n, and p_t opposes w_t where it slides. `A` (3n, 3n), `b` (3n,).
+    Stops when no impulse changes its contact's velocity by more than `tolerance` [m/s].
+    """
+    n = len(friction)
+    p = start.copy()
+    for _ in range(sweeps):
+        change = 0.0
+        for i in range(n):
+            at = slice(3 * i, 3 * i + 3)
+            own = A[at, at]
+            r = A[at] @ p.ravel() + b[at] - own @ p[i]
+            new = _one_contact(own, r, friction[i], p[i])
+            change = max(change, float(np.abs(own @ (new - p[i])).max()))
+            p[i] = new
+        if change < tolerance:
+            break
+    return p
+
+
+def _one_contact(A: Array, r: Array, mu: float, p: Array) -> Array:
+    stick = -np.linalg.solve(A, r)
+    if stick[0] >= 0.0 and np.hypot(stick[1], stick[2]) <= mu * stick[0]:
+        return stick
+    if r[0] >= 0.0 and p[0] == 0.0:
+        return np.zeros(3)
+    step = 1.0 / np.linalg.eigvalsh(A[1:, 1:])[-1]
+    p = p.copy()
+    for _ in range(200):
+        old = p.copy()
+        p[0] = max(0.0, -(r[0] + A[0, 1:] @ p[1:]) / A[0, 0])
+        t = p[1:] - step * (r[1:] + A[1:] @ p)
+        length, limit = float(np.hypot(*t)), mu * p[0]
+        p[1:] = t * (limit / length) if length > limit else t
+        if np.abs(p - old).max() <= 1e-15 * np.abs(p).max():
+            break
+    return p
+
+
+def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> Array:
+    """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s)."""
+    rows = []
+    for i, x in enumerate(contacts["position"]):
+        frame = np.stack([contacts[name][i] for name in ("normal", "tangent", "binormal")])
+        Ja, _ = jacobian(model, qpos, int(contacts["body_a"][i]), x)
+        Jb, _ = jacobian(model, qpos, int(contacts["body_b"][i]), x)
+        rows.append(frame @ (Ja - Jb))
+    return np.concatenate(rows) if rows else np.zeros((0, model.nv))
+
+
+def contact_velocity(
+    model: Any,
+    qpos: Array,
+    v_free: Array,
+    M_hat: Array,
+    h: float,
+    contacts: Mapping[str, Array],
+    *,
+    tolerance: float = 1e-13,
+    sweeps: int = 20000,
+) -> tuple[Array, Array]:
+    """v (nv,) and impulses p (n, 3): M^ (v - v*) = J^T p with Coulomb's law at every contact."""
+    n = len(contacts["dist"])
+    if n == 0:
+        return v_free.copy(), np.zeros((0, 3))
+    J = contact_jacobian(model, qpos, contacts)
+    A = J @ np.linalg.solve(M_hat, J.T)
+    b = J @ v_free
+    demand = (contacts["target"] - contacts["dist"] + contacts["shift"]) / h
+    b[::3] -= np.maximum(demand, contacts["bounce"])
+    frames = [contacts[name] for name in ("normal", "tangent", "binormal")]
+    start = np.stack([np.einsum("ij,ij->i", contacts["impulse"], f) for f in frames], axis=1)
+    p = solve_contacts(A, b, contacts["friction"], tolerance=tolerance, sweeps=sweeps, start=start)
+    return v_free + np.linalg.solve(M_hat, J.T @ p.ravel()), p

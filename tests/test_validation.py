@@ -1,0 +1,52 @@
+"""Single values: what passes, what is refused and what the message says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from halfphysics.errors import InputError
+from halfphysics.validation import number, quaternion, shown, vector
+
+
+def test_numbers_of_any_kind() -> None:
+    for value in (3, 3.0, np.float32(3), np.int64(3), np.array(3.0)):
+        assert number(value, "x", above=0.0) == 3.0
+    assert number(0, "x", least=0.0) == 0.0
+    assert number(1, "x", least=0.0, most=1.0) == 1.0
+
+
+@pytest.mark.parametrize("value", [None, "3", True, np.True_, 1j, [3.0], np.nan, np.inf, 0.0, -1])
+def test_not_a_positive_number(value: Any) -> None:
+    with pytest.raises(InputError, match=r"ball: mass: expected a number above 0 \[kg\], found"):
+        number(value, "ball: mass", above=0.0, unit="kg")
+
+
+@pytest.mark.parametrize("value", [None, "abc", 3.0, (1, 2), (1, 2, np.inf), [[1], [2, 3]], "123"])
+def test_not_a_vector(value: Any) -> None:
+    with pytest.raises(InputError, match="v: expected 3 finite numbers, found"):
+        vector(value, "v")
+    assert not vector([1, 2, 3], "v").flags.writeable
+
+
+@given(st.lists(st.floats(-1e200, 1e200), min_size=4, max_size=4))
+def test_quaternions_become_unit_once(value: list[float]) -> None:
+    if not any(value):
+        with pytest.raises(InputError, match="zero length"):
+            quaternion(value, "q")
+        return
+    unit = quaternion(value, "q")
+    assert np.linalg.norm(unit) == pytest.approx(1.0, abs=1e-15)
+    largest = int(np.argmax(np.abs(value)))
+    np.testing.assert_allclose(
+        unit / unit[largest], np.divide(value, value[largest]), rtol=1e-14, atol=1e-300
+    )
+    np.testing.assert_array_equal(quaternion(unit, "q"), unit)
+
+
+def test_long_values_are_cut() -> None:
+    assert len(shown(list(range(1000)))) == 80

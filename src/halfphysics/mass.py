@@ -236,7 +236,7 @@ def _crossings(
         # On the edge counts as left of it, seen from the lower vertex, for both faces.
         value = np.where(value == 0.0, np.finfo(np.float64).tiny, value)
         side[k] = np.where(a < b, 1.0, -1.0)[face] * value
-    upward = (side > 0.0).all(axis=0)
+    upward = np.asarray((side > 0.0).all(axis=0))
     hit = upward | (side < 0.0).all(axis=0)
     side, face = side[:, hit], face[hit]
     z = np.einsum("kn,nk->n", side / side.sum(axis=0), vertices[:, 2][faces[face]])

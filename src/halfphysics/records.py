@@ -21,9 +21,12 @@ from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 if TYPE_CHECKING:
     from halfphysics.body import Body
     from halfphysics.scene import Scene
+    from halfphysics.shape_space import Source
 
 #: Key of a mesh that came from no file: only what identifies it is kept.
 IN_MEMORY = "in_memory"
+_MEND_BODY = "Put it back, or pass body= to Result.load"
+_SAME_STATURE = 1e-9  # rounding of a sum of shape directions [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,40 +100,59 @@ class BodyRecord:
     @staticmethod
     def of(body: Body) -> BodyRecord:
         """The record of a body."""
-        source = body.source
         return BodyRecord(
             {
                 "model": body.model,
                 "gender": body.gender,
-                "betas": np.asarray(body.betas, dtype=np.float64).tolist(),
-                "source": None if source is None else _source(source),
+                "betas": body.betas.tolist(),
+                "stature": body.stature,
+                "source": _source(body.source),
+                "template_source": _source(body.template_source),
             },
             "this session",
         )
 
     def make(self) -> Body:
-        """The body (built once). Raises `FileError` where its model file has gone or changed."""
+        """The body (built once).
+
+        Raises:
+            FileError: Its model file has gone or changed, or it came from no file.
+        """
         return self._body
 
     @cached_property
     def _body(self) -> Body:
-        from halfphysics.body import Body
+        from halfphysics.body import FREE, Body
 
         betas = np.array(self.data["betas"], dtype=np.float64)
-        source = self.data["source"]
-        if source is None:
-            return Body.default(betas=betas)
+        stature = self.data["stature"]
+        if self.data["model"] == FREE:
+            body = Body.default(betas)
+            same = abs(body.stature - stature) < _SAME_STATURE
+            return body if same else Body.default(betas, stature=stature)
+        if self.data["source"] is None:
+            raise FileError(
+                f"{self.origin}: the {self.data['model']} body came from no file. {_MEND_BODY}"
+            )
+        template = self.data["template_source"]
+        return Body.load(
+            self._unchanged(self.data["source"], "body model"),
+            betas=betas,
+            gender=self.data["gender"],
+            v_template=None if template is None else self._unchanged(template, "template"),
+        )
+
+    def _unchanged(self, source: Mapping[str, str], kind: str) -> Path:
         path = Path(source["path"])
-        mend = "Put it back, or pass body= to Result.load"
         if not path.is_file():
-            raise FileError(f"{self.origin}: the body model {path} is not there. {mend}")
+            raise FileError(f"{self.origin}: the {kind} {path} is not there. {_MEND_BODY}")
         found = hashlib.sha256(path.read_bytes()).hexdigest()
         if found != source["sha256"]:
             raise FileError(
-                f"{self.origin}: the body model {path} has changed: found SHA-256 {found[:12]}..., "
-                f"expected {source['sha256'][:12]}.... {mend}"
+                f"{self.origin}: the {kind} {path} has changed: found SHA-256 {found[:12]}..., "
+                f"expected {source['sha256'][:12]}.... {_MEND_BODY}"
             )
-        return Body.load(path, betas=betas, gender=self.data["gender"])
+        return path
 
 
 def _identity(mesh: Mapping[str, Any]) -> dict[str, Any]:
@@ -142,11 +164,10 @@ def _identity(mesh: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _source(source: Any) -> dict[str, str]:
-    path, digest = (
-        (source.path, source.sha256) if hasattr(source, "path") else (source[0], source[1])
-    )
-    return {"path": str(Path(path).resolve()), "sha256": str(digest)}
+def _source(source: Source | None) -> dict[str, str] | None:
+    if source is None:
+        return None
+    return {"path": str(Path(source.path).resolve()), "sha256": source.sha256}
 
 
 def checked_document(data: Any, what: str, keys: tuple[str, ...]) -> dict[str, Any]:

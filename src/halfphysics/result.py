@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
@@ -177,6 +177,23 @@ class PersonResult:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Substeps:
+    """Every committed pose of a run with ``Settings(record="substeps")``: S + 1 of them.
+
+    Attributes:
+        motions: The people's motions at the substeps, the start first.
+        objects: Name -> `ObjectTrack` at the substeps.
+    """
+
+    motions: tuple[Motion, ...]
+    objects: Mapping[str, ObjectTrack]
+
+    def __post_init__(self) -> None:
+        _set(self, "motions", tuple(self.motions))
+        _set(self, "objects", MappingProxyType(dict(self.objects)))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Result:
     """What `simulate` gives back.
 
@@ -191,7 +208,7 @@ class Result:
             beyond `Settings.clearance_range`, negative: penetration.
         lost_time: Time by which blocked steps were shortened, per frame (T,) [s].
         settings: How it was simulated.
-        fps: Frames per second.
+        substeps: Every committed pose, with ``Settings(record="substeps")``, else None.
 
     Raises:
         InputError: Parts that do not belong together.
@@ -204,8 +221,8 @@ class Result:
     contacts: Contacts
     clearance: Array
     lost_time: Array
-    settings: Settings = field(repr=False)
-    fps: float
+    settings: Settings
+    substeps: Substeps | None = None
 
     def __post_init__(self) -> None:
         _set(self, "people", tuple(self.people))
@@ -258,6 +275,11 @@ class Result:
             f"Result({len(self)} frames at {self.fps:g} fps, {len(self.people)} person(s), "
             f"{len(self.objects)} object(s), {len(self.contacts)} contacts)"
         )
+
+    @property
+    def fps(self) -> float:
+        """Frames per second."""
+        return self.people[0].motion.fps
 
     @property
     def motion(self) -> Motion:

@@ -23,7 +23,7 @@ from halfphysics.io import amass_smpl, amass_smplh, amass_smplx, load_motion
 from halfphysics.io.npz import Npz, write_npz
 from halfphysics.motion import Motion
 from halfphysics.records import BodyRecord, SceneRecord, checked_document
-from halfphysics.result import Contacts, ObjectTrack, PersonResult, Result
+from halfphysics.result import Contacts, ObjectTrack, PersonResult, Result, Substeps
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
@@ -36,6 +36,8 @@ Fields = dict[str, NDArray[Any]]
 #: Version of the layout; a reader refuses newer ones.
 VERSION = 1
 VERSION_KEY = "meta/format_version"
+OBJECT = "object/"
+SUBSTEPS = "meta/substeps/"
 _LAYOUTS = {
     "smplx": amass_smplx,
     "smplh": amass_smplh,
@@ -62,9 +64,7 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
     from halfphysics import __version__
 
     fields: Fields = dict(_on_top(result.motion))
-    for name, track in result.objects.items():
-        fields[f"object/{name}/position"] = track.position
-        fields[f"object/{name}/quaternion"] = track.quaternion
+    fields |= _track_fields("", result.objects)
     for column in _CONTACTS:
         fields[f"contact/{column}"] = getattr(result.contacts, column)
     people = []
@@ -99,6 +99,12 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
         "meta/written_by": np.array(f"halfphysics {__version__}"),
         VERSION_KEY: np.array(VERSION),
     }
+    if result.substeps is not None:
+        for index, motion in enumerate(result.substeps.motions):
+            fields[f"{SUBSTEPS}person/{index}/translation"] = motion.translation
+            fields[f"{SUBSTEPS}person/{index}/rotations"] = motion.rotations
+        fields[f"{SUBSTEPS}fps"] = np.array(result.substeps.motions[0].fps)
+        fields |= _track_fields(SUBSTEPS, result.substeps.objects)
     write_npz(path, fields)
 
 
@@ -153,20 +159,20 @@ def _read(npz: Npz, scene: Scene | None, body: Any) -> Result:
         )
     return Result(
         people=people,
-        objects=_objects(npz),
+        objects=_tracks(npz, OBJECT),
         scene=SceneRecord(document, str(path)) if scene is None else scene,
         names=tuple(str(name) for name in names),
         contacts=Contacts(**{name: _field(npz, f"contact/{name}") for name in _CONTACTS}),
         clearance=_field(npz, "meta/clearance"),
         lost_time=_field(npz, "meta/lost_time"),
         settings=_settings(_parsed(npz, "meta/settings")),
-        fps=fps,
+        substeps=_substeps(npz, people),
     )
 
 
 def _bodies(path: Path, people: list[Any], given: Any) -> list[Any]:
     if given is None:
-        keys = ("model", "gender", "betas", "source")
+        keys = ("model", "gender", "betas", "stature", "source", "template_source")
         return [
             BodyRecord(
                 checked_document(
@@ -229,19 +235,38 @@ def _with_origin(path: Path, motion: Motion, reference: Motion) -> tuple[Motion,
     )
 
 
-def _objects(npz: Npz) -> dict[str, ObjectTrack]:
-    names = dict.fromkeys(k.split("/", 1)[1].rsplit("/", 1)[0] for k in npz if _is_object(k))
+def _substeps(npz: Npz, people: tuple[PersonResult, ...]) -> Substeps | None:
+    if f"{SUBSTEPS}fps" not in npz:
+        return None
+    fps = _scalar(npz, f"{SUBSTEPS}fps")
+    motions = [
+        person.motion.with_frames(
+            _field(npz, f"{SUBSTEPS}person/{index}/translation"),
+            _field(npz, f"{SUBSTEPS}person/{index}/rotations"),
+            fps,
+        )
+        for index, person in enumerate(people)
+    ]
+    return Substeps(motions=tuple(motions), objects=_tracks(npz, SUBSTEPS + OBJECT))
+
+
+def _track_fields(prefix: str, tracks: Mapping[str, ObjectTrack]) -> Fields:
+    fields: Fields = {}
+    for name, track in tracks.items():
+        fields[f"{prefix}{OBJECT}{name}/position"] = track.position
+        fields[f"{prefix}{OBJECT}{name}/quaternion"] = track.quaternion
+    return fields
+
+
+def _tracks(npz: Npz, prefix: str) -> dict[str, ObjectTrack]:
+    names = dict.fromkeys(k[len(prefix) :].rsplit("/", 1)[0] for k in npz if k.startswith(prefix))
     return {
         name: ObjectTrack(
-            position=_field(npz, f"object/{name}/position"),
-            quaternion=_field(npz, f"object/{name}/quaternion"),
+            position=_field(npz, f"{prefix}{name}/position"),
+            quaternion=_field(npz, f"{prefix}{name}/quaternion"),
         )
         for name in names
     }
-
-
-def _is_object(key: str) -> bool:
-    return key.startswith("object/") and key.count("/") >= 2
 
 
 def _prefix(index: int) -> str:

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.hull import Hull, convex_hull
 from halfphysics.mass import solid_parts
+from halfphysics.part_hull import PartHull, part_hull
 from halfphysics.person_model import Addresses, add_person, addresses, to_mjcf
 from halfphysics.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
 
@@ -38,6 +38,8 @@ DENSITY = 985.0
 #: Mass [kg] and radius [m] of the little ball that stands in for a joint without skin, so that
 #: its inertia matrix is regular.
 EMPTY_MASS, EMPTY_RADIUS = 1e-6, 0.01
+#: No person spans this much [m]; skins in centimetres or millimetres do.
+MAX_EXTENT = 10.0
 #: Parts with smaller hulls [m^3] get denser samples for their mass: fingers, toes, eyes.
 FINE_VOLUME = 1.5e-4
 
@@ -126,7 +128,7 @@ def build_variant(body: Skin, *, density: float = DENSITY, mass: float | None = 
         if value is not None and not (np.isfinite(value) and value > 0.0):
             raise InputError(f"variant: {name} is {value}, expected a number > 0")
     labels = weights.argmax(axis=1)
-    hulls = [convex_hull(skin[labels == i] - joints[i]) for i in range(N_JOINTS)]
+    hulls = [part_hull(skin[labels == i] - joints[i], JOINT_NAMES[i]) for i in range(N_JOINTS)]
     thickened = [JOINT_NAMES[i] for i, hull in enumerate(hulls) if hull.thickened]
     if thickened:
         warnings.warn(
@@ -181,6 +183,12 @@ def _checked(body: Skin) -> tuple[Array, Array, NDArray[np.int64], Array]:
             raise InputError(f"variant: {name} of the body is {array.shape}, expected {shape}")
         if not np.isfinite(array).all():
             raise InputError(f"variant: {name} of the body holds NaN or infinity")
+    extent = float(np.ptp(skin, axis=0).max()) if len(skin) else 0.0
+    if extent > MAX_EXTENT:
+        raise InputError(
+            f"variant: the skin of the body is {extent:g} m across, expected under "
+            f"{MAX_EXTENT:g}; is it in metres?"
+        )
     if len(faces) and not (faces.min() >= 0 and faces.max() < len(skin)):
         raise InputError(
             f"variant: faces of the body name vertices {faces.min()} to {faces.max()}, "
@@ -189,7 +197,7 @@ def _checked(body: Skin) -> tuple[Array, Array, NDArray[np.int64], Array]:
     return skin, joints, faces, weights
 
 
-def _ball(hull: Hull, density: float) -> tuple[float, Array, Array]:
+def _ball(hull: PartHull, density: float) -> tuple[float, Array, Array]:
     """Mass, centre and inertia of a part that holds no volume of the skin."""
     points = hull.vertices if len(hull.vertices) else np.zeros((1, 3))
     mass = max(EMPTY_MASS, density * hull.volume)

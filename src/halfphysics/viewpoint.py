@@ -29,7 +29,9 @@ _NEAR = 1.6
 # A static thing that hides more than this share of the story is drawn as glass.
 _HIDES = 0.02
 # Weights of what makes a view good: nothing hidden, seen from the front, across the correction.
-_OPEN, _FRONT, _ACROSS = 3.0, 0.25, 0.3
+_OPEN, _FRONT, _ACROSS = 2.0, 0.3, 0.3
+# A view with this much of the story in the open is as good as any: what hides becomes glass.
+_ENOUGH = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +118,7 @@ def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, i
             across = (
                 float(np.linalg.norm(np.cross(apart, level), axis=1).mean()) if len(apart) else 0.0
             )
-            score = _OPEN * float(np.mean(shares)) + _FRONT * front + _ACROSS * across
+            score = _OPEN * min(float(np.mean(shares)), _ENOUGH) + _FRONT * front + _ACROSS * across
             if score > best_score + 1e-9:
                 best, best_score = towards, score
     return best / np.linalg.norm(best)

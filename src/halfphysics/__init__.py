@@ -1,5 +1,95 @@
-"""halfphysics: give a kinematic human a body."""
+"""halfphysics: give a kinematic human a body.
+
+A known SMPL-X motion, a body shape and a scene in; the same motion out where nothing was in the
+way, corrected where something was, with the objects' motion and all contacts. World z-up; metres,
+kilograms, seconds; quaternions wxyz; rotations axis-angle [rad].
+
+Names are imported when first used: ``import halfphysics`` itself takes a few milliseconds.
+"""
 
 from __future__ import annotations
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from halfphysics import errors, metrics, scenarios
+    from halfphysics.body import Body
+    from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
+    from halfphysics.motion import Motion
+    from halfphysics.pose import Pose
+    from halfphysics.result import Result
+    from halfphysics.scene import Scene
+    from halfphysics.sequence import Sequence
+    from halfphysics.settings import Settings
+    from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+    from halfphysics.simulation import simulate
+    from halfphysics.simulator import Simulator
+    from halfphysics.skeleton import JOINT_NAMES
+
 __version__ = "0.1.0"
+
+__all__ = [
+    "JOINT_NAMES",
+    "Body",
+    "Box",
+    "Capsule",
+    "Cylinder",
+    "HalfPhysicsError",
+    "HalfPhysicsWarning",
+    "Mesh",
+    "Motion",
+    "Plane",
+    "Pose",
+    "Result",
+    "Scene",
+    "Sequence",
+    "Settings",
+    "Simulator",
+    "Sphere",
+    "__version__",
+    "errors",
+    "metrics",
+    "scenarios",
+    "simulate",
+]
+
+# Name -> module it comes from; None: the name is a module of this package.
+_FROM: dict[str, str | None] = {
+    "errors": None,
+    "metrics": None,
+    "scenarios": None,
+    "JOINT_NAMES": "skeleton",
+    "Body": "body",
+    "Box": "shapes",
+    "Capsule": "shapes",
+    "Cylinder": "shapes",
+    "HalfPhysicsError": "errors",
+    "HalfPhysicsWarning": "errors",
+    "Mesh": "shapes",
+    "Motion": "motion",
+    "Plane": "shapes",
+    "Pose": "pose",
+    "Result": "result",
+    "Scene": "scene",
+    "Sequence": "sequence",
+    "Settings": "settings",
+    "Simulator": "simulator",
+    "Sphere": "shapes",
+    "simulate": "simulation",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _FROM:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = _FROM[name]
+    if module is None:
+        return importlib.import_module(f"{__name__}.{name}")
+    value = getattr(importlib.import_module(f"{__name__}.{module}"), name)
+    globals()[name] = value  # found without this function from now on
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

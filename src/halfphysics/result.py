@@ -28,9 +28,9 @@ Ints = NDArray[np.int64]
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 
-#: Time after a contact until the body follows its reference again: ten time constants of the
-#: default drive [s].
-SETTLE = 0.2
+#: Time after a contact until the body is on its reference again: a deviation of 2 rad returns in
+#: 0.25 s at the default `Settings.recovery_rate`, then twelve time constants of the drive [s].
+SETTLE = 0.5
 
 
 class Record(Protocol[T_co]):
@@ -112,10 +112,12 @@ class Contacts:
         n = len(np.atleast_1d(self.frame))
         for column in fields(self):
             value = getattr(self, column.name)
-            if column.name in VECTORS:
-                array = checked(f"contacts.{column.name}", value, (None, 3), "(n, 3)")
-            else:
-                array = _whole(f"contacts.{column.name}", value)
+            name = f"contacts.{column.name}"
+            array: NDArray[Any] = (
+                checked(name, value, (None, 3), "(n, 3)")
+                if column.name in VECTORS
+                else _whole(name, value)
+            )
             if len(array) != n:
                 raise InputError(
                     f"contacts.{column.name}: found {len(array)} rows and {n} in contacts.frame; "
@@ -135,10 +137,11 @@ class Contacts:
     @staticmethod
     def none() -> Contacts:
         """No contacts at all."""
-        whole, vectors = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        return Contacts(
-            **{f.name: vectors if f.name in VECTORS else whole for f in fields(Contacts)}
-        )
+        columns: dict[str, Any] = {
+            f.name: np.zeros((0, 3)) if f.name in VECTORS else np.zeros(0, dtype=np.int64)
+            for f in fields(Contacts)
+        }
+        return Contacts(**columns)
 
 
 #: Columns of `Contacts` that are vectors; the others are whole numbers.

@@ -1,0 +1,110 @@
+"""The command line: ``halfphysics COMMAND ...``.
+
+A command is one file of this package with a dataclass `Command` (its fields are the options, its
+docstring the help), a text `EXAMPLES`, and one line in `COMMANDS`.
+"""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import sys
+import warnings
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
+
+#: Command -> what it does in one line. The module of that name in this package is the command.
+COMMANDS: Mapping[str, str] = MappingProxyType(
+    {
+        "demo": "play a built-in story and write result, pictures and a page",
+        "simulate": "give a motion a body in a scene",
+        "evaluate": "measure a result or a motion",
+        "convert": "write a motion in another format or at another frame rate",
+    }
+)
+
+#: A user's mistake, and an interruption by Ctrl-C.
+MISTAKE, INTERRUPTED = 2, 130
+
+_USAGE = "usage: halfphysics COMMAND ...   (halfphysics COMMAND --help explains a command)"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code (0, 2 for a user's mistake, 130 for Ctrl-C)."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", HalfPhysicsWarning)
+        warnings.showwarning = _show_warning(warnings.showwarning)
+        try:
+            return _run(arguments)
+        except HalfPhysicsError as error:
+            print(f"halfphysics: error: {error}", file=sys.stderr)
+            return MISTAKE
+        except KeyboardInterrupt:
+            return INTERRUPTED
+        except BrokenPipeError:
+            # Whoever read our output has gone (halfphysics ... | head); nothing left to tell.
+            sys.stderr.close()
+            return 1
+
+
+def _run(arguments: list[str]) -> int:
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(_overview(), file=sys.stdout if arguments else sys.stderr)
+        return 0 if arguments else MISTAKE
+    name, *rest = arguments
+    if name == "--version":
+        from halfphysics import __version__
+
+        print(f"halfphysics {__version__}")
+        return 0
+    if name not in COMMANDS:
+        close = difflib.get_close_matches(name, COMMANDS, n=1)
+        hint = f"; did you mean {close[0]}?" if close else ""
+        raise InputError(
+            f"unknown command {name!r}{hint} Expected one of {', '.join(COMMANDS)}. "
+            "halfphysics --help explains them"
+        )
+    from halfphysics.cli.parsing import Exit, parse
+
+    module: Any = importlib.import_module(f"{__name__}.{name}")
+    command = parse(module.Command, f"halfphysics {name}", module.EXAMPLES, rest)
+    if isinstance(command, Exit):
+        return command.code
+    command.run()
+    return 0
+
+
+def _overview() -> str:
+    width = max(map(len, COMMANDS))
+    lines = [f"  {name.ljust(width)}  {what}" for name, what in COMMANDS.items()]
+    return "\n".join(
+        [
+            "halfphysics: give a kinematic human a body.",
+            "",
+            _USAGE,
+            "",
+            *lines,
+            "",
+            "example:",
+            "  halfphysics demo",
+            "  halfphysics simulate walk.npz --scene room.yaml --out result.npz",
+            "",
+            "halfphysics --version prints the version.",
+        ]
+    )
+
+
+def _show_warning(other: Any) -> Any:
+    """Our warnings as one line; those of others as they are."""
+
+    def show(message: Any, category: type[Warning], *rest: Any, **named: Any) -> None:
+        if issubclass(category, HalfPhysicsWarning):
+            print(f"halfphysics: warning: {message}", file=sys.stderr)
+        else:
+            other(message, category, *rest, **named)
+
+    return show

@@ -1,0 +1,70 @@
+"""halfphysics demo: the whole of it on a built-in story."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from halfphysics.cli.options import progress
+from halfphysics.errors import FileError
+
+EXAMPLES = """\
+halfphysics demo
+halfphysics demo --out /somewhere/else"""
+
+_STORY = "doorway"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Play a built-in story, print its measures, write a result, a picture strip and a page.
+
+    A person walks through a doorway too narrow on one side, bumps a table and kicks a ball.
+    """
+
+    out: Annotated[Path, tyro.conf.arg(aliases=["-o"])] = Path("out/demo")
+    """Folder to write into; made if it is not there."""
+
+    def run(self) -> None:
+        """Simulate, measure, write."""
+        from halfphysics import scenarios
+        from halfphysics.cli import measures
+        from halfphysics.page import save_page
+        from halfphysics.simulation import simulate
+        from halfphysics.strip import picture_strip
+
+        try:
+            self.out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileError(f"{self.out}: cannot make this folder: {error.strerror}") from None
+        print(scenarios.describe(_STORY))
+        story = scenarios.load(_STORY)
+        start = time.perf_counter()
+        result = simulate(
+            story.motion, story.scene, body=story.body, settings=story.settings, progress=progress()
+        )
+        seconds = time.perf_counter() - start
+        rate = (len(result) - 1) / seconds
+        print(result.summary())
+        print()
+        print(measures.of_result(result, 0, progress=progress()))
+        print()
+        print(
+            f"simulated {len(result)} frames in {seconds:.2f} s, set-up included: {rate:.0f} "
+            f"frames/s, {rate / result.fps:.1f} times real time"
+        )
+        written = {
+            "result": self.out / "result.npz",
+            "pictures": self.out / "strip.png",
+            "page": self.out / "demo.html",
+        }
+        result.save(written["result"])
+        picture_strip(result, written["pictures"])
+        save_page(result, written["page"], title="halfphysics demo", progress=progress())
+        for what, path in written.items():
+            note = "  (open it in a browser; it needs no network)" if what == "page" else ""
+            print(f"{what + ':':<10}{path}{note}")

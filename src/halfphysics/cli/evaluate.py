@@ -1,0 +1,77 @@
+"""halfphysics evaluate: measure a result or a motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions, progress
+from halfphysics.errors import InputError
+
+EXAMPLES = """\
+halfphysics evaluate result.npz
+halfphysics evaluate walk.npz --scene room.yaml
+halfphysics evaluate mine.npz --reference asked.npz --body SMPLX_NEUTRAL.npz"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Measure a result against what was asked, or a motion against a scene or a reference.
+
+    Penetration counts all skinned vertices; MPJPE is the mean error over 55 joints with the
+    pelvis subtracted, MPJPE-g without. Of a result, scene, body and reference are known.
+    """
+
+    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RESULT_OR_MOTION")]
+    """A result of `simulate`, or a motion file."""
+    reference: Path | None = None
+    """Motion to compare with; of a result, the motion that was asked for if not given."""
+    scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
+    person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
+    reading: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
+
+    def run(self) -> None:
+        """Print the table."""
+        from halfphysics.cli import measures
+        from halfphysics.io.result_file import is_result
+        from halfphysics.motion import Motion
+
+        scene = self.scene.load() if self.scene.given else None
+        if is_result(self.file):
+            self._result(scene)
+            return
+        motion = self.reading.load(self.file)
+        if scene is None and self.reference is None:
+            raise InputError(
+                f"{self.file}: a motion alone, nothing to measure it against. Add --scene (or "
+                "--static) or --reference"
+            )
+        reference = None if self.reference is None else Motion.load(self.reference)
+        body = self.person.load(motion)
+        print(measures.of_motion(motion, body, scene, reference, progress=progress()))
+
+    def _result(self, scene: object) -> None:
+        import dataclasses
+
+        from halfphysics.cli import measures
+        from halfphysics.motion import Motion
+        from halfphysics.result import Result
+
+        result = Result.load(self.file, scene=scene)  # type: ignore[arg-type]
+        people = list(result.people)
+        if self.person.body is not None or self.person.stature is not None:
+            people = [
+                dataclasses.replace(p, body=self.person.load(p.motion))  # type: ignore[arg-type]
+                for p in people
+            ]
+        if self.reference is not None:
+            reference = Motion.load(self.reference)
+            people[0] = dataclasses.replace(people[0], reference=reference)
+        result = dataclasses.replace(result, people=tuple(people))
+        for index, person in enumerate(people):
+            if len(people) > 1:
+                print(f"{person.name}:")
+            print(measures.of_result(result, index, progress=progress()))

@@ -1,0 +1,168 @@
+"""Options that several commands share, and what they stand for."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from halfphysics.errors import FileError, InputError
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.motion import Motion
+    from halfphysics.scene import Scene
+
+#: The static that `--ground` adds.
+GROUND = "ground"
+
+
+def progress() -> bool:
+    """Whether to show progress bars: only to a person at a terminal."""
+    return sys.stderr.isatty()
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionOptions:
+    """What a motion file cannot say itself."""
+
+    fps: float | None = None
+    """Frames per second of the motion file, where it does not say."""
+    up: Literal["y", "z"] | None = None
+    """The axis that is up in the motion file, where it is not what its format prescribes."""
+    hands: Literal["flat", "mean"] | None = None
+    """What zero fingers mean in the motion file: a flat hand, or the model's relaxed one."""
+    model: str | None = None
+    """smplx, smplh or smpl, where the file does not say; or a model file (for mean hands)."""
+    gender: Literal["neutral", "male", "female"] | None = None
+    """Gender of the motion's shape, where the file does not say."""
+    frames: str | None = None
+    """Frames to read, START:STOP (counted from 0, STOP left out); either may be missing."""
+
+    def load(self, path: Path) -> Motion:
+        """The motion in a file."""
+        from halfphysics.motion import Motion
+
+        return Motion.load(
+            path,
+            fps=self.fps,
+            up=self.up,
+            hands=self.hands,
+            model=self.model,
+            gender=self.gender,
+            frames=self._range(),
+        )
+
+    def _range(self) -> tuple[int | None, int | None] | None:
+        if self.frames is None:
+            return None
+        ends = self.frames.split(":")
+        try:
+            start, stop = (int(end) if end.strip() else None for end in ends)
+        except ValueError:
+            raise InputError(
+                f"--frames: found {self.frames!r}, expected START:STOP, such as 0:90 or 30:"
+            ) from None
+        return start, stop
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyOptions:
+    """Whose body."""
+
+    body: Path | None = None
+    """Body model: an SMPL-X, SMPL-H or SMPL file, or a folder of them; the default body if not
+    given."""
+    stature: float | None = None
+    """Height of the default body [m]."""
+    allow_mismatch: bool = False
+    """Take a body of another gender or model than the motion's, with its mean shape."""
+
+    def load(self, motion: Motion) -> Body:
+        """The body for a motion: with its betas, where they are that model's."""
+        from halfphysics.body import Body
+        from halfphysics.io.body_models import read_model
+
+        if self.body is None:
+            return Body.default(stature=self.stature)
+        if self.stature is not None:
+            raise InputError(
+                "--stature is for the default body; the shape of a model comes from the motion's "
+                "betas. Leave out --stature or --body"
+            )
+        folder = self.body.is_dir()
+        space = read_model(
+            self.body,
+            gender=motion.gender if folder else None,
+            model=motion.model if folder else None,
+        )
+        own = space.model == motion.model and space.gender in (motion.gender, "unknown")
+        return Body.shaped(space, motion.betas if own else None)
+
+
+Things = Annotated[tuple[str, ...], tyro.conf.UseAppendAction]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneOptions:
+    """What stands and lies around."""
+
+    scene: Path | None = None
+    """Scene file (.yaml or .json)."""
+    static: Annotated[Things, tyro.conf.arg(metavar="NAME=SHAPE,...")] = ()
+    """Something that never moves, such as wall=box:0.1:2:2.5,at=1:0:1.25 or room=room.glb.
+    Shapes: plane, sphere:R, box:X:Y:Z, capsule:R:L, cylinder:R:L or a mesh file; keys: at, quat,
+    friction, restitution, scale, up."""
+    object: Annotated[Things, tyro.conf.arg(metavar="NAME=SHAPE,...")] = ()
+    """Something that moves, such as ball=sphere:0.11,mass=0.43,at=1:0:0.11; also the keys mass
+    or density, and velocity."""
+    ground: bool = True
+    """A floor at z = 0, where the scene brings no plane of its own."""
+
+    def load(self) -> Scene:
+        """The scene described."""
+        from halfphysics.scene import Scene
+        from halfphysics.scene_spec import parse_object, parse_static
+        from halfphysics.shapes import Plane
+
+        scene = Scene() if self.scene is None else Scene.load(self.scene)
+        for text in self.static:
+            name, shape, options = parse_static(text)
+            scene.add_static(name, shape, **options)
+        for text in self.object:
+            name, shape, options = parse_object(text)
+            scene.add_object(name, shape, **options)
+        planes = any(isinstance(static.shape, Plane) for static in scene.statics.values())
+        if self.ground and not planes:
+            if GROUND in (*scene.statics, *scene.objects):
+                raise InputError(
+                    f"the scene has something called {GROUND!r} that is no plane, the name of the "
+                    "floor that is added. Rename it, or say --no-ground"
+                )
+            scene.add_static(GROUND, Plane())
+        return scene
+
+    @property
+    def given(self) -> bool:
+        """Whether any of it was said."""
+        return self.scene is not None or bool(self.static) or bool(self.object)
+
+
+def check_output(path: Path, *inputs: Path | None) -> None:
+    """Refuse, before the work, a file that could not be written after it.
+
+    Raises:
+        FileError: No such folder, a folder, or one of the inputs.
+    """
+    if path.is_dir():
+        raise FileError(f"{path}: cannot write, this is a folder. Give a file name")
+    if not path.parent.is_dir():
+        raise FileError(
+            f"{path}: cannot write, the folder {path.parent} does not exist. Create it first"
+        )
+    for given in inputs:
+        if given is not None and given.exists() and path.exists() and path.samefile(given):
+            raise FileError(f"{path}: this is the input. Give another name for the output")

@@ -1,0 +1,70 @@
+"""From arguments to a command: tyro reads them, mistakes become one message."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from halfphysics.errors import InputError
+
+T = TypeVar("T")
+
+_ANSI = re.compile(r"\x1b\[[0-9;]*m")
+_FRAME = "╭╮╰╯│─"
+
+
+@dataclass(frozen=True)
+class Exit:
+    """The arguments asked for no more than help."""
+
+    code: int
+
+
+def parse(command: type[T], prog: str, examples: str, arguments: Sequence[str]) -> T | Exit:
+    """The command that the arguments describe, or `Exit` after its help was printed.
+
+    Raises:
+        InputError: Arguments that do not fit, in one message.
+    """
+    import tyro
+
+    errors = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(errors):
+            parsed = tyro.cli(command, prog=prog, args=list(arguments))
+    except SystemExit as stop:
+        if stop.code:
+            raise InputError(one_message(errors.getvalue(), prog)) from None
+        print(f"examples:\n{_indented(examples)}")
+        return Exit(0)
+    sys.stderr.write(errors.getvalue())
+    return parsed
+
+
+def one_message(box: str, prog: str) -> str:
+    """What tyro says in a framed box, as one line of text."""
+    sections: list[list[str]] = [[]]
+    for raw in _ANSI.sub("", box).splitlines():
+        if raw.startswith(("╭", "╰")):
+            continue
+        line = raw.strip(" │")
+        if line and not line.strip(_FRAME):
+            sections.append([])
+        elif line:
+            sections[-1].append(line)
+    said = " ".join(sections[0])
+    for section in sections[1:]:
+        if section and section[0].startswith("Perhaps you meant"):
+            said += f". {section[0]} {section[1] if len(section) > 1 else ''}".rstrip()
+    # A wrong value is said with the name of its group, which is no option.
+    said = said.removeprefix("Error parsing settings: ")
+    return f"{said.rstrip('.')}. {prog} --help explains the options"
+
+
+def _indented(text: str) -> str:
+    return "\n".join(f"  {line}" for line in text.strip().splitlines())

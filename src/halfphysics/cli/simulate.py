@@ -1,0 +1,71 @@
+"""halfphysics simulate: give a motion a body in a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from halfphysics.cli.options import (
+    BodyOptions,
+    MotionOptions,
+    SceneOptions,
+    check_output,
+    progress,
+)
+from halfphysics.errors import InputError
+from halfphysics.settings import Settings
+
+EXAMPLES = """\
+halfphysics simulate walk.npz --scene room.yaml --out result.npz
+halfphysics simulate kick.npz --grounded --object ball=sphere:0.11,mass=0.43,at=1:0:0.11 --out r.npz
+halfphysics simulate walk.npz --body SMPLX_NEUTRAL.npz --static wall=box:0.1:4:2.5,at=1.5:0:1.25
+halfphysics simulate a.npz b.npz --stiffness 10 --root recover --out two_people.npz"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Give a motion a body in a scene: what is in its way stops it, what it meets is pushed."""
+
+    motions: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="MOTION")]
+    """Motion files, one per person."""
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Result file to write (.npz); without it only the summary is printed."""
+    grounded: bool = False
+    """Move each motion along z so that its lowest skin vertex is at z = 0."""
+    scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
+    person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
+    reading: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
+    settings: tyro.conf.OmitArgPrefixes[Settings] = field(default_factory=Settings)
+
+    def run(self) -> None:
+        """Simulate, print the summary, write the result."""
+        from halfphysics.simulation import simulate
+
+        if not self.motions:
+            raise InputError(
+                "simulate: no motion file. halfphysics simulate --help explains the options"
+            )
+        if self.out is not None:
+            check_output(self.out, *self.motions, self.scene.scene, self.person.body)
+        motions = [self.reading.load(path) for path in self.motions]
+        scene = self.scene.load()
+        bodies = [self.person.load(motion) for motion in motions]
+        if self.grounded:
+            motions = [m.grounded(body) for m, body in zip(motions, bodies, strict=True)]
+        result = simulate(
+            motions,
+            scene,
+            body=bodies,
+            settings=self.settings,
+            allow_mismatch=self.person.allow_mismatch,
+            progress=progress(),
+        )
+        print(result.summary())
+        if self.out is None:
+            print("nothing written; --out FILE keeps the result")
+        else:
+            result.save(self.out)
+            print(f"result: {self.out}")

@@ -7,11 +7,16 @@ import io
 import stat
 import zipfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from halfphysics import rotations as rot
 from halfphysics import skeleton
+from halfphysics.body import Body
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.io import FORMATS, npz
 from halfphysics.motion import Motion
@@ -222,6 +227,35 @@ def test_parts_of_result_files_and_pickles_are_passed_over(tmp_path):
         assert set(out) == set(fields())
 
 
+# -- axes ---------------------------------------------------------------------------------------
+
+
+@settings(
+    max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(seed=st.integers(0, 10_000))
+def test_a_file_with_y_up_puts_the_same_vertices_into_the_world(tmp_path, seed):
+    """The same movement written in a y-up file: all its vertices turned by -90 degrees about x."""
+    body = Body.default()
+    content = fields("smplh", frames=3, seed=seed)
+    z_up = Motion.load(write(tmp_path / "z.npz", content))
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # (x, y, z) -> (x, z, -y)
+    # A turned body has its pelvis at turn @ (J0 + trans); its file says J0 + trans_y.
+    pelvis = body.rest_joints[0]
+    root = rot.matrix_to_rotvec(turn @ rot.rotvec_to_matrix(content["poses"][:, :3]))
+    content["trans"] = (content["trans"] + pelvis) @ turn.T - pelvis
+    content["poses"] = np.concatenate([root, content["poses"][:, 3:]], axis=1)
+    path = write(tmp_path / "y.npz", content)
+    y_up = Motion.load(path, up="y")
+    assert np.abs(body.vertices(y_up) - body.vertices(z_up)).max() < 1e-9
+    assert np.abs(body.joints(y_up[1]) - body.joints(z_up[1])).max() < 1e-9  # a pose as well
+    y_up.save(tmp_path / "back.npz")  # writers turn back
+    with np.load(path) as old, np.load(tmp_path / "back.npz") as new:
+        assert np.abs(new["trans"] - old["trans"]).max() < 1e-12
+        assert np.abs(new["poses"][:, 3:] - old["poses"][:, 3:]).max() == 0.0
+        assert np.abs(rot.exp(new["poses"][:, :3]) - rot.exp(old["poses"][:, :3])).max() < 1e-9
+
+
 # -- what the caller says ------------------------------------------------------------------------
 
 
@@ -237,6 +271,30 @@ def test_the_caller_says_what_a_file_cannot(tmp_path):
     assert (motion.fps, motion.gender, motion.model, len(motion)) == (50.0, "male", "smplh", 4)
     motion.save(tmp_path / "b.npz")
     assert Motion.load(tmp_path / "b.npz").gender == "male"
+
+
+def test_mean_hands_are_stored_flat_and_written_back(tmp_path, monkeypatch):
+    mean = np.linspace(-0.5, 0.5, 90)
+    asked = {}
+
+    def load(path, **options):
+        asked.update(path=str(path), **options)
+        return SimpleNamespace(hands_mean=mean)
+
+    monkeypatch.setattr(Body, "load", staticmethod(load), raising=False)
+    content = fields("smplh")
+    path = write(tmp_path / "a.npz", content)
+    (tmp_path / "SMPLH_FEMALE.npz").write_bytes(b"model")
+    motion = Motion.load(path, hands="mean", model=tmp_path / "SMPLH_FEMALE.npz")
+    assert asked == {"path": str(tmp_path / "SMPLH_FEMALE.npz"), "gender": "female"}
+    assert np.array_equal(motion.poses[:, 75:], content["poses"][:, 66:] + mean)
+    assert motion.model == "smplh"
+    motion.save(tmp_path / "b.npz")
+    with np.load(tmp_path / "b.npz") as out:
+        assert np.abs(out["poses"] - content["poses"]).max() < 1e-14  # added, taken away
+    smpl = write(tmp_path / "c.npz", fields("smpl"))
+    with pytest.raises(InputError, match="has no fingers"):
+        Motion.load(smpl, hands="mean", model=tmp_path / "SMPLH_FEMALE.npz")
 
 
 def test_body_only_files_need_a_model(tmp_path):
@@ -396,11 +454,16 @@ def test_formats_have_what_a_registry_needs():
 def test_real_clips_come_back_bit_for_bit(shared_data, tmp_path):
     clips = sorted((shared_data / "motion").glob("*.npz"))
     assert clips
+    body = Body.default()
     for clip in clips:
         motion = Motion.load(clip)
         assert motion.model == "smpl"
         motion.save(tmp_path / "b.npz")
         same(clip, tmp_path / "b.npz")
+        some = range(0, len(motion), 40)
+        before = body.vertices(motion, frames=some)
+        after = body.vertices(Motion.load(tmp_path / "b.npz"), frames=some)
+        assert np.abs(after - before).max() <= 1e-9
         sixty = motion.resample(60.0).resample(30.0)
         assert np.array_equal(sixty.rotations, motion.rotations)
         assert np.array_equal(sixty.translation, motion.translation)

@@ -157,7 +157,7 @@ def test_a_finely_divided_floor_gives_one_plane():
             np.stack([corner + n, corner + n + 1, corner + 1], 1),
         ]
     ).astype(np.int32)
-    foot = hull_collider(Box((0.1, 0.25, 0.06)).convex_vertices() + [0.013, 0.027, 0.035])
+    foot = hull_collider(Box((0.1, 0.25, 0.06)).convex_vertices() + np.array([0.013, 0.027, 0.035]))
     planes, nearest = _native.triangle_planes(vertices, faces, foot.vertices, 0.0, 0.05)
     assert len(planes) == 1
     np.testing.assert_allclose(planes[0, :3], [0, 0, 1], atol=1e-12)

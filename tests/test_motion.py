@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from halfphysics import rotations as rot
+from halfphysics.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion import Motion, Pose
 
@@ -259,3 +260,20 @@ def test_smplx_expression_is_reported_and_typos_refused():
         Motion.from_smplx(**good, expression=np.ones((4, 10)))
     with pytest.raises(TypeError):
         Motion.from_smplx(**good, body_poses=np.zeros((4, 63)))
+
+
+# -- on the ground ---------------------------------------------------------------------------
+
+
+def test_grounded_touches_the_height_asked():
+    body = Body.default()
+    motion = random_motion(8)
+    low = body.vertices(motion.grounded(body, z=0.25))[..., 2].min(axis=1)
+    assert abs(low.min() - 0.25) < 1e-9
+    median = body.vertices(motion.grounded(body, percentile=50.0))[..., 2].min(axis=1)
+    assert abs(np.median(median)) < 1e-9
+    same = motion.grounded(body).translation - motion.translation
+    assert np.ptp(same, axis=0).max() < 1e-12  # moved, not bent
+    assert not same[:, :2].any()
+    with pytest.raises(InputError, match="percentile: found 101"):
+        motion.grounded(body, percentile=101)

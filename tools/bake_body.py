@@ -10,15 +10,15 @@ What it does:
 
 1. *Sample adults.* `anny` makes a skin of 13,718 vertices and a rig of 163 bones for each set of
    traits (gender, age, muscle, weight, height, proportions).
-2. *A-pose to T-pose.* The rig is posed so that arms, legs and fingers point where `ARM`, `LEG` and
-   `FINGER_YAW` say, and the skin follows by linear blend skinning with the rig's own weights. The
-   bones that share a limb's twist (upper arm, forearm, thigh, shank) share it here too.
+2. *A-pose to T-pose.* The rig is posed so that arms, legs and fingers point where `t_pose.py`
+   says, and the skin follows by linear blend skinning with the rig's own weights.
 3. *163 bones to 55 joints.* `BONES` lists which bones make up each joint; a joint sits at the head
-   of its first bone and gets the sum of their weights, at most four per vertex.
+   of its first bone and gets the sum of their weights, at most four per vertex; the seam between
+   pelvis and thighs is smoothed.
 4. *Shape space.* Area-weighted PCA over the sampled T-poses, ten components, one unit = one
    standard deviation.
 5. *Joint regressor.* For each joint, the smallest change to a smooth local average that gives the
-   joint exactly for the mean and for each shape component.
+   joint for the mean and for each shape component, to 0.1 mm.
 
 The file has the keys of an SMPL-X npz, so that one reader reads both, except `posedirs`: this body
 has no pose-dependent shape, and 40 MB of zeros would only make loading slow. A reader treats its
@@ -31,6 +31,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import importlib.util
 import io
 import sys
 import zipfile
@@ -40,34 +41,40 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "src"))
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS, PARENTS  # noqa: E402
+# The skeleton alone, by its file: the package needs its native part built, this environment has none.
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+_spec = importlib.util.spec_from_file_location("skeleton", ROOT / "src/halfphysics/skeleton.py")
+skeleton = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(skeleton)
+from t_pose import FINGERS, MIRROR, pose  # noqa: E402
+
+JOINT_INDEX, JOINT_NAMES = skeleton.JOINT_INDEX, skeleton.JOINT_NAMES
+N_JOINTS, PARENTS = skeleton.N_JOINTS, skeleton.PARENTS
 
 # ---------------------------------------------------------------- choices: the people sampled
 SEED, N_SAMPLES, N_SHAPE = 0, 256, 10
-#: trait -> (mean, standard deviation) of a normal clipped to [0.02, 0.98], or None: uniform.
+#: trait -> (mean, standard deviation) of a normal clipped to [0.02, 0.98].
 NORMAL_TRAITS = {
     "muscle": (0.5, 0.15),
-    "weight": (0.45, 0.15),
-    "height": (0.40, 0.08),  # 1.73 m on average
+    "weight": (0.44, 0.15),  # 62 litres on average
+    "height": (0.405, 0.08),  # 1.73 m on average
     "proportions": (0.5, 0.15),
 }
-UNIFORM_TRAITS = {"gender": (0.0, 1.0), "age": (0.67, 0.85)}  # age 2/3: about 25 years
-
-# ---------------------------------------------------------------- choices: the rest pose
+#: trait -> range of a uniform distribution; age 2/3 is about 25 years, 1 is 90.
+UNIFORM_TRAITS = {"gender": (0.0, 1.0), "age": (0.67, 0.85)}
 #: The pelvis joint, the same for every shape: the origin is 0.4 m above it, in the chest.
 PELVIS = np.array([0.0, -0.4, 0.0])
-ARM = np.array([1.0, 0.0, 0.0])  # left side; the right side is its mirror image
-LEG = np.array([0.0, -1.0, 0.0])
-CLAVICLE_RAISE = 10.0  # degrees: the shoulder girdle's share in raising an arm by 45
-#: Left hand, degrees: yaw of straight fingers from the arm's axis towards the thumb side (+z) ...
-FINGER_YAW = {"index": 5.0, "middle": 0.0, "ring": -5.0, "pinky": -10.0}
-#: ... and (yaw, pitch; down is negative) of the three thumb bones.
-THUMB = ((60.0, -30.0), (45.0, -20.0), (40.0, -20.0))
 
 # ---------------------------------------------------------------- choices: which bones, which joint
-FINGERS = {"thumb": 1, "index": 2, "middle": 3, "ring": 4, "pinky": 5}
 MAX_WEIGHTS = 4
+#: The source's seam between pelvis and thighs is sharp: a deep squat pushes the crotch out between
+#: the legs. Weights there are diffused over this length [m] along the skin.
+SMOOTHING, SMOOTHED = 0.04, ("pelvis", "left_hip", "right_hip")
+#: Joints whose bones move much flesh and rule little of it: the ball of the thumb, the shoulder.
+EMPHASIS = {"thumb1": 2.0, "collar": 1.5}
+#: Vertices that a joint is regressed from, at least, where it has so many: with fewer the entries
+#: grow large and alternate in sign.
+REGRESSED_FROM = 1000
 WEIGHT_UNIT = 2.0**-14  # weights are whole multiples: rows sum to exactly 1, and they compress
 
 
@@ -104,7 +111,6 @@ def bones_of_joints() -> dict[str, list[str]]:
 
 
 BONES = bones_of_joints()
-MIRROR = np.array([-1.0, 1.0, 1.0])
 
 
 # ---------------------------------------------------------------- the source
@@ -154,129 +160,20 @@ def load_source() -> Source:
     )
 
 
-# ---------------------------------------------------------------- A-pose to T-pose
-def unit(v: np.ndarray) -> np.ndarray:
-    return v / np.linalg.norm(v)
-
-
-def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    """Rotation matrix (3, 3) about `axis` by `angle` [rad]."""
-    x, y, z = unit(axis)
-    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
-
-
-def swing(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The smallest rotation that takes direction a to direction b."""
-    axis = np.cross(a, b)
-    s = np.linalg.norm(axis)
-    return np.eye(3) if s < 1e-12 else rotation(axis, np.arctan2(s, a @ b))
-
-
-def frame(along: np.ndarray, side: np.ndarray) -> np.ndarray:
-    """Orthonormal columns: `along`, the part of `side` across it, their cross product."""
-    x = unit(along)
-    y = unit(side - (side @ x) * x)
-    return np.stack([x, y, np.cross(x, y)], axis=1)
-
-
-def twist(R: np.ndarray, axis: np.ndarray) -> float:
-    """Angle [rad] that R turns about `axis`, of the swing-twist decomposition."""
-    return 2 * np.arctan2(
-        axis @ np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]),
-        1 + np.trace(R),
-    )
-
-
-def direction(yaw: float, pitch: float) -> np.ndarray:
-    """Unit vector of the left hand from degrees towards +z and degrees up."""
-    y, p = np.radians([yaw, pitch])
-    return np.array([np.cos(y) * np.cos(p), np.sin(p), np.sin(y) * np.cos(p)])
-
-
-def left_rotations(at: dict[str, np.ndarray], tip: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """World rotations of the left side's bones that take the A-pose to the T-pose.
-
-    `at`, `tip`: heads and tails of the left bones, names without ".L". Bones not in the answer
-    turn with their parent.
-    """
-    R: dict[str, np.ndarray] = {}
-    # Arm: the elbow's hinge (upper arm x forearm) becomes vertical, so that it bends forwards.
-    upper, fore = at["lowerarm01"] - at["upperarm01"], at["wrist"] - at["lowerarm01"]
-    hinge = np.cross(upper, fore)
-    R["clavicle"] = rotation(np.array([0.0, 0.0, 1.0]), np.radians(CLAVICLE_RAISE))
-    R["upperarm02"] = frame(ARM, -np.array([0.0, 1.0, 0.0])) @ frame(upper, hinge).T
-    R["lowerarm01"] = frame(ARM, -np.array([0.0, 1.0, 0.0])) @ frame(fore, hinge).T
-    plain = swing(upper, ARM)
-    R["upperarm01"] = rotation(ARM, 0.5 * twist(R["upperarm02"] @ plain.T, ARM)) @ plain
-    # Hand: knuckle of the middle finger straight ahead of the wrist, knuckles level, palm down.
-    ahead, across = at["finger3-1"] - at["wrist"], at["finger2-1"] - at["finger5-1"]
-    R["wrist"] = frame(ARM, np.array([0.0, 0.0, 1.0])) @ frame(ahead, across).T
-    R["lowerarm02"] = (
-        rotation(ARM, 0.5 * twist(R["wrist"] @ R["lowerarm01"].T, ARM)) @ R["lowerarm01"]
-    )
-    for finger, n in FINGERS.items():
-        previous = R["wrist"]
-        for k in (1, 2, 3):
-            bone = f"finger{n}-{k}"
-            target = direction(*(THUMB[k - 1] if finger == "thumb" else (FINGER_YAW[finger], 0.0)))
-            previous = R[bone] = swing(previous @ (tip[bone] - at[bone]), target) @ previous
-    # Leg: the knee's hinge (thigh x shank) becomes the x axis, so that it bends backwards.
-    thigh, shank = at["lowerleg01"] - at["upperleg01"], at["foot"] - at["lowerleg01"]
-    hinge = np.cross(thigh, shank)
-    R["upperleg02"] = frame(LEG, np.array([1.0, 0.0, 0.0])) @ frame(thigh, hinge).T
-    R["lowerleg01"] = frame(LEG, np.array([1.0, 0.0, 0.0])) @ frame(shank, hinge).T
-    plain = swing(thigh, LEG)
-    R["upperleg01"] = rotation(LEG, 0.5 * twist(R["upperleg02"] @ plain.T, LEG)) @ plain
-    # Foot: stays flat on the ground, and is turned about the vertical to point forwards.
-    toes = np.mean([at[f"toe{t}-1"] for t in range(1, 6)], axis=0) - at["foot"]
-    R["foot"] = rotation(np.array([0.0, 1.0, 0.0]), -np.arctan2(toes[0], toes[2]))
-    R["lowerleg02"] = (
-        rotation(LEG, 0.5 * twist(R["foot"] @ R["lowerleg01"].T, LEG)) @ R["lowerleg01"]
-    )
-    return R
-
-
-def to_t_pose(
-    source: Source, skin: np.ndarray, heads: np.ndarray, tails: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Skin (V, 3) and the 55 joints (55, 3) of one adult in T-pose, pelvis at `PELVIS`."""
-    index = {name: b for b, name in enumerate(source.labels)}
-    left = {name[:-2]: b for name, b in index.items() if name.endswith(".L")}
-    turned = left_rotations(
-        {n: heads[b] for n, b in left.items()}, {n: tails[b] for n, b in left.items()}
-    )
-    R = np.empty((len(heads), 3, 3))
-    moved = heads.copy()
-    for b, name in enumerate(source.labels):  # parents come first
-        parent = source.parents[b]
-        if parent < 0:
-            R[b] = np.eye(3)
-            continue
-        moved[b] = moved[parent] + R[parent] @ (heads[b] - heads[parent])
-        R[b] = R[parent]
-        if name[:-2] in turned:
-            R[b] = turned[name[:-2]]
-            if name.endswith(".R"):
-                R[b] = MIRROR[:, None] * R[b] * MIRROR
-    skin = np.einsum(
-        "vb,bij,vj->vi", source.weights, R, skin, optimize=["einsum_path", (0, 1), (0, 1)]
-    ) + source.weights @ (moved - np.einsum("bij,bj->bi", R, heads))
-    joints = np.array(
+# ---------------------------------------------------------------- 163 bones to 55 joints
+def joint_positions(labels: list[str], heads: np.ndarray) -> np.ndarray:
+    """The 55 joints (55, 3) at the heads (163, 3) of their first bones; balls of the feet: toes."""
+    at = dict(zip(labels, heads, strict=True))
+    return np.array(
         [
-            np.mean([moved[index[b]] for b in BONES[name]], axis=0)
-            if name.endswith("_foot")
-            else moved[index[BONES[name][0]]]
+            np.mean([at[b] for b in BONES[name][: None if name.endswith("_foot") else 1]], axis=0)
             for name in JOINT_NAMES
         ]
     )
-    shift = PELVIS - joints[0]
-    return skin + shift, joints + shift
 
 
-# ---------------------------------------------------------------- 163 bones to 55 joints
 def group_weights(source: Source) -> np.ndarray:
-    """Skinning weights (V, 55): at most four per vertex, whole multiples of `WEIGHT_UNIT`."""
+    """Skinning weights (V, 55): sums over each joint's bones."""
     index = {name: b for b, name in enumerate(source.labels)}
     joint_of = np.full(len(source.labels), -1)
     for joint, bones in BONES.items():
@@ -286,16 +183,46 @@ def group_weights(source: Source) -> np.ndarray:
             joint_of[b] = joint_of[parent]
     weights = np.zeros((len(source.weights), N_JOINTS))
     np.add.at(weights.T, joint_of, source.weights.T)
-    return quantise_weights(weights)
+    for name, factor in EMPHASIS.items():
+        weights[:, [JOINT_INDEX[f"{side}_{name}"] for side in ("left", "right")]] *= factor
+    return weights / weights.sum(1, keepdims=True)
 
 
-def quantise_weights(weights: np.ndarray) -> np.ndarray:
-    """Keep the four largest of each row and round to `WEIGHT_UNIT` so that rows sum to 1."""
-    weights = weights.copy()
-    np.put_along_axis(weights, np.argsort(weights, axis=1, kind="stable")[:, :-MAX_WEIGHTS], 0.0, 1)
+def smooth_weights(weights: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """One implicit step of heat flow along the skin, (M + t L) W' = M W, where `SMOOTHED` rule."""
+    from scipy import sparse
+    from scipy.sparse.linalg import spsolve
+
+    rows, cols, entries = [], [], []
+    for i, j, k in (faces.T, faces.T[[1, 2, 0]], faces.T[[2, 0, 1]]):
+        a, b = vertices[i] - vertices[k], vertices[j] - vertices[k]
+        cotangent = np.einsum("ij,ij->i", a, b) / np.linalg.norm(np.cross(a, b), axis=1)
+        rows += [i, j]
+        cols += [j, i]
+        entries += [np.clip(cotangent / 2, 1e-3, 10.0)] * 2
+    n = len(vertices)
+    edges = np.concatenate(entries), (np.concatenate(rows), np.concatenate(cols))
+    adjacency = sparse.coo_matrix(edges, shape=(n, n)).tocsr()
+    laplacian = sparse.diags(np.asarray(adjacency.sum(1)).ravel()) - adjacency
+    mass = vertex_areas(vertices, faces)
+    share = weights[:, [JOINT_INDEX[name] for name in SMOOTHED]].sum(1)
+    share[weights[:, [JOINT_INDEX["left_knee"], JOINT_INDEX["right_knee"]]].sum(1) > 0.01] = 0.0
+    system = sparse.diags(mass) + sparse.diags(share * SMOOTHING**2) @ laplacian
+    smooth = spsolve(system.tocsc(), sparse.csc_matrix(mass[:, None] * weights)).toarray()
+    return np.clip(smooth, 0.0, None)
+
+
+def quantise_weights(weights: np.ndarray, partner: np.ndarray, opposite: np.ndarray) -> np.ndarray:
+    """Symmetric weights, the four largest of each row, in `WEIGHT_UNIT` so that rows sum to 1."""
+    weights = 0.5 * (weights + weights[partner][:, opposite])
+    fifth = np.sort(weights, axis=1)[:, -MAX_WEIGHTS - 1, None]
+    weights[weights <= fifth + 1e-9] = 0.0  # a tie of left and right falls together
     units = np.round(weights / weights.sum(1, keepdims=True) / WEIGHT_UNIT)
-    rows = np.arange(len(units))
-    units[rows, units.argmax(1)] += round(1 / WEIGHT_UNIT) - units.sum(1)
+    # The remainder goes to the largest; in the plane of symmetry to the largest of the trunk.
+    paired = opposite != np.arange(N_JOINTS)
+    middle = partner == np.arange(len(partner))
+    largest = np.where(middle[:, None] & paired, -1.0, units).argmax(1)
+    units[np.arange(len(units)), largest] += round(1 / WEIGHT_UNIT) - units.sum(1)
     return units * WEIGHT_UNIT
 
 
@@ -351,23 +278,23 @@ def regress_joint(prior, vertices, dirs, joint, joint_dirs) -> np.ndarray:
     goal = np.concatenate([np.zeros((3, 1)), joint_dirs], axis=1)
     A = np.concatenate([np.ones((1, len(prior))), 10 * basis.reshape(len(prior), -1).T])
     b = np.concatenate([[1.0], 10 * goal.ravel()])
-    # Weighted by the prior, so that far vertices stay out; the tiny ridge drops directions in
-    # which the neighbourhood does not move at all.
+    # Least change relative to the prior, so that far vertices stay out. The ridge costs 0.05 mm
+    # and halves the largest entries.
     G = (A * prior) @ A.T
-    y = np.linalg.solve(G + 1e-12 * np.trace(G) * np.eye(len(G)), b - A @ prior)
+    y = np.linalg.solve(G + 1e-9 * np.trace(G) * np.eye(len(G)), b - A @ prior)
     row = prior + prior * (A.T @ y)
     return row / row.sum()
 
 
-def joint_regressor(vertices, dirs, joints, joint_dirs, weights) -> np.ndarray:
-    """Regressor (55, V) from the skin around each joint."""
+def joint_regressor(vertices, dirs, joints, joint_dirs, weights, areas) -> np.ndarray:
+    """Regressor (55, V) from the skin around each joint: within a few times its depth."""
     regressor = np.zeros((N_JOINTS, len(vertices)))
     for j in range(N_JOINTS):
-        distance = np.linalg.norm(vertices - joints[j], axis=1)
-        own = weights[:, j] + weights[:, max(PARENTS[j], 0)] > 0.05
-        near = np.argsort(np.where(own, distance, np.inf), kind="stable")[:400]
-        near = near[own[near]]
-        prior = np.exp(-0.5 * (distance[near] / np.median(distance[near])) ** 2)
+        own = np.flatnonzero(weights[:, j] + weights[:, max(PARENTS[j], 0)] > 0.05)
+        distance = np.linalg.norm(vertices[own] - joints[j], axis=1)
+        reach = max(1.5 * distance.min(), np.sort(distance)[:REGRESSED_FROM][-1] / 2)
+        near = own[distance <= 2 * reach]
+        prior = areas[near] * np.exp(-0.5 * (distance[distance <= 2 * reach] / reach) ** 2)
         regressor[j, near] = regress_joint(
             prior / prior.sum(), vertices[near], dirs[near], joints[j], joint_dirs[j]
         )
@@ -385,11 +312,14 @@ def bake() -> dict[str, np.ndarray]:
         traits |= {
             k: float(np.clip(rng.normal(*ms), 0.02, 0.98)) for k, ms in NORMAL_TRAITS.items()
         }
-        skin, joint = to_t_pose(source, *source.sample(traits))
-        skins.append(skin)
-        joints.append(joint)
+        skin, heads = pose(source.labels, source.parents, source.weights, *source.sample(traits))
+        joint = joint_positions(source.labels, heads)
+        skins.append(skin + PELVIS - joint[0])
+        joints.append(joint + PELVIS - joint[0])
     partner, opposite = mirror_vertices(skins[0]), mirror_joints()
-    mean, dirs, joint_mean, joint_dirs = shape_space(np.array(skins), np.array(joints), source.faces)
+    mean, dirs, joint_mean, joint_dirs = shape_space(
+        np.array(skins), np.array(joints), source.faces
+    )
 
     def symmetric(array: np.ndarray, swap: np.ndarray) -> np.ndarray:
         sign = MIRROR.reshape(1, 3, *[1] * (array.ndim - 2))
@@ -399,9 +329,11 @@ def bake() -> dict[str, np.ndarray]:
     mean = symmetric(mean, partner).astype(np.float32).astype(float)
     dirs = symmetric(dirs, partner).astype(np.float16).astype(float)
     joint_mean, joint_dirs = symmetric(joint_mean, opposite), symmetric(joint_dirs, opposite)
-    weights = group_weights(source)
-    weights = quantise_weights(0.5 * (weights + weights[partner][:, opposite]))
-    regressor = joint_regressor(mean, dirs, joint_mean, joint_dirs, weights)
+    weights = smooth_weights(group_weights(source), mean, source.faces)
+    weights = quantise_weights(weights, partner, opposite)
+    regressor = joint_regressor(
+        mean, dirs, joint_mean, joint_dirs, weights, vertex_areas(mean, source.faces)
+    )
     regressor = 0.5 * (regressor + regressor[opposite][:, partner])
     error = np.abs(np.einsum("jv,vck->jck", regressor, dirs) - joint_dirs).max()
     print(f"regressor: mean {np.abs(regressor @ mean - joint_mean).max():.1e} m, "
@@ -430,7 +362,7 @@ def write(path: Path, arrays: dict[str, np.ndarray]) -> str:
     with zipfile.ZipFile(data, "w") as archive:
         for name, array in arrays.items():
             member = io.BytesIO()
-            np.lib.format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
+            np.lib.format.write_array(member, np.asarray(array, order="C"), allow_pickle=False)
             info = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
             archive.writestr(info, member.getvalue(), zipfile.ZIP_DEFLATED, compresslevel=9)
     path.write_bytes(data.getvalue())

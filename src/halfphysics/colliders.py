@@ -91,5 +91,6 @@ def convex_collider(shape: Shape) -> ConvexCollider:
     if isinstance(shape, Mesh):
         return hull_collider(shape.convex_vertices())
     raise InputError(
-        f"{type(shape).__name__} is no convex solid; expected Box, Sphere, Capsule, Cylinder or Mesh"
+        f"{type(shape).__name__} is no convex solid; "
+        "expected Box, Sphere, Capsule, Cylinder or Mesh"
     )

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.hull import enclosed_volume
+from halfphysics.mesh_queries import boundary_edges
+from halfphysics.mesh_solids import solid_moments
 
 Array = NDArray[np.float64]
 
@@ -23,7 +24,8 @@ Array = NDArray[np.float64]
 PITCH = 0.006
 #: Times as dense where a ray may meet a small part (2 mm: a finger tip has some 400 samples).
 REFINE = 3
-#: Sampled and exact volume may differ by this fraction before the skin is called tangled.
+#: Sampled and exact volume of a piece may differ by this fraction of the whole volume before the
+#: skin is called tangled.
 TANGLED = 0.02
 
 
@@ -97,59 +99,44 @@ def close_holes(vertices: ArrayLike, faces: ArrayLike) -> tuple[Array, NDArray[n
     their rim, so eye sockets and mouths close flat. Closed in the sense of chains: each edge is
     walked as often one way as the other, even where more than two faces meet.
     """
+    vertices = np.asarray(vertices, dtype=np.float64)
+    faces = np.asarray(faces, dtype=np.int64)
+    rim = boundary_edges(faces, len(vertices))
+    if len(rim) == 0:
+        return vertices, faces
+    hole = np.unique(_connected(len(vertices), rim)[rim[:, 0]], return_inverse=True)[1]
+    middle = np.zeros((int(hole.max()) + 1, 3))
+    np.add.at(middle, hole, vertices[rim].mean(axis=1))
+    middle /= np.bincount(hole)[:, None]
+    caps = np.stack([rim[:, 1], rim[:, 0], len(vertices) + hole], axis=1)
+    return np.concatenate([vertices, middle]), np.concatenate([faces, caps])
+
+
+def _connected(n: int, edges: NDArray[np.int64]) -> NDArray[np.int32]:
+    """Which connected component each of n vertices is in; edges (k, 2)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    vertices = np.asarray(vertices, dtype=np.float64)
-    faces = np.asarray(faces, dtype=np.int64)
-    n = len(vertices)
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    low, high = edges.min(axis=1), edges.max(axis=1)
-    key, inverse = np.unique(low * n + high, return_inverse=True)
-    excess = np.bincount(
-        inverse, weights=np.sign(edges[:, 1] - edges[:, 0]), minlength=len(key)
-    ).astype(np.int64)
-    rim = np.flatnonzero(excess)
-    if len(rim) == 0:
-        return vertices, faces
-    start, end = key[rim] // n, key[rim] % n
-    forward = excess[rim] > 0
-    start, end = np.where(forward, start, end), np.where(forward, end, start)
-    graph = coo_array((np.ones(len(rim)), (start, end)), shape=(n, n))
-    piece = connected_components(graph, directed=False)[1][start]
-    hole = np.unique(piece, return_inverse=True)[1]
-    middle = (
-        np.stack(
-            [
-                np.bincount(hole, weights=0.5 * (vertices[start, i] + vertices[end, i]))
-                for i in range(3)
-            ],
-            axis=1,
-        )
-        / np.bincount(hole)[:, None]
-    )
-    caps = np.repeat(np.stack([end, start, n + hole], axis=1), np.abs(excess[rim]), axis=0)
-    return np.concatenate([vertices, middle]), np.concatenate([faces, caps])
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(n, n))
+    return connected_components(graph, directed=False)[1]
 
 
 def _sample_pieces(
     vertices: Array, faces: NDArray[np.int64], labels: NDArray[np.int64], is_fine: NDArray[np.bool_]
 ) -> list[tuple[Array, Array, Array, NDArray[np.int64]]]:
     """Samples of every connected piece: points (n, 3), sizes (n, 3), volumes (n,), parts (n,)."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    if enclosed_volume(*close_holes(vertices, faces)) < 0.0:
-        faces = faces[:, ::-1]
-    links = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]]).T
-    graph = coo_array((np.ones(links.shape[1]), tuple(links)), shape=(len(vertices),) * 2)
-    piece = connected_components(graph, directed=False)[1][faces[:, 0]]
+    whole = solid_moments(*close_holes(vertices, faces))[0] if len(faces) else 0.0
+    if whole < 0.0:
+        faces, whole = faces[:, ::-1], -whole
+    links = np.concatenate([faces[:, :2], faces[:, 1:]])
+    piece = _connected(len(vertices), links)[faces[:, 0]]
     samples = []
     for k in np.unique(piece):
         used, local = np.unique(faces[piece == k], return_inverse=True)
         corners, triangles = close_holes(vertices[used], local.reshape(-1, 3))
-        exact = enclosed_volume(corners, triangles)
+        exact = solid_moments(corners, triangles)[0]
         if exact <= 0.0:
             continue  # a sheet or an inner shell: it holds no flesh
         fine = np.zeros(len(corners), dtype=bool)
@@ -159,7 +146,7 @@ def _sample_pieces(
         found = weight.sum()
         if found == 0.0:
             continue  # slips between the rays: under a few cubic millimetres
-        if abs(found - exact) > TANGLED * max(found, exact):
+        if abs(found - exact) > TANGLED * whole:
             warnings.warn(
                 f"mass: the skin is tangled: {1e3 * exact:.3f} litres by its faces, "
                 f"{1e3 * found:.3f} inside it; the latter is used",
@@ -236,7 +223,7 @@ def _crossings(
         # On the edge counts as left of it, seen from the lower vertex, for both faces.
         value = np.where(value == 0.0, np.finfo(np.float64).tiny, value)
         side[k] = np.where(a < b, 1.0, -1.0)[face] * value
-    upward = (side > 0.0).all(axis=0)
+    upward = np.asarray((side > 0.0).all(axis=0))
     hit = upward | (side < 0.0).all(axis=0)
     side, face = side[:, hit], face[hit]
     z = np.einsum("kn,nk->n", side / side.sum(axis=0), vertices[:, 2][faces[face]])

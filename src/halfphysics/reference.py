@@ -74,9 +74,14 @@ def _joint_frame(model: Any, x: Array, q: Array, joint: int, qpos: Array) -> tup
     return pos + rot.rotate(quat, model.jnt_pos[joint]), quat
 
 
-def jacobian(model: Any, qpos: Array, body: int, point: Array) -> tuple[Array, Array]:
-    """How a point (3,) carried by `body` moves: (3, nv) linear [m/s] and (3, nv) angular."""
-    x, q = body_frames(model, qpos)
+def jacobian(
+    model: Any, qpos: Array, body: int, point: Array, frames: tuple[Array, Array] | None = None
+) -> tuple[Array, Array]:
+    """How a point (3,) carried by `body` moves: (3, nv) linear [m/s] and (3, nv) angular.
+
+    `frames`: what `body_frames` gives at `qpos`, where it is known already.
+    """
+    x, q = frames or body_frames(model, qpos)
     linear, angular = np.zeros((3, model.nv)), np.zeros((3, model.nv))
     while body > 0:
         for j in _joints(model, body):
@@ -109,7 +114,7 @@ def inertia_matrix(model: Any, qpos: Array) -> Array:
     for b in range(1, model.nbody):
         com = x[b] + rot.rotate(q[b], model.body_ipos[b])
         R = rot.to_matrix(rot.multiply(q[b], model.body_iquat[b]))
-        Jv, Jw = jacobian(model, qpos, b, com)
+        Jv, Jw = jacobian(model, qpos, b, com, (x, q))
         M += model.body_mass[b] * Jv.T @ Jv
         M += Jw.T @ R @ np.diag(model.body_inertia[b]) @ R.T @ Jw
     return M
@@ -271,35 +276,59 @@ def _one_contact(A: Array, r: Array, mu: float, p: Array) -> Array:
 def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> Array:
     """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s)."""
     rows = []
+    frames = body_frames(model, qpos)
     for i, x in enumerate(contacts["position"]):
         frame = np.stack([contacts[name][i] for name in ("normal", "tangent", "binormal")])
-        Ja, _ = jacobian(model, qpos, int(contacts["body_a"][i]), x)
-        Jb, _ = jacobian(model, qpos, int(contacts["body_b"][i]), x)
+        Ja, _ = jacobian(model, qpos, int(contacts["body_a"][i]), x, frames)
+        Jb, _ = jacobian(model, qpos, int(contacts["body_b"][i]), x, frames)
         rows.append(frame @ (Ja - Jb))
     return np.concatenate(rows) if rows else np.zeros((0, model.nv))
 
 
-def contact_velocity(
-    model: Any,
-    qpos: Array,
-    v_free: Array,
-    M_hat: Array,
-    h: float,
-    contacts: Mapping[str, Array],
-    *,
-    tolerance: float = 1e-13,
-    sweeps: int = 20000,
-) -> tuple[Array, Array]:
-    """v (nv,) and impulses p (n, 3): M^ (v - v*) = J^T p with Coulomb's law at every contact."""
-    n = len(contacts["dist"])
-    if n == 0:
-        return v_free.copy(), np.zeros((0, 3))
+@dataclass(frozen=True)
+class ContactProblem:
+    """The contact problem of one substep: w = A p + b, and the way from p to velocities.
+
+    Rows come in threes (normal, tangent, binormal); the normal rows of `b` (3n,) have what the
+    contact demands taken off. `A` (3n, 3n) = J M^^-1 J^T.
+    """
+
+    A: Array
+    b: Array
+    friction: Array
+    found: Array  # the impulses (n, 3) that the core found
+    _back: Array  # M^^-1 J^T
+    _v_free: Array
+
+    def velocity(self, p: Array) -> Array:
+        """v = v* + M^^-1 J^T p, shape (nv,)."""
+        return self._v_free + self._back @ p.ravel()
+
+    def violation(self, p: Array) -> float:
+        """Largest violation of 0 <= p_n, w_n >= 0, p_n w_n = 0 and |p_t| <= mu p_n [m/s]."""
+        w = (self.A @ p.ravel() + self.b).reshape(-1, 3)
+        own = np.diag(self.A)[::3]
+        normal = np.abs(np.minimum(w[:, 0], p[:, 0] * own)).max(initial=0.0)
+        cone = (np.hypot(p[:, 1], p[:, 2]) - self.friction * p[:, 0]) * own
+        return float(max(normal, cone.max(initial=0.0), -(p[:, 0] * own).min(initial=0.0)))
+
+    def solve(self, tolerance: float = 1e-14, sweeps: int = 20000) -> Array:
+        """Impulses (n, 3) from nothing, by `solve_contacts`."""
+        start = np.zeros_like(self.found)
+        return solve_contacts(
+            self.A, self.b, self.friction, tolerance=tolerance, sweeps=sweeps, start=start
+        )
+
+
+def contact_problem(
+    model: Any, qpos: Array, v_free: Array, M_hat: Array, h: float, contacts: Mapping[str, Array]
+) -> ContactProblem:
+    """The problem M^ (v - v*) = J^T p at the contact points (n) that the core found."""
     J = contact_jacobian(model, qpos, contacts)
-    A = J @ np.linalg.solve(M_hat, J.T)
+    back = np.linalg.solve(M_hat, J.T)
     b = J @ v_free
     demand = (contacts["target"] - contacts["dist"] + contacts["shift"]) / h
     b[::3] -= np.maximum(demand, contacts["bounce"])
     frames = [contacts[name] for name in ("normal", "tangent", "binormal")]
-    start = np.stack([np.einsum("ij,ij->i", contacts["impulse"], f) for f in frames], axis=1)
-    p = solve_contacts(A, b, contacts["friction"], tolerance=tolerance, sweeps=sweeps, start=start)
-    return v_free + np.linalg.solve(M_hat, J.T @ p.ravel()), p
+    found = np.stack([np.einsum("ij,ij->i", contacts["impulse"], f) for f in frames], axis=1)
+    return ContactProblem(J @ back, b, np.asarray(contacts["friction"]), found, back, v_free)

@@ -31,7 +31,7 @@ def simulate(
     allow_mismatch: bool = False,
     progress: bool = False,
 ) -> Result:
-    """Give a motion a body in a scene (Half-Physics, Algorithm 1, or its drive with a time constant).
+    """Give a motion a body in a scene (Half-Physics, Algorithm 1, or the drive of `drive_time`).
 
     Args:
         motion: The motion of one person, or of several (same fps and number of frames).

@@ -161,7 +161,7 @@ class World:
                 )
             )
         self.things = tuple(things)
-        self._model = model
+        self.model = model
 
     def _add_movers(self, model: Any) -> None:
         name_of = {name: i for i, name in enumerate(self.names)}

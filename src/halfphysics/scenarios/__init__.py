@@ -1,0 +1,75 @@
+"""Authored stories: a motion, a scene and objects that bring each other to life.
+
+A new scenario is one file with a function ``build(**options) -> Sequence`` whose keyword-only
+options all have a default, and one line below.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from halfphysics.errors import InputError
+from halfphysics.sequence import Sequence
+
+__all__ = ["describe", "load", "names", "options"]
+
+#: Scenario -> module of this package that builds it.
+_MODULES = {
+    "doorway": "doorway",
+    "kick_ball": "kick_ball",
+    "walk_into_wall": "walk_into_wall",
+}
+
+
+def _builder(name: str) -> Callable[..., Sequence]:
+    if name not in _MODULES:
+        raise InputError(f"scenario: found {name!r}, expected one of {', '.join(names())}")
+    build: Callable[..., Sequence] = importlib.import_module(f"{__name__}.{_MODULES[name]}").build
+    return build
+
+
+def names() -> tuple[str, ...]:
+    """The names that `load` knows."""
+    return tuple(_MODULES)
+
+
+def describe(name: str) -> str:
+    """What happens in a scenario, one line.
+
+    Raises:
+        InputError: An unknown name.
+    """
+    return (inspect.getdoc(_builder(name)) or "").splitlines()[0]
+
+
+def options(name: str) -> dict[str, Any]:
+    """The options of a scenario and their defaults.
+
+    Raises:
+        InputError: An unknown name.
+    """
+    parameters = inspect.signature(_builder(name)).parameters.values()
+    return {parameter.name: parameter.default for parameter in parameters}
+
+
+def load(name: str, **chosen: Any) -> Sequence:
+    """Build a scenario: its motion, scene, body and settings.
+
+    Args:
+        name: One of `names()`.
+        **chosen: Options of that scenario (see `options`), for example ``fps=60, mass=2.0``.
+
+    Raises:
+        InputError: An unknown name or option, or an impossible value of one.
+    """
+    build = _builder(name)
+    known = options(name)
+    for option in chosen:
+        if option not in known:
+            raise InputError(
+                f"scenario '{name}': unknown option '{option}', expected one of {', '.join(known)}"
+            )
+    return build(**chosen)

@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.motion import Motion
+from halfphysics.motion import MODELS, Motion
+from halfphysics.pose import Pose
 from halfphysics.scenarios import posture
 from halfphysics.scenarios.legs import WORLD_FROM_REST, Leg, about, leg_of, planted, solve
 
@@ -73,6 +74,8 @@ class Walk:
         after: Time standing after the last step [s].
         first: The foot that steps first.
         kick: A kick on the way, or None.
+        lift: Height of the soles over the ground at z = 0 [m]: more than the simulator's
+            clearance, so that the floor disturbs nothing.
     """
 
     distance: float
@@ -83,6 +86,7 @@ class Walk:
     after: float = 0.5
     first: str = "right"
     kick: Kick | None = None
+    lift: float = 0.004
 
     def __post_init__(self) -> None:
         if not 0.2 <= self.speed <= 2.2:
@@ -154,7 +158,7 @@ def _pitch(walk: Walk, step: int, phase: Array) -> tuple[Array, Array]:
     lift = step + 2.0 + 0.5 * DOUBLE
     if step + 2 < walk.steps:
         behind = np.clip((walk.travelled(lift) - walk.mark(step)) / half, 0.0, 1.0)
-        off = -_TOE_OFF * max(float(behind), 0.15) * ease((phase - lift + 0.62) / 0.87)
+        off = -_TOE_OFF * max(float(behind), 0.15) * ease((phase - lift + 0.78) / 0.95)
     return down, off
 
 
@@ -174,7 +178,7 @@ _KICK = np.array(
     ]
 )
 #: The part of the kick's swing at which the foot meets a ball lying on the ground.
-IMPACT = 0.52
+IMPACT = 0.54
 
 
 def _kick_path(leg: Leg, u: Array) -> tuple[Array, Array, Array]:
@@ -219,7 +223,7 @@ def _foot(walk: Walk, leg: Leg, side: str, phase: Array, width: float) -> tuple[
         bump = 6.75 * u * (1.0 - u) ** 2 * (u < 1.0)
         ankle[rows] = (1.0 - w)[:, None] * away + w[:, None] * to
         pitch[rows] = (1.0 - w) * from_pitch + w * to_pitch
-        bend[rows] = (1.0 - ease(3.0 * u)) * np.maximum(-from_pitch, 0.0) + (u > 0.6) * to_bend
+        bend[rows] = (1.0 - ease(2.2 * u)) * np.maximum(-from_pitch, 0.0) + (u > 0.6) * to_bend
         far = min(1.0, (walk.mark(step) - walk.mark(before)) / walk.stride)
         ankle[rows, 2] += _LIFT * max(far, 0.8) * bump
         if walk.kick is not None and step == walk.kick.step:
@@ -245,14 +249,41 @@ def _carried(limit: Array, window: int) -> Array:
 
 
 def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
-    """The motion of `plan` for this body's proportions, soles at z = 0.
+    """The motion of `plan` for this body's proportions.
 
     Args:
         body: Whose legs walk; the motion gets its betas, gender and model where that is one
             of the SMPL family.
         plan: What to do.
         fps: Frames per second of the motion.
+
+    Raises:
+        InputError: An `fps` that is not positive, or leaves fewer than two frames.
     """
+    fps = float(fps)
+    if not (np.isfinite(fps) and fps > 0.0):
+        raise InputError(f"fps: found {fps!r}, expected a positive number, such as 30.0")
+    count = int(np.floor(plan.clock()[0][-1] * fps + 1e-9)) + 1
+    translation, rotations = _sampled(body, plan, np.arange(count) / fps)
+    smpl = body.model in MODELS
+    return Motion(
+        translation,
+        rotations,
+        fps,
+        betas=body.betas if smpl else None,
+        gender=body.gender if smpl else "neutral",
+        model=body.model if smpl else "smplx",
+    )
+
+
+def pose_at(body: Body, plan: Walk, time: float) -> Pose:
+    """The pose of a walk at one time [s] after its start."""
+    translation, rotations = _sampled(body, plan, np.array([time]))
+    return Pose(translation[0], rotations[0])
+
+
+def _sampled(body: Body, plan: Walk, frames: Array) -> tuple[Array, Array]:
+    """Translation (T, 3) and rotations (T, 55, 3) at times `frames` (T,) [s]."""
     joints = np.asarray(body.rest_joints)
     legs = {side: leg_of(body, side) for side in ("left", "right")}
     width = _WIDTH * 0.5 * float(legs["left"].hip[0] - legs["right"].hip[0])
@@ -261,8 +292,7 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
     phase = np.interp(fine, times, phases)
     going = posture.envelope(plan, phase)
     feet = {side: _foot(plan, leg, side, phase, width) for side, leg in legs.items()}
-    turn = posture.pelvis(plan, phase, going)  # (T, 3, 3), in path coordinates
-    root = turn @ WORLD_FROM_REST
+    root = posture.pelvis(plan, phase, going) @ WORLD_FROM_REST
     pelvis = np.zeros((len(fine), 3))
     pelvis[:, 0] = plan.travelled(phase) + posture.forward(legs["left"])
     pelvis[:, 1] = posture.sway(plan, phase, going)
@@ -274,8 +304,6 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
         limit = np.minimum(limit, feet[side][0][:, 2] + reach - (root @ leg.hip)[:, 2])
     pelvis[:, 2] = _carried(limit, max(1, int(0.22 * plan.stride / plan.speed / _FINE)))
 
-    frames = np.arange(int(np.floor(times[-1] * fps + 1e-9)) + 1) / fps
-
     def at(values: Array) -> Array:
         flat = values.reshape(len(values), -1)
         out = np.stack([np.interp(frames, fine, column) for column in flat.T], axis=1)
@@ -283,7 +311,7 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
 
     phase, going, pelvis = at(phase), at(going), at(pelvis)
     root = posture.pelvis(plan, phase, going) @ WORLD_FROM_REST
-    rotations = posture.upper_body(body, plan, phase, going)
+    rotations = posture.upper_body(plan, phase, going)
     for side, leg in legs.items():
         ankle, pitch, bend = (at(values) for values in feet[side])
         yaw = _TOES_OUT if side == "left" else -_TOES_OUT
@@ -292,13 +320,5 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
             rotations[:, joint] = rotvec
     heading = about(2, plan.heading)
     rotations[:, 0] = rot.matrix_to_rotvec(heading @ root)
-    pelvis = pelvis @ heading.T + np.array([*plan.start, 0.0])
-    smpl = body.model in ("smplx", "smplh", "smpl")
-    return Motion(
-        pelvis - joints[0],
-        rotations,
-        fps,
-        betas=body.betas if smpl else None,
-        gender=body.gender if smpl else "neutral",
-        model=body.model if smpl else "smplx",
-    )
+    pelvis = pelvis @ heading.T + np.array([*plan.start, plan.lift])
+    return pelvis - joints[0], rotations

@@ -144,7 +144,7 @@ def solve(
 
 
 def _bone(rest: Array, actual: Array, left: Array) -> Array:
-    """Rotations (T, 3, 3) taking a bone's rest vector (3,) to `actual` (T, 3) and its x to `left`."""
+    """Rotations (T, 3, 3) taking a rest vector (3,) to `actual` (T, 3) and x toward `left`."""
 
     def frame(along: Array, across: Array) -> Array:
         along = along / np.linalg.norm(along, axis=-1, keepdims=True)

@@ -13,7 +13,6 @@ from halfphysics.scenarios.legs import Leg, about
 from halfphysics.skeleton import JOINT_INDEX
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
     from halfphysics.scenarios.gait import Walk
 
 Array = NDArray[np.float64]
@@ -23,7 +22,7 @@ _PELVIS_YAW, _PELVIS_LIST, _LEAN = np.radians([4.5, 3.0, 3.0])
 _CHEST_YAW = np.radians(5.0)
 _ARM_SWING, _ELBOW, _ELBOW_SWING, _PRONATION = np.radians([19.0, 18.0, 8.0, 30.0])
 # Arms hang this far from horizontal; the collars take a little of it.
-_ARM_DOWN, _COLLAR_DOWN = np.radians([74.0, 4.0])
+_ARM_DOWN, _COLLAR_DOWN = np.radians([77.0, 4.0])
 _CURL = np.radians(18.0)
 _SWAY = 0.022  # [m]
 _USUAL = 1.2  # [m/s]
@@ -75,7 +74,7 @@ def _kicking(plan: Walk, phase: Array) -> Array:
     return np.exp(-(((phase - plan.kick.step - 0.6) / 0.33) ** 2))
 
 
-def upper_body(body: Body, plan: Walk, phase: Array, going: Array) -> Array:
+def upper_body(plan: Walk, phase: Array, going: Array) -> Array:
     """Rotations (T, 55, 3) of trunk, head, arms and hands; legs and root are zero."""
     rotations = np.zeros((len(phase), skeleton.N_JOINTS, 3))
     ahead = _left_ahead(plan, phase)

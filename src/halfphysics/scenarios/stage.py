@@ -1,0 +1,73 @@
+"""Props that the scenarios share: who walks, the floor, the ball before the foot."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError
+from halfphysics.scenarios.gait import DOUBLE, IMPACT, Walk, pose_at
+from halfphysics.scene import Scene
+from halfphysics.shapes import Plane, Sphere
+from halfphysics.skeleton import JOINT_INDEX
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+
+Array = NDArray[np.float64]
+
+#: Radius of a football [m].
+BALL_RADIUS = 0.11
+#: Painted wood against cloth: what slides past furniture slides on.
+WOOD = 0.3
+
+
+def actor(body: Body | None) -> Body:
+    """The given body, or the default one."""
+    if body is not None:
+        return body
+    from halfphysics.body import Body
+
+    return Body.default()
+
+
+def floor() -> Scene:
+    """A scene with nothing but a floor at z = 0."""
+    scene = Scene()
+    scene.add_static("floor", Plane())
+    return scene
+
+
+def impact_time(plan: Walk) -> float:
+    """When the kicking foot of a walk is to meet its ball [s].
+
+    Raises:
+        InputError: The walk has no kick.
+    """
+    if plan.kick is None:
+        raise InputError("kick: found none, expected a walk with a kick")
+    times, phases = plan.clock()
+    phase = plan.kick.step + 0.5 * DOUBLE + IMPACT * (1.0 - DOUBLE)
+    inside = slice(1, -1)  # the phase stands still while the walker does
+    return float(np.interp(phase, phases[inside], times[inside]))
+
+
+def add_ball(scene: Scene, body: Body, plan: Walk, mass: float, friction: float) -> Array:
+    """Put a ball where the kick will meet it; its centre (3,) [m].
+
+    The ball lies in the line of the foot, touched by the toes at the moment of impact.
+    """
+    side = plan.swinging(plan.kick.step) if plan.kick else "right"
+    part = np.argmax(body.weights, axis=1)
+    shoe = np.isin(part, [JOINT_INDEX[f"{side}_ankle"], JOINT_INDEX[f"{side}_foot"]])
+    skin = np.asarray(body.vertices(pose_at(body, plan, impact_time(plan))))[shoe]
+    ahead = np.array([np.cos(plan.heading), np.sin(plan.heading)])
+    # A sphere of this radius on the ground touches a point at height z this far before its centre.
+    rise = np.clip(skin[:, 2] - BALL_RADIUS, -BALL_RADIUS, BALL_RADIUS)
+    along = skin[:, :2] @ ahead + np.sqrt(BALL_RADIUS**2 - rise**2)
+    across = skin[:, :2] - np.outer(skin[:, :2] @ ahead, ahead)
+    centre = np.array([*(along.max() * ahead + across.mean(axis=0)), BALL_RADIUS])
+    scene.add_object("ball", Sphere(BALL_RADIUS), mass=mass, friction=friction, position=centre)
+    return centre

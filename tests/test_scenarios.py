@@ -1,0 +1,100 @@
+"""Scenarios: what their motions alone would do to their scenes, and how they are asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from halfphysics import rotations as rot
+from halfphysics import scenarios
+from halfphysics.errors import InputError
+from halfphysics.scenarios import stage
+from halfphysics.skeleton import JOINT_INDEX
+
+
+def depths(sequence, name: str, frames: range | None = None) -> np.ndarray:
+    """Depth of every skin vertex inside one thing of the scene [m], (frames, V)."""
+    thing = sequence.scene.statics.get(name) or sequence.scene.objects[name]
+    frames = range(len(sequence.motion)) if frames is None else frames
+    skin = sequence.body.vertices(sequence.motion, frames=frames)
+    local = (skin - thing.position) @ rot.to_matrix(thing.quaternion)
+    return np.stack([thing.shape.depth(points) for points in local])
+
+
+def parts_inside(sequence, depth: np.ndarray) -> set[int]:
+    part = np.argmax(sequence.body.weights, axis=1)
+    return set(part[(depth > 0.0).any(axis=0)].tolist())
+
+
+@pytest.fixture(scope="module")
+def doorway():
+    return scenarios.load("doorway")
+
+
+@pytest.mark.parametrize("name", scenarios.names())
+def test_every_scenario_starts_clear_and_walks_on_the_floor(name):
+    sequence = scenarios.load(name)
+    assert scenarios.describe(name).endswith(".")
+    for thing in (*sequence.scene.statics, *sequence.scene.objects):
+        assert depths(sequence, thing, range(1)).max() <= 0.0
+    lowest = sequence.body.vertices(sequence.motion)[..., 2].min()
+    assert lowest > 2.0 * sequence.settings.clearance  # walking itself is undisturbed
+
+
+def test_the_story_is_told_in_order(doorway):
+    deep = {name: depths(doorway, name) for name in ("right_jamb", "table", "ball")}
+    first = [int(np.flatnonzero((depth > 0.0).any(axis=1))[0]) for depth in deep.values()]
+    assert first == sorted(first)
+    assert 8.0 <= doorway.motion.duration <= 10.0
+    # Deep enough to be seen, not so deep that going on is hopeless. The table top is 4 cm
+    # thick: nothing is deeper than half of that.
+    assert 0.03 < deep["right_jamb"].max() < 0.10
+    assert 0.015 < deep["table"].max() <= 0.02
+    right_arm = {JOINT_INDEX[f"right_{n}"] for n in ("shoulder", "elbow", "wrist")}
+    met = parts_inside(doorway, deep["right_jamb"])
+    assert right_arm <= met
+    assert JOINT_INDEX["head"] not in met
+    assert JOINT_INDEX["left_hip"] in parts_inside(doorway, deep["table"])
+    met = parts_inside(doorway, deep["ball"])  # the other foot passes it by
+    assert JOINT_INDEX["right_foot"] in met
+    assert met <= {JOINT_INDEX[f"right_{n}"] for n in ("knee", "ankle", "foot")}
+    for thing in ("left_jamb", "lintel"):
+        assert depths(doorway, thing, range(50, 90)).max() <= 0.0
+
+
+def test_the_ball_is_touched_when_the_foot_is_fast(doorway):
+    ball = depths(doorway, "ball", range(140, 180))
+    first = 140 + int(np.flatnonzero((ball > 0.0).any(axis=1))[0])
+    toe = doorway.body.joints(doorway.motion)[:, JOINT_INDEX["right_foot"]]
+    speed = np.linalg.norm(np.diff(toe, axis=0), axis=1) * doorway.motion.fps
+    assert speed[first] > 0.8 * speed.max()
+    direction = toe[first] - toe[first - 1]
+    assert direction[0] > 0.9 * np.linalg.norm(direction)
+
+
+def test_options_reach_the_scene():
+    sequence = scenarios.load("kick_ball", mass=2.0, friction=0.1, fps=60)
+    ball = sequence.scene.objects["ball"]
+    assert (ball.mass, ball.friction) == (2.0, 0.1)
+    assert np.isclose(ball.position[2], stage.BALL_RADIUS)
+    assert sequence.motion.fps == 60.0
+    slow = scenarios.load("kick_ball", fps=30)
+    assert np.allclose(slow.scene.objects["ball"].position, ball.position)  # one story
+    wall = scenarios.load("walk_into_wall", speed=1.0, thickness=0.02).scene.statics["wall"]
+    assert wall.shape.size[0] == 0.02
+    assert scenarios.options("kick_ball")["mass"] == 0.43
+
+
+def test_the_wall_is_walked_through_at_the_speed_asked():
+    sequence = scenarios.load("walk_into_wall", speed=1.5, fps=30)
+    pelvis = sequence.body.joints(sequence.motion)[:, 0, 0]
+    at = int(np.argmax(pelvis > 2.0))
+    assert 0 < at < len(pelvis) - 1
+    assert abs((pelvis[at + 1] - pelvis[at - 1]) * 15.0 - 1.5) < 0.03
+
+
+def test_unknown_names_and_options_are_named():
+    with pytest.raises(InputError, match="scenario: found 'dorway', expected one of doorway"):
+        scenarios.load("dorway")
+    with pytest.raises(InputError, match="unknown option 'weight', expected one of fps, mass"):
+        scenarios.load("doorway", weight=3)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-GHOST: Color = (0.30, 0.56, 0.95)
+GHOST: Color = (0.25, 0.51, 0.94)
 PEOPLE: tuple[Color, ...] = (
     (0.84, 0.74, 0.66),
     (0.66, 0.72, 0.64),
@@ -47,7 +47,7 @@ WALL: Color = (0.93, 0.93, 0.92)
 FLOOR: tuple[Color, Color] = ((0.92, 0.925, 0.93), (0.845, 0.855, 0.87))
 
 #: Opacity of the ghost, and of a wall that stands between the camera and the person.
-GHOST_ALPHA = 0.34
+GHOST_ALPHA = 0.40
 FAINT_ALPHA = 0.22
 
 # A static thing this tall or wide [m] is part of the building, anything smaller is furniture.
@@ -58,6 +58,12 @@ _PLANE_MARGIN = 7.0
 _GHOST_BIAS = 0.004
 # Edges of scene meshes that bend by more stay sharp [degrees].
 _CREASE = 50.0
+
+
+def _crease(shape: Any) -> float:
+    from halfphysics.shapes import Capsule, Sphere
+
+    return 180.0 if isinstance(shape, Sphere | Capsule) else _CREASE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,12 +86,6 @@ class Item:
         return replace(self.surface, vertices=world)
 
 
-def _welded(vertices: Array, faces: NDArray[np.integer]) -> tuple[Array, NDArray[np.int32]]:
-    """The mesh with equal vertices made one, so that smooth shading crosses texture seams."""
-    kept, index = np.unique(np.round(vertices, 6), axis=0, return_inverse=True)
-    return kept, index.reshape(-1)[faces].astype(np.int32)
-
-
 def _plane_axes(normal: Array) -> Array:
     """Rows: two directions in the plane (world x and y for a floor) and the normal."""
     helper = np.array([1.0, 0.0, 0.0]) if abs(normal[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
@@ -104,7 +104,7 @@ def _plane_surface(static: Any, middle: Array, radius: float) -> Surface:
     centre = middle - normal * (normal @ middle - offset)
     reach = radius + _PLANE_MARGIN
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * reach
-    level = abs(normal[2]) > 0.95
+    level = normal[2] > 0.95
     return Surface(
         vertices=centre + corners @ axes[:2],
         faces=np.array([[0, 1, 2], [0, 2, 3]]),
@@ -150,7 +150,7 @@ class Drawing:
         return stacked.min(axis=0), stacked.max(axis=0)
 
     def _build_statics(self) -> dict[str, Item]:
-        from halfphysics.scene import Plane
+        from halfphysics.shapes import Plane
 
         items: dict[str, Item] = {}
         furniture = 0
@@ -159,7 +159,7 @@ class Drawing:
                 surface = _plane_surface(static, self.middle, self.radius)
                 pose = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
             else:
-                vertices, faces = _welded(*static.mesh())
+                vertices, faces = static.mesh()
                 pose = (
                     np.asarray(static.position, dtype=np.float64).reshape(1, 3),
                     np.asarray(static.quaternion, dtype=np.float64).reshape(1, 4),
@@ -169,7 +169,9 @@ class Drawing:
                 if size[2] < _WALL_HEIGHT and max(size[:2]) < _WALL_WIDTH:
                     color = FURNITURE[furniture % len(FURNITURE)]
                     furniture += 1
-                surface = Surface(vertices=vertices, faces=faces, color=color, crease=_CREASE)
+                surface = Surface(
+                    vertices=vertices, faces=faces, color=color, crease=_crease(static.shape)
+                )
             items[f"static/{name}"] = Item(surface=surface, position=pose[0], quaternion=pose[1])
         return items
 
@@ -177,10 +179,14 @@ class Drawing:
         items = {}
         for k, (name, thing) in enumerate(self.result.scene.objects.items()):
             track = self.result.objects[name]
-            vertices, faces = _welded(*thing.mesh())
+            # Drawn as given, not as the hull that touches.
+            vertices, faces = thing.mesh() if thing.visual is None else thing.visual.triangles()
             items[f"object/{name}"] = Item(
                 surface=Surface(
-                    vertices=vertices, faces=faces, color=OBJECTS[k % len(OBJECTS)], crease=_CREASE
+                    vertices=vertices,
+                    faces=faces,
+                    color=OBJECTS[k % len(OBJECTS)],
+                    crease=_crease(thing.shape),
                 ),
                 position=np.asarray(track.position, dtype=np.float64),
                 quaternion=np.asarray(track.quaternion, dtype=np.float64),

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from halfphysics.drawing import FAINT_ALPHA, FLOOR, Drawing, Item
 from halfphysics.errors import FileError, InputError, MissingDependencyError
+from halfphysics.mesh_queries import is_closed
 from halfphysics.render import Color, Surface
 from halfphysics.viewpoint import FOV, choose_direction, page_camera, spread
 
@@ -35,6 +36,7 @@ _GRAIN = 2.0**-14
 _INSIDE = 0.003
 _INFLUENCES = 4  # joints per vertex that the page can take
 _VIEW = (1280, 720)
+_SKY, _GROUND, _SKY_STRENGTH = (255, 255, 255), (190, 185, 180), 1.4
 
 
 def save_page(
@@ -142,6 +144,11 @@ def _build(server: Any, drawing: Drawing) -> list[Any]:
     server.initial_camera.look_at = tuple(camera.target)
     server.initial_camera.up = (0.0, 0.0, 1.0)
     server.initial_camera.fov = math.radians(FOV)
+    # The viewer's own surroundings bleach skin; a sky and a floor that reflects do not.
+    server.scene.configure_environment_map(hdri=None)
+    server.scene.add_light_hemisphere(
+        "/light/sky", sky_color=_SKY, ground_color=_GROUND, intensity=_SKY_STRENGTH
+    )
     for name, item in drawing.statics.items():
         if item.surface.fade is not None:
             _add_floor(server, name, item, drawing)
@@ -188,14 +195,16 @@ def _upright(corners: Array) -> Array:
 
 def _add_mesh(server: Any, name: str, item: Item, opacity: float | None) -> Any:
     surface = item.surface
+    # Seen from outside only, where there is an outside: no shadow stripes, one layer of glass.
+    solid = is_closed(surface.faces, len(surface.vertices))
     return server.scene.add_mesh_simple(
         f"/{name}",
         surface.vertices,
         surface.faces,
         color=_rgb(surface.color),
         opacity=opacity,
-        flat_shading=True,
-        side="front" if surface.cull == "back" else "double",
+        flat_shading=surface.crease < 180.0,
+        side="front" if surface.cull == "back" or solid else "double",
         cast_shadow=opacity is None and surface.casts,
         position=tuple(item.position[0]),
         wxyz=tuple(item.quaternion[0]),

@@ -74,9 +74,14 @@ def _joint_frame(model: Any, x: Array, q: Array, joint: int, qpos: Array) -> tup
     return pos + rot.rotate(quat, model.jnt_pos[joint]), quat
 
 
-def jacobian(model: Any, qpos: Array, body: int, point: Array) -> tuple[Array, Array]:
-    """How a point (3,) carried by `body` moves: (3, nv) linear [m/s] and (3, nv) angular."""
-    x, q = body_frames(model, qpos)
+def jacobian(
+    model: Any, qpos: Array, body: int, point: Array, frames: tuple[Array, Array] | None = None
+) -> tuple[Array, Array]:
+    """How a point (3,) carried by `body` moves: (3, nv) linear [m/s] and (3, nv) angular.
+
+    `frames`: what `body_frames` gives at `qpos`, where it is known already.
+    """
+    x, q = frames or body_frames(model, qpos)
     linear, angular = np.zeros((3, model.nv)), np.zeros((3, model.nv))
     while body > 0:
         for j in _joints(model, body):
@@ -109,7 +114,7 @@ def inertia_matrix(model: Any, qpos: Array) -> Array:
     for b in range(1, model.nbody):
         com = x[b] + rot.rotate(q[b], model.body_ipos[b])
         R = rot.to_matrix(rot.multiply(q[b], model.body_iquat[b]))
-        Jv, Jw = jacobian(model, qpos, b, com)
+        Jv, Jw = jacobian(model, qpos, b, com, (x, q))
         M += model.body_mass[b] * Jv.T @ Jv
         M += Jw.T @ R @ np.diag(model.body_inertia[b]) @ R.T @ Jw
     return M
@@ -271,10 +276,11 @@ def _one_contact(A: Array, r: Array, mu: float, p: Array) -> Array:
 def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> Array:
     """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s)."""
     rows = []
+    frames = body_frames(model, qpos)
     for i, x in enumerate(contacts["position"]):
         frame = np.stack([contacts[name][i] for name in ("normal", "tangent", "binormal")])
-        Ja, _ = jacobian(model, qpos, int(contacts["body_a"][i]), x)
-        Jb, _ = jacobian(model, qpos, int(contacts["body_b"][i]), x)
+        Ja, _ = jacobian(model, qpos, int(contacts["body_a"][i]), x, frames)
+        Jb, _ = jacobian(model, qpos, int(contacts["body_b"][i]), x, frames)
         rows.append(frame @ (Ja - Jb))
     return np.concatenate(rows) if rows else np.zeros((0, model.nv))
 

@@ -53,8 +53,8 @@ class Surface:
         fade: Distances from `Look.focus` between which the surface dissolves [m], or None.
     """
 
-    vertices: NDArray[np.floating]
-    faces: NDArray[np.integer]
+    vertices: Array
+    faces: NDArray[np.int32]
     color: Color = (0.8, 0.8, 0.8)
     alpha: float = 1.0
     crease: float = 0.0
@@ -103,9 +103,9 @@ class Camera:
         near: Nothing nearer is drawn [m].
     """
 
-    position: ArrayLike
-    target: ArrayLike = (0.0, 0.0, 0.0)
-    up: ArrayLike = (0.0, 0.0, 1.0)
+    position: Array
+    target: Array = field(default_factory=lambda: np.zeros(3))
+    up: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     fov: float = 35.0
     near: float = 0.05
 
@@ -118,7 +118,7 @@ class Camera:
 
     def axes(self) -> Array:
         """Rows: the world directions of the picture's right, down and into it. Shape (3, 3)."""
-        forward = np.asarray(self.target) - np.asarray(self.position)
+        forward = self.target - self.position
         right = np.cross(forward, self.up)
         if np.linalg.norm(right) <= 1e-9 * np.linalg.norm(forward) or not forward.any():
             raise InputError(
@@ -156,7 +156,8 @@ class Camera:
             raise InputError("Camera.framing: points must be finite, at least one")
         toward = _vector("direction", direction)
         toward = toward / np.linalg.norm(toward)
-        right, down, _ = Camera(position=toward, target=np.zeros(3), up=up).axes()
+        up = _vector("up", up)
+        right, down, _ = Camera(position=toward, up=up).axes()
         middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
         local = (points - middle) @ np.stack([right, down, toward]).T
         tan_y = np.tan(np.radians(fov) / 2) / margin
@@ -177,7 +178,7 @@ class Camera:
         width, height = size
         focal = 0.5 * height / np.tan(np.radians(self.fov) / 2)
         inner = (focal, focal, 0.5 * width, 0.5 * height, self.near)
-        return np.concatenate([self.axes().ravel(), np.asarray(self.position), inner])
+        return np.concatenate([self.axes().ravel(), self.position, inner])
 
 
 @dataclass(frozen=True, kw_only=True)

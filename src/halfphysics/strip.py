@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +15,7 @@ from halfphysics.drawing import GHOST, PEOPLE, Drawing
 from halfphysics.errors import InputError
 from halfphysics.render import Color, Look, render
 from halfphysics.skeleton import JOINT_NAMES
-from halfphysics.viewpoint import cameras, choose_direction, glass, spread
+from halfphysics.viewpoint import cameras, choose_direction, glass
 
 if TYPE_CHECKING:
     from halfphysics.result import Result
@@ -35,7 +36,7 @@ def key_frames(result: Result, count: int) -> list[int]:
         result: The story.
         count: How many, at least 1.
     """
-    from halfphysics.scene import Plane
+    from halfphysics.shapes import Plane
 
     total = len(result.motion)
     if count < 1:
@@ -45,15 +46,16 @@ def key_frames(result: Result, count: int) -> list[int]:
     planes = {n for n, s in result.scene.statics.items() if isinstance(s.shape, Plane)}
     contacts = result.contacts
     touched: dict[tuple[int, ...], int] = {}
-    for frame, person, part, other in zip(
+    for frame, person, subject, other, strength in zip(
         np.asarray(contacts.frame).tolist(),
         np.asarray(contacts.person).tolist(),
-        np.asarray(contacts.part).tolist(),
+        np.asarray(contacts.subject).tolist(),
         np.asarray(contacts.other).tolist(),
+        _strength(contacts).tolist(),
         strict=True,
     ):
-        if result.names[other] not in planes:
-            pair = (person if part >= 0 else -1, other)
+        if strength > 0.0 and result.names[other] not in planes:
+            pair = (person, subject, other)
             touched[pair] = min(frame, touched.get(pair, frame))
     apart = np.zeros(total)
     for p in result.people:
@@ -70,7 +72,7 @@ def key_frames(result: Result, count: int) -> list[int]:
             chosen.append(frame)
     while len(chosen) < count:
         ends = sorted({-1, *chosen, total})
-        gaps = [(b - a, -a) for a, b in zip(ends, ends[1:], strict=False)]
+        gaps = [(b - a, -a) for a, b in itertools.pairwise(ends)]
         width, start = max(gaps)
         if width < 2:
             break
@@ -84,14 +86,20 @@ def key_frames(result: Result, count: int) -> list[int]:
     return sorted(chosen)
 
 
+def _strength(contacts: Any) -> NDArray[np.float64]:
+    """Size of each contact's impulse (n,) [N s]."""
+    return np.linalg.norm(np.asarray(contacts.impulse, dtype=np.float64).reshape(-1, 3), axis=1)
+
+
 def caption(result: Result, frame: int) -> tuple[str, str]:
     """Two short lines: the time, and what touches what (strongest first, planes left out)."""
-    from halfphysics.scene import Plane
+    from halfphysics.shapes import Plane
 
     time = f"frame {frame}   {frame / result.fps:.2f} s"
     contacts: Any = result.contacts
     rows = np.flatnonzero(np.asarray(contacts.frame) == frame)
-    strength = np.linalg.norm(np.asarray(contacts.impulse).reshape(-1, 3)[rows], axis=1)
+    strength = _strength(contacts)[rows]
+    rows, strength = rows[strength > 0.0], strength[strength > 0.0]
     said: list[str] = []
     for row in rows[np.argsort(-strength, kind="stable")]:
         part, other = int(contacts.part[row]), result.names[int(contacts.other[row])]

@@ -28,8 +28,10 @@ _PROBE_FRAMES = 5
 _NEAR = 1.6
 # A static thing that hides more than this share of the story is drawn as glass.
 _HIDES = 0.02
-# Weights of what makes a view good, beside what is visible (1).
-_FRONT, _ACROSS = 0.25, 0.3
+# Weights of what makes a view good: nothing hidden, seen from the front, across the correction.
+_OPEN, _FRONT, _ACROSS = 2.0, 0.3, 0.3
+# A view with this much of the story in the open is as good as any: what hides becomes glass.
+_ENOUGH = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +90,7 @@ def subject(drawing: Drawing, frame: int, story: Mapping[str, Surface]) -> Array
 
 def spread(total: int, count: int) -> list[int]:
     """At most `count` frames of `total`, evenly spread, first and last among them."""
-    return sorted({int(round(k)) for k in np.linspace(0, total - 1, min(count, total))})
+    return sorted({round(float(k)) for k in np.linspace(0, total - 1, min(count, total))})
 
 
 def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, int]) -> Array:
@@ -113,8 +115,10 @@ def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, i
             ]
             turned = np.arccos(np.clip(facing @ level, -1.0, 1.0))
             front = float(np.cos(turned - np.radians(_THREE_QUARTER)).mean())
-            across = float(np.mean(1.0 - np.abs(apart @ level))) if len(apart) else 0.0
-            score = float(np.mean(shares)) + _FRONT * front + _ACROSS * across
+            across = (
+                float(np.linalg.norm(np.cross(apart, level), axis=1).mean()) if len(apart) else 0.0
+            )
+            score = _OPEN * min(float(np.mean(shares)), _ENOUGH) + _FRONT * front + _ACROSS * across
             if score > best_score + 1e-9:
                 best, best_score = towards, score
     return best / np.linalg.norm(best)
@@ -164,7 +168,7 @@ def cameras(
     for frame in frames:
         points = subject(drawing, frame, drawing.story(frame))
         near.append((points, Camera.framing(points, direction, size=size, fov=FOV)))
-    distance = [float(np.linalg.norm(c.position - c.target)) for _, c in near]  # type: ignore[operator]
+    distance = [float(np.linalg.norm(c.position - c.target)) for _, c in near]
     common = float(np.median(distance))
     return [
         Camera.framing(points, direction, size=size, fov=FOV, distance=common) for points, _ in near

@@ -6,7 +6,7 @@ import difflib
 import json
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.io.atomic import atomic_write
-from halfphysics.io.tree import Entry, read_tree
+from halfphysics.io.tree import Entry, plain_tree, read_tree
 from halfphysics.scene import OBJECT_FRICTION, STATIC_FRICTION, Object, Scene, Static
 from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, MeshSource, Plane, Shape, Sphere
 from halfphysics.validation import shown
@@ -51,7 +51,24 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
         )
     if not path.is_file():
         raise FileError(f"{path}: there is no such file, expected a scene ({', '.join(_SUFFIXES)})")
-    root = _mapping(read_tree(path), _SCENE_KEYS)
+    return _scene(read_tree(path), path.parent)
+
+
+def scene_from_document(document: Mapping[str, Any], origin: Path) -> Scene:
+    """The scene of plain data as `scene_document` gives it.
+
+    Args:
+        document: In the file's format; relative mesh paths are relative to `origin`'s folder.
+        origin: Where it was found, for messages.
+
+    Raises:
+        FileError: As for a file.
+    """
+    return _scene(plain_tree(document, origin), origin.parent)
+
+
+def _scene(tree: Entry, base: Path) -> Scene:
+    root = _mapping(tree, _SCENE_KEYS)
     if "version" in root:
         version = _number(root["version"])
         if version != VERSION:
@@ -61,9 +78,9 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
     gravity = root.get("gravity")
     scene = _guarded(gravity, Scene, _gravity(gravity)) if gravity else Scene()
     for name, entry in _named(root.get("statics")):
-        _add(scene.add_static, name, entry, _STATIC_KEYS, path.parent)
+        _add(scene.add_static, name, entry, _STATIC_KEYS, base)
     for name, entry in _named(root.get("objects")):
-        _add(scene.add_object, name, entry, _OBJECT_KEYS, path.parent)
+        _add(scene.add_object, name, entry, _OBJECT_KEYS, base)
     for entry in _items(root.get("friction")):
         a, b, mu = _sequence(entry, 3, "[name, name, coefficient]")
         _guarded(entry, scene.friction, _text(a), _text(b), _number(mu))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,8 @@ _FLOAT = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
 class Entry:
     """A value of a document: a dict or list of entries, a number, text, bool or None.
 
-    `where` is its path in the document, such as "objects.ball.mass"; `line` counts from 1.
+    `where` is its path in the document, such as "objects.ball.mass"; `line` counts from 1 (0: the
+    document is not text).
     """
 
     value: Any
@@ -35,7 +36,8 @@ class Entry:
     def error(self, message: str) -> FileError:
         """`message`, led by file, line and path in the document."""
         place = f", {self.where}" if self.where else ""
-        return FileError(f"{self.file}, line {self.line}{place}: {message}")
+        line = f", line {self.line}" if self.line else ""
+        return FileError(f"{self.file}{line}{place}: {message}")
 
 
 def read_tree(path: Path) -> Entry:
@@ -72,6 +74,15 @@ def read_tree(path: Path) -> Entry:
         raise FileError(f"{path}: nested too deeply for a scene") from None
     finally:
         loader.dispose()
+
+
+def plain_tree(value: Any, file: Path, where: str = "") -> Entry:
+    """Plain data (of a document inside another file) as a tree; it has no lines of its own."""
+    if isinstance(value, Mapping):
+        value = {k: plain_tree(v, file, f"{where}.{k}".lstrip(".")) for k, v in value.items()}
+    elif isinstance(value, list | tuple):
+        value = [plain_tree(v, file, f"{where}[{i}]") for i, v in enumerate(value)]
+    return Entry(value=value, where=where, line=0, file=file)
 
 
 def _loader(yaml: Any) -> Any:

@@ -260,7 +260,13 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   // are finished alone, which converges: nothing penetrates, and the next substep starts warm.
   SolveReport report;
   sweeps(n, false, kFriction * tolerance, max_sweeps, report);
-  if (report.residual >= tolerance) sweeps(n, true, tolerance, 4 * max_sweeps, report);
+  for (int round = 0; round < 8 && report.residual >= tolerance; round++) {
+    sweeps(n, true, tolerance, 2 * max_sweeps, report);
+    // A normal impulse that got smaller takes its friction along.
+    for (int i = 0; i < n; i++) clamp(&p_[3 * i], friction_[i]);
+    product(n);
+    report.residual = residual(n, true);
+  }
 
   // v = v_free + M^-1 J^T p = v_free + L^-1 D^-1/2 Y p.
   std::vector<double>& dv = before_;

@@ -1,0 +1,367 @@
+"""Result: what a simulation gives back, in memory and as a file.
+
+World z-up, metres, seconds, newton seconds; quaternions wxyz; T frames at `Result.fps`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError
+from halfphysics.motion import Motion
+from halfphysics.pose import checked
+from halfphysics.settings import Settings
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.scene import Scene
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+
+#: Time after a contact until the body follows its reference again: ten time constants of the
+#: default drive [s].
+SETTLE = 0.2
+
+
+class Record(Protocol[T_co]):
+    """Stands for a value that a file only refers to; `make` builds it (once)."""
+
+    def make(self) -> T_co: ...
+
+
+class Deferred(Generic[T]):
+    """A dataclass field that holds a value, or a `Record` that makes it when first read.
+
+    So a thousand results can be looked through without loading the meshes they refer to.
+    """
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._key = f"_{name}"
+
+    def __get__(self, instance: Any, owner: type | None = None) -> T:
+        if instance is None:
+            raise AttributeError("a field without a default")  # what dataclasses ask for
+        held = vars(instance)[self._key]
+        return held.make() if hasattr(held, "make") else held
+
+    def __set__(self, instance: Any, value: T | Record[T]) -> None:
+        vars(instance)[self._key] = value
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ObjectTrack:
+    """How an object moved: `position` (T, 3) [m] and `quaternion` (T, 4) of its own frame."""
+
+    position: Array
+    quaternion: Array
+
+    def __post_init__(self) -> None:
+        _set(self, "position", checked("position", self.position, (None, 3), "(T, 3)"))
+        _set(self, "quaternion", checked("quaternion", self.quaternion, (None, 4), "(T, 4)"))
+        if len(self.position) != len(self.quaternion):
+            raise InputError(
+                f"position has {len(self.position)} frames and quaternion {len(self.quaternion)}; "
+                "expected the same number"
+            )
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Contacts:
+    """Who touched what, where and how hard: columns of one length n, ordered by frame.
+
+    A row is one pair that touched during (t-1, t]. Where two people touch, each has a row.
+
+    Attributes:
+        frame: The frame t (n,).
+        person: Index into `Result.people` (n,); -1 where an object touches a static or object.
+        part: Index into `JOINT_NAMES` (n,); -1 where `person` is.
+        other: Index into `Result.names` of what was touched (n,).
+        position: Where, in the world (n, 3) [m].
+        normal: Unit vector from the other into the part (n, 3).
+        impulse: On the part, summed over (t-1, t] (n, 3) [N s].
+        subject: Index into `Result.names` of the object that stands in the part's place (n,),
+            -1 where a person does.
+        other_part: Index into `JOINT_NAMES` of the other's part (n,) where the other is a person,
+            else -1.
+    """
+
+    frame: Ints
+    person: Ints
+    part: Ints
+    other: Ints
+    position: Array
+    normal: Array
+    impulse: Array
+    subject: Ints
+    other_part: Ints
+
+    def __post_init__(self) -> None:
+        n = len(np.atleast_1d(self.frame))
+        for column in fields(self):
+            value = getattr(self, column.name)
+            if column.name in VECTORS:
+                array = checked(f"contacts.{column.name}", value, (None, 3), "(n, 3)")
+            else:
+                array = _whole(f"contacts.{column.name}", value)
+            if len(array) != n:
+                raise InputError(
+                    f"contacts.{column.name}: found {len(array)} rows and {n} in contacts.frame; "
+                    "expected the same number"
+                )
+            _set(self, column.name, array)
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+    def __getitem__(self, rows: Any) -> Contacts:
+        """The rows that a slice, a mask (n,) or indices choose."""
+        if isinstance(rows, int | np.integer):
+            rows = [rows]
+        return Contacts(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
+
+    @staticmethod
+    def none() -> Contacts:
+        """No contacts at all."""
+        whole, vectors = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
+        return Contacts(
+            **{f.name: vectors if f.name in VECTORS else whole for f in fields(Contacts)}
+        )
+
+
+#: Columns of `Contacts` that are vectors; the others are whole numbers.
+VECTORS = frozenset({"position", "normal", "impulse"})
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PersonResult:
+    """One person of a result.
+
+    Attributes:
+        name: As in `Result.names`.
+        motion: What the person did.
+        reference: What was asked for; as many frames, the same frame rate.
+        body: Their body. In a result from a file it is loaded when first read; raises
+            `FileError` where a licensed model has gone or changed (see `Result.load`).
+    """
+
+    name: str
+    motion: Motion
+    reference: Motion
+    body: Deferred[Body] = Deferred()
+
+    def __post_init__(self) -> None:
+        if len(self.motion) != len(self.reference):
+            raise InputError(
+                f"person {self.name!r}: the motion has {len(self.motion)} frames and the "
+                f"reference {len(self.reference)}; expected the same number"
+            )
+
+    def joint_errors(self) -> tuple[Array, Array]:
+        """Distances (T, 55) [m] of joints from the reference: relative to the pelvis, global."""
+        p, q = self.body.joints(self.motion), self.body.joints(self.reference)
+        local = np.linalg.norm((p - p[:, :1]) - (q - q[:, :1]), axis=-1)
+        return local, np.linalg.norm(p - q, axis=-1)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Substeps:
+    """Every committed pose of a run with ``Settings(record="substeps")``: S + 1 of them.
+
+    Attributes:
+        motions: The people's motions at the substeps, the start first.
+        objects: Name -> `ObjectTrack` at the substeps.
+    """
+
+    motions: tuple[Motion, ...]
+    objects: Mapping[str, ObjectTrack]
+
+    def __post_init__(self) -> None:
+        _set(self, "motions", tuple(self.motions))
+        _set(self, "objects", MappingProxyType(dict(self.objects)))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Result:
+    """What `simulate` gives back.
+
+    Attributes:
+        people: One entry a person.
+        objects: Name -> `ObjectTrack` of T frames.
+        scene: As simulated. In a result from a file it is loaded when first read; things whose
+            mesh file has gone are left out, with a warning.
+        names: What `contacts` refers to: statics, objects, people, in this order.
+        contacts: Who touched what.
+        clearance: Smallest distance of the people from the statics in every frame (T,) [m]; inf
+            beyond `Settings.clearance_range`, negative: penetration.
+        lost_time: Time by which blocked steps were shortened, per frame (T,) [s].
+        settings: How it was simulated.
+        substeps: Every committed pose, with ``Settings(record="substeps")``, else None.
+
+    Raises:
+        InputError: Parts that do not belong together.
+    """
+
+    people: tuple[PersonResult, ...]
+    objects: Mapping[str, ObjectTrack]
+    scene: Deferred[Scene] = Deferred()
+    names: tuple[str, ...]
+    contacts: Contacts
+    clearance: Array
+    lost_time: Array
+    settings: Settings
+    substeps: Substeps | None = None
+
+    def __post_init__(self) -> None:
+        _set(self, "people", tuple(self.people))
+        _set(self, "names", tuple(self.names))
+        _set(self, "objects", MappingProxyType(dict(self.objects)))
+        if not self.people:
+            raise InputError("people: found none, expected at least one")
+        frames = len(self.people[0].motion)
+        lengths = {f"people[{i}]": len(p.motion) for i, p in enumerate(self.people)}
+        lengths |= {f"objects[{name!r}]": len(track) for name, track in self.objects.items()}
+        for name in ("clearance", "lost_time"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if array.ndim != 1 or np.isnan(array).any():
+                raise InputError(
+                    f"{name}: found shape {array.shape} with {int(np.isnan(array).sum())} NaN, "
+                    f"expected numbers of shape ({frames},)"
+                )
+            array.setflags(write=False)
+            _set(self, name, array)
+            lengths[name] = len(array)
+        wrong = {name: length for name, length in lengths.items() if length != frames}
+        if wrong:
+            raise InputError(f"result: found lengths {wrong}, expected {frames} frames in each")
+        expected = [*self.objects, *(p.name for p in self.people)]
+        if list(self.names[len(self.names) - len(expected) :]) != expected:
+            raise InputError(
+                f"names: found {', '.join(self.names)}; expected statics, then {expected}"
+            )
+        c = self.contacts
+        for name, values, low, high in (
+            ("frame", c.frame, 0, frames),
+            ("person", c.person, -1, len(self.people)),
+            ("part", c.part, -1, 55),
+            ("other", c.other, 0, len(self.names)),
+            ("subject", c.subject, -1, len(self.names)),
+            ("other_part", c.other_part, -1, 55),
+        ):
+            if len(values) and not (values.min() >= low and values.max() < high):
+                raise InputError(
+                    f"contacts.{name}: found {values.min()} to {values.max()}, expected "
+                    f"{low} to {high - 1}"
+                )
+
+    def __len__(self) -> int:
+        """Number of frames."""
+        return len(self.people[0].motion)
+
+    def __repr__(self) -> str:
+        return (
+            f"Result({len(self)} frames at {self.fps:g} fps, {len(self.people)} person(s), "
+            f"{len(self.objects)} object(s), {len(self.contacts)} contacts)"
+        )
+
+    @property
+    def fps(self) -> float:
+        """Frames per second."""
+        return self.people[0].motion.fps
+
+    @property
+    def motion(self) -> Motion:
+        """The first person's corrected motion."""
+        return self.people[0].motion
+
+    @property
+    def reference(self) -> Motion:
+        """The motion that was asked of the first person."""
+        return self.people[0].reference
+
+    def free_frames(self, person: int = 0, settle: float = SETTLE) -> NDArray[np.bool_]:
+        """Frames (T,) in which nothing acts on a person: no contact within the last `settle` [s].
+
+        After a contact the deviation decays over a few `Settings.drive_time`; `settle` covers it.
+        """
+        if not 0 <= person < len(self.people):
+            raise InputError(
+                f"person: found {person}, expected 0 to {len(self.people) - 1} "
+                f"({len(self.people)} in this result)"
+            )
+        touched = np.zeros(len(self), dtype=bool)
+        hurt = self.contacts.person == person
+        touched[self.contacts.frame[hurt & self.contacts.impulse.any(axis=1)]] = True
+        reach = int(np.ceil(settle * self.fps))
+        last = np.where(touched, np.arange(len(self)), -reach - 1)
+        return np.arange(len(self)) - np.maximum.accumulate(last) > reach
+
+    def summary(self) -> str:
+        """A few lines of text: what moved where, what touched what and how hard."""
+        from halfphysics.report import summary
+
+        return summary(self)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything into one npz, whole or not at all.
+
+        On top stand the keys of the file that the first person's motion came from (AMASS keys
+        by default), so that whatever reads those files reads the corrected motion; the rest is
+        under object/, contact/, person/ and meta/ (docs/result-files.md). Body models and meshes
+        are named by path and SHA-256, their content is not written.
+
+        Raises:
+            FileError: The folder does not exist or cannot be written.
+        """
+        from halfphysics.io.result_file import save_result
+
+        save_result(self, path)
+
+    @staticmethod
+    def load(
+        path: str | os.PathLike[str],
+        *,
+        scene: Scene | None = None,
+        body: Body | tuple[Body, ...] | list[Body] | None = None,
+    ) -> Result:
+        """Read a file that `save` wrote. Arrays come back bit for bit.
+
+        Args:
+            path: The file.
+            scene: Use this scene instead of the one the file names (its meshes may have moved).
+            body: Use this body, or one each, likewise.
+
+        Raises:
+            FileError: Missing, damaged, no result file, or of a newer version.
+            InputError: Another number of bodies than people.
+        """
+        from halfphysics.io.result_file import load_result
+
+        return load_result(path, scene=scene, body=body)
+
+
+def _set(instance: Any, name: str, value: Any) -> None:
+    object.__setattr__(instance, name, value)
+
+
+def _whole(name: str, value: Any) -> Ints:
+    array = np.asarray(value)
+    if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+        raise InputError(
+            f"{name}: found shape {array.shape} of {array.dtype}, expected whole numbers (n,)"
+        )
+    result = array.astype(np.int64)
+    result.setflags(write=False)
+    return result

@@ -1,0 +1,186 @@
+"""The one-file page: self-contained, whole, made without leaving anything behind."""
+
+from __future__ import annotations
+
+import base64
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+from small_result import FPS, FRAMES, small_result
+
+from halfphysics.errors import FileError, InputError
+from halfphysics.page import _continuous, _shrunk, _strongest, save_page
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "story.html"
+    assert save_page(small_result(), path, title="a <walk>") == path
+    return path
+
+
+def recording(path) -> dict:
+    """What the page plays: times and messages, as the viewer decodes them."""
+    import msgspec
+    import zstandard
+
+    text = path.read_text(encoding="utf-8")
+    data = base64.b64decode(re.search(r'__VISER_EMBED_DATA__="([^"]*)"', text)[1])
+    size = int.from_bytes(data[:8], "little")
+    inner = zstandard.ZstdDecompressor().decompressobj().decompress(data[8:])
+    assert len(inner) == size
+    length = int.from_bytes(inner[:8], "little")
+    return msgspec.msgpack.decode(inner[8 : 8 + length])
+
+
+def test_the_page_needs_nothing_from_outside(page):
+    text = page.read_text(encoding="utf-8")
+    assert text.lstrip().lower().startswith("<!doctype html>")
+    assert text.rstrip().endswith("</html>")
+    assert "<title>a &lt;walk&gt;</title>" in text
+    # Nothing is fetched: what is linked is inlined, and there is no import of another file.
+    assert re.findall(r"""(?:src|href)\s*=\s*["'](?!data:)[^"']*""", text) == []
+    assert "@import" not in text
+    # The only address is the name of a format, inside the icon.
+    assert set(re.findall(r"https?://[\w./-]*", text)) == {"http://www.w3.org/2000/svg"}
+
+
+def test_the_page_plays_every_frame_of_body_ghost_and_ball(page):
+    content = recording(page)
+    assert content["durationSeconds"] == pytest.approx(FRAMES / FPS)
+    messages = content["messages"]
+    added = {m["name"]: m["props"] for _, m in messages if "props" in m and "name" in m}
+    for name in ("/static/floor", "/static/wall", "/static/bench", "/object/ball"):
+        assert name in added
+    assert added["/person/0"]["opacity"] is None
+    assert 0 < added["/ghost/0"]["opacity"] < 1
+    # The pelvis of both, played back at the last frame, is where the joints are.
+    person = small_result().people[0]
+    for kind, motion in (("person", person.motion), ("ghost", person.reference)):
+        pelvis = [
+            (time, m["position"])
+            for time, m in messages
+            if m["type"] == "SetBonePositionMessage"
+            and m["name"] == f"/{kind}/0"
+            and m["bone_index"] == 0
+        ]
+        assert len(pelvis) == FRAMES
+        joints = person.body.joints(motion)[:, 0]
+        np.testing.assert_allclose([p for _, p in pelvis], joints, atol=1e-4)  # the grain
+        np.testing.assert_allclose([t for t, _ in pelvis], np.arange(FRAMES) / FPS, atol=1e-9)
+    ball = [m["position"] for _, m in messages if m["type"] == "SetPositionMessage"
+            and m["name"] == "/object/ball"]  # fmt: skip
+    np.testing.assert_allclose(ball[-1], small_result().objects["ball"].position[-1], atol=1e-4)
+
+
+def test_fast_results_are_thinned(tmp_path):
+    path = save_page(small_result(), tmp_path / "a.html", max_fps=10.0)
+    messages = recording(path)["messages"]
+    times = sorted({t for t, m in messages if m["type"] == "SetBonePositionMessage"})
+    np.testing.assert_allclose(times, np.arange(0, FRAMES, 3) / FPS, atol=1e-9)
+
+
+def test_saving_says_nothing_and_leaves_nothing_running(tmp_path, capfd, monkeypatch):
+    import rich
+
+    monkeypatch.setenv("_VISER_PORT_OVERRIDE", "")  # not inherited from a shell
+    monkeypatch.delenv("_VISER_PORT_OVERRIDE")
+    before = set(threading.enumerate())
+    with socket.socket() as busy:  # viser's usual port being taken does not matter
+        try:
+            busy.bind(("127.0.0.1", 8080))
+            busy.listen()
+        except OSError:
+            pass  # taken already: just as good
+        save_page(small_result(), tmp_path / "a.html")
+    assert capfd.readouterr() == ("", "")
+    assert [p.name for p in tmp_path.iterdir()] == ["a.html"]
+    assert not rich.get_console().quiet
+    left = [t for t in set(threading.enumerate()) - before if t.is_alive()]
+    assert left == []
+
+
+def test_the_same_result_makes_the_same_page(page, tmp_path):
+    again = save_page(small_result(), tmp_path / "a.html", title="a <walk>")
+    assert again.read_bytes() == page.read_bytes()
+
+
+def test_a_page_that_cannot_be_written_leaves_nothing(tmp_path, monkeypatch):
+    with pytest.raises(FileError, match="does not exist"):
+        save_page(small_result(), tmp_path / "no" / "a.html")
+    with pytest.raises(InputError, match="max_fps"):
+        save_page(small_result(), tmp_path / "a.html", max_fps=0.0)
+
+    def fails(*_args):
+        raise RuntimeError("half-way")
+
+    monkeypatch.setattr("halfphysics.page._build", fails)
+    with pytest.raises(RuntimeError, match="half-way"):
+        save_page(small_result(), tmp_path / "a.html")
+    assert list(tmp_path.iterdir()) == []
+    assert not [t for t in threading.enumerate() if "viser" in t.name]
+
+
+def test_weights_keep_the_four_strongest():
+    rng = np.random.default_rng(0)
+    weights = rng.random((50, 55))
+    kept = _strongest(weights)
+    np.testing.assert_allclose(kept.sum(axis=1), 1.0, rtol=1e-12)
+    assert ((kept > 0).sum(axis=1) == 4).all()
+    order = np.argsort(-weights, axis=1)
+    assert (np.take_along_axis(kept, order[:, :4], axis=1) > 0).all()
+
+
+def test_quaternions_do_not_jump():
+    rng = np.random.default_rng(1)
+    q = np.cumsum(rng.normal(size=(40, 3, 4)) * 0.05, axis=0) + np.array([1.0, 0, 0, 0])
+    q /= np.linalg.norm(q, axis=-1, keepdims=True)
+    flipped = q * rng.choice([-1.0, 1.0], size=(40, 3, 1))
+    smooth = _continuous(flipped)
+    np.testing.assert_array_equal(np.abs(smooth), np.abs(flipped))
+    assert (np.sum(smooth[1:] * smooth[:-1], axis=-1) > 0).all()
+
+
+def test_shrinking_a_cube_moves_its_faces_in():
+    from halfphysics.shapes import Box
+
+    vertices, faces = Box((2.0, 2.0, 2.0)).triangles()
+    inner = _shrunk(vertices, faces, 0.003)
+    np.testing.assert_allclose(np.linalg.norm(vertices - inner, axis=1), 0.003, rtol=1e-9)
+    assert (np.abs(inner) < 1.0).all()
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium to open the page with")
+def test_the_page_opens_in_a_browser(page, tmp_path):
+    from PIL import Image
+
+    shot = tmp_path / "shot.png"
+    flags = [
+        *("--headless", "--no-sandbox", "--no-first-run", "--disable-background-networking"),
+        *("--disable-quic", "--disable-component-update", "--disable-sync", "--hide-scrollbars"),
+        *("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--window-size=640,480"),
+        "--virtual-time-budget=6000",
+    ]
+    subprocess.run(
+        ["chromium", *flags, f"--user-data-dir={tmp_path / 'profile'}", f"--screenshot={shot}",
+         page.as_uri()],
+        check=True, capture_output=True, timeout=120,
+    )  # fmt: skip
+    red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB")).astype(int), -1, 0)
+    assert ((blue - red > 30) & (green > red)).sum() > 150, "no ghost"
+    assert ((red - blue > 12) & (red - blue < 90)).sum() > 300, "no body"
+
+
+def test_importing_the_page_does_not_import_viser():
+    code = (
+        "import sys, halfphysics.page, halfphysics.strip; "
+        "print('viser' in sys.modules, 'PIL' in sys.modules)"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.split() == ["False", "False"]

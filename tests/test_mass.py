@@ -93,7 +93,9 @@ def test_a_finger_tip_is_solid() -> None:
     volume, centre, inertia = solid_moments(vertices, faces)
     assert solid.total == pytest.approx(volume, rel=1e-12)
     np.testing.assert_allclose(solid.centroid[0], centre, atol=1e-4)
-    np.testing.assert_allclose(solid.moment[0], inertia, atol=0.02 * np.trace(inertia))
+    # Six rays across are good for 4 %; samples taken for boxes twice too big would add 14 %.
+    assert solid.moment[0, 0, 0] == pytest.approx(inertia[0, 0], rel=0.05)
+    np.testing.assert_allclose(solid.moment[0], inertia, atol=0.01 * np.trace(inertia))
 
 
 def test_symmetric_skins_give_symmetric_parts() -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics import rotations
 from halfphysics.errors import InputError
 from halfphysics.skeleton import (
     JOINT_NAMES,
@@ -86,7 +87,7 @@ def add_person(
             body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_BALL, armature=inertia[i])
         body.mass = part.mass
         body.ipos = part.com
-        body.fullinertia = _six(part.inertia)
+        body.inertia, body.iquat = _principal(part.inertia)
         body.explicitinertial = True
         if geoms and len(part.vertices):
             spec.add_mesh(
@@ -138,12 +139,14 @@ def to_mjcf(
             ElementTree.SubElement(
                 body, "joint", name=name, type="ball", armature=_text([inertia[i]])
             )
+        moments, axes = _principal(part.inertia)
         ElementTree.SubElement(
             body,
             "inertial",
             pos=_text(part.com),
+            quat=_text(axes),
             mass=_text([part.mass]),
-            fullinertia=_text(_six(part.inertia)),
+            diaginertia=_text(moments),
         )
         if len(part.vertices):
             ElementTree.SubElement(assets, "mesh", name=name, vertex=_text(part.vertices.ravel()))
@@ -246,9 +249,14 @@ def _start(
     return start, turn
 
 
-def _six(inertia: Array) -> list[float]:
-    """MuJoCo's order of a symmetric matrix: xx yy zz xy xz yz."""
-    return [float(inertia[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+def _principal(inertia: Array) -> tuple[Array, Array]:
+    """Principal moments (3,) [kg m^2], rising, and the quaternion (4,) of their axes.
+
+    Found here because MuJoCo's own search stops at 1e-12, which shows on finger tips.
+    """
+    moments, axes = np.linalg.eigh(inertia)
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    return moments, rotations.from_matrix(axes)
 
 
 def _text(values: ArrayLike) -> str:

@@ -153,6 +153,7 @@ def _array(data: Any, dtype: Any, shape: Any, order: str) -> np.ndarray:
         if not isinstance(data, list) or len(data) != count:
             raise ValueError(f"numpy.ndarray of objects whose shape {shape} does not fit its list")
         array = np.empty(count, dtype=object)
+        order = "C"  # numpy lists objects row by row, whatever the order in memory
         for i, item in enumerate(data):  # array[:] = data would unfold arrays of equal shape
             array[i] = item
     else:

@@ -13,7 +13,7 @@ from halfphysics.motion import Motion
 from halfphysics.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulate import simulate
+from halfphysics.simulation import simulate
 from halfphysics.simulator import Simulator
 
 EXACT_MM = 1e-6  # the goal; measured about 1e-12

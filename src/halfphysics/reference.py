@@ -324,7 +324,7 @@ def contact_problem(
     model: Any, qpos: Array, v_free: Array, M_hat: Array, h: float, contacts: Mapping[str, Array]
 ) -> ContactProblem:
     """The problem M^ (v - v*) = J^T p at the contact points (n) that the core found."""
-    J = contact_jacobian(model, qpos, contacts)
+    J = contact_jacobian(model, qpos, contacts)  # (0, nv) without contact
     back = np.linalg.solve(M_hat, J.T)
     b = J @ v_free
     demand = (contacts["target"] - contacts["dist"] + contacts["shift"]) / h

@@ -35,6 +35,8 @@ class Settings:
     """Fastest speed at which a part that starts inside something leaves it [m/s]."""
     tolerance: float = 1e-6
     """Largest violation of a contact that the solver may leave in a substep [m]."""
+    max_sweeps: int = 50
+    """Sweeps of the contact solver over all points with friction; then normals alone."""
     threads: int = 1
     """Threads for whatever runs in parallel; the numbers do not depend on it."""
     record: Literal["frames", "substeps"] = "frames"
@@ -77,6 +79,7 @@ class Settings:
         choice("contact", "parts")
         number("depenetration_speed", least=0.0)
         number("tolerance", above=0.0)
+        count("max_sweeps")
         count("threads")
         choice("record", "frames", "substeps")
 

@@ -119,6 +119,7 @@ class World:
             s.clearance_range,
             s.depenetration_speed,
             s.tolerance,
+            s.max_sweeps,
             np.array(scene.gravity),
         )
         self.stepper.finish([p.root for p in self.people])

@@ -178,9 +178,9 @@ void bind_physics(nb::module_& m) {
       .def("set_settings",
            [](Stepper& s, double stiffness, double drive_time, double recovery_rate,
               bool recover_root, double root_speed, double clearance, double clearance_range,
-              double depenetration_speed, double tolerance, Doubles gravity) {
+              double depenetration_speed, double tolerance, int max_sweeps, Doubles gravity) {
              s.drive_settings = {stiffness, drive_time, recovery_rate, recover_root, root_speed};
-             s.world.settings = {clearance, depenetration_speed, tolerance};
+             s.world.settings = {clearance, depenetration_speed, tolerance, max_sweeps};
              s.clearance_range = clearance_range;
              s.gravity = load3(gravity.data());
            })

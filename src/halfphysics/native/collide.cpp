@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kGiveWay = 0.05;   // speed at which a clearance that was lost is regained [m/s]
 constexpr double kTouch = 1e-5;     // overlaps up to this at the start are contacts at rest [m]
+constexpr double kSamePoint2 = 2e-3 * 2e-3;  // points this near are one contact [m^2]
 constexpr double kHardGap = 1e-4;   // a step that would end nearer than this is shortened [m]
 
 // Where a point carried by a body at the end pose was at the start.
@@ -296,7 +297,6 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   const Placed& b0 = place(start, c.other_mover);
   int already = 0;
   for (const Contact& k : contacts) already += k.pair == index;
-  if (already >= 12) return;
   if (first) {
     Vec3 pa[4], pb[4];
     int n = face_manifold(a0, b0, c.n, 2e-3, 4, pa, pb);
@@ -310,10 +310,23 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   const Placed &a1 = place(end, c.mover), &b1 = place(end, c.other_mover);
   Separation s = separate(a1, b1);
   if (s.dist <= 0 || dot(s.n, c.n) < 0.5) s = separate_along(a1, b1, c.n);
-  // The same material points at the start, and how far apart they were along the end's normal.
+  // The same material points at the start, and how far apart they were along the end's normal:
+  // a better line for the contact that stands there, or one more.
   Vec3 xa = carried_back(start, end, M.body, s.pa),
        xb = carried_back(start, end, movers[c.other_mover].body, s.pb);
-  make(s.n, dot(s.n, xa - xb), 0.5 * (xa + xb), 5 + already);
+  Vec3 x = 0.5 * (xa + xb);
+  bool round = a0.points().n == 1 && b0.points().n == 1;
+  for (Contact& k : contacts) {
+    if (k.pair != index || (!round && norm2(k.position - x) > kSamePoint2)) continue;
+    Vec3 impulse = k.impulse;
+    int feature = k.feature;
+    make(s.n, dot(s.n, xa - xb), x, feature);
+    k = contacts.back();
+    k.impulse = impulse;
+    contacts.pop_back();
+    return;
+  }
+  if (already < 12) make(s.n, dot(s.n, xa - xb), x, 5 + already);
 }
 
 double World::clearance(const Model&, Poses& p, double range) const {

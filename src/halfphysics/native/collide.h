@@ -51,6 +51,7 @@ struct Candidate {
 
 struct ContactSettings {
   double clearance = 1e-3, depenetration_speed = 0.5, tolerance = 1e-6;
+  int max_sweeps = 50;
 };
 
 // Poses of all movers.

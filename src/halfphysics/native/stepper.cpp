@@ -10,9 +10,9 @@ namespace hp {
 namespace {
 
 constexpr int kPasses = 8;         // solve and verify, at most
-constexpr int kMaxSweeps = 50;
 constexpr double kSlackReach = 0.004;  // planes are asked for this much farther than needed [m]
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
+constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
 constexpr double kWarmRadius2 = 0.02 * 0.02;
 
 }  // namespace
@@ -186,8 +186,8 @@ void Stepper::remember() {
 
 // Checks the end pose against every candidate; adds contact points where something is violated
 // and corrects the linear prediction of those there are. True if all is well.
-bool Stepper::verify(std::vector<Contact>& contacts, double h, bool first, double& worst) {
-  const double slack = 2 * world.settings.tolerance;
+bool Stepper::verify(double h, bool first, double& worst) {
+  const double slack = 2 * world.settings.tolerance + kRounding;
   worst = 0;
   bool good = true;
   body_twists(model, start_.kin, v_.data(), twists_);
@@ -198,24 +198,18 @@ bool Stepper::verify(std::vector<Contact>& contacts, double h, bool first, doubl
     if (e < -slack) violated[i] = 1, good = false;
   }
   if (good) return true;
-  size_t old = contacts.size();
-  for (size_t i = 0; i < old; i++) {
-    Contact& c = contacts[i];
-    Vec3 u = endpoint_velocity(model, start_.kin, twists_, c.a) -
-             endpoint_velocity(model, start_.kin, twists_, c.b);
-    c.shift = c.dist + h * dot(c.n, u) - world.gap_at(start_, end_, c);
-  }
+  size_t old = contacts_.size();
   for (size_t i = 0; i < candidates_.size(); i++)
     if (violated[i])
-      world.add_contacts(model, start_, end_, candidates_[i], (int)i, first, contacts);
-  for (size_t i = old; i < contacts.size(); i++) {
-    Contact& c = contacts[i];
+      world.add_contacts(model, start_, end_, candidates_[i], (int)i, first, contacts_);
+  for (size_t i = 0; i < contacts_.size(); i++) {
+    Contact& c = contacts_[i];
     if (!first) {
       Vec3 u = endpoint_velocity(model, start_.kin, twists_, c.a) -
                endpoint_velocity(model, start_.kin, twists_, c.b);
       c.shift = c.dist + h * dot(c.n, u) - world.gap_at(start_, end_, c);
     }
-    warm_start(c);
+    if (i >= old) warm_start(c);
   }
   return false;
 }
@@ -269,11 +263,20 @@ double Stepper::shorten(double h) {
   return lost;
 }
 
+void Stepper::solve(double h) {
+  build_inertia(h);
+  SolveReport r = solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(),
+                                contacts_, world.settings.tolerance / h, world.settings.max_sweeps);
+  diagnostics_.sweeps += r.sweeps;
+  diagnostics_.passes++;
+  if (keep_trace) trace.contacts = contacts_;
+}
+
 // Restitution of a pair that arrived fast enough: a second pass demands its rebound.
-void Stepper::bounce(std::vector<Contact>& contacts, double h) {
+void Stepper::bounce(double h) {
   body_twists(model, start_.kin, v_free_.data(), twists_);
   bool any = false;
-  for (Contact& c : contacts) {
+  for (Contact& c : contacts_) {
     if (c.restitution <= 0 || dot(c.impulse, c.n) <= 0) continue;
     double arriving = dot(c.n, endpoint_velocity(model, start_.kin, twists_, c.a) -
                                    endpoint_velocity(model, start_.kin, twists_, c.b));
@@ -283,11 +286,10 @@ void Stepper::bounce(std::vector<Contact>& contacts, double h) {
   }
   if (!any) return;
   for (int pass = 0; pass < 3; pass++) {
-    solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(), contacts,
-                  world.settings.tolerance / h, kMaxSweeps);
+    solve(h);
     pose_at(v_, h, end_, q_end_);
     double worst;
-    if (verify(contacts, h, false, worst)) break;
+    if (verify(h, false, worst)) break;
   }
 }
 
@@ -321,7 +323,7 @@ void Stepper::substep(int k, double h) {
     contacts_.clear();
     v_ = v_free_;
     pose_at(v_, h, end_, q_end_);
-    good = verify(contacts_, h, true, worst);
+    good = verify(h, true, worst);
     bool gave_way = false;
     for (int pass = 1; !good; pass++) {
       if (pass > kPasses) {
@@ -330,16 +332,12 @@ void Stepper::substep(int k, double h) {
         give_way();
         pass = 1;
       }
-      build_inertia(h);
-      SolveReport r = solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(),
-                                    contacts_, world.settings.tolerance / h, kMaxSweeps);
-      diagnostics_.sweeps += r.sweeps;
-      diagnostics_.passes++;
+      solve(h);
       pose_at(v_, h, end_, q_end_);
-      good = verify(contacts_, h, false, worst);
+      good = verify(h, false, worst);
     }
     if (contacts_.empty()) break;
-    bounce(contacts_, h);
+    bounce(h);
     // Planes hold only for what was asked: ask again, from the start pose, for what moved more.
     body_twists(model, start_.kin, v_.data(), twists_);
     bool beyond = false;
@@ -369,7 +367,8 @@ void Stepper::substep(int k, double h) {
   remember();
   if (keep_trace) {
     trace.qpos = qpos_, trace.qvel = qvel_, trace.v_free = v_free_, trace.v = v_;
-    trace.contacts = contacts_, trace.h = h, trace.k = k;
+    if (contacts_.empty()) trace.contacts.clear();
+    trace.h = h, trace.k = k;
   }
   qpos_ = q_end_;
   qvel_ = v_;

@@ -68,13 +68,14 @@ class Stepper {
   void free_velocity(int k, double h);
   void object_velocity(double h);
   void build_inertia(double h);
-  bool verify(std::vector<Contact>& contacts, double h, bool first, double& worst);
+  void solve(double h);
+  bool verify(double h, bool first, double& worst);
   void give_way();
   double shorten(double h);
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
   void warm_start(Contact& c);
   void remember();
-  void bounce(std::vector<Contact>& contacts, double h);
+  void bounce(double h);
   double speed_bound(const Mover& m, const std::vector<Twist>& t) const;
 
   struct Warm {

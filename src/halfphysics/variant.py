@@ -40,8 +40,8 @@ DENSITY = 985.0
 EMPTY_MASS, EMPTY_RADIUS = 1e-6, 0.01
 #: No person spans this much [m]; skins in centimetres or millimetres do.
 MAX_EXTENT = 10.0
-#: Parts with smaller hulls [m^3] get denser samples for their mass: fingers, toes, eyes.
-FINE_VOLUME = 1.5e-4
+#: Parts with smaller hulls [m^3] get denser samples for their mass: hands, toes, jaw, eyes.
+FINE_VOLUME = 3e-4
 
 
 class Skin(Protocol):

@@ -6,9 +6,9 @@ from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
-from halfphysics.body import Body
 
 from halfphysics import rotations as rot
+from halfphysics.body import Body
 from halfphysics.motion import Motion
 from halfphysics.scene import Scene
 from halfphysics.shapes import Box, Plane, Sphere

@@ -66,9 +66,7 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness):
     scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
     scene.add_static("floor", Plane(), friction=0.5)
     scene.add_object("ball", Sphere(0.1), mass=0.5, position=(0.25, 0.2, 1.0), velocity=(-1, 0, 0))
-    settings = Settings(
-        drive_time=DRIVES[drive], stiffness=stiffness, tolerance=1e-6, substeps=1
-    )
+    settings = Settings(drive_time=DRIVES[drive], stiffness=stiffness, tolerance=1e-6, substeps=1)
     dt = 1.0 / 240.0
     motion = motion.resample(240.0)
     simulator = Simulator(scene, body=body, settings=settings, fps=240)
@@ -134,7 +132,9 @@ def test_contact_solved_independently():
         scene.add_object(
             f"ball{i}", Sphere(0.1), mass=0.5, position=(0.7 + 0.22 * (i // 2), 0.21 * (i % 2), 0.1)
         )
-    simulator = Simulator(scene, body=[], settings=Settings(tolerance=1e-12, max_sweeps=5000), fps=240)
+    simulator = Simulator(
+        scene, body=[], settings=Settings(tolerance=1e-12, max_sweeps=5000), fps=240
+    )
     simulator.reset([])
     stepper, model = simulator.world.stepper, simulator.world.model
     stepper.keep_trace(True)

@@ -87,7 +87,7 @@ def add_person(
             body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_BALL, armature=inertia[i])
         body.mass = part.mass
         body.ipos = part.com
-        body.inertia, body.iquat = _principal(part.inertia)
+        body.inertia, body.iquat = principal(part.inertia)
         body.explicitinertial = True
         if geoms and len(part.vertices):
             spec.add_mesh(
@@ -139,7 +139,7 @@ def to_mjcf(
             ElementTree.SubElement(
                 body, "joint", name=name, type="ball", armature=_text([inertia[i]])
             )
-        moments, axes = _principal(part.inertia)
+        moments, axes = principal(part.inertia)
         ElementTree.SubElement(
             body,
             "inertial",
@@ -249,7 +249,7 @@ def _start(
     return start, turn
 
 
-def _principal(inertia: Array) -> tuple[Array, Array]:
+def principal(inertia: Array) -> tuple[Array, Array]:
     """Principal moments (3,) [kg m^2], rising, and the quaternion (4,) of their axes.
 
     Found here because MuJoCo's own search stops at 1e-12, which shows on finger tips.

@@ -185,8 +185,9 @@ class ReferenceDrive:
             size = np.linalg.norm(xi, axis=1, keepdims=True)
             limit = 2.0 * s.recovery_rate * tau
             xi = np.where(size > limit, xi * limit / np.maximum(size, 1e-300), xi)
-            xi = np.concatenate([np.zeros(3), xi.ravel()])
-            return self.v_ref + (self.deviation - h * xi / tau**2) / self.scale(h)
+            way = np.concatenate([np.zeros(3), xi.ravel()])
+            decayed: Array = (self.deviation - h * way / tau**2) / self.scale(h)
+            return self.v_ref + decayed
         v = qvel[self.dofs].copy()
         epsilon = np.concatenate([np.zeros(3), _turns(q, expected).ravel()])
         gap = np.where(np.arange(len(v)) < 6, 0.0, epsilon - h * v)
@@ -239,7 +240,7 @@ def solve_contacts(
     Stops when no impulse changes its contact's velocity by more than `tolerance` [m/s].
     """
     n = len(friction)
-    p = start.copy()
+    p: Array = start.copy()
     for _ in range(sweeps):
         change = 0.0
         for i in range(n):
@@ -255,7 +256,7 @@ def solve_contacts(
 
 
 def _one_contact(A: Array, r: Array, mu: float, p: Array) -> Array:
-    stick = -np.linalg.solve(A, r)
+    stick: Array = -np.linalg.solve(A, r)
     if stick[0] >= 0.0 and np.hypot(stick[1], stick[2]) <= mu * stick[0]:
         return stick
     if r[0] >= 0.0 and p[0] == 0.0:
@@ -325,10 +326,10 @@ def contact_problem(
 ) -> ContactProblem:
     """The problem M^ (v - v*) = J^T p at the contact points (n) that the core found."""
     J = contact_jacobian(model, qpos, contacts)  # (0, nv) without contact
-    back = np.linalg.solve(M_hat, J.T)
+    back: Array = np.linalg.solve(M_hat, J.T)
     b = J @ v_free
     demand = (contacts["target"] - contacts["dist"] + contacts["shift"]) / h
     b[::3] -= np.maximum(demand, contacts["bounce"])
     frames = [contacts[name] for name in ("normal", "tangent", "binormal")]
-    found = np.stack([np.einsum("ij,ij->i", contacts["impulse"], f) for f in frames], axis=1)
+    found: Array = np.stack([np.einsum("ij,ij->i", contacts["impulse"], f) for f in frames], axis=1)
     return ContactProblem(J @ back, b, np.asarray(contacts["friction"]), found, back, v_free)

@@ -10,10 +10,11 @@ _FINGERS = ("index", "middle", "pinky", "ring", "thumb")
 
 #: The 55 SMPL-X joint names, in SMPL-X order (as in the `smplx` package).
 JOINT_NAMES: tuple[str, ...] = (
-    *"pelvis left_hip right_hip spine1 left_knee right_knee spine2 left_ankle right_ankle".split(),
-    *"spine3 left_foot right_foot neck left_collar right_collar head".split(),
-    *"left_shoulder right_shoulder left_elbow right_elbow left_wrist right_wrist".split(),
-    *"jaw left_eye_smplhf right_eye_smplhf".split(),
+    *("pelvis", "left_hip", "right_hip", "spine1", "left_knee", "right_knee", "spine2"),
+    *("left_ankle", "right_ankle", "spine3", "left_foot", "right_foot", "neck"),
+    *("left_collar", "right_collar", "head", "left_shoulder", "right_shoulder"),
+    *("left_elbow", "right_elbow", "left_wrist", "right_wrist"),
+    *("jaw", "left_eye_smplhf", "right_eye_smplhf"),
     *(f"{side}_{f}{k}" for side in ("left", "right") for f in _FINGERS for k in (1, 2, 3)),
 )
 

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from halfphysics import rotations as rot
 from halfphysics.colliders import convex_collider, hull_collider
 from halfphysics.errors import InputError
-from halfphysics.skeleton import JOINT_NAMES, N_JOINTS
+from halfphysics.person_model import addresses, principal
+from halfphysics.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -27,8 +28,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: (1 + lambda) times the armature of a finger joint [kg m^2]: fingertips weigh a few grams and
-#: would crumple without, and squeeze too hard with more.
+#: (1 + lambda) times the armature of a finger joint [kg m^2] (METHOD: "Solving it").
 FINGER_INERTIA = 1e-3
 
 
@@ -127,7 +127,7 @@ class World:
     def _compile(self, people: list[str]) -> Any:
         import mujoco
 
-        from halfphysics.variant import add_person
+        from halfphysics.person_model import add_person
 
         spec = mujoco.MjSpec()
         finger = FINGER_INERTIA / (1.0 + self.settings.stiffness)
@@ -137,18 +137,16 @@ class World:
             b = spec.worldbody.add_body(name=thing.name, pos=thing.position)
             b.add_freejoint()
             b.mass, b.ipos = thing.mass, [0.0, 0.0, 0.0]  # ipos left unset becomes pos
+            b.inertia, b.iquat = principal(thing.inertia)
             b.explicitinertial = True
-            b.fullinertia = _full(thing.inertia)
         return spec.compile()
 
     def _name_people(self, model: Any, people: list[str]) -> None:
         found = []
         for name, body in zip(people, self.bodies, strict=True):
-            ids = [model.body(f"{name}/{joint}").id for joint in JOINT_NAMES]
-            adr = model.jnt_qposadr[model.body_jntadr[ids]].astype(np.int64)
-            adr[0] += 3  # the root's quaternion stands behind its position
+            at = addresses(model, f"{name}/")
             count = 7 + 4 * (N_JOINTS - 1)
-            found.append(Person(name, body, ids[0], int(adr[0]) - 3, count, adr))
+            found.append(Person(name, body, int(at.body[0]), at.root_position, count, at.quat))
         self.people = tuple(found)
         things = []
         for thing in self.scene.objects.values():
@@ -272,11 +270,6 @@ class World:
             ],
             axis=1,
         )
-
-
-def _full(inertia: Array) -> list[float]:
-    i = np.asarray(inertia, dtype=np.float64)
-    return [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
 
 
 def model_arrays(model: Any) -> tuple[Any, ...]:

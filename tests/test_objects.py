@@ -95,7 +95,7 @@ def test_the_friction_angle(angle, slides):
     if slides:
         assert way == pytest.approx(expected, rel=0.02)
     else:
-        assert way < 1e-4
+        assert way < 5e-4  # the solver may leave 1 micrometre a substep, 480 of them
 
 
 def test_sliding_distance_on_the_floor():

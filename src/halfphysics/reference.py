@@ -256,7 +256,7 @@ def solve_contacts(
 
 
 def _one_contact(A: Array, r: Array, mu: float, p: Array) -> Array:
-    stick: Array = -np.linalg.solve(A, r)
+    stick = np.asarray(-np.linalg.solve(A, r), dtype=np.float64)
     if stick[0] >= 0.0 and np.hypot(stick[1], stick[2]) <= mu * stick[0]:
         return stick
     if r[0] >= 0.0 and p[0] == 0.0:
@@ -326,7 +326,7 @@ def contact_problem(
 ) -> ContactProblem:
     """The problem M^ (v - v*) = J^T p at the contact points (n) that the core found."""
     J = contact_jacobian(model, qpos, contacts)  # (0, nv) without contact
-    back: Array = np.linalg.solve(M_hat, J.T)
+    back = np.asarray(np.linalg.solve(M_hat, J.T), dtype=np.float64)
     b = J @ v_free
     demand = (contacts["target"] - contacts["dist"] + contacts["shift"]) / h
     b[::3] -= np.maximum(demand, contacts["bounce"])

@@ -8,8 +8,10 @@ namespace {
 
 constexpr double kGiveWay = 0.05;   // speed at which a clearance that was lost is regained [m/s]
 constexpr double kTouch = 1e-5;     // overlaps up to this at the start are contacts at rest [m]
+constexpr int kTurningPasses = 3;
 constexpr double kSamePoint2 = 2e-3 * 2e-3;  // points this near are one contact [m^2]
-constexpr double kHardGap = 1e-4;   // a step that would end nearer than this is shortened [m]
+constexpr double kHardGap = 1e-4;   // a step that would end nearer than half of this (or of the
+                                    // distance it starts from) is shortened [m]
 
 // Where a point carried by a body at the end pose was at the start.
 Vec3 carried_back(const Poses& start, const Poses& end, int body, Vec3 x) {
@@ -59,7 +61,7 @@ void World::demand(Candidate& c, double h) {
     c.target = c.dist + std::min(clear - c.dist, kGiveWay * h);
   else
     c.target = c.dist + std::min(settings.depenetration_speed * h, -c.dist);
-  c.hard = std::min(c.dist - 1e-9, kHardGap);
+  c.hard = c.dist > 0 ? 0.5 * std::min(c.dist, kHardGap) : c.dist - 1e-7;
 }
 
 void World::gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
@@ -235,17 +237,19 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
 }
 
 double World::gap_at(const Poses& start, const Poses& end, const Contact& c) const {
-  Vec3 a, b;
-  for (int i = 0; i < c.a.count; i++)
-    a += c.a.weight[i] * carried(start, end, c.a.body[i], c.a.point[i]);
-  if (c.b.count == 0) return c.dist + dot(c.n, a - c.a.point[0]);
-  for (int i = 0; i < c.b.count; i++)
-    b += c.b.weight[i] * carried(start, end, c.b.body[i], c.b.point[i]);
-  return c.dist + dot(c.n, a - b);  // both points coincide at the start
+  auto moved = [&](const Endpoint& e, double arm) {
+    Vec3 way;
+    for (int i = 0; i < e.count; i++) {
+      Vec3 x = e.point[i] + arm * c.n;
+      way += e.weight[i] * (carried(start, end, e.body[i], x) - x);
+    }
+    return way;
+  };
+  return c.dist + dot(c.n, moved(c.a, c.arm_a) - moved(c.b, -c.arm_b));
 }
 
 void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate& c, int index,
-                         bool first, std::vector<Contact>& contacts) const {
+                         int pass, std::vector<Contact>& contacts) const {
   const Mover& M = movers[c.mover];
   const Placed& a0 = place(start, c.mover);
   int other_name =
@@ -260,6 +264,11 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     k.position = position;
     k.a = Endpoint::rigid(M.body, position);
     if (c.other_mover >= 0) k.b = Endpoint::rigid(movers[c.other_mover].body, position);
+    k.arm_a = M.shape.radius;
+    if (c.other_mover >= 0) {
+      k.arm_a += 0.5 * dist;
+      k.arm_b = movers[c.other_mover].shape.radius + 0.5 * dist;
+    }
     k.friction = pair.friction;
     k.restitution = pair.restitution;
     k.pair = index;
@@ -285,7 +294,7 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
       Vec3 x = p0.at(v);
       bool skip = false;
       for (const Contact& k : contacts) skip |= k.pair == index && k.feature == v;
-      if (first)
+      if (pass == 0)
         for (Vec3 o : chosen) skip |= norm2(o - x) < 25e-6;
       if (skip) continue;
       chosen.push_back(x);
@@ -297,7 +306,7 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   const Placed& b0 = place(start, c.other_mover);
   int already = 0;
   for (const Contact& k : contacts) already += k.pair == index;
-  if (first) {
+  if (pass == 0) {
     Vec3 pa[4], pb[4];
     int n = face_manifold(a0, b0, c.n, 2e-3, 4, pa, pb);
     for (int i = 0; i < n; i++) make(c.n, c.dist, 0.5 * (pa[i] + pb[i]), i);
@@ -308,8 +317,11 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     return;
   }
   const Placed &a1 = place(end, c.mover), &b1 = place(end, c.other_mover);
+  // At first along the normal they would have at the end; where that does not settle, along the
+  // one they start with: whatever is apart along any direction is apart.
   Separation s = separate(a1, b1);
-  if (s.dist <= 0 || dot(s.n, c.n) < 0.5) s = separate_along(a1, b1, c.n);
+  if (pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < 0.5)
+    s = separate_along(a1, b1, c.n);
   // The same material points at the start, and how far apart they were along the end's normal:
   // a better line for the contact that stands there, or one more.
   Vec3 xa = carried_back(start, end, M.body, s.pa),
@@ -318,6 +330,7 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   bool round = a0.points().n == 1 && b0.points().n == 1;
   for (Contact& k : contacts) {
     if (k.pair != index || (!round && norm2(k.position - x) > kSamePoint2)) continue;
+    if (pass > kTurningPasses && dot(k.n, s.n) > 1 - 1e-9) return;  // it is there: only shift
     Vec3 impulse = k.impulse;
     int feature = k.feature;
     make(s.n, dot(s.n, xa - xb), x, feature);

@@ -81,9 +81,9 @@ class World {
   // Smallest gap of a candidate at the end pose minus what it demands; forgives planes that are
   // crossed where nothing is behind them.
   double excess(Poses& start, Poses& end, Candidate& c) const;
-  // Adds contact points of a violated candidate.
+  // Adds contact points of a violated candidate, or better ones than in the passes before.
   void add_contacts(const Model& m, Poses& start, Poses& end, const Candidate& c, int index,
-                    bool first, std::vector<Contact>& contacts) const;
+                    int pass, std::vector<Contact>& contacts) const;
   // The gap that a contact's own points have at the end pose.
   double gap_at(const Poses& start, const Poses& end, const Contact& c) const;
   // Smallest distance of a person's parts from the statics, up to `range`, inf beyond.

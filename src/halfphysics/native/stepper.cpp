@@ -186,7 +186,7 @@ void Stepper::remember() {
 
 // Checks the end pose against every candidate; adds contact points where something is violated
 // and corrects the linear prediction of those there are. True if all is well.
-bool Stepper::verify(double h, bool first, double& worst) {
+bool Stepper::verify(double h, int pass, double& worst) {
   const double slack = 2 * world.settings.tolerance + kRounding;
   worst = 0;
   bool good = true;
@@ -201,10 +201,10 @@ bool Stepper::verify(double h, bool first, double& worst) {
   size_t old = contacts_.size();
   for (size_t i = 0; i < candidates_.size(); i++)
     if (violated[i])
-      world.add_contacts(model, start_, end_, candidates_[i], (int)i, first, contacts_);
+      world.add_contacts(model, start_, end_, candidates_[i], (int)i, pass, contacts_);
   for (size_t i = 0; i < contacts_.size(); i++) {
     Contact& c = contacts_[i];
-    if (!first) {
+    if (pass > 0) {
       Vec3 u = endpoint_velocity(model, start_.kin, twists_, c.a) -
                endpoint_velocity(model, start_.kin, twists_, c.b);
       c.shift = c.dist + h * dot(c.n, u) - world.gap_at(start_, end_, c);
@@ -285,11 +285,11 @@ void Stepper::bounce(double h) {
     any = true;
   }
   if (!any) return;
-  for (int pass = 0; pass < 3; pass++) {
+  for (int pass = 1; pass < 4; pass++) {
     solve(h);
     pose_at(v_, h, end_, q_end_);
     double worst;
-    if (verify(h, false, worst)) break;
+    if (verify(h, pass, worst)) break;
   }
 }
 
@@ -323,7 +323,7 @@ void Stepper::substep(int k, double h) {
     contacts_.clear();
     v_ = v_free_;
     pose_at(v_, h, end_, q_end_);
-    good = verify(h, true, worst);
+    good = verify(h, 0, worst);
     bool gave_way = false;
     for (int pass = 1; !good; pass++) {
       if (pass > kPasses) {
@@ -334,7 +334,7 @@ void Stepper::substep(int k, double h) {
       }
       solve(h);
       pose_at(v_, h, end_, q_end_);
-      good = verify(h, false, worst);
+      good = verify(h, pass, worst);
     }
     if (contacts_.empty()) break;
     bounce(h);

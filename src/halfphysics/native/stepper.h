@@ -69,7 +69,7 @@ class Stepper {
   void object_velocity(double h);
   void build_inertia(double h);
   void solve(double h);
-  bool verify(double h, bool first, double& worst);
+  bool verify(double h, int pass, double& worst);
   void give_way();
   double shorten(double h);
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);

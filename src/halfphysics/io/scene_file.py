@@ -147,7 +147,7 @@ def _add_mesh(
                 f"{source} has changed since this scene was written (its SHA-256 is "
                 f"{added.source.sha256[:12]}..., noted is {noted[:12]}...)",
                 HalfPhysicsWarning,
-                stacklevel=5,
+                stacklevel=6,
             )
 
 

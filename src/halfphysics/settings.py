@@ -30,13 +30,17 @@ class Settings:
     clearance_range: float = 0.05
     """Distances up to this are reported exactly in `Result.clearance` [m], inf beyond."""
     contact: Literal["parts"] = "parts"
-    """What touches: the 55 rigid convex parts."""
+    """What touches: the 55 rigid convex parts (the only choice in this version)."""
+    self_contact: Literal[False] = False
+    """Contact of a person with itself (not in this version)."""
     depenetration_speed: float = 0.5
     """Fastest speed at which a part that starts inside something leaves it [m/s]."""
     tolerance: float = 1e-6
     """Largest violation of a contact that the solver may leave in a substep [m]."""
     max_sweeps: int = 50
     """Sweeps of the contact solver over all points with friction; then normals alone."""
+    strength: None = None
+    """Torque limits of the joints (not in this version: the drive is as strong as it needs)."""
     threads: int = 1
     """Threads for whatever runs in parallel; the numbers do not depend on it."""
     record: Literal["frames", "substeps"] = "frames"
@@ -77,6 +81,8 @@ class Settings:
         number("clearance", least=0.0)
         number("clearance_range", least=0.0)
         choice("contact", "parts")
+        check("self_contact", self.self_contact is False, "False: this version has no self-contact")
+        check("strength", self.strength is None, "None: this version has no torque limits")
         number("depenetration_speed", least=0.0)
         number("tolerance", above=0.0)
         count("max_sweeps")

@@ -22,7 +22,8 @@ from halfphysics.skeleton import (
     PARENTS,
     RIGHT_HAND_JOINTS,
 )
-from halfphysics.variant import Variant, add_person, addresses, build_variant, to_mjcf
+from halfphysics.person_model import add_person, addresses, to_mjcf
+from halfphysics.variant import Variant, build_variant
 
 Array = NDArray[np.float64]
 

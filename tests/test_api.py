@@ -47,7 +47,8 @@ PARAMETERS = {
     "Capsule": "radius length",
     "Cylinder": "radius length",
     "Settings": "* substeps stiffness drive_time recovery_rate root root_speed clearance "
-    "clearance_range contact depenetration_speed tolerance threads record",
+    "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
+    "threads record",
     "Settings.paper": "stiffness ** changes",
     "simulate": "motion scene * body settings allow_mismatch progress",
     "Simulator": "scene * body settings fps",

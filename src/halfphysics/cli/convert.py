@@ -32,7 +32,7 @@ class Command:
     """Format to write: amass-smplx, amass-smplh or amass-smpl."""
     to_fps: float | None = None
     """Frame rate to write; rotations are interpolated along the shortest arc."""
-    reading: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
+    motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
 
     def run(self) -> None:
         """Convert."""
@@ -42,7 +42,7 @@ class Command:
                 "that can be written are npz archives"
             )
         check_output(self.target, self.source)
-        motion = self.reading.load(self.source)
+        motion = self.motion_file.load(self.source)
         if self.to_fps is not None:
             motion = motion.resample(self.to_fps)
         motion.save(self.target, format=self.format)

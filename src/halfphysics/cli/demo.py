@@ -26,7 +26,7 @@ class Command:
     A person walks through a doorway too narrow on one side, bumps a table and kicks a ball.
     """
 
-    out: Annotated[Path, tyro.conf.arg(aliases=["-o"])] = Path("out/demo")
+    out: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="FOLDER")] = Path("out/demo")
     """Folder to write into; made if it is not there."""
 
     def run(self) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions, progress
+from halfphysics.cli.options import BodyOptions, File, MotionOptions, SceneOptions, progress
 from halfphysics.errors import InputError
 
 EXAMPLES = """\
@@ -27,11 +27,11 @@ class Command:
 
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RESULT_OR_MOTION")]
     """A result of `simulate`, or a motion file."""
-    reference: Path | None = None
+    reference: File = None
     """Motion to compare with; of a result, the motion that was asked for if not given."""
     scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
     person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
-    reading: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
+    motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
 
     def run(self) -> None:
         """Print the table."""
@@ -43,7 +43,7 @@ class Command:
         if is_result(self.file):
             self._result(scene)
             return
-        motion = self.reading.load(self.file)
+        motion = self.motion_file.load(self.file)
         if scene is None and self.reference is None:
             raise InputError(
                 f"{self.file}: a motion alone, nothing to measure it against. Add --scene (or "

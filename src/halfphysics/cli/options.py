@@ -16,6 +16,12 @@ if TYPE_CHECKING:
     from halfphysics.motion import Motion
     from halfphysics.scene import Scene
 
+#: A file that may be left out, and things that are said once each.
+File = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
+Things = Annotated[
+    tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME=SHAPE,...")
+]
+
 #: The static that `--ground` adds.
 GROUND = "ground"
 
@@ -73,7 +79,7 @@ class MotionOptions:
 class BodyOptions:
     """Whose body."""
 
-    body: Path | None = None
+    body: File = None
     """Body model: an SMPL-X, SMPL-H or SMPL file, or a folder of them; the default body if not
     given."""
     stature: float | None = None
@@ -103,20 +109,17 @@ class BodyOptions:
         return Body.shaped(space, motion.betas if own else None)
 
 
-Things = Annotated[tuple[str, ...], tyro.conf.UseAppendAction]
-
-
 @dataclass(frozen=True, kw_only=True)
 class SceneOptions:
     """What stands and lies around."""
 
-    scene: Path | None = None
+    scene: File = None
     """Scene file (.yaml or .json)."""
-    static: Annotated[Things, tyro.conf.arg(metavar="NAME=SHAPE,...")] = ()
+    static: Things = ()
     """Something that never moves, such as wall=box:0.1:2:2.5,at=1:0:1.25 or room=room.glb.
     Shapes: plane, sphere:R, box:X:Y:Z, capsule:R:L, cylinder:R:L or a mesh file; keys: at, quat,
     friction, restitution, scale, up."""
-    object: Annotated[Things, tyro.conf.arg(metavar="NAME=SHAPE,...")] = ()
+    object: Things = ()
     """Something that moves, such as ball=sphere:0.11,mass=0.43,at=1:0:0.11; also the keys mass
     or density, and velocity."""
     ground: bool = True

@@ -62,7 +62,7 @@ def one_message(box: str, prog: str) -> str:
         if section and section[0].startswith("Perhaps you meant"):
             said += f". {section[0]} {section[1] if len(section) > 1 else ''}".rstrip()
     # A wrong value is said with the name of its group, which is no option.
-    said = said.removeprefix("Error parsing settings: ")
+    said = re.sub(r"^Error parsing [a-z_]+: ", "", said)
     return f"{said.rstrip('.')}. {prog} --help explains the options"
 
 

@@ -31,13 +31,13 @@ class Command:
 
     motions: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="MOTION")]
     """Motion files, one per person."""
-    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="FILE")] = None
     """Result file to write (.npz); without it only the summary is printed."""
     grounded: bool = False
     """Move each motion along z so that its lowest skin vertex is at z = 0."""
     scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
     person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
-    reading: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
+    motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
     settings: tyro.conf.OmitArgPrefixes[Settings] = field(default_factory=Settings)
 
     def run(self) -> None:
@@ -50,7 +50,7 @@ class Command:
             )
         if self.out is not None:
             check_output(self.out, *self.motions, self.scene.scene, self.person.body)
-        motions = [self.reading.load(path) for path in self.motions]
+        motions = [self.motion_file.load(path) for path in self.motions]
         scene = self.scene.load()
         bodies = [self.person.load(motion) for motion in motions]
         if self.grounded:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
@@ -122,7 +123,8 @@ class Npz(Mapping[str, NDArray[Any]]):
             if version not in readers:
                 raise ValueError(f"array format version {version}")
             return readers[version](stream)
-        except (ValueError, *_DAMAGE) as error:
+        except (ValueError, SyntaxError, tokenize.TokenError, *_DAMAGE) as error:
+            # numpy parses the header as Python source.
             raise self._damaged(key, str(error)) from None
 
 

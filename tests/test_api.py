@@ -1,0 +1,146 @@
+"""The public face: a change here is a decision, and `import halfphysics` stays quick."""
+
+from __future__ import annotations
+
+import inspect
+import subprocess
+import sys
+
+import pytest
+
+import halfphysics as hp
+
+HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
+
+NAMES = """
+JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
+Result Scene Sequence Settings Simulator Sphere __version__ errors metrics scenarios simulate
+"""
+
+# What is called from outside: name -> parameters, * before keyword-only ones.
+PARAMETERS = {
+    "Motion": "translation rotations fps betas gender model axes origin",
+    "Motion.load": "path fps up hands model * gender frames",
+    "Motion.from_smplx": "* fps global_orient transl body_pose jaw_pose leye_pose reye_pose "
+    "left_hand_pose right_hand_pose betas expression gender model up hands_mean",
+    "Motion.to_smplx": "self",
+    "Motion.resample": "self fps",
+    "Motion.grounded": "self body z * percentile",
+    "Motion.save": "self path format",
+    "Pose": "translation rotations axes",
+    "Body.default": "betas stature",
+    "Body.load": "path betas gender * model v_template",
+    "Body.joints": "self motion",
+    "Body.vertices": "self motion frames * indices threads",
+    "Body.save_mjcf": "self path",
+    "Scene": "gravity",
+    "Scene.load": "path",
+    "Scene.save": "self path",
+    "Scene.add_static": "self name shape * scale position quaternion up friction restitution",
+    "Scene.add_object": "self name shape * mass density friction restitution com position "
+    "quaternion velocity angular_velocity scale up",
+    "Scene.friction": "self a b mu",
+    "Scene.ignore": "self a b",
+    "Plane": "normal offset",
+    "Box": "size",
+    "Sphere": "radius",
+    "Capsule": "radius length",
+    "Cylinder": "radius length",
+    "Settings": "* substeps stiffness drive_time recovery_rate root root_speed clearance "
+    "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
+    "threads record",
+    "Settings.paper": "stiffness ** changes",
+    "simulate": "motion scene * body settings allow_mismatch progress",
+    "Simulator": "scene * body settings fps",
+    "Simulator.reset": "self pose",
+    "Simulator.step": "self pose dt",
+    "Simulator.get_state": "self",
+    "Simulator.set_state": "self state",
+    "Result": "* people objects scene names contacts clearance lost_time settings substeps",
+    "Result.save": "self path",
+    "Result.load": "path * scene body",
+    "Result.summary": "self",
+    "Result.free_frames": "self person settle",
+    "metrics.mpjpe": "a b body",
+    "metrics.mpjpe_global": "a b body",
+    "metrics.penetration": "motion body scene * objects threads progress",
+    "scenarios.names": "",
+    "scenarios.load": "name ** chosen",
+}
+
+
+def python(code: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    return done.stdout.strip()
+
+
+def test_names():
+    assert sorted(hp.__all__) == sorted(NAMES.split())
+    for name in hp.__all__:
+        assert getattr(hp, name) is not None
+        assert name in dir(hp)
+
+
+def test_unknown_names_are_refused():
+    with pytest.raises(AttributeError, match="no attribute 'Motions'"):
+        _ = hp.Motions
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_parameters(name):
+    thing = hp
+    for part in name.split("."):
+        thing = getattr(thing, part)
+    said, starred = [], False
+    for parameter in inspect.signature(thing).parameters.values():
+        if parameter.kind is parameter.KEYWORD_ONLY and not starred:
+            said.append("*")
+            starred = True
+        if parameter.kind is parameter.VAR_KEYWORD:
+            said.append("**")
+        said.append(parameter.name)
+    assert " ".join(said) == PARAMETERS[name]
+
+
+def test_every_setting_has_a_default_and_a_line_of_meaning():
+    hp.Settings()
+    source = inspect.getsource(hp.Settings)
+    for name in inspect.signature(hp.Settings).parameters:
+        after = source.split(f"    {name}: ", 1)[1].split("\n", 2)[1]
+        assert after.strip().startswith('"""'), name
+
+
+def test_the_function_is_not_hidden_by_a_module():
+    """Whatever is imported first, `hp.simulate` is the function."""
+    code = (
+        "import halfphysics.simulation, halfphysics.simulator, halfphysics.result\n"
+        "import halfphysics as hp\n"
+        "print(callable(hp.simulate), type(hp.scenarios).__name__)"
+    )
+    assert python(code) == "True module"
+
+
+def test_import_is_light():
+    code = (
+        "import sys, time; t = time.perf_counter()\n"
+        "import halfphysics\n"
+        "took = time.perf_counter() - t\n"
+        f"print([m for m in {HEAVY} if m in sys.modules], took < 0.3)"
+    )
+    assert python(code) == "[] True"
+
+
+def test_light_names_stay_light():
+    code = (
+        "import sys, halfphysics as hp\n"
+        "hp.Motion, hp.Settings, hp.JOINT_NAMES, hp.Scene().add_static('a', hp.Box((1, 1, 1)))\n"
+        f"print([m for m in {HEAVY} if m in sys.modules])"
+    )
+    assert python(code) == "[]"
+
+
+def test_joint_names():
+    assert len(hp.JOINT_NAMES) == 55
+    assert hp.JOINT_NAMES[0] == "pelvis"

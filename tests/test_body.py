@@ -255,7 +255,7 @@ def test_variant_is_made_once_and_written_whole(
     model = mujoco.MjModel.from_xml_path(str(path))
     assert model.nv == 168
     before = path.read_bytes()
-    monkeypatch.setattr("halfphysics.variant.to_mjcf", lambda variant: 1 / 0)
+    monkeypatch.setattr("halfphysics.person_model.to_mjcf", lambda variant: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         body.save_mjcf(path)
     assert path.read_bytes() == before

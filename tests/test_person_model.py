@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 from halfphysics import rotations
 from halfphysics.body import Body
 from halfphysics.errors import InputError
-from halfphysics.person_model import FINGER_ARMATURE, UPRIGHT, part_color
+from halfphysics.person_model import (
+    FINGER_ARMATURE,
+    UPRIGHT,
+    add_person,
+    addresses,
+    part_color,
+    to_mjcf,
+)
 from halfphysics.skeleton import (
     JOINT_NAMES,
     LEFT_HAND_JOINTS,
@@ -22,7 +29,7 @@ from halfphysics.skeleton import (
     PARENTS,
     RIGHT_HAND_JOINTS,
 )
-from halfphysics.variant import Variant, add_person, addresses, build_variant, to_mjcf
+from halfphysics.variant import Variant, build_variant
 
 Array = NDArray[np.float64]
 

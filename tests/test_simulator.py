@@ -107,12 +107,12 @@ def test_walking_into_a_wall(body, drive, stiffness):
 
 
 def kick(fps=30.0, mass=0.5, settings=None, body=None):
-    """The right leg swings through a ball on the floor in front of it."""
+    """The right leg swings through a ball on the floor in front of it, and back."""
     n = round(fps) + 1
     t = np.arange(n) / fps
     motion = along_x(0.0, n, start=0.0, fps=fps)
     rotations = motion.rotations.copy()
-    rotations[:, 2, 0] = 0.5 - 1.6 * np.clip((t - 0.3) / 0.3, 0, 1)
+    rotations[:, 2, 0] = 0.4 - 1.2 * np.sin(np.pi * np.clip((t - 0.3) / 0.4, 0, 1))
     motion = motion.with_frames(motion.translation, rotations)
     motion = motion.grounded(body, 0.002)
     toe = body.joints(motion)[0, 11]

@@ -258,7 +258,7 @@ class Body:
             FileError: The file cannot be written; nothing is left behind.
         """
         from halfphysics.io.atomic import atomic_write
-        from halfphysics.variant import to_mjcf
+        from halfphysics.person_model import to_mjcf
 
         text = to_mjcf(self.variant)
         with atomic_write(path) as handle:

@@ -278,10 +278,10 @@ def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> 
     """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s)."""
     rows = []
     frames = body_frames(model, qpos)
-    for i, x in enumerate(contacts["position"]):
+    for i in range(len(contacts["dist"])):
         frame = np.stack([contacts[name][i] for name in ("normal", "tangent", "binormal")])
-        Ja, _ = jacobian(model, qpos, int(contacts["body_a"][i]), x, frames)
-        Jb, _ = jacobian(model, qpos, int(contacts["body_b"][i]), x, frames)
+        ends = ((contacts[f"body_{s}"][i], contacts[f"point_{s}"][i]) for s in "ab")
+        Ja, Jb = (jacobian(model, qpos, int(b), x, frames)[0] for b, x in ends)
         rows.append(frame @ (Ja - Jb))
     return np.concatenate(rows) if rows else np.zeros((0, model.nv))
 

@@ -80,7 +80,7 @@ class Settings:
         number("root_speed", above=0.0)
         number("clearance", least=0.0)
         number("clearance_range", least=0.0)
-        choice("contact", "parts")
+        check("contact", self.contact == "parts", "'parts': the skin is not in this version")
         check("self_contact", self.self_contact is False, "False: this version has no self-contact")
         check("strength", self.strength is None, "None: this version has no torque limits")
         number("depenetration_speed", least=0.0)

@@ -16,20 +16,7 @@ from numpy.typing import NDArray
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.mass import solid_parts
 from halfphysics.part_hull import PartHull, part_hull
-from halfphysics.person_model import Addresses, add_person, addresses, to_mjcf
 from halfphysics.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
-
-__all__ = [
-    "DENSITY",
-    "Addresses",
-    "Part",
-    "Skin",
-    "Variant",
-    "add_person",
-    "addresses",
-    "build_variant",
-    "to_mjcf",
-]
 
 Array = NDArray[np.float64]
 

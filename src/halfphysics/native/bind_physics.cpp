@@ -84,12 +84,13 @@ void set_model(Stepper& s, Ints parent, Ints jnt_first, Ints jnt_count, Ints dof
 }
 
 nb::dict contact_rows(const std::vector<Contact>& contacts) {
-  std::vector<double> n, t, u, x, imp, dist, target, shift, mu, bounce, a, b;
+  std::vector<double> n, t, u, xa, xb, imp, dist, target, shift, mu, bounce, a, b;
   for (const Contact& c : contacts) {
     push(n, c.n);
     push(t, c.t);
     push(u, c.s);
-    push(x, c.position);
+    push(xa, c.a.count ? c.a.point[0] : c.position);
+    push(xb, c.b.count ? c.b.point[0] : c.position);
     push(imp, c.impulse);
     dist.push_back(c.dist);
     target.push_back(c.target);
@@ -104,7 +105,8 @@ nb::dict contact_rows(const std::vector<Contact>& contacts) {
   d["normal"] = array({k, 3}, n);
   d["tangent"] = array({k, 3}, t);
   d["binormal"] = array({k, 3}, u);
-  d["position"] = array({k, 3}, x);
+  d["point_a"] = array({k, 3}, xa);
+  d["point_b"] = array({k, 3}, xb);
   d["impulse"] = array({k, 3}, imp);
   d["dist"] = array(dist);
   d["target"] = array(target);

@@ -255,19 +255,20 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   int other_name =
       c.other_static >= 0 ? statics[c.other_static].name : movers[c.other_mover].name;
   const Pairing& pair = pairing(M.name, other_name);
-  auto make = [&](Vec3 n, double dist, Vec3 position, int feature) {
+  // A contact of the points xa and xb, whose gap along n is `dist`; rounded surfaces end `round`
+  // before the points that they are round about.
+  auto make = [&](Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature) {
     Contact k;
     k.n = n;
     tangents(n, k.t, k.s);
     k.dist = dist;
     k.target = c.target;
-    k.position = position;
-    k.a = Endpoint::rigid(M.body, position);
-    if (c.other_mover >= 0) k.b = Endpoint::rigid(movers[c.other_mover].body, position);
+    k.position = 0.5 * (xa + xb);
+    k.a = Endpoint::rigid(M.body, xa);
     k.arm_a = M.shape.radius;
     if (c.other_mover >= 0) {
-      k.arm_a += 0.5 * dist;
-      k.arm_b = movers[c.other_mover].shape.radius + 0.5 * dist;
+      k.b = Endpoint::rigid(movers[c.other_mover].body, xb);
+      k.arm_b = movers[c.other_mover].shape.radius;
     }
     k.friction = pair.friction;
     k.restitution = pair.restitution;
@@ -275,6 +276,14 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     k.key = key(c);
     k.feature = feature;
     contacts.push_back(k);
+  };
+  // Points that lie opposite each other act on one point between them, so that the angular
+  // momentum of the two is kept too.
+  auto make_opposite = [&](Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature) {
+    Vec3 x = 0.5 * (xa + xb);
+    make(n, dist, x, x, feature);
+    contacts.back().arm_a += 0.5 * dist;
+    contacts.back().arm_b += 0.5 * dist;
   };
   if (c.other_static >= 0) {
     // The vertices that would end deepest; at first spread out, so that few carry a face.
@@ -299,7 +308,8 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
       if (skip) continue;
       chosen.push_back(x);
       added++;
-      make(c.n, dot(c.n, x) - r - c.offset, x - r * c.n, v);
+      Vec3 surface = x - r * c.n;
+      make(c.n, dot(c.n, surface) - c.offset, surface, surface, v);
     }
     return;
   }
@@ -309,10 +319,10 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   if (pass == 0) {
     Vec3 pa[4], pb[4];
     int n = face_manifold(a0, b0, c.n, 2e-3, 4, pa, pb);
-    for (int i = 0; i < n; i++) make(c.n, c.dist, 0.5 * (pa[i] + pb[i]), i);
+    for (int i = 0; i < n; i++) make_opposite(c.n, c.dist, pa[i], pb[i], i);
     if (n < 3) {
       Separation s = c.dist > 0 ? separate(a0, b0) : separate_along(a0, b0, c.n);
-      make(c.n, c.dist, 0.5 * (s.pa + s.pb), 4);
+      make_opposite(c.n, c.dist, s.pa, s.pb, 4);
     }
     return;
   }
@@ -320,26 +330,36 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   // At first along the normal they would have at the end; where that does not settle, along the
   // one they start with: whatever is apart along any direction is apart.
   Separation s = separate(a1, b1);
-  if (pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < 0.5)
-    s = separate_along(a1, b1, c.n);
+  bool settle = pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < 0.5;
+  Points A = a1.points(), B = b1.points();
+  if (settle) {
+    s.n = c.n;
+    s.pa = A.at(A.support(-c.n)) - a1.shape->radius * c.n;
+    s.pb = B.at(B.support(c.n)) + b1.shape->radius * c.n;
+  }
   // The same material points at the start, and how far apart they were along the end's normal:
   // a better line for the contact that stands there, or one more.
   Vec3 xa = carried_back(start, end, M.body, s.pa),
        xb = carried_back(start, end, movers[c.other_mover].body, s.pb);
-  Vec3 x = 0.5 * (xa + xb);
-  bool round = a0.points().n == 1 && b0.points().n == 1;
-  for (Contact& k : contacts) {
-    if (k.pair != index || (!round && norm2(k.position - x) > kSamePoint2)) continue;
-    if (pass > kTurningPasses && dot(k.n, s.n) > 1 - 1e-9) return;  // it is there: only shift
-    Vec3 impulse = k.impulse;
-    int feature = k.feature;
-    make(s.n, dot(s.n, xa - xb), x, feature);
-    k = contacts.back();
-    k.impulse = impulse;
-    contacts.pop_back();
-    return;
-  }
-  if (already < 12) make(s.n, dot(s.n, xa - xb), x, 5 + already);
+  double dist = dot(s.n, xa - xb);
+  bool round = A.n == 1 && B.n == 1;
+  Contact* same = nullptr;
+  for (Contact& k : contacts)
+    if (k.pair == index && (round || (norm2(k.a.point[0] - xa) < kSamePoint2 &&
+                                      norm2(k.b.point[0] - xb) < kSamePoint2)))
+      same = &k;
+  if (same && settle && dot(same->n, s.n) > 1 - 1e-9) return;  // only its shift is missing
+  if (!same && already >= 16) return;
+  Contact before = same ? *same : Contact{};
+  int at = same ? (int)(same - contacts.data()) : -1, feature = same ? before.feature : 5 + already;
+  if (settle)
+    make(s.n, dist, xa, xb, feature);
+  else
+    make_opposite(s.n, dist, xa, xb, feature);
+  if (at < 0) return;
+  contacts[at] = contacts.back();
+  contacts.pop_back();
+  contacts[at].impulse = before.impulse;
 }
 
 double World::clearance(const Model&, Poses& p, double range) const {

@@ -10,7 +10,7 @@ namespace {
 // must not creep.
 constexpr double kFriction = 0.01;
 
-// Sweeps that are accelerated; what cycles then settles without.
+// Sweeps with friction that are accelerated; what cycles then settles without.
 constexpr int kAccelerated = 25;
 
 // Friction back onto its disc.
@@ -144,7 +144,7 @@ void ContactSolver::sweeps(int n, bool normal_only, double tolerance, int most,
       double d = p_[i] - before_[i];
       gradient += d * d * A_[(size_t)i * n3 + i];
     }
-    double ratio = previous > 0 && it < kAccelerated ? gradient / previous : 2;
+    double ratio = previous > 0 && (normal_only || it < kAccelerated) ? gradient / previous : 2;
     previous = gradient;
     if (ratio > 1) {
       for (int i = 0; i < n3; i++) step_[i] = p_[i] - before_[i];

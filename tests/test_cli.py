@@ -139,19 +139,6 @@ def test_scene_file(folder):
     assert hp.Result.load("r.npz").names == ("floor", "person")
 
 
-def test_threads_do_not_change_the_result(folder):
-    things = ("--static", "post=cylinder:0.05:2,at=0.2:0.3:1", "--grounded")
-    for threads in (1, 2):
-        assert (
-            run("simulate", "walk.npz", *things, "--threads", threads, "-o", f"{threads}.npz") == 0
-        )
-    a, b = hp.Result.load("1.npz"), hp.Result.load("2.npz")
-    assert len(a.contacts)
-    np.testing.assert_array_equal(a.motion.rotations, b.motion.rotations)
-    np.testing.assert_array_equal(a.motion.translation, b.motion.translation)
-    np.testing.assert_array_equal(a.contacts.impulse, b.contacts.impulse)
-
-
 def test_without_out_nothing_is_written(folder, capsys):
     assert run("simulate", "walk.npz") == 0
     assert "nothing written" in capsys.readouterr().out

@@ -9,6 +9,7 @@ namespace {
 constexpr double kGiveWay = 0.05;   // speed at which a clearance that was lost is regained [m/s]
 constexpr double kTouch = 1e-5;     // overlaps up to this at the start are contacts at rest [m]
 constexpr int kTurningPasses = 3;
+constexpr int kMostPoints = 16;  // of contact for one plane or pair
 constexpr double kSamePoint2 = 2e-3 * 2e-3;  // points this near are one contact [m^2]
 constexpr double kHardGap = 1e-4;   // a step that would end nearer than half of this (or of the
                                     // distance it starts from) is shortened [m]
@@ -285,6 +286,8 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     contacts.back().arm_a += 0.5 * dist;
     contacts.back().arm_b += 0.5 * dist;
   };
+  int already = 0;
+  for (const Contact& k : contacts) already += k.pair == index;
   if (c.other_static >= 0) {
     // The vertices that would end deepest; at first spread out, so that few carry a face.
     const Placed& a1 = place(end, c.mover);
@@ -299,11 +302,11 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     int added = 0;
     std::vector<Vec3> chosen;
     for (auto [gap, v] : worst) {
-      if (added == 3) break;
+      if (added == 4 || already + added == kMostPoints) break;
       Vec3 x = p0.at(v);
       bool skip = false;
       for (const Contact& k : contacts) skip |= k.pair == index && k.feature == v;
-      if (pass == 0)
+      if (already == 0)
         for (Vec3 o : chosen) skip |= norm2(o - x) < 25e-6;
       if (skip) continue;
       chosen.push_back(x);
@@ -314,9 +317,7 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     return;
   }
   const Placed& b0 = place(start, c.other_mover);
-  int already = 0;
-  for (const Contact& k : contacts) already += k.pair == index;
-  if (pass == 0) {
+  if (already == 0) {
     Vec3 pa[4], pb[4];
     int n = face_manifold(a0, b0, c.n, 2e-3, 4, pa, pb);
     for (int i = 0; i < n; i++) make_opposite(c.n, c.dist, pa[i], pb[i], i);
@@ -349,7 +350,7 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
                                       norm2(k.b.point[0] - xb) < kSamePoint2)))
       same = &k;
   if (same && settle && dot(same->n, s.n) > 1 - 1e-9) return;  // only its shift is missing
-  if (!same && already >= 16) return;
+  if (!same && already == kMostPoints) return;
   Contact before = same ? *same : Contact{};
   int at = same ? (int)(same - contacts.data()) : -1, feature = same ? before.feature : 5 + already;
   if (settle)

@@ -2,6 +2,14 @@
 
 namespace hp {
 
+namespace {
+
+constexpr double kClose = 2e-3;         // [m]
+constexpr double kTouching = 1e-5;      // [m]
+constexpr double kSameDistance = 1e-7;  // [m]
+
+}  // namespace
+
 int Points::support(Vec3 d) const {
   double best = -1e300;
   int at = 0;
@@ -160,16 +168,28 @@ Separation separate(const Placed& a, const Placed& b, double beyond) {
   Vec3 pa, pb;
   double d = gjk(a.points(), b.points(), a.center - b.center, pa, pb, beyond + round);
   if (d > beyond + round) return {d - round, {}, {}, {}};
-  if (d > 1e-9) {
-    Vec3 n = (1 / d) * (pa - pb);
-    return {d - round, n, pa - a.shape->radius * n, pb + b.shape->radius * n};
-  }
   Separation best;
   best.dist = -1e300;
   auto consider = [&](Vec3 n) {
     Separation s = separate_along(a, b, n);
     if (s.dist > best.dist) best = s;
   };
+  if (d > 1e-9) {
+    Vec3 n = (1 / d) * (pa - pb);
+    Separation found{d - round, n, pa - a.shape->radius * n, pb + b.shape->radius * n};
+    if (d > kClose) return found;
+    // So near, rounding tilts the line between the nearest points. A face normal that separates
+    // as well is the direction that was meant; friction on a tilted one would creep.
+    double like = d < kTouching ? 0.9 : 0.9999;
+    for (Vec3 f : a.shape->normals)
+      if (-dot(a.R * f, n) > like) consider(-(a.R * f));
+    for (Vec3 f : b.shape->normals)
+      if (dot(b.R * f, n) > like) consider(b.R * f);
+    if (best.dist < found.dist - kSameDistance) return found;
+    found.n = best.n;
+    found.dist = best.dist;
+    return found;
+  }
   for (Vec3 n : a.shape->normals) consider(-(a.R * n));
   for (Vec3 n : b.shape->normals) consider(b.R * n);
   Vec3 line = a.center - b.center;

@@ -184,6 +184,13 @@ void Stepper::remember() {
   }
 }
 
+double Stepper::excess(size_t i, double h) {
+  double e = world.excess(start_, end_, candidates_[i]);
+  if (candidates_[i].forgiven && candidates_[i].triangle >= 0 && !candidates_[i].searched)
+    world.search_behind(start_, reach_, h, (int)i, candidates_);
+  return e;
+}
+
 // Checks the end pose against every candidate; adds contact points where something is violated
 // and corrects the linear prediction of those there are. True if all is well.
 bool Stepper::verify(double h, int pass, double& worst) {
@@ -191,11 +198,12 @@ bool Stepper::verify(double h, int pass, double& worst) {
   worst = 0;
   bool good = true;
   body_twists(model, start_.kin, v_.data(), twists_);
-  std::vector<char> violated(candidates_.size(), 0);
-  for (size_t i = 0; i < candidates_.size(); i++) {
-    double e = world.excess(start_, end_, candidates_[i]);
+  std::vector<char> violated;
+  for (size_t i = 0; i < candidates_.size(); i++) {  // forgiven planes add to them
+    double e = excess(i, h);
     worst = std::min(worst, e);
-    if (e < -slack) violated[i] = 1, good = false;
+    violated.push_back(e < -slack);
+    good &= !violated.back();
   }
   if (good) return true;
   size_t old = contacts_.size();
@@ -237,8 +245,9 @@ double Stepper::shorten(double h) {
   std::vector<char> hurt(model.nbody, 0);
   auto check = [&]() {
     std::vector<char> ok(model.nbody, 1);
-    for (Candidate& c : candidates_)
-      if (world.excess(start_, end_, c) + c.target < c.hard) ok[find(tree(c.mover))] = 0;
+    for (size_t i = 0; i < candidates_.size(); i++)
+      if (excess(i, h) + candidates_[i].target < candidates_[i].hard)
+        ok[find(tree(candidates_[i].mover))] = 0;
     return ok;
   };
   auto move = [&]() {
@@ -354,8 +363,8 @@ void Stepper::substep(int k, double h) {
   double lost = 0;
   if (!good) {
     bool hard = false;
-    for (Candidate& c : candidates_)
-      hard |= world.excess(start_, end_, c) + c.target < c.hard;
+    for (size_t i = 0; i < candidates_.size(); i++)
+      hard |= excess(i, h) + candidates_[i].target < candidates_[i].hard;
     if (hard) {
       lost = shorten(h);
       diagnostics_.shortened++;

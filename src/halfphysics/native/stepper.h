@@ -69,6 +69,8 @@ class Stepper {
   void object_velocity(double h);
   void build_inertia(double h);
   void solve(double h);
+  // World::excess of candidate i; asks for what a plane that it forgives had hidden.
+  double excess(size_t i, double h);
   bool verify(double h, int pass, double& worst);
   void give_way();
   double shorten(double h);

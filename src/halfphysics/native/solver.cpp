@@ -13,6 +13,9 @@ constexpr double kFriction = 0.01;
 // Sweeps with friction that are accelerated; what cycles then settles without.
 constexpr int kAccelerated = 25;
 
+// Multiplications after which no further round begins.
+constexpr double kMostWork = 5e7;
+
 // Friction back onto its disc.
 void clamp(double* p, double mu) {
   double length = std::hypot(p[1], p[2]), limit = mu * p[0];
@@ -263,7 +266,9 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   // are finished alone, which converges: nothing penetrates, and the next substep starts warm.
   SolveReport report;
   sweeps(n, false, kFriction * tolerance, max_sweeps, report);
-  for (int round = 0; round < 8 && report.residual >= tolerance; round++) {
+  for (int round = 0; round < 8 && report.residual >= tolerance &&
+                      (double)n3 * n3 * report.sweeps < kMostWork;
+       round++) {
     sweeps(n, true, tolerance, 2 * max_sweeps, report);
     // A normal impulse that got smaller takes its friction along.
     for (int i = 0; i < n; i++) clamp(&p_[3 * i], friction_[i]);

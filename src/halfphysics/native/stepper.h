@@ -77,7 +77,7 @@ class Stepper {
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
   void warm_start(Contact& c);
   void remember();
-  void bounce(double h);
+  bool bounce(double h, bool good, double& worst);
   double speed_bound(const Mover& m, const std::vector<Twist>& t) const;
 
   struct Warm {
@@ -97,6 +97,8 @@ class Stepper {
   std::vector<double> reach_;
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;
+  double work_ = 0;  // of this substep's solves
+  size_t solved_ = 0;  // contacts that the last solve knew
   std::vector<Warm> warm_;
   ContactSolver solver_;
   std::vector<Touch> touches_;

@@ -291,3 +291,10 @@ def test_a_person_inside_a_box_does_not_stop_the_clock():
     frame = simulator.step(pose)
     assert frame.diagnostics["contacts"] <= 300
     assert np.abs(simulator.world.stepper.qvel()).max() < 100.0
+
+
+def test_a_thing_may_have_any_name():
+    scene = Scene()
+    scene.add_object("world", Sphere(0.1), mass=1.0, position=(0, 0, 1))
+    tracks, _ = run(scene, 0.1)
+    assert tracks["world"][0][-1, 2] < 1.0

@@ -189,7 +189,13 @@ class ReferenceDrive:
             decayed: Array = (self.deviation - h * way / tau**2) / self.scale(h)
             return self.v_ref + decayed
         v = qvel[self.dofs].copy()
-        epsilon = np.concatenate([np.zeros(3), _turns(q, expected).ravel()])
+        turn = _turns(q, expected)
+        # About a half turn rounding decides which way round the log goes; it is the way it turns.
+        angle = np.linalg.norm(turn, axis=1, keepdims=True)
+        against = np.sum(turn * v[3:].reshape(-1, 3), axis=1, keepdims=True) < 0.0
+        other = (1.0 - 2.0 * np.pi / np.maximum(angle, 1e-300)) * turn
+        turn = np.where(against & (angle > 0.5 * np.pi), other, turn)
+        epsilon = np.concatenate([np.zeros(3), turn.ravel()])
         gap = np.where(np.arange(len(v)) < 6, 0.0, epsilon - h * v)
         return v + np.linalg.solve(M + np.diag(stiff), stiff / h * gap)
 

@@ -134,7 +134,8 @@ class World:
         for name, body in zip(people, self.bodies, strict=True):
             add_person(spec, body.variant, prefix=f"{name}/", finger_armature=finger, geoms=False)
         for thing in self.scene.objects.values():
-            b = spec.worldbody.add_body(name=thing.name, pos=thing.position)
+            # No name of a thing has a slash; MuJoCo keeps "world" for itself.
+            b = spec.worldbody.add_body(name=f"object/{thing.name}", pos=thing.position)
             b.add_freejoint()
             b.mass, b.ipos = thing.mass, [0.0, 0.0, 0.0]  # ipos left unset becomes pos
             b.inertia, b.iquat = principal(thing.inertia)
@@ -150,7 +151,7 @@ class World:
         self.people = tuple(found)
         things = []
         for thing in self.scene.objects.values():
-            joint = model.body_jntadr[model.body(thing.name).id]
+            joint = model.body_jntadr[model.body(f"object/{thing.name}").id]
             things.append(
                 Thing(
                     thing.name,
@@ -185,7 +186,7 @@ class World:
         for thing in self.scene.objects.values():
             collider = convex_collider(thing.shape).moved(np.eye(3), -np.array(thing.com))
             self.stepper.add_mover(
-                model.body(thing.name).id,
+                model.body(f"object/{thing.name}").id,
                 name_of[thing.name],
                 -1,
                 -1,

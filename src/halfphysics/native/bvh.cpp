@@ -160,7 +160,8 @@ Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach) {
 
 }  // namespace
 
-void TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out) const {
+void TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out,
+                          const std::vector<int>& without) const {
   out.clear();
   std::vector<Entry> heap;
   std::vector<Plane> known;  // planes of triangles whose distance has been computed
@@ -182,6 +183,7 @@ void TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
     heap.pop_back();
     if (e.id < 0) {
       int t = -1 - e.id;
+      if (std::find(without.begin(), without.end(), t) != without.end()) continue;
       Vec3 v[3];
       triangle(t, v);
       bool culled = false;

@@ -20,8 +20,9 @@ class TriangleTree {
   TriangleTree(const double* vertices, int nv, const int* faces, int nf);
 
   // Planes that together separate `a` from every triangle within `reach` of it: nearest triangle
-  // first; what lies behind a plane already found is culled.
-  void planes(const Placed& a, double reach, std::vector<Plane>& out) const;
+  // first; what lies behind a plane already found is culled. Triangles `without` are left out.
+  void planes(const Placed& a, double reach, std::vector<Plane>& out,
+              const std::vector<int>& without = {}) const;
   // Smallest distance of `a` from the triangles, up to `range`; `range` if none is nearer, <= 0
   // where it meets one.
   double distance(const Placed& a, double range) const;

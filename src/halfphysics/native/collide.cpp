@@ -237,6 +237,31 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
   return gap - c.target;
 }
 
+void World::search_behind(Poses& start, const std::vector<double>& reach, double h, int index,
+                          std::vector<Candidate>& all) {
+  all[index].searched = true;
+  Candidate c = all[index];
+  std::vector<int> without;
+  for (const Candidate& k : all)
+    if (k.mover == c.mover && k.other_static == c.other_static && k.searched)
+      without.push_back(k.triangle);
+  std::vector<Plane> planes;
+  statics[c.other_static].tree->planes(place(start, c.mover), reach[c.mover], planes, without);
+  c.searched = c.forgiven = false;
+  for (const Plane& p : planes) {
+    bool known = false;
+    for (const Candidate& k : all)
+      known |= k.mover == c.mover && k.other_static == c.other_static && k.triangle == p.triangle;
+    if (known) continue;
+    c.n = p.n;
+    c.offset = p.offset;
+    c.dist = p.dist;
+    c.triangle = p.triangle;
+    demand(c, h);
+    all.push_back(c);
+  }
+}
+
 double World::gap_at(const Poses& start, const Poses& end, const Contact& c) const {
   auto moved = [&](const Endpoint& e, double arm) {
     Vec3 way;

@@ -47,6 +47,7 @@ struct Candidate {
   double hard = 0;    // distance under which the step is shortened
   int triangle = -1;
   bool forgiven = false;  // the plane may be crossed: the thing behind it is not there
+  bool searched = false;  // what its plane had hidden has been asked for
 };
 
 struct ContactSettings {
@@ -81,6 +82,9 @@ class World {
   // Smallest gap of a candidate at the end pose minus what it demands; forgives planes that are
   // crossed where nothing is behind them.
   double excess(Poses& start, Poses& end, Candidate& c) const;
+  // A plane of a mesh that may be crossed hides nothing: appends the candidates behind it.
+  void search_behind(Poses& start, const std::vector<double>& reach, double h, int index,
+                     std::vector<Candidate>& all);
   // Adds contact points of a violated candidate, or better ones than in the passes before.
   void add_contacts(const Model& m, Poses& start, Poses& end, const Candidate& c, int index,
                     int pass, std::vector<Contact>& contacts) const;

@@ -109,7 +109,11 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
   for (size_t i = 1; i < balls_.size(); i++) {
     const Ball& b = balls_[i];
     Quat expected = load4(&q_start_[b.qpos]) * exp_quat(((k + 1) * h) * load3(&v_drive_[b.dof]));
-    Vec3 eps = log_quat(conjugate(load4(q + b.qpos)) * expected) - h * load3(v + b.dof);
+    Vec3 way = h * load3(v + b.dof), turn = log_quat(conjugate(load4(q + b.qpos)) * expected);
+    // About a half turn rounding decides which way round the log goes; it is the way it turns.
+    double angle = norm(turn);
+    if (dot(turn, way) < 0 && angle > 0.5 * M_PI) turn = (1 - 2 * M_PI / angle) * turn;
+    Vec3 eps = turn - way;
     // Rounding alone (free motion) must not cost a factor.
     if (norm2(eps) < 1e-26) continue;
     any = true;

@@ -16,6 +16,8 @@ constexpr int kAccelerated = 25;
 // Rounds of normals alone, friction following.
 constexpr int kRounds = 8;
 constexpr int kPivots = 40;
+// Multiplications after which no further round begins.
+constexpr double kMostWork = 1e8;
 // Redundant points share what they carry as if they gave way by this share of their own inverse
 // inertia: at 10 N s on a limb 4e-5 m/s, under the tolerance. Without, their pivots are singular.
 constexpr double kCompliance = 1e-8;
@@ -339,7 +341,9 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   sweeps(n, kFriction * tolerance, max_sweeps, report);
   if (report.residual >= tolerance) report.residual = residual(n, true);
   before_ = p_;  // the best so far: pivots that do not end must not count
+  const double work = (double)n * n * n * kPivots / 6;  // of a round, at most
   for (int round = 0; round < kRounds && report.residual >= tolerance; round++) {
+    if (round * work > kMostWork) break;
     normals(n, 1e-3 * tolerance);
     // A normal impulse that got smaller takes its friction along.
     for (int i = 0; i < n; i++) clamp(&p_[3 * i], friction_[i]);

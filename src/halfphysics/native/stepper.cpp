@@ -13,6 +13,10 @@ constexpr int kPasses = 8;         // solve and verify, at most
 constexpr double kSlackReach = 0.004;  // planes are asked for this much farther than needed [m]
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
+// Solving is bounded, and what is left to settle then shortens the step: multiplications of a
+// substep, and contact points.
+constexpr double kMostWork = 1e8;
+constexpr size_t kMostContacts = 250;
 constexpr double kWarmRadius2 = 0.02 * 0.02;
 
 }  // namespace
@@ -161,6 +165,8 @@ void Stepper::warm_start(Contact& c) {
 
 void Stepper::remember() {
   warm_.clear();
+  // Points found after the last solve only carry a guess.
+  contacts_.resize(std::min(contacts_.size(), solved_));
   for (const Contact& c : contacts_) {
     if (norm2(c.impulse) == 0) continue;
     const Candidate& k = candidates_[c.pair];
@@ -184,6 +190,13 @@ void Stepper::remember() {
   }
 }
 
+double Stepper::excess(size_t i, double h) {
+  double e = world.excess(start_, end_, candidates_[i]);
+  if (candidates_[i].forgiven && candidates_[i].triangle >= 0 && !candidates_[i].searched)
+    world.search_behind(start_, reach_, h, (int)i, candidates_);
+  return e;
+}
+
 // Checks the end pose against every candidate; adds contact points where something is violated
 // and corrects the linear prediction of those there are. True if all is well.
 bool Stepper::verify(double h, int pass, double& worst) {
@@ -191,16 +204,17 @@ bool Stepper::verify(double h, int pass, double& worst) {
   worst = 0;
   bool good = true;
   body_twists(model, start_.kin, v_.data(), twists_);
-  std::vector<char> violated(candidates_.size(), 0);
-  for (size_t i = 0; i < candidates_.size(); i++) {
-    double e = world.excess(start_, end_, candidates_[i]);
+  std::vector<char> violated;
+  for (size_t i = 0; i < candidates_.size(); i++) {  // forgiven planes add to them
+    double e = excess(i, h);
     worst = std::min(worst, e);
-    if (e < -slack) violated[i] = 1, good = false;
+    violated.push_back(e < -slack);
+    good &= !violated.back();
   }
   if (good) return true;
   size_t old = contacts_.size();
   for (size_t i = 0; i < candidates_.size(); i++)
-    if (violated[i])
+    if (violated[i] && contacts_.size() < kMostContacts)
       world.add_contacts(model, start_, end_, candidates_[i], (int)i, pass, contacts_);
   for (size_t i = 0; i < contacts_.size(); i++) {
     Contact& c = contacts_[i];
@@ -217,7 +231,7 @@ bool Stepper::verify(double h, int pass, double& worst) {
 // Where all demands cannot be met, the clearance gives way before the step does.
 void Stepper::give_way() {
   for (Candidate& c : candidates_)
-    if (c.dist >= 0) c.target = std::min(c.target, std::min(c.dist, 1e-4));
+    c.target = std::min(c.target, c.dist >= 0 ? std::min(c.dist, 1e-4) : c.dist);
   for (Contact& c : contacts_) c.target = candidates_[c.pair].target;
 }
 
@@ -237,8 +251,9 @@ double Stepper::shorten(double h) {
   std::vector<char> hurt(model.nbody, 0);
   auto check = [&]() {
     std::vector<char> ok(model.nbody, 1);
-    for (Candidate& c : candidates_)
-      if (world.excess(start_, end_, c) + c.target < c.hard) ok[find(tree(c.mover))] = 0;
+    for (size_t i = 0; i < candidates_.size(); i++)
+      if (excess(i, h) + candidates_[i].target < candidates_[i].hard)
+        ok[find(tree(candidates_[i].mover))] = 0;
     return ok;
   };
   auto move = [&]() {
@@ -269,28 +284,47 @@ void Stepper::solve(double h) {
                                 contacts_, world.settings.tolerance / h, world.settings.max_sweeps);
   diagnostics_.sweeps += r.sweeps;
   diagnostics_.passes++;
+  double n3 = 3.0 * contacts_.size();
+  work_ += n3 * n3 * (model.nv + r.sweeps);
+  solved_ = contacts_.size();
   if (keep_trace) trace.contacts = contacts_;
 }
 
-// Restitution of a pair that arrived fast enough: a second pass demands its rebound.
-void Stepper::bounce(double h) {
+// Restitution of a pair that arrived fast enough: a second pass demands its rebound. True if all
+// is well afterwards, `good` where nothing rebounds.
+bool Stepper::bounce(double h, bool good, double& worst) {
   body_twists(model, start_.kin, v_free_.data(), twists_);
+  // What gravity adds in this substep did not arrive, and is taken off the way back: a rebound in
+  // mid-step otherwise gains what its height above the surface is worth.
+  std::vector<double> before(v_free_);
+  for (int b : objects_)
+    for (int i = 0; i < 3; i++) before[model.dof_first[b] + i] -= h * gravity[i];
+  // Nor is the velocity in mid-step what it ends with where things spin fast.
+  for (int i = 0; i < model.nv; i++) before[i] += spin_[i];
+  std::vector<Twist> arrived, spun;
+  body_twists(model, start_.kin, spin_.data(), spun);
+  body_twists(model, start_.kin, before.data(), arrived);
+  auto approach = [&](const Contact& c, const std::vector<Twist>& t) {
+    return dot(c.n, endpoint_velocity(model, start_.kin, t, c.a) -
+                        endpoint_velocity(model, start_.kin, t, c.b));
+  };
   bool any = false;
   for (Contact& c : contacts_) {
     if (c.restitution <= 0 || dot(c.impulse, c.n) <= 0) continue;
-    double arriving = dot(c.n, endpoint_velocity(model, start_.kin, twists_, c.a) -
-                                   endpoint_velocity(model, start_.kin, twists_, c.b));
+    double arriving = approach(c, arrived);
     if (arriving > -kBounceSpeed) continue;
-    c.bounce = -c.restitution * arriving;
+    double turned = approach(c, spun);
+    double fallen = std::min(0.0, approach(c, twists_) + turned - arriving);
+    c.bounce = -c.restitution * arriving + fallen - turned;
     any = true;
   }
-  if (!any) return;
+  if (!any) return good;
   for (int pass = 1; pass < 4; pass++) {
     solve(h);
     pose_at(v_, h, end_, q_end_);
-    double worst;
-    if (verify(h, pass, worst)) break;
+    if (verify(h, pass, worst)) return true;
   }
+  return false;
 }
 
 void Stepper::substep(int k, double h) {
@@ -302,6 +336,8 @@ void Stepper::substep(int k, double h) {
   free_velocity(k, h);
   v_ = v_free_;
   contacts_.clear();
+  solved_ = 0;
+  work_ = 0;
 
   const double clear = world.settings.clearance;
   body_twists(model, start_.kin, v_.data(), twists_);
@@ -326,7 +362,7 @@ void Stepper::substep(int k, double h) {
     good = verify(h, 0, worst);
     bool gave_way = false;
     for (int pass = 1; !good; pass++) {
-      if (pass > kPasses) {
+      if (pass > kPasses || work_ > kMostWork) {
         if (gave_way) break;
         gave_way = true;
         give_way();
@@ -337,7 +373,7 @@ void Stepper::substep(int k, double h) {
       good = verify(h, pass, worst);
     }
     if (contacts_.empty()) break;
-    bounce(h);
+    good = bounce(h, good, worst);
     // Planes hold only for what was asked: ask again, from the start pose, for what moved more.
     body_twists(model, start_.kin, v_.data(), twists_);
     bool beyond = false;
@@ -354,8 +390,8 @@ void Stepper::substep(int k, double h) {
   double lost = 0;
   if (!good) {
     bool hard = false;
-    for (Candidate& c : candidates_)
-      hard |= world.excess(start_, end_, c) + c.target < c.hard;
+    for (size_t i = 0; i < candidates_.size(); i++)
+      hard |= excess(i, h) + candidates_[i].target < candidates_[i].hard;
     if (hard) {
       lost = shorten(h);
       diagnostics_.shortened++;

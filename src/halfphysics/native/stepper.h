@@ -69,13 +69,15 @@ class Stepper {
   void object_velocity(double h);
   void build_inertia(double h);
   void solve(double h);
+  // World::excess of candidate i; asks for what a plane that it forgives had hidden.
+  double excess(size_t i, double h);
   bool verify(double h, int pass, double& worst);
   void give_way();
   double shorten(double h);
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
   void warm_start(Contact& c);
   void remember();
-  void bounce(double h);
+  bool bounce(double h, bool good, double& worst);
   double speed_bound(const Mover& m, const std::vector<Twist>& t) const;
 
   struct Warm {
@@ -95,6 +97,8 @@ class Stepper {
   std::vector<double> reach_;
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;
+  double work_ = 0;  // of this substep's solves
+  size_t solved_ = 0;  // contacts that the last solve knew
   std::vector<Warm> warm_;
   ContactSolver solver_;
   std::vector<Touch> touches_;

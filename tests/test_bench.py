@@ -90,7 +90,8 @@ def test_what_is_past_the_face_is_measured_in_millimetres():
     further = one.with_frames(one.translation + np.array([0.1, 0.0, 0.0]), one.rotations)
     assert reach > 0.0
     assert past_face(who, further) == pytest.approx(reach + 100.0, abs=1e-6)
-    assert past_face(who, one.with_frames(one.translation - np.array([9.0, 0.0, 0.0]), one.rotations)) == 0.0
+    before = one.with_frames(one.translation - np.array([9.0, 0.0, 0.0]), one.rotations)
+    assert past_face(who, before) == 0.0
 
 
 def test_the_peer_step_by_step_is_the_peer_at_once():

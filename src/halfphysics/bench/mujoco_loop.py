@@ -4,7 +4,7 @@ Each frame sets the velocities that lead to the target (Algorithm 1: joints and 
 from the actual pose, root translation from target to target), each substep cancels the
 internal forces (Coriolis, gyroscopic) with applied ones; gravity is off. mj_step1 and mj_step2
 instead of mj_step, because the forces to cancel are those of the present state: with mj_step the
-motion is missed by 0.01 to 0.1 mm, and no faster.
+motion is missed by 0.01 to 0.1 mm, and it is no faster.
 """
 
 from __future__ import annotations

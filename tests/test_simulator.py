@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 from people import along_x, follow, violent
@@ -155,6 +157,44 @@ def test_simulate_and_simulator_give_the_same_bits_as_does_a_second_run(body):
         assert first.motion.translation.tobytes() == other.translation.tobytes()
         assert first.motion.rotations.tobytes() == other.rotations.tobytes()
     assert first.contacts.impulse.tobytes() == second.contacts.impulse.tobytes()
+
+
+def test_frames_are_what_simulate_reports_and_survive_a_copy(body):
+    """Two people who meet, and an object in between: worked out at once or one by one."""
+    pair = [along_x(1.0, 40, start=-1.0), along_x(-1.0, 40, start=1.0)]
+    scene = Scene()
+    scene.add_object("ball", Sphere(0.1), mass=1.0, position=(0.0, 0.3, 0.2))
+    result = simulate(pair, scene, body=[body, body])
+    simulator = Simulator(scene, body=[body, body], fps=pair[0].fps)
+    frames = [simulator.reset([m[0] for m in pair])]
+    frames += [simulator.step([m[t] for m in pair]) for t in range(1, 40)]
+    names = ("person", "part", "subject", "other", "other_part", "position", "normal", "impulse")
+    for t, live in enumerate(frames):
+        assert not live.pose.rotations.flags.writeable
+        copy = pickle.loads(pickle.dumps(live))
+        rows = result.contacts[result.contacts.frame == t]
+        for frame in (live, copy):
+            for name in names:
+                np.testing.assert_array_equal(getattr(frame.contacts, name), getattr(rows, name))
+            for pose, person in zip(frame.poses, result.people, strict=True):
+                assert pose.rotations.tobytes() == person.motion.rotations[t].tobytes()
+            position, quaternion = frame.objects["ball"]
+            np.testing.assert_array_equal(position, result.objects["ball"].position[t])
+            np.testing.assert_array_equal(quaternion, result.objects["ball"].quaternion[t])
+            assert frame.clearance == result.clearance[t]
+            assert frame.lost_time == result.lost_time[t]
+    # People touch each other in pairs of rows, one for each, of opposite sense.
+    c = result.contacts
+    people = result.names.index("person0")
+    mutual = np.flatnonzero((c.person >= 0) & (c.other >= people))
+    assert len(mutual) > 10
+    first, second = mutual[::2], mutual[1::2]
+    np.testing.assert_array_equal(c.other[first] - people, c.person[second])
+    np.testing.assert_array_equal(c.other_part[first], c.part[second])
+    np.testing.assert_array_equal(c.part[first], c.other_part[second])
+    np.testing.assert_array_equal(c.impulse[first], -c.impulse[second])
+    np.testing.assert_array_equal(c.normal[first], -c.normal[second])
+    assert "contacts" in repr(frames[-1])
 
 
 def test_a_state_resumes_bit_for_bit(body):

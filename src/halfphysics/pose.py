@@ -84,3 +84,12 @@ class Pose:
             ("axes", checked_axes(self.axes)),
         ):
             object.__setattr__(self, name, value)
+
+    @classmethod
+    def trusted(cls, translation: Array, rotations: Array, axes: Array) -> Pose:
+        """A pose of float64 arrays of our own making: they are taken over, not checked."""
+        pose = object.__new__(cls)
+        for name, array in (("translation", translation), ("rotations", rotations), ("axes", axes)):
+            array.setflags(write=False)
+            object.__setattr__(pose, name, array)
+        return pose

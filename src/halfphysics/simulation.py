@@ -12,12 +12,13 @@ from halfphysics.body import check_match
 from halfphysics.errors import InputError
 from halfphysics.motion import Motion
 from halfphysics.result import Contacts, ObjectTrack, PersonResult, Result, Substeps
-from halfphysics.simulator import Frame, Simulator, several
+from halfphysics.simulator import Simulator, several, touches
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
     from halfphysics.scene import Scene
     from halfphysics.settings import Settings
+    from halfphysics.world import World
 
 Array = NDArray[np.float64]
 
@@ -76,73 +77,86 @@ def simulate(
         check_match(one, its, allow_mismatch=allow_mismatch)
 
     simulator = Simulator(scene, body=bodies, settings=settings, fps=first.fps)
-    # The same coordinates that step() would compute pose by pose, for all frames at once.
-    targets = simulator.world.motion_coordinates(motions)
-    frames = [simulator.reset([m[0] for m in motions])]
-    steps: Iterable[int] = range(1, len(first))
+    return follow(simulator, motions, progress=progress)
+
+
+def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = False) -> Result:
+    """Run a simulator over whole motions, one per person: `simulate` without its set-up.
+
+    What `Simulator.step` would do frame by frame, to the last bit; all that is not physics is
+    done for all frames at once. The motions have one length and the simulator's frame rate.
+    """
+    world, stepper = simulator.world, simulator.world.stepper
+    count = len(motions[0])
+    targets = world.motion_coordinates(motions)
+    simulator.reset([m[0] for m in motions])
+    qpos, clearance = np.empty((count, world.nq)), np.empty(count)
+    qpos[0], clearance[0] = stepper.qpos(), stepper.clearance()
+    lost_time = np.zeros(count)
+    substeps = [qpos[:1]]
+    rows, row_frames = [], []
+    steps: Iterable[int] = range(1, count)
     if progress:
         from tqdm import tqdm
 
         steps = tqdm(steps, unit="frame", delay=2.0, disable=None, leave=False)
     for t in steps:
-        frames.append(simulator._advance(targets[t], simulator.dt))
-    return _result(simulator, motions, frames)
-
-
-def _result(simulator: Simulator, motions: list[Motion], frames: list[Frame]) -> Result:
-    world = simulator.world
-    people = tuple(
-        PersonResult(
-            motion=motion.with_frames(
-                np.array([f.poses[i].translation for f in frames]),
-                np.array([f.poses[i].rotations for f in frames]),
-            ),
-            reference=motion,
-            body=person.body,
-            name=person.name,
-        )
-        for i, (motion, person) in enumerate(zip(motions, world.people, strict=True))
-    )
-    objects = {
-        thing.name: ObjectTrack(
-            position=np.array([f.objects[thing.name][0] for f in frames]),
-            quaternion=np.array([f.objects[thing.name][1] for f in frames]),
-        )
-        for thing in world.things
-    }
-    names = ("person", "part", "subject", "other", "other_part", "position", "normal", "impulse")
-    columns = {name: np.concatenate([getattr(f.contacts, name) for f in frames]) for name in names}
-    counts = [len(f.contacts.part) for f in frames]
-    contacts = Contacts(frame=np.repeat(np.arange(len(frames)), counts), **columns)
+        substeps.append(simulator._move(targets[t], simulator.dt))
+        qpos[t] = stepper.qpos()
+        clearance[t] = stepper.clearance()
+        lost_time[t] = stepper.diagnostics()["lost_time"]
+        touched = stepper.touches()
+        if len(touched):
+            rows.append(touched)
+            row_frames.append(np.full(len(touched), t))
     return Result(
-        people=people,
-        objects=objects,
+        people=tuple(
+            PersonResult(
+                motion=motion.with_frames(*person.pose(qpos, motion.axes)),
+                reference=motion,
+                body=person.body,
+                name=person.name,
+            )
+            for motion, person in zip(motions, world.people, strict=True)
+        ),
+        objects=_tracks(world, qpos),
         scene=world.scene,
         names=world.names,
-        contacts=contacts,
-        clearance=np.array([f.clearance for f in frames]),
-        lost_time=np.array([f.lost_time for f in frames]),
+        contacts=_contacts(world, rows, row_frames),
+        clearance=clearance,
+        lost_time=lost_time,
         settings=simulator.settings,
-        substeps=_substeps(simulator, motions, frames),
+        substeps=_substeps(simulator, motions, np.concatenate(substeps)),
     )
 
 
-def _substeps(simulator: Simulator, motions: list[Motion], frames: list[Frame]) -> Substeps | None:
-    """Every committed pose, with `Settings.record="substeps"`; the first is the start."""
-    if simulator.settings.record != "substeps":
-        return None
-    world = simulator.world
-    start, _ = world.start([m[0] for m in motions])
-    qpos = np.concatenate([start[None], *(f.substeps for f in frames)])
-    fps = motions[0].fps * simulator.settings.substeps_for(simulator.dt)
+def _contacts(world: World, rows: list[Array], row_frames: list[NDArray[np.int64]]) -> Contacts:
+    """The core's rows of all frames in terms of people and names."""
+    if not rows:
+        return Contacts.none()
+    columns, row = touches(world, np.concatenate(rows))
+    return Contacts(frame=np.concatenate(row_frames)[row], **vars(columns))
+
+
+def _tracks(world: World, qpos: Array) -> dict[str, ObjectTrack]:
+    """The objects' poses in model coordinates (T, nq)."""
     tracks = {}
     for thing in world.things:
         position, quaternion = thing.pose(qpos)
         tracks[thing.name] = ObjectTrack(position=position, quaternion=quaternion)
+    return tracks
+
+
+def _substeps(simulator: Simulator, motions: Sequence[Motion], qpos: Array) -> Substeps | None:
+    """Every committed pose (S + 1, nq), with `Settings.record="substeps"`; first the start."""
+    if simulator.settings.record != "substeps":
+        return None
+    world = simulator.world
+    fps = motions[0].fps * simulator.settings.substeps_for(simulator.dt)
     return Substeps(
         motions=tuple(
             m.with_frames(*person.pose(qpos, m.axes), fps=fps)
             for m, person in zip(motions, world.people, strict=True)
         ),
-        objects=tracks,
+        objects=_tracks(world, qpos),
     )

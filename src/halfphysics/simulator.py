@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar, cast
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,9 +49,11 @@ class Touches:
     impulse: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Frame:
     """The state after one `Simulator.step`.
+
+    Poses, objects and contacts are worked out when first read: stepping pays for none of them.
 
     Attributes:
         poses: The people's corrected poses.
@@ -65,18 +68,43 @@ class Frame:
             substep, else (0, nq).
     """
 
-    poses: tuple[Pose, ...]
-    objects: Mapping[str, tuple[Array, Array]]
-    contacts: Touches
     clearance: float
     lost_time: float
     diagnostics: Mapping[str, float]
     substeps: Array
+    _world: World
+    _qpos: Array
+    _axes: tuple[Array, ...]
+    _touches: Array
+
+    @cached_property
+    def poses(self) -> tuple[Pose, ...]:
+        people = zip(self._world.people, self._axes, strict=True)
+        return tuple(Pose.trusted(*person.pose(self._qpos, axes), axes) for person, axes in people)
+
+    @cached_property
+    def objects(self) -> Mapping[str, tuple[Array, Array]]:
+        return {thing.name: thing.pose(self._qpos) for thing in self._world.things}
+
+    @cached_property
+    def contacts(self) -> Touches:
+        return touches(self._world, self._touches)[0]
 
     @property
     def pose(self) -> Pose:
         """The first person's pose."""
         return self.poses[0]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies and other processes: everything worked out, the simulator left behind."""
+        done = {"poses": self.poses, "objects": self.objects, "contacts": self.contacts}
+        return done | {name: v for name, v in vars(self).items() if not name.startswith("_")}
+
+    def __repr__(self) -> str:
+        return (
+            f"Frame({len(self.poses)} people, {len(self.objects)} objects, "
+            f"{len(self.contacts.part)} contacts, clearance {self.clearance:g} m)"
+        )
 
 
 @dataclass(frozen=True)
@@ -161,9 +189,13 @@ class Simulator:
         return self._advance(self.world.targets(poses), dt)
 
     def _advance(self, targets: Array, dt: float) -> Frame:
+        return self._frame(self._move(targets, dt))
+
+    def _move(self, targets: Array, dt: float) -> Array:
+        """One frame of the core; what `Settings.record` asks to keep of it (., nq)."""
         count = self.settings.substeps_for(dt)
         record = self.settings.record == "substeps"
-        return self._frame(self.world.stepper.frame(targets, dt, count, record))
+        return self.world.stepper.frame(targets, dt, count, record)
 
     def get_state(self) -> State:
         """Everything the simulation remembers: continue from it with `set_state`, bit for bit."""
@@ -202,58 +234,57 @@ class Simulator:
         return poses
 
     def _frame(self, substeps: Array, moved: bool = True) -> Frame:
-        world, stepper = self.world, self.world.stepper
-        qpos = stepper.qpos()
-        poses = tuple(
-            Pose(*person.pose(qpos, axes), axes)
-            for person, axes in zip(world.people, self._axes, strict=True)
-        )
+        stepper = self.world.stepper
         numbers = stepper.diagnostics() if moved else {"lost_time": 0.0}
         return Frame(
-            poses=poses,
-            objects={thing.name: thing.pose(qpos) for thing in world.things},
-            contacts=touches(world, stepper.touches()),
             clearance=stepper.clearance(),
             lost_time=numbers.pop("lost_time"),
             diagnostics=numbers,
             substeps=substeps,
+            _world=self.world,
+            _qpos=stepper.qpos(),
+            _axes=self._axes,
+            _touches=stepper.touches(),
         )
 
 
-def touches(world: World, rows: Array) -> Touches:
+def touches(world: World, rows: Array) -> tuple[Touches, NDArray[np.int64]]:
     """Contacts in terms of people and names, from the core's rows (n, 12).
 
     Where two people touch, each has a row of its own, with opposite normal and impulse.
+
+    Returns:
+        The contacts (m,), and for each the row it comes from (m,).
     """
-    w = world
-    person_of = {len(w.names) - len(w.people) + i: i for i in range(len(w.people))}
-    columns: list[tuple[int, int, int, int, int]] = []
-    vectors: list[Array] = []
-    for row in rows:
-        mover, static, mover2 = (int(x) for x in row[:3])
-        name, part = int(w.mover_name[mover]), int(w.mover_part[mover])
-        if static >= 0:
-            other, other_part = int(w.static_name[static]), -1
-        else:
-            other, other_part = int(w.mover_name[mover2]), int(w.mover_part[mover2])
-        person = person_of.get(name, -1)
-        columns.append((person, part, -1 if person >= 0 else name, other, other_part))
-        vectors.append(row[3:])
-        if person >= 0 and other in person_of:
-            columns.append((person_of[other], other_part, -1, name, part))
-            vectors.append(np.concatenate([row[3:6], -row[6:]]))
-    c = np.array(columns, dtype=np.int64).reshape(-1, 5)
-    v = np.array(vectors, dtype=np.float64).reshape(-1, 9)
+    mover, static, mover2 = rows[:, :3].astype(np.int64).T
+    # One more entry for index -1: the core's rows have either a static or a second mover.
+    static_name = np.append(world.static_name, -1)
+    mover_name = np.append(world.mover_name, -1)
+    mover_part = np.append(world.mover_part, -1)
+    first_person = len(world.names) - len(world.people)
+    name, part = mover_name[mover], mover_part[mover]
+    fixed = static >= 0
+    other = np.where(fixed, static_name[static], mover_name[mover2])
+    other_part = np.where(fixed, -1, mover_part[mover2])
+    human = name >= first_person
+    both = human & (other >= first_person)
+
+    row = np.repeat(np.arange(len(rows)), 1 + both)
+    twin = np.zeros(len(row), dtype=bool)
+    twin[1:] = row[1:] == row[:-1]
+    mine, its = np.where(twin, other[row], name[row]), np.where(twin, name[row], other[row])
+    human = human[row]
+    sign = np.where(twin, -1.0, 1.0)[:, None]
     return Touches(
-        person=c[:, 0],
-        part=c[:, 1],
-        subject=c[:, 2],
-        other=c[:, 3],
-        other_part=c[:, 4],
-        position=v[:, 0:3],
-        normal=v[:, 3:6],
-        impulse=v[:, 6:9],
-    )
+        person=np.where(human, mine - first_person, -1),
+        part=np.where(twin, other_part[row], part[row]),
+        subject=np.where(human, -1, mine),
+        other=its,
+        other_part=np.where(twin, part[row], other_part[row]),
+        position=rows[row, 3:6],
+        normal=sign * rows[row, 6:9],
+        impulse=sign * rows[row, 9:12],
+    ), row
 
 
 def _positive(name: str, value: float) -> float:

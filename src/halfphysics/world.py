@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -47,17 +48,19 @@ class Person:
         """Coordinates (T, count) of SMPL-X poses: (T, 3) and (T, 55, 3)."""
         q = np.zeros((len(translation), self.count))
         q[:, :3] = translation + axes @ self.body.rest_joints[0]
-        quats = rot.exp(rotations)
-        for joint in range(N_JOINTS):
-            at = self.joint_qpos[joint] - self.qpos
-            q[:, at : at + 4] = quats[:, joint]
+        q[:, self._quats - self.qpos] = rot.exp(rotations)
         return q
 
     def pose(self, qpos: Array, axes: Array) -> tuple[Array, Array]:
         """SMPL-X translation (..., 3) and rotations (..., 55, 3) of model coordinates (..., nq)."""
         translation = qpos[..., self.qpos : self.qpos + 3] - axes @ self.body.rest_joints[0]
-        at = self.joint_qpos[:, None] + np.arange(4)
-        return translation, rot.log(qpos[..., at])
+        # take() lays the frames out one after the other, whatever their number: the same bits.
+        return translation, rot.log(np.take(qpos, self._quats, axis=-1))
+
+    @cached_property
+    def _quats(self) -> NDArray[np.int64]:
+        """Coordinates of every joint's quaternion (55, 4)."""
+        return self.joint_qpos[:, None] + np.arange(4)
 
 
 @dataclass(frozen=True)

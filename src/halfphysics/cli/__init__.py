@@ -23,6 +23,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "simulate": "give a motion a body in a scene",
         "evaluate": "measure a result or a motion",
         "convert": "write a motion in another format or at another frame rate",
+        "bench": "measure speed beside a plain MuJoCo loop",
     }
 )
 

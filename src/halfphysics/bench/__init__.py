@@ -1,0 +1,68 @@
+"""Speed measured beside a peer, in one run: what `halfphysics bench` prints.
+
+A case is a function ``(Options) -> Iterator[Record]`` of a module here and one line below. Rates
+depend on the machine and on what else it does; the ratio to a peer timed in turns hardly does.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+
+from halfphysics.bench.record import Options, Record
+from halfphysics.errors import InputError
+
+__all__ = ["CASES", "Options", "Record", "run"]
+
+#: Case -> (module of this package, function, what is measured in one line).
+CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
+    {
+        "free": (
+            "free",
+            "free",
+            "motion in, corrected motion out, nothing near; models are built before. Peer: MuJoCo, "
+            "without geometry, velocities set, internal forces cancelled",
+        ),
+        "live": (
+            "free",
+            "live",
+            "the same pose by pose: Simulator.step(pose).pose. Peer: the same loop pose by pose",
+        ),
+        "stepper": (
+            "free",
+            "stepper",
+            "the native core alone, targets computed before: not what a user sees. "
+            "Peer: its loop alone, targets computed before",
+        ),
+        "wall": (
+            "wall",
+            "wall",
+            "a T-pose walked into a wall of 1 cm at 1.5 m/s. Peer: the same loop with the wall as "
+            "a box and the parts as convex meshes",
+        ),
+        "doorway": ("doorway", "doorway", "the demo's story: doorway, table, ball"),
+        "metrics": (
+            "measuring",
+            "penetration",
+            "metrics.penetration of 10,000 vertices in a mesh of 10,000 triangles, skinning "
+            "included; seconds for all frames",
+        ),
+        "skinning": ("measuring", "skinning", "body.vertices, all vertices of the default body"),
+    }
+)
+
+
+def run(name: str, options: Options) -> Iterator[Record]:
+    """The records of one case, as they are measured.
+
+    Raises:
+        InputError: An unknown case.
+    """
+    if name not in CASES:
+        raise InputError(f"bench: unknown case {name!r}, expected one of {', '.join(CASES)}")
+    module, function, _ = CASES[name]
+    measure: Callable[[Options], Iterator[Record]] = getattr(
+        importlib.import_module(f"{__name__}.{module}"), function
+    )
+    return measure(options)

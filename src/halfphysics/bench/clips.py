@@ -1,0 +1,59 @@
+"""What the cases play."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+
+from halfphysics import rotations as rot
+from halfphysics import scenarios
+from halfphysics.bench.record import Options
+from halfphysics.body import Body
+from halfphysics.motion import Motion
+from halfphysics.sequence import Sequence
+from halfphysics.settings import Settings
+
+#: The paper's substeps per frame; fixed, so that both sides do the same number.
+SUBSTEPS = 8
+
+
+@cache
+def story() -> Sequence:
+    """The demo's story: body, motion, scene."""
+    return scenarios.load("doorway")
+
+
+def body() -> Body:
+    """Who is simulated, parts made."""
+    who = story().body
+    assert who is not None  # every scenario names its actor
+    who.variant  # noqa: B018  made once, outside the clock
+    return who
+
+
+def clips(options: Options) -> Iterator[tuple[str, Motion]]:
+    """The walk of the demo's story, and the motion given."""
+    yield "walk", options.short(story().motion)
+    if options.motion is not None:
+        yield options.motion_name, options.short(options.motion)
+
+
+def drives(substeps: int, *stiffness: float) -> Iterator[tuple[str, Settings]]:
+    """Both drives at several stiffnesses: Algorithm 1 of the paper, and the time constant."""
+    for k in stiffness:
+        yield f"paper, stiffness {k:g}", Settings.paper(k, substeps=substeps)
+    for k in stiffness:
+        yield f"drive_time, stiffness {k:g}", Settings(stiffness=k, substeps=substeps)
+
+
+def straight(speed: float, seconds: float, start: float, fps: float = 30.0) -> Motion:
+    """A T-pose that glides along x, which it faces, from x = `start` [m]."""
+    frames = round(seconds * fps) + 1
+    turn = rot.multiply(rot.exp([0.0, 0.0, 0.5 * np.pi]), rot.exp([0.5 * np.pi, 0.0, 0.0]))
+    rotations = np.zeros((frames, 55, 3))
+    rotations[:, 0] = rot.log(turn)
+    path = np.zeros((frames, 3))
+    path[:, 0] = start + speed * np.arange(frames) / fps
+    return Motion(path, rotations, fps)

@@ -1,0 +1,103 @@
+"""What is measured and what came out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+from halfphysics.validation import number
+
+if TYPE_CHECKING:
+    from halfphysics.motion import Motion
+
+#: A timed run lasts at least this long: the work is repeated until it does [s].
+LEAST = 0.2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How to measure.
+
+    Attributes:
+        motion: A clip to play in the free cases beside the built-in walk, or None.
+        motion_name: What to call it.
+        quick: Short clips, no repetition within a run: to see that it works, not how fast.
+        repeats: Timed runs of each side, after one that is not timed.
+
+    Raises:
+        InputError: `repeats` is not a whole number of at least 1.
+    """
+
+    motion: Motion | None = None
+    motion_name: str = "motion"
+    quick: bool = False
+    repeats: int = 7
+
+    def __post_init__(self) -> None:
+        number(self.repeats, "repeats", least=1)
+
+    @property
+    def least(self) -> float:
+        """How long a timed run lasts at least [s]."""
+        return 0.0 if self.quick else LEAST
+
+    def short(self, motion: Motion, frames: int = 20) -> Motion:
+        """The motion, or its first frames if it is to be quick."""
+        return motion[:frames] if self.quick and len(motion) > frames else motion
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """One row: a setting of a case.
+
+    Attributes:
+        case: Its case.
+        setting: What is special about it.
+        frames: Number of frames that one pass takes.
+        unit: Of `ours` and `peer`: "frames/s", or "s" for the whole.
+        ours: One figure per timed run.
+        peer: The peer's figures, run by run in turns with ours; None where there is no peer.
+        checks: Name [unit] -> (ours, the peer's or None): that the work was done and how well.
+    """
+
+    case: str
+    setting: str
+    frames: int
+    unit: str = "frames/s"
+    ours: tuple[float, ...]
+    peer: tuple[float, ...] | None = None
+    checks: Mapping[str, tuple[float, float | None]] = field(default_factory=dict)
+
+    @property
+    def middle(self) -> float:
+        """Median of `ours`."""
+        return median(self.ours)
+
+    @property
+    def peer_middle(self) -> float | None:
+        """Median of `peer`."""
+        return None if self.peer is None else median(self.peer)
+
+    @property
+    def ratio(self) -> float | None:
+        """Median over the runs of ours over the peer's of the same turn; over 1: ours is faster."""
+        if self.peer is None:
+            return None
+        return median(a / b for a, b in zip(self.ours, self.peer, strict=True))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        return {
+            "case": self.case,
+            "setting": self.setting,
+            "frames": self.frames,
+            "unit": self.unit,
+            "ours": list(self.ours),
+            "peer": None if self.peer is None else list(self.peer),
+            "median": self.middle,
+            "peer_median": self.peer_middle,
+            "ratio": self.ratio,
+            "checks": {name: list(values) for name, values in self.checks.items()},
+        }

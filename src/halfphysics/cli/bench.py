@@ -1,0 +1,167 @@
+"""halfphysics bench: measure speed, beside a plain MuJoCo loop where there is one to compare."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from halfphysics.cli.options import check_output, progress
+from halfphysics.errors import InputError
+
+if TYPE_CHECKING:
+    from halfphysics.bench import Options, Record
+
+EXAMPLES = """\
+halfphysics bench
+halfphysics bench --case free wall
+halfphysics bench --case free --motion walk.npz --json bench.json
+halfphysics bench --quick --repeats 1"""
+
+#: Where numpy's libraries look for the number of threads they may use.
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Measure speed on one core, one timed run of ours and one of the peer's in turns.
+
+    Ratios are medians over pairs of runs; over 1 ours is faster. Rates are of this machine and of
+    what else it does now. docs/benchmarks.md says how to read the table.
+    """
+
+    case: tuple[str, ...] = ()
+    """Cases to measure: free, live, stepper, wall, doorway, metrics, skinning; all if none."""
+    motion: Path | None = None
+    """A motion file to play in the free cases beside the built-in walk."""
+    repeats: int = 7
+    """Timed runs of each side."""
+    quick: bool = False
+    """Short clips and short runs: whether it works, not how fast."""
+    json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Write every single figure here too."""
+
+    def run(self) -> None:
+        """Measure, print, write."""
+        # Before numpy comes in: its libraries read these once.
+        if "numpy" not in sys.modules:
+            os.environ.update(dict.fromkeys(_THREADS, "1"))
+        from halfphysics import bench
+
+        for name in self.case:
+            if name not in bench.CASES:
+                raise InputError(
+                    f"--case: unknown case {name!r}, expected one of {', '.join(bench.CASES)}"
+                )
+        if self.json is not None:
+            check_output(self.json, self.motion)
+        options = self._options()
+        machine = _machine()
+        print(_head(machine, options))
+        records: list[Record] = []
+        for name, (_, _, what) in bench.CASES.items():
+            if self.case and name not in self.case:
+                continue
+            found = list(_shown(name, bench.run(name, options)))
+            print(f"\n{name}: {what}\n\n{_table(found)}", flush=True)
+            records += found
+        if self.json is not None:
+            _write(self.json, machine, options, records)
+            print(f"\nwritten: {self.json}")
+
+    def _options(self) -> Options:
+        from halfphysics.bench import Options
+        from halfphysics.motion import Motion
+
+        motion = None if self.motion is None else Motion.load(self.motion)
+        name = "" if self.motion is None else self.motion.stem
+        return Options(motion=motion, motion_name=name, quick=self.quick, repeats=self.repeats)
+
+
+def _machine() -> dict[str, Any]:
+    """What the figures depend on."""
+    import platform
+
+    import mujoco
+    import numpy as np
+
+    import halfphysics
+
+    return {
+        "halfphysics": halfphysics.__version__,
+        "mujoco": mujoco.__version__,
+        "numpy": np.__version__,
+        "python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.machine()}",
+        "cores": os.cpu_count(),
+        "load": list(os.getloadavg()) if hasattr(os, "getloadavg") else None,
+        "threads": {name: os.environ.get(name) for name in _THREADS},
+    }
+
+
+def _head(machine: dict[str, Any], options: Options) -> str:
+    load = machine["load"]
+    busy = "" if load is None else f", load {load[0]:.2f} over the last minute"
+    lines = [
+        f"halfphysics {machine['halfphysics']}, MuJoCo {machine['mujoco']}, numpy "
+        f"{machine['numpy']}, Python {machine['python']}, {machine['platform']}",
+        f"{machine['cores']} cores, one used{busy}; {options.repeats} timed runs of each side",
+        "rates by processor time: what else the machine does costs less than by the clock",
+    ]
+    if options.quick:
+        lines.append("quick: clips and runs are cut short, the figures say little")
+    return "\n".join(lines)
+
+
+def _shown(name: str, records: Iterator[Record]) -> Iterator[Record]:
+    """The records, with a word at a terminal on each that is done."""
+    for record in records:
+        if progress():
+            print(f"\r\033[K{name}: {record.setting}", end="", file=sys.stderr)
+        yield record
+    if progress():
+        print("\r\033[K", end="", file=sys.stderr)
+
+
+def _table(records: list[Record]) -> str:
+    """The records of one case: rates, then what they were checked by."""
+    from halfphysics.cli.table import table
+
+    peers = any(r.peer is not None for r in records)
+    head = ["setting", f"ours [{records[0].unit}]", "min", "max"]
+    head += ["peer", "ratio"] if peers else []
+    for name, (_, peer) in records[0].checks.items():
+        head += [name] if peer is None else [name, "peer"]
+    rows: list[list[str]] = [head]
+    for r in records:
+        row = [r.setting, *map(_figure, (r.middle, min(r.ours), max(r.ours)))]
+        if r.peer_middle is not None and r.ratio is not None:
+            row += [_figure(r.peer_middle), f"{r.ratio:.2f}"]
+        for values in r.checks.values():
+            row += [f"{value:.3g}" for value in values if value is not None]
+        rows.append(row)
+    return table(rows)
+
+
+def _figure(value: float) -> str:
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
+
+
+def _write(path: Path, machine: dict[str, Any], options: Options, records: list[Record]) -> None:
+    import json
+
+    from halfphysics.io.atomic import atomic_write
+
+    content = {
+        "machine": machine,
+        "repeats": options.repeats,
+        "quick": options.quick,
+        "records": [record.to_dict() for record in records],
+    }
+    with atomic_write(path) as handle:
+        handle.write((json.dumps(content, indent=1) + "\n").encode())

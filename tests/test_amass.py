@@ -286,7 +286,10 @@ def test_mean_hands_are_stored_flat_and_written_back(tmp_path, monkeypatch):
     path = write(tmp_path / "a.npz", content)
     (tmp_path / "SMPLH_FEMALE.npz").write_bytes(b"model")
     motion = Motion.load(path, hands="mean", model=tmp_path / "SMPLH_FEMALE.npz")
-    assert asked == {"path": str(tmp_path / "SMPLH_FEMALE.npz"), "gender": "female"}
+    # A file is taken as it is named; of a folder, the one of the clip's gender.
+    assert asked == {"path": str(tmp_path / "SMPLH_FEMALE.npz"), "gender": None}
+    Motion.load(path, hands="mean", model=tmp_path)
+    assert asked == {"path": str(tmp_path), "gender": "female"}
     assert np.array_equal(motion.poses[:, 75:], content["poses"][:, 66:] + mean)
     assert motion.model == "smplh"
     motion.save(tmp_path / "b.npz")

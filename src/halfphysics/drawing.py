@@ -153,7 +153,7 @@ class Drawing:
         from halfphysics.shapes import Plane
 
         items: dict[str, Item] = {}
-        furniture = 0
+        pieces: dict[str, Color] = {}  # "table" and "table_leg_1" are of one piece of furniture
         for name, static in self.result.scene.statics.items():
             if isinstance(static.shape, Plane):
                 surface = _plane_surface(static, self.middle, self.radius)
@@ -167,8 +167,8 @@ class Drawing:
                 size = np.ptp(rot.rotate(pose[1][0], vertices), axis=0)
                 color = WALL
                 if size[2] < _WALL_HEIGHT and max(size[:2]) < _WALL_WIDTH:
-                    color = FURNITURE[furniture % len(FURNITURE)]
-                    furniture += 1
+                    piece = name.split("_")[0]
+                    color = pieces.setdefault(piece, FURNITURE[len(pieces) % len(FURNITURE)])
                 surface = Surface(
                     vertices=vertices, faces=faces, color=color, crease=_crease(static.shape)
                 )

@@ -42,7 +42,7 @@ class Settings:
     strength: None = None
     """Torque limits of the joints (not in this version: the drive is as strong as it needs)."""
     threads: int = 1
-    """Threads for whatever runs in parallel; the numbers do not depend on it."""
+    """Threads for measuring a result (a substep runs on one); no number depends on it."""
     record: Literal["frames", "substeps"] = "frames"
     """Keep the pose at every frame, or at every committed substep too."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +12,7 @@ from halfphysics.body import check_match
 from halfphysics.errors import InputError
 from halfphysics.motion import Motion
 from halfphysics.result import Contacts, ObjectTrack, PersonResult, Result, Substeps
-from halfphysics.simulator import Frame, Simulator
+from halfphysics.simulator import Frame, Simulator, several
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -51,7 +51,7 @@ def simulate(
     """
     from halfphysics.body import Body
 
-    motions = list(motion) if isinstance(motion, list | tuple) else [motion]
+    motions = several(motion)
     for one in motions:
         if not isinstance(one, Motion):
             raise InputError(f"motion: found {one!r}, expected a halfphysics.Motion")
@@ -67,7 +67,9 @@ def simulate(
             )
     if body is None:
         body = Body.default()
-    bodies = list(body) if isinstance(body, list | tuple) else [body] * len(motions)
+    bodies = several(body)
+    if not isinstance(body, list | tuple):
+        bodies *= len(motions)
     if len(bodies) != len(motions):
         raise InputError(f"body: found {len(bodies)} bodies for {len(motions)} motions")
     for one, its in zip(motions, bodies, strict=True):
@@ -77,7 +79,7 @@ def simulate(
     # The same coordinates that step() would compute pose by pose, for all frames at once.
     targets = simulator.world.motion_coordinates(motions)
     frames = [simulator.reset([m[0] for m in motions])]
-    steps = range(1, len(first))
+    steps: Iterable[int] = range(1, len(first))
     if progress:
         from tqdm import tqdm
 

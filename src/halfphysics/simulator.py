@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from halfphysics.world import World
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ class Simulator:
 
         if body is None:
             body = Body.default()
-        bodies = list(body) if isinstance(body, list | tuple) else [body]
+        bodies = several(body)
         for one in bodies:
             if not isinstance(one, Body):
                 raise InputError(f"body: found {one!r}, expected a halfphysics.Body")
@@ -191,7 +192,7 @@ class Simulator:
         return f"{self.names} {self.world.nq} {self.world.nv}"
 
     def _checked(self, pose: Pose | Sequence[Pose]) -> list[Pose]:
-        poses = list(pose) if isinstance(pose, list | tuple) else [pose]
+        poses = several(pose)
         if len(poses) != len(self.world.people) or not all(isinstance(p, Pose) for p in poses):
             found = ", ".join(type(p).__name__ for p in poses) or "none"
             raise InputError(
@@ -263,3 +264,8 @@ def _positive(name: str, value: float) -> float:
     if not (math.isfinite(number) and number > 0.0):
         raise InputError(f"{name}: found {value!r}, expected a positive number")
     return number
+
+
+def several(value: T | Sequence[T]) -> list[T]:
+    """One thing, or a list or tuple of them, as a list."""
+    return list(value) if isinstance(value, list | tuple) else [cast(T, value)]

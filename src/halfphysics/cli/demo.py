@@ -35,6 +35,7 @@ class Command:
         from halfphysics.cli import measures
         from halfphysics.page import save_page
         from halfphysics.simulation import simulate
+        from halfphysics.simulator import Simulator
         from halfphysics.strip import picture_strip
 
         try:
@@ -43,6 +44,9 @@ class Command:
             raise FileError(f"{self.out}: cannot make this folder: {error.strerror}") from None
         print(scenarios.describe(_STORY))
         story = scenarios.load(_STORY)
+        start = time.perf_counter()
+        Simulator(story.scene, body=story.body, settings=story.settings)
+        prepared = time.perf_counter() - start
         start = time.perf_counter()
         result = simulate(
             story.motion, story.scene, body=story.body, settings=story.settings, progress=progress()
@@ -54,8 +58,9 @@ class Command:
         print(measures.of_result(result, 0, progress=progress()))
         print()
         print(
-            f"simulated {len(result)} frames in {seconds:.2f} s, set-up included: {rate:.0f} "
-            f"frames/s, {rate / result.fps:.1f} times real time"
+            f"simulated {len(result)} frames in {seconds:.2f} s: {rate:.0f} frames/s, "
+            f"{rate / result.fps:.0f} times real time "
+            f"(the body's parts and their mass, once a shape: {prepared:.2f} s)"
         )
         written = {
             "result": self.out / "result.npz",

@@ -22,8 +22,12 @@ _NONE = "-"
 def of_result(result: Result, person: int, *, progress: bool) -> str:
     """Before and after, for one person of a result."""
     who = result.people[person]
-    before = metrics.penetration(who.reference, who.body, result.scene, progress=progress)
-    after = metrics.penetration(who.motion, who.body, result.scene, progress=progress)
+    before, after = (
+        metrics.penetration(
+            motion, who.body, result.scene, threads=result.settings.threads, progress=progress
+        )
+        for motion in (who.reference, who.motion)
+    )
     local, everywhere = who.joint_errors()
     free = result.free_frames(person)
     rows = [

@@ -211,7 +211,8 @@ def mean_hands(path: str | os.PathLike[str] | None, gender: str) -> Array:
         )
     from halfphysics.body import Body
 
-    mean = getattr(Body.load(path, gender=gender), "hands_mean", None)
+    # The clip's gender picks a file from a folder; a file named outright is taken as it is.
+    mean = Body.load(path, gender=gender if os.path.isdir(path) else None).hands_mean
     if mean is None:
         raise FileError(f"{path}: this body model has no mean hands, expected SMPL-X or SMPL-H")
     return np.asarray(mean, dtype=np.float64).reshape(30, 3)

@@ -10,8 +10,11 @@ namespace {
 // must not creep.
 constexpr double kFriction = 0.01;
 
-// Sweeps with friction that are accelerated; what cycles then settles without.
+// Sweeps that are accelerated; what cycles then settles without.
 constexpr int kAccelerated = 25;
+
+// Rounds of normals alone, friction following.
+constexpr int kRounds = 12;
 
 // Friction back onto its disc.
 void clamp(double* p, double mu) {
@@ -57,7 +60,7 @@ void ContactSolver::half_solve(const Model& m, const Kinematics& k, const Inerti
     for (int e = 0; e < 6; e++) y[6 * a + e] *= inertia.root_D[dof[a]];
 }
 
-void ContactSolver::local(int i, bool normal_only) {
+void ContactSolver::local(int i) {
   const int n3 = (int)beta_.size();
   const double* A = &A_[(size_t)(3 * i) * n3 + 3 * i];
   double* p = &p_[3 * i];
@@ -69,9 +72,9 @@ void ContactSolver::local(int i, bool normal_only) {
          w[1] - (a10 * p[0] + a11 * p[1] + a12 * p[2]),
          w[2] - (a20 * p[0] + a21 * p[1] + a22 * p[2])};
   double mu = friction_[i];
-  Vec3 q{0, p[1], p[2]};
-  if (normal_only || mu == 0) {
-    q.x = std::max(0.0, -(r.x + a01 * q.y + a02 * q.z) / a00);
+  Vec3 q;
+  if (mu == 0) {
+    q.x = std::max(0.0, -r.x / a00);
   } else {
     q = block_inverse_[i] * (-r);  // sticking
     if (!(q.x >= 0 && q.y * q.y + q.z * q.z <= mu * mu * q.x * q.x)) {
@@ -128,23 +131,22 @@ double ContactSolver::residual(int n, bool normal_only) const {
 }
 
 // Symmetric sweeps, accelerated as nonlinear conjugate gradients (Silcowitz et al. 2010).
-void ContactSolver::sweeps(int n, bool normal_only, double tolerance, int most,
-                           SolveReport& report) {
+void ContactSolver::sweeps(int n, double tolerance, int most, SolveReport& report) {
   const int n3 = 3 * n;
   step_.assign(n3, 0);
   double previous = 0;
   product(n);
   for (int it = 0;; it++, report.sweeps++) {
-    report.residual = residual(n, normal_only);
+    report.residual = residual(n, false);
     if (report.residual < tolerance || it == most) return;
     before_ = p_;
-    for (int k = 0; k < n; k++) local(it % 2 == 0 ? k : n - 1 - k, normal_only);
+    for (int k = 0; k < n; k++) local(it % 2 == 0 ? k : n - 1 - k);
     double gradient = 0;
     for (int i = 0; i < n3; i++) {
       double d = p_[i] - before_[i];
       gradient += d * d * A_[(size_t)i * n3 + i];
     }
-    double ratio = previous > 0 && (normal_only || it < kAccelerated) ? gradient / previous : 2;
+    double ratio = previous > 0 && it < kAccelerated ? gradient / previous : 2;
     previous = gradient;
     if (ratio > 1) {
       for (int i = 0; i < n3; i++) step_[i] = p_[i] - before_[i];
@@ -158,10 +160,76 @@ void ContactSolver::sweeps(int n, bool normal_only, double tolerance, int most,
     for (int i = 0; i < n; i++) {
       double* p = &p_[3 * i];
       p[0] = std::max(p[0], 0.0);
-      if (!normal_only) clamp(p, friction_[i]);
+      clamp(p, friction_[i]);
     }
     product(n);
   }
+}
+
+// 0 <= p_n, A p_n + q >= 0, complementary, with friction held: block principal pivoting (Judice and
+// Pires 1994), which ends at the solution; the pivots are solved for by Cholesky.
+void ContactSolver::normals(int n, double tolerance) {
+  const size_t n3 = 3 * (size_t)n;
+  q_.resize(n);
+  x_.assign(n, 0);
+  active_.resize(n);
+  for (int i = 0; i < n; i++) {
+    const double* row = &A_[3 * i * n3];
+    double s = beta_[3 * i];
+    for (int j = 0; j < n; j++) s += row[3 * j + 1] * p_[3 * j + 1] + row[3 * j + 2] * p_[3 * j + 2];
+    q_[i] = s;
+    active_[i] = p_[3 * i] > 0;
+  }
+  int fewest = n + 1, patience = 3;
+  for (int it = 0; it < 4 * n + 20; it++) {
+    set_.clear();
+    for (int i = 0; i < n; i++)
+      if (active_[i]) set_.push_back(i);
+    const int k = (int)set_.size();
+    chol_.resize((size_t)k * k);
+    for (int a = 0; a < k; a++) {
+      double* row = &chol_[(size_t)a * k];
+      for (int b = 0; b <= a; b++) {
+        const double* other = &chol_[(size_t)b * k];
+        double s = A_[3 * set_[a] * n3 + 3 * set_[b]];
+        if (a == b) s *= 1 + 1e-10;  // redundant points share what they carry
+        for (int c = 0; c < b; c++) s -= row[c] * other[c];
+        row[b] = a == b ? std::sqrt(std::max(s, 1e-14 * A_[3 * set_[a] * (n3 + 1)])) : s / other[b];
+      }
+    }
+    x_.assign(n, 0);
+    for (int a = 0; a < k; a++) {
+      double s = -q_[set_[a]];
+      for (int c = 0; c < a; c++) s -= chol_[(size_t)a * k + c] * x_[set_[c]];
+      x_[set_[a]] = s / chol_[(size_t)a * (k + 1)];
+    }
+    for (int a = k - 1; a >= 0; a--) {
+      double s = x_[set_[a]];
+      for (int c = a + 1; c < k; c++) s -= chol_[(size_t)c * k + a] * x_[set_[c]];
+      x_[set_[a]] = s / chol_[(size_t)a * (k + 1)];
+    }
+    int wrong = 0, last = -1;
+    wrong_.assign(n, 0);
+    for (int i = 0; i < n; i++) {
+      if (active_[i]) {
+        wrong_[i] = x_[i] < 0;
+      } else {
+        double y = q_[i];
+        for (int j : set_) y += A_[3 * i * n3 + 3 * j] * x_[j];
+        wrong_[i] = y < -tolerance;
+      }
+      if (wrong_[i]) wrong++, last = i;
+    }
+    if (wrong == 0) break;
+    bool all = wrong < fewest || patience > 0;
+    if (wrong < fewest)
+      fewest = wrong, patience = 3;
+    else
+      patience--;
+    for (int i = 0; i < n; i++)
+      if (wrong_[i] && (all || i == last)) active_[i] = !active_[i];
+  }
+  for (int i = 0; i < n; i++) p_[3 * i] = std::max(x_[i], 0.0);
 }
 
 SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Inertia& inertia,
@@ -226,7 +294,7 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
     clamp(&p_[3 * i], c.friction);
   }
 
-  // A = Y^T Y, symmetric.
+  // A = Y^T Y: the upper half, then mirrored.
   A_.assign((size_t)n3 * n3, 0);
   for (size_t r = 0; r < touched_.size(); r++) {
     const double* y = &Y_[r * n3];
@@ -234,9 +302,11 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
       double f = y[i];
       if (f == 0) continue;
       double* row = &A_[(size_t)i * n3];
-      for (int j = 0; j < n3; j++) row[j] += f * y[j];
+      for (int j = i; j < n3; j++) row[j] += f * y[j];
     }
   }
+  for (int i = 0; i < n3; i++)
+    for (int j = 0; j < i; j++) A_[(size_t)i * n3 + j] = A_[(size_t)j * n3 + i];
   block_inverse_.resize(n);
   tangent_step_.resize(n);
   diagonal_.resize(n);
@@ -260,15 +330,16 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   }
 
   // Where friction on many redundant points is slow to settle, it is held and the normal impulses
-  // are finished alone, which converges: nothing penetrates, and the next substep starts warm.
+  // are solved for alone: nothing penetrates, and the next substep starts warm.
   SolveReport report;
-  sweeps(n, false, kFriction * tolerance, max_sweeps, report);
-  for (int round = 0; round < 8 && report.residual >= tolerance; round++) {
-    sweeps(n, true, tolerance, 2 * max_sweeps, report);
+  sweeps(n, kFriction * tolerance, max_sweeps, report);
+  for (int round = 0; round < kRounds && report.residual >= tolerance; round++) {
+    normals(n, 1e-3 * tolerance);
     // A normal impulse that got smaller takes its friction along.
     for (int i = 0; i < n; i++) clamp(&p_[3 * i], friction_[i]);
     product(n);
     report.residual = residual(n, true);
+    report.sweeps++;
   }
 
   // v = v_free + M^-1 J^T p = v_free + L^-1 D^-1/2 Y p.

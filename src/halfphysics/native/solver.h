@@ -64,8 +64,9 @@ class ContactSolver {
 
  private:
   void half_solve(const Model& m, const Kinematics& k, const Inertia& inertia, int body);
-  void sweeps(int n, bool normal_only, double tolerance, int most, SolveReport& report);
-  void local(int i, bool normal_only);
+  void sweeps(int n, double tolerance, int most, SolveReport& report);
+  void local(int i);
+  void normals(int n, double tolerance);
   void product(int n);
   double residual(int n, bool normal_only) const;
 
@@ -77,6 +78,10 @@ class ContactSolver {
   std::vector<Mat3> block_inverse_;
   std::vector<double> tangent_step_;
   std::vector<Twist> twists_;
+  // of normals()
+  std::vector<double> q_, x_, chol_;
+  std::vector<char> active_, wrong_;
+  std::vector<int> set_;
 };
 
 }  // namespace hp

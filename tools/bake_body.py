@@ -17,8 +17,8 @@ What it does:
    pelvis and thighs is smoothed.
 4. *Shape space.* Area-weighted PCA over the sampled T-poses, ten components, one unit = one
    standard deviation.
-5. *Joint regressor.* For each joint, the smallest change to a smooth local average that gives the
-   joint for the mean and for each shape component, to 0.1 mm.
+5. *Joint regressor.* Sparse rows of small entries that give the mean joints, straight limbs, and
+   the shape components of the joints as near as such rows can: `joint_regressor.py`.
 
 The file has the keys of an SMPL-X npz, so that one reader reads both, except `posedirs`: this body
 has no pose-dependent shape, and 40 MB of zeros would only make loading slow. A reader treats its
@@ -46,6 +46,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 _spec = importlib.util.spec_from_file_location("skeleton", ROOT / "src/halfphysics/skeleton.py")
 skeleton = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(skeleton)
+from joint_regressor import joint_regressor  # noqa: E402
 from t_pose import FINGERS, MIRROR, pose  # noqa: E402
 
 JOINT_INDEX, JOINT_NAMES = skeleton.JOINT_INDEX, skeleton.JOINT_NAMES
@@ -72,9 +73,6 @@ MAX_WEIGHTS = 4
 SMOOTHING, SMOOTHED = 0.04, ("pelvis", "left_hip", "right_hip")
 #: Joints whose bones move much flesh and rule little of it: the ball of the thumb, the shoulder.
 EMPHASIS = {"thumb1": 2.0, "collar": 1.5}
-#: Vertices that a joint is regressed from, at least, where it has so many: with fewer the entries
-#: grow large and alternate in sign.
-REGRESSED_FROM = 1000
 WEIGHT_UNIT = 2.0**-14  # weights are whole multiples: rows sum to exactly 1, and they compress
 
 
@@ -247,7 +245,7 @@ def mirror_joints() -> np.ndarray:
     )
 
 
-# ---------------------------------------------------------------- shape space and regressor
+# ---------------------------------------------------------------- shape space
 def vertex_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     a, b, c = vertices[faces].transpose(1, 0, 2)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6
@@ -270,35 +268,6 @@ def shape_space(skins: np.ndarray, joints: np.ndarray, faces: np.ndarray):
     dirs, joint_dirs = np.einsum("nvc,nk->vck", d, U), np.einsum("njc,nk->jck", dj, U)
     grows = np.sign(np.einsum("v,vck,vc->k", root[:, 0] ** 2, dirs, mean - mean.mean(0)))
     return mean, dirs * grows, joint_mean, joint_dirs * grows  # positive: larger
-
-
-def regress_joint(prior, vertices, dirs, joint, joint_dirs) -> np.ndarray:
-    """Row (n,) nearest to `prior` that sums to 1 and gives the joint and its directions."""
-    basis = np.concatenate([(vertices - joint)[:, :, None], dirs], axis=2)  # (n, 3, 1 + K)
-    goal = np.concatenate([np.zeros((3, 1)), joint_dirs], axis=1)
-    A = np.concatenate([np.ones((1, len(prior))), 10 * basis.reshape(len(prior), -1).T])
-    b = np.concatenate([[1.0], 10 * goal.ravel()])
-    # Least change relative to the prior, so that far vertices stay out. The ridge costs 0.05 mm
-    # and halves the largest entries.
-    G = (A * prior) @ A.T
-    y = np.linalg.solve(G + 1e-9 * np.trace(G) * np.eye(len(G)), b - A @ prior)
-    row = prior + prior * (A.T @ y)
-    return row / row.sum()
-
-
-def joint_regressor(vertices, dirs, joints, joint_dirs, weights, areas) -> np.ndarray:
-    """Regressor (55, V) from the skin around each joint: within a few times its depth."""
-    regressor = np.zeros((N_JOINTS, len(vertices)))
-    for j in range(N_JOINTS):
-        own = np.flatnonzero(weights[:, j] + weights[:, max(PARENTS[j], 0)] > 0.05)
-        distance = np.linalg.norm(vertices[own] - joints[j], axis=1)
-        reach = max(1.5 * distance.min(), np.sort(distance)[:REGRESSED_FROM][-1] / 2)
-        near = own[distance <= 2 * reach]
-        prior = areas[near] * np.exp(-0.5 * (distance[distance <= 2 * reach] / reach) ** 2)
-        regressor[j, near] = regress_joint(
-            prior / prior.sum(), vertices[near], dirs[near], joints[j], joint_dirs[j]
-        )
-    return regressor
 
 
 # ---------------------------------------------------------------- the whole
@@ -332,12 +301,14 @@ def bake() -> dict[str, np.ndarray]:
     weights = smooth_weights(group_weights(source), mean, source.faces)
     weights = quantise_weights(weights, partner, opposite)
     regressor = joint_regressor(
-        mean, dirs, joint_mean, joint_dirs, weights, vertex_areas(mean, source.faces)
-    )
-    regressor = 0.5 * (regressor + regressor[opposite][:, partner])
-    error = np.abs(np.einsum("jv,vck->jck", regressor, dirs) - joint_dirs).max()
-    print(f"regressor: mean {np.abs(regressor @ mean - joint_mean).max():.1e} m, "
-          f"shape {error:.1e} m per unit, smallest entry {regressor.min():.3f}")  # fmt: skip
+        mean, dirs, joint_mean, joint_dirs, weights,
+        parents=PARENTS, names=JOINT_NAMES, mirror=(partner, opposite),
+    )  # fmt: skip
+    error = np.abs(np.einsum("jv,vck->jck", regressor, dirs) - joint_dirs).max((1, 2))
+    worst = {JOINT_NAMES[j]: f"{1e3 * error[j]:.2f}" for j in np.argsort(-error)[:12]}
+    print(f"regressor: mean {np.abs(regressor @ mean - joint_mean).max():.1e} m, absolute sums to "
+          f"{np.abs(regressor).sum(1).max():.3f}, {(regressor != 0).sum(1).max()} entries in a row; "
+          f"shape, mm per unit: {worst}")  # fmt: skip
 
     parents = np.where(PARENTS < 0, 2**32 - 1, PARENTS)  # as SMPL-X writes the root's parent
     return {

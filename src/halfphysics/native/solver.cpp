@@ -353,6 +353,16 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
     if (after < report.residual) before_ = p_, report.residual = after;
   }
   p_ = before_;
+  // A point that touches nothing else that moves has an answer of its own, and gets it exactly:
+  // what rests in one corner must not feel how well another corner is solved.
+  product(n);
+  for (int i = 0; i < n; i++) {
+    const double* row = &A_[(size_t)(3 * i) * n3];
+    bool alone = true;
+    for (int j = 0; j < n3 && alone; j++)
+      alone = j / 3 == i || (row[j] == 0 && row[n3 + j] == 0 && row[2 * n3 + j] == 0);
+    if (alone) local(i);
+  }
 
   // v = v_free + M^-1 J^T p = v_free + L^-1 D^-1/2 Y p.
   std::vector<double>& dv = before_;

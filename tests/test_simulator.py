@@ -244,6 +244,16 @@ def test_root_recovers(body):
     assert np.linalg.norm(stayed.translation[-1] - held.translation[-1]) > 0.1
 
 
+def test_two_people_who_start_in_one_place_come_apart_in_peace(body):
+    """They pass through each other until they are out: nothing is thrown, nothing hangs."""
+    a = along_x(0.0, 16, start=0.0)
+    b = along_x(2.0, 16, start=0.02)
+    result = simulate([a, b], Scene(), body=[body, body])
+    for person in result.people:
+        speed = np.linalg.norm(np.diff(person.motion.translation, axis=0), axis=1) * 30
+        assert speed.max() < 3.0
+
+
 def test_mistakes(body):
     simulator = Simulator(Scene(), body=body)
     pose = along_x(1.0, 2, 0.0)[0]

@@ -83,7 +83,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
       c.n = it->second.exit;
       along(c);
     } else {
-      if (it == pairs_.end()) it = pairs_.insert({key(c), {settings.clearance, false, {}}}).first;
+      if (it == pairs_.end()) it = pairs_.insert({key(c), {settings.clearance, false, {}, false}}).first;
       it->second.inside = true;
       it->second.exit = c.n;
     }
@@ -144,6 +144,12 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
       c.mover = i;
       c.other_mover = j;
       const Placed &A = place(start, i), &B = place(start, j);
+      auto known = pairs_.find(key(c));
+      if (known != pairs_.end() && known->second.through) {
+        Vec3 pa, pb;
+        if (gjk(A.points(), B.points(), center - sphere(j), pa, pb) <= 0) continue;
+        pairs_.erase(known);
+      }
       Separation s = separate(A, B, both);
       if (s.dist > both) continue;
       c.n = s.n;
@@ -162,9 +168,12 @@ void World::reset(const Model& m, Poses& start) {
   gather(m, start, reach, 1.0, near);
   for (const Candidate& c : near) {
     // What touches, to within rounding of files, rests there; what is deeper inside comes out.
+    if (c.dist < -kTouch && c.other_mover >= 0 && movers[c.mover].person >= 0 &&
+        movers[c.other_mover].person >= 0)
+      pairs_[key(c)].through = true;
     if (c.dist < -kTouch || c.dist >= settings.clearance) continue;
     double own = std::max(c.dist, 0.0);
-    auto [it, added] = pairs_.insert({key(c), {own, false, {}}});
+    auto [it, added] = pairs_.insert({key(c), {own, false, {}, false}});
     if (!added) it->second.clearance = std::min(it->second.clearance, own);
   }
 }
@@ -418,13 +427,15 @@ void World::save(std::vector<double>& out) const {
   out.push_back((double)pairs_.size());
   for (const auto& [k, s] : pairs_)
     out.insert(out.end(), {(double)(k >> 32), (double)(k & 0xffffffff), s.clearance,
-                           s.inside ? 1.0 : 0.0, s.exit.x, s.exit.y, s.exit.z});
+                           s.inside ? 1.0 : 0.0, s.exit.x, s.exit.y, s.exit.z,
+                           s.through ? 1.0 : 0.0});
 }
 
 const double* World::load(const double* in) {
   pairs_.clear();
-  for (int n = (int)*in++; n > 0; n--, in += 7)
-    pairs_[((int64_t)in[0] << 32) | (int64_t)in[1]] = {in[2], in[3] != 0, load3(in + 4)};
+  for (int n = (int)*in++; n > 0; n--, in += 8)
+    pairs_[((int64_t)in[0] << 32) | (int64_t)in[1]] = {in[2], in[3] != 0, load3(in + 4),
+                                                       in[7] != 0};
   return in;
 }
 

@@ -100,7 +100,8 @@ class World {
   struct PairState {
     double clearance = 0;  // its own: it started nearer
     bool inside = false;
-    Vec3 exit;  // direction out, where inside
+    Vec3 exit;             // direction out, where inside
+    bool through = false;  // two people who start in one place pass through until they are out
   };
   static int64_t key(const Candidate& c) {
     return ((int64_t)c.mover << 32) | (int64_t)(c.other_static >= 0 ? 2 * c.other_static

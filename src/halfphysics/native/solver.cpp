@@ -216,9 +216,12 @@ void ContactSolver::normals(int n, double tolerance) {
     }
     int wrong = 0, last = -1;
     wrong_.assign(n, 0);
+    // Redundant points trade rounding among themselves: that is no reason to pivot.
+    double largest = 0;
+    for (double x : x_) largest = std::max(largest, std::fabs(x));
     for (int i = 0; i < n; i++) {
       if (active_[i]) {
-        wrong_[i] = x_[i] < 0;
+        wrong_[i] = x_[i] < -1e-5 * largest;
       } else {
         double y = q_[i];
         for (int j : set_) y += A_[3 * i * n3 + 3 * j] * x_[j];

@@ -139,7 +139,9 @@ def test_the_ring_is_closed_and_faces_outwards():
 
 
 def test_one_table_per_case(clip, capsys):
-    assert main(["bench", "--quick", "--repeats", "1", "--case", "skinning", "doorway"]) == 0
+    assert (
+        main(["bench", "--quick", "--repeats", "1", "--case", "skinning", "--case", "doorway"]) == 0
+    )
     out = capsys.readouterr().out
     assert "doorway: the demo's story" in out
     assert "skinning: " in out

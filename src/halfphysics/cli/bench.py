@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\
 halfphysics bench
-halfphysics bench --case free wall
+halfphysics bench --case free --case wall
 halfphysics bench --case free --motion walk.npz --json bench.json
 halfphysics bench --quick --repeats 1"""
 
@@ -35,8 +35,8 @@ class Command:
     what else it does now. docs/benchmarks.md says how to read the table.
     """
 
-    case: tuple[str, ...] = ()
-    """Cases to measure: free, live, stepper, wall, doorway, metrics, skinning; all if none."""
+    case: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
+    """A case to measure (repeat for more): free, live, stepper, wall, doorway, metrics, skinning."""
     motion: Path | None = None
     """A motion file to play in the free cases beside the built-in walk."""
     repeats: int = 7

@@ -36,7 +36,7 @@ class Command:
     """
 
     case: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
-    """A case to measure (repeat for more): free, live, stepper, wall, doorway, metrics, skinning."""
+    """A case to measure, repeat for more; all if none is named."""
     motion: Path | None = None
     """A motion file to play in the free cases beside the built-in walk."""
     repeats: int = 7

@@ -10,7 +10,7 @@ from people import along_x, follow, violent
 
 from halfphysics import rotations as rot
 from halfphysics.body import Body
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.metrics import mpjpe, mpjpe_global
 from halfphysics.motion import Motion
 from halfphysics.person_model import addresses
@@ -242,6 +242,13 @@ def test_root_recovers(body):
     assert min(f.clearance for f in frames) > 0.0
     _, stayed, _ = follow(held, wall(), body, Settings(root="stay"))
     assert np.linalg.norm(stayed.translation[-1] - held.translation[-1]) > 0.1
+
+
+def test_a_start_inside_something_is_said(body):
+    motion = along_x(0.0, 3, start=0.45)
+    with pytest.warns(HalfPhysicsWarning, match="starts .* mm inside") as said:
+        simulate(motion, wall(), body=body)
+    assert said[0].filename == __file__
 
 
 def test_two_people_who_start_in_one_place_come_apart_in_peace(body):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.body import check_match
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion import Motion
 from halfphysics.result import Contacts, ObjectTrack, PersonResult, Result, Substeps
 from halfphysics.simulator import Simulator, several, touches
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from halfphysics.world import World
 
 Array = NDArray[np.float64]
+
+#: A start deeper inside than this is worth a word [m].
+START_INSIDE = 1e-3
 
 
 def simulate(
@@ -92,6 +96,14 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
     simulator.reset([m[0] for m in motions])
     qpos, clearance = np.empty((count, world.nq)), np.empty(count)
     qpos[0], clearance[0] = stepper.qpos(), stepper.clearance()
+    if clearance[0] < -START_INSIDE:
+        warnings.warn(
+            f"a person starts {-1000.0 * clearance[0]:.0f} mm inside something that stands: the "
+            "guarantees are for clear starts. Move the motion or the scene, or see "
+            "motion.grounded(body) for feet in a floor",
+            HalfPhysicsWarning,
+            stacklevel=3,
+        )
     lost_time = np.zeros(count)
     substeps = [qpos[:1]]
     rows, row_frames = [], []

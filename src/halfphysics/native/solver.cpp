@@ -9,6 +9,8 @@ namespace {
 
 // Times that violated points join those that take part.
 constexpr int kJoins = 12;
+// Who misses this share of the tolerance joins: a corner that is left out sinks by as much.
+constexpr double kJoin = 1e-3;
 
 }  // namespace
 
@@ -137,7 +139,7 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
     worst_.clear();
     for (int l = 0; l < n; l++) {
       int i = ids[l], pair = contacts[i].pair;
-      if (joined_[i] || violation(i) >= -tolerance) continue;
+      if (joined_[i] || violation(i) >= -kJoin * tolerance) continue;
       bool skip = false;
       if (new_pairs)
         for (const Row& r : rows_) skip |= contacts[r.contact].pair == pair;

@@ -347,7 +347,7 @@ void ContactProblem::solve(double tolerance, int most, SolveReport& report) {
     }
     double damping = kDamping;
     int failures = 0;
-    for (int step = 0; step < kSteps && report.residual >= goal; step++) {
+    for (int step = 0; step < kSteps && report.residual >= goal; step++, it++) {
       report.sweeps++;
       if (newton(damping)) {
         damping = std::max(kLess * damping, kLeastDamping);

@@ -29,7 +29,7 @@ class ContactProblem {
   void add(const double* beta3, const double* warm3, double mu, int pair);
 
   // Block sweeps find who carries and who slips; Newton steps then end it. Stops at `tolerance`
-  // [m/s] or after `most` sweeps; where friction is not settled by then the normal impulses are
+  // [m/s] or after `most` sweeps and steps; where friction is not settled by then the normal impulses are
   // solved for alone.
   void solve(double tolerance, int most, SolveReport& report);
 

@@ -53,7 +53,7 @@ def test_what_rests_on_the_floor_does_not_move(shape):
     assert np.abs(quaternion - quaternion[0]).max() < still
     # The floor carries the weight: impulse over a frame = m g dt.
     total = frames[-1].contacts.impulse.sum(axis=0)
-    np.testing.assert_allclose(total, [0, 0, 0.43 * G / 30], atol=1e-6)
+    np.testing.assert_allclose(total, [0, 0, 0.43 * G / 30], atol=1e-5)  # m tolerance / h: 1e-4
 
 
 @pytest.mark.parametrize("on", ["plane", "box", "mesh"])

@@ -37,6 +37,7 @@ struct Contact {
   // The points whose gap counts lie this far from `position`, along n on a and against it on b:
   // the surface points, and for rounded shapes the points they are round about.
   double arm_a = 0, arm_b = 0;
+  Vec3 rim;           // on a disc: direction from its centre, unit; else zero
   double dist = 0;    // gap at the start of the substep [m]
   double target = 0;  // smallest gap allowed at its end [m]
   double shift = 0;   // correction of the linear prediction [m]: gap_end = dist + h v_n - shift

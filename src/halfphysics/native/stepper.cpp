@@ -296,8 +296,9 @@ void Stepper::solve(double h) {
 // is well afterwards, `good` where nothing rebounds.
 bool Stepper::bounce(double h, bool good, double& worst) {
   body_twists(model, start_.kin, v_free_.data(), twists_);
-  // What gravity adds in this substep did not arrive, and is taken off the way back: a rebound in
-  // mid-step otherwise gains what its height above the surface is worth.
+  // The rebound starts where the substep does, above the surface, and before gravity has acted: the
+  // speed is that of the parabola which meets the surface and leaves it e times as fast. (On this
+  // grid a parabola's own speed is half a substep's gravity from the velocity.)
   std::vector<double> before(v_free_);
   for (int b : objects_)
     for (int i = 0; i < 3; i++) before[model.dof_first[b] + i] -= h * gravity[i];
@@ -316,8 +317,11 @@ bool Stepper::bounce(double h, bool good, double& worst) {
     double arriving = approach(c, arrived);
     if (arriving > -kBounceSpeed) continue;
     double turned = approach(c, spun);
-    double fallen = std::min(0.0, approach(c, twists_) + turned - arriving);
-    c.bounce = -c.restitution * arriving + fallen - turned;
+    double pull = std::max(0.0, arriving - turned - approach(c, twists_));
+    double height = 2 * pull * std::max(0.0, c.dist - c.target) / h;
+    double met = arriving - 0.5 * pull;
+    double back = c.restitution * c.restitution * (met * met + height) - height;
+    c.bounce = std::sqrt(std::max(0.0, back)) - 0.5 * pull - turned;
     any = true;
   }
   if (!any) return good;

@@ -19,14 +19,12 @@ def tree(options: Options) -> Iterator[Record]:
         vertices = np.ascontiguousarray(mesh.vertices)
         faces = np.ascontiguousarray(mesh.faces, dtype=np.int32)
 
-        def add(v=vertices, f=faces) -> _native.Stepper:  # type: ignore[no-untyped-def]
-            stepper = _native.Stepper()
-            stepper.add_mesh(0, v, f)
-            return stepper
+        def found(v=vertices, f=faces) -> _native.MeshTree:  # type: ignore[no-untyped-def]
+            return _native.MeshTree(v, f)
 
         def built() -> None:
             # Nobody keeps it: the next one is built anew.
-            add()
+            found()
 
         once = Options(repeats=options.repeats, quick=True)  # a pass is long enough for a run
         yield Record(
@@ -36,12 +34,12 @@ def tree(options: Options) -> Iterator[Record]:
             unit="s",
             ours=alone(built, once).ours,
         )
-        kept = add()
+        kept = found()
         yield Record(
             case="tree",
             setting=f"{len(faces):,} triangles, again",
             frames=1,
             unit="s",
-            ours=alone(add, once).ours,
+            ours=alone(found, once).ours,
         )
         del kept

@@ -9,13 +9,19 @@ import numpy as np
 import pytest
 
 from halfphysics import bench, metrics
-from halfphysics.bench import clips, timing
+from halfphysics import rotations as rot
+from halfphysics.bench import clips, grasp, near, room, timing
 from halfphysics.bench.measuring import ring
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.wall import past_face
 from halfphysics.cli import MISTAKE, main
 from halfphysics.errors import InputError
+from halfphysics.scene import Scene
+from halfphysics.settings import Settings
+from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.simulation import simulate
+from halfphysics.simulator import Simulator
 
 # Rounding of positions of a few metres through 8 substeps a frame; measured 1e-12 mm.
 EXACT_MM = 1e-6
@@ -24,11 +30,18 @@ SETTINGS = {
     "live": 8,
     "stepper": 8,
     "wall": 6,
+    "near": 4,
+    "grasp": 2,
+    "sofa": 2,
+    "lean": 8,
+    "settle": 4,
+    "tree": 4,
     "doorway": 2,
     "metrics": 1,
     "skinning": 1,
 }
-WITH_PEER = {"free", "live", "stepper", "wall"}
+WITH_PEER = {"free", "live", "stepper", "wall", "near", "grasp", "sofa", "lean", "settle"}
+PRESSED = ("grasp", "sofa", "lean", "settle")
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +72,7 @@ def test_all_cases_leave_complete_records(measured):
         assert len({r["setting"] for r in records}) == len(records)
         for record in records:
             assert record["frames"] > 0
-            assert record["unit"] == ("s" if case == "metrics" else "frames/s")
+            assert record["unit"] == ("s" if case in ("metrics", "tree") else "frames/s")
             assert len(record["ours"]) == 1
             assert all(math.isfinite(x) and x > 0.0 for x in record["ours"])
             assert (record["peer"] is not None) == (case in WITH_PEER)
@@ -81,6 +94,108 @@ def test_the_wall_stops_us_and_not_the_peer(measured):
         ours, peer = record["checks"]["past the wall's face [mm]"]
         assert ours == 0.0
         assert peer > 1.0  # soft contact; measured: tens of millimetres
+
+
+def test_what_presses_touches_and_does_not_go_in(measured):
+    """By MuJoCo's own collision: its hulls are ours in float32, good to a micrometre."""
+    for case in PRESSED:
+        records = [r for r in measured["records"] if r["case"] == case]
+        assert max(r["checks"]["contacts per substep"][0] for r in records) > 2.0
+        assert all(r["checks"]["penetration [mm]"][0] < 1e-3 for r in records)
+        assert max(r["checks"]["penetration [mm]"][1] for r in records) > 1.0
+        assert {r["setting"].split(",")[-2] for r in records} == {" paper", " drive_time"}
+
+
+def test_the_box_is_lifted_by_both_hands(measured):
+    for record in [r for r in measured["records"] if r["case"] == "grasp"]:
+        assert record["checks"]["held by both hands [%]"][0] == 100.0
+        assert record["checks"]["box lifted [mm]"][0] > 100.0  # of the 220 that the body rises
+
+
+def test_grasp_begins_clear_and_ends_in_the_air():
+    play = grasp.lifting()
+    who = clips.body()
+    result = simulate(play.motion, play.scene, body=who, settings=Settings(substeps=8))
+    assert result.clearance[0] >= 0.001
+    hands = {part for part in result.contacts.part[result.contacts.frame == 75].tolist()}
+    assert hands & set(grasp.HANDS["left"])
+    assert hands & set(grasp.HANDS["right"])
+    at_end = result.contacts.frame == 75
+    names = {result.names[i] for i in result.contacts.other[at_end].tolist()}
+    assert "box" in names
+    assert "stand" not in names
+    assert grasp.held_by_both(result) == 1.0
+    # A box that nobody touches: the measure can say no.
+    away = play.motion.with_frames(
+        play.motion.translation - np.array([2.0, 0.0, 0.0]), play.motion.rotations
+    )
+    alone = simulate(away, play.scene, body=who, settings=Settings(substeps=8))
+    assert grasp.held_by_both(alone) == 0.0
+
+
+@pytest.mark.parametrize("triangles", [8_000, 30_000])
+def test_the_room_is_closed_and_its_pieces_are_convex(triangles):
+    made = room.room(triangles)
+    assert triangles <= len(made.mesh.faces) < 1.5 * triangles
+    assert made.mesh.closed
+    assert len(made.hulls) == len(room.furniture())
+    for piece in room.furniture():
+        vertices, faces = room.rounded_box(piece, 0.1)
+        mesh = Mesh(vertices, faces)
+        assert mesh.closed
+        # The sides between rounded edges are flat or bulge: the hull adds nothing but chords.
+        assert mesh.volume == pytest.approx(mesh.hull.volume, rel=2e-3)
+        assert mesh.volume > 0.0
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        np.testing.assert_allclose(low[:2], piece.low[:2], atol=1e-9)
+        np.testing.assert_allclose(high[:2], piece.high[:2], atol=1e-9)
+
+
+def test_what_stands_off_is_a_metre_off():
+    motion = clips.story().motion[60:90]
+    low, high = near.reached(motion)
+    for piece in near._furniture(low - near.OFF, high + near.OFF):
+        gap = max(low[1] - piece.high[1], piece.low[1] - high[1])
+        assert gap == pytest.approx(near.OFF)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [Sphere(0.3), Capsule(0.1, 0.4), Cylinder(0.2, 0.5), Box((0.1, 0.2, 0.3)), Plane()],
+    ids=lambda shape: type(shape).__name__,
+)
+def test_the_peer_has_the_scene_where_ours_has_it(shape):
+    """The smallest distance to a turned thing is what our own core says."""
+    import mujoco
+
+    who = clips.body()
+    motion = clips.straight(0.0, 0.1, 0.0)
+    turn = rot.exp([0.3, -1.2, 0.1])  # a plane is a wall before the person
+    if isinstance(shape, Plane):
+        shape = Plane((0.0, 0.6, 0.8), 0.05)
+    scene = Scene()
+    scene.add_static("it", shape, position=(1.0, 0.1, -0.1), quaternion=turn)
+    settings = Settings(clearance_range=5.0)
+    ours = Simulator(scene, body=who, settings=settings).reset(motion[0]).clearance
+    peer = MujocoLoop(who, motion.fps, 2, scene)
+    model, data = peer.model, peer.data
+    qpos = peer.coordinates(motion.translation, motion.rotations, motion.axes)
+    data.qpos[:] = qpos[0]
+    mujoco.mj_kinematics(model, data)
+    it = 0  # geoms are numbered by body, and the world is the first
+    assert model.geom_bodyid[it] == 0
+    if isinstance(shape, Plane):
+        normal, points = data.geom_xmat[it].reshape(3, 3)[:, 2], who.vertices(motion)[0]
+        theirs = ((points - data.geom_xpos[it]) @ normal).min()
+    else:
+        pairs = range(1, model.ngeom)
+        theirs = min(mujoco.mj_geomDistance(model, data, i, it, 5.0, None) for i in pairs)
+    assert 0.1 < ours < 5.0
+    # A cylinder is the prism around it here; the parts' hulls hold the skin within a micrometre.
+    assert ours == pytest.approx(theirs, abs=3e-4)
+    assert peer.deepest(qpos) == 0.0
+    qpos[:, :3] += 0.9 * (np.array([1.0, 0.1, -0.1]) - qpos[0, :3])
+    assert peer.deepest(qpos) > 0.005
 
 
 def test_what_is_past_the_face_is_measured_in_millimetres():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,7 @@ from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
     from halfphysics.shapes import Shape
+    from halfphysics.variant import Part
 
 Array = NDArray[np.float64]
 
@@ -55,6 +57,18 @@ def hull_collider(points: ArrayLike) -> ConvexCollider:
     normals = np.unique(np.round(hull.equations[:, :3], 6), axis=0)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return ConvexCollider(vertices=points[np.sort(hull.vertices)], normals=normals)
+
+
+#: Colliders of rigid parts, for as long as their bodies are there.
+_parts: WeakKeyDictionary[Part, ConvexCollider] = WeakKeyDictionary()
+
+
+def part_collider(part: Part) -> ConvexCollider:
+    """Collider of a rigid part that has vertices; worked out once."""
+    collider = _parts.get(part)
+    if collider is None:
+        collider = _parts[part] = hull_collider(part.vertices)
+    return collider
 
 
 def convex_collider(shape: Shape) -> ConvexCollider:

@@ -9,22 +9,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
-from halfphysics.colliders import convex_collider, hull_collider
+from halfphysics.colliders import convex_collider, part_collider
 from halfphysics.errors import InputError
 from halfphysics.person_model import addresses, principal
 from halfphysics.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.mesh import Mesh
     from halfphysics.motion import Motion
     from halfphysics.pose import Pose
-    from halfphysics.scene import Scene
+    from halfphysics.scene import Scene, Static
     from halfphysics.settings import Settings
 
 Array = NDArray[np.float64]
@@ -173,7 +175,7 @@ class World:
             for part in person.body.variant.parts:
                 if len(part.vertices) == 0:
                     continue
-                collider = hull_collider(part.vertices)
+                collider = part_collider(part)
                 body = model.body(f"{person.name}/{part.name}").id
                 self.stepper.add_mover(
                     body,
@@ -217,9 +219,7 @@ class World:
                 normal = rotation @ np.asarray(shape.normal, dtype=np.float64)
                 self.stepper.add_half_space(index, normal, shape.offset + float(normal @ position))
             elif isinstance(shape, Mesh):
-                vertices = np.ascontiguousarray(shape.vertices @ rotation.T + position)
-                faces = np.ascontiguousarray(shape.faces, dtype=np.int32)
-                self.stepper.add_mesh(index, vertices, faces)
+                self.stepper.add_mesh(index, _mesh_tree(static, rotation, position))
             else:
                 collider = convex_collider(shape).moved(rotation, position)
                 self.stepper.add_hull(
@@ -278,6 +278,23 @@ class World:
             ],
             axis=1,
         )
+
+
+#: The trees of static meshes, for as long as their scenes are there.
+_trees: WeakKeyDictionary[Static, Any] = WeakKeyDictionary()
+
+
+def _mesh_tree(static: Static, rotation: Array, position: Array) -> Any:
+    """The tree of a static mesh in the world; other statics of the same triangles share it."""
+    from halfphysics import _native
+
+    tree = _trees.get(static)
+    if tree is None:
+        mesh = cast("Mesh", static.shape)
+        vertices = np.ascontiguousarray(mesh.vertices @ rotation.T + position)
+        tree = _native.MeshTree(vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32))
+        _trees[static] = tree
+    return tree
 
 
 def model_arrays(model: Any) -> tuple[Any, ...]:

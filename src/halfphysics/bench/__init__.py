@@ -41,6 +41,40 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "a T-pose walked into a wall of 1 cm at 1.5 m/s. Peer: the same loop with the wall as "
             "a box and the parts as convex meshes",
         ),
+        "near": (
+            "near",
+            "near",
+            "the core alone, N=8, walking between things that stand 1 m off. Peer: its loop alone, "
+            "the meshes as convex pieces",
+        ),
+        "grasp": (
+            "grasp",
+            "grasp",
+            "two hands squeeze a box of 3 kg, lift it and hold it, N=8. Peer: the same loop",
+        ),
+        "sofa": (
+            "sofa",
+            "sofa",
+            "sitting down on a sofa of boxes and rocking on it, N=8. Peer: the same loop",
+        ),
+        "lean": (
+            "lean",
+            "lean",
+            "in a furnished room, one mesh: leaning on a wall, rummaging in a shelf, N=8. Peer: "
+            "the room as convex pieces",
+        ),
+        "settle": (
+            "settle",
+            "settle",
+            "in the same room: sitting down on the sofa, feet pressed into the floor, N=8. Peer: "
+            "the room as convex pieces",
+        ),
+        "tree": (
+            "tree",
+            "tree",
+            "what the room's mesh takes before the first frame: its tree, built, and found again "
+            "by its content; seconds",
+        ),
         "doorway": ("doorway", "doorway", "the demo's story: doorway, table, ball"),
         "metrics": (
             "measuring",

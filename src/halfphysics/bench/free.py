@@ -68,7 +68,7 @@ def stepper(options: Options) -> Iterator[Record]:
             targets = peer.coordinates(motion.translation, motion.rotations, motion.axes)
             for label, settings in drives(substeps, 0.0, 1.0):
                 simulator = Simulator(body=who, settings=settings, fps=motion.fps)
-                play = _core(simulator, motion)
+                play = core_loop(simulator, motion)
                 timing = in_turns(play, lambda p=peer, t=targets: p.play(t), options)  # type: ignore[misc]
                 yield Record(
                     case="stepper",
@@ -79,7 +79,7 @@ def stepper(options: Options) -> Iterator[Record]:
                 )
 
 
-def _core(simulator: Simulator, motion: Motion) -> Callable[[], Array]:
+def core_loop(simulator: Simulator, motion: Motion) -> Callable[[], Array]:
     """The core's loop over a motion, targets ready; returns the last coordinates (nq,)."""
     core = simulator.world.stepper
     targets = simulator.world.motion_coordinates([motion])

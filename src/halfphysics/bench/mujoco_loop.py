@@ -1,26 +1,29 @@
 """The peer: a plain MuJoCo loop that follows a motion, as one would write it by hand.
 
 Each frame sets the velocities that lead to the target (Algorithm 1: joints and root rotation
-from the actual pose, root translation from target to target), each substep cancels the
-internal forces (Coriolis, gyroscopic) with applied ones; gravity is off. mj_step1 and mj_step2
+from the actual pose, root translation from target to target), each substep cancels the person's
+internal forces (Coriolis, gyroscopic, weight) with applied ones. mj_step1 and mj_step2
 instead of mj_step, because the forces to cancel are those of the present state: with mj_step the
 motion is missed by 0.01 to 0.1 mm, and it is no faster.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
+from halfphysics.bench.mujoco_scene import add_scene
 from halfphysics.person_model import add_person, addresses
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
     from halfphysics.motion import Motion
     from halfphysics.pose import Pose
+    from halfphysics.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -32,8 +35,9 @@ class MujocoLoop:
         body: The person; the same parts, masses and inertias as ours.
         fps: Frame rate.
         substeps: MuJoCo steps per frame.
-        wall: Full size (3,) and position (3,) [m] of a box that stands in the way, or None. The
-            parts get their geoms only then: with nothing to touch they would cost time.
+        scene: What stands in the way and what can be pushed, or None. The parts get their geoms
+            only then: with nothing to touch they would cost time.
+        hulls: Name of a static mesh -> points (n, 3) of its convex pieces [m], in its own frame.
     """
 
     def __init__(
@@ -41,18 +45,17 @@ class MujocoLoop:
         body: Body,
         fps: float,
         substeps: int,
-        wall: tuple[Array, Array] | None = None,
+        scene: Scene | None = None,
+        hulls: Mapping[str, Sequence[Array]] | None = None,
     ) -> None:
         import mujoco
 
         spec = mujoco.MjSpec()
-        add_person(spec, body.variant, geoms=wall is not None)
-        if wall is not None:
-            size, position = wall
-            spec.worldbody.add_geom(
-                type=mujoco.mjtGeom.mjGEOM_BOX, size=0.5 * np.asarray(size), pos=position
-            )
+        add_person(spec, body.variant, geoms=scene is not None)
         spec.option.gravity = [0.0, 0.0, 0.0]
+        if scene is not None:
+            add_scene(spec, scene, hulls or {})
+            spec.option.gravity = scene.gravity if scene.objects else [0.0, 0.0, 0.0]
         spec.option.timestep = 1.0 / fps / substeps
         self._mujoco = mujoco
         self.model = spec.compile()
@@ -61,13 +64,18 @@ class MujocoLoop:
         self._dt = 1.0 / fps
         self._velocity = np.zeros(self.model.nv)
         places = addresses(self.model)
+        # The person was added first: the rest of the velocities are objects'.
+        self._own = slice(0, self.model.nv - 6 * (len(scene.objects) if scene else 0))
         self._quats = places.quat[:, None] + np.arange(4)
         self._root, self._root_dof = places.root_position, places.root_velocity
         self._pelvis = body.rest_joints[0]
 
     def coordinates(self, translation: Array, rotations: Array, axes: Array) -> Array:
-        """Model coordinates (T, nq) of SMPL-X translations (T, 3) and rotations (T, 55, 3)."""
-        qpos = np.zeros((len(translation), self.model.nq))
+        """Model coordinates (T, nq) of SMPL-X translations (T, 3) and rotations (T, 55, 3).
+
+        Objects are where they start.
+        """
+        qpos = np.tile(self.model.qpos0, (len(translation), 1))
         qpos[:, self._root : self._root + 3] = translation + axes @ self._pelvis
         qpos[:, self._quats] = rot.exp(rotations)
         return qpos
@@ -82,7 +90,10 @@ class MujocoLoop:
         )
 
     def play(self, targets: Array) -> Array:
-        """Coordinates (T, nq) that come of following targets (T, nq)."""
+        """Coordinates (T, nq) that come of following targets (T, nq).
+
+        What is not the person's is read in the first row only: where objects start.
+        """
         out = np.empty_like(targets)
         self._reset(targets[0])
         out[0] = targets[0]
@@ -103,6 +114,29 @@ class MujocoLoop:
         translation = qpos[self._root : self._root + 3] - pose.axes @ self._pelvis
         return translation, rot.log(qpos[self._quats])
 
+    def deepest(self, qpos: Array) -> float:
+        """Deepest overlap of two things over poses (T, nq) [m], 0 where nothing overlaps.
+
+        By MuJoCo's own collision of convex shapes, whoever the poses come from.
+        """
+        model, data = self.model, self._mujoco.MjData(self.model)
+        worst = 0.0
+        for row in qpos:
+            data.qpos[:] = row
+            self._mujoco.mj_fwdPosition(model, data)
+            if data.ncon:
+                worst = max(worst, -float(data.contact.dist.min()))
+        return worst
+
+    def contacts(self, targets: Array) -> float:
+        """Mean number of contact points at the ends of frames while following targets (T, nq)."""
+        self._reset(targets[0])
+        count = 0
+        for t in range(1, len(targets)):
+            self._frame(targets[t - 1], targets[t])
+            count += self.data.ncon
+        return count / max(1, len(targets) - 1)
+
     def _of(self, pose: Pose) -> Array:
         return self.coordinates(pose.translation[None], pose.rotations[None], pose.axes)[0]
 
@@ -116,8 +150,9 @@ class MujocoLoop:
         self._mujoco.mj_differentiatePos(model, velocity, dt, data.qpos, target)
         root, dof = self._root, self._root_dof
         velocity[dof : dof + 3] = (target[root : root + 3] - before[root : root + 3]) / dt
-        data.qvel[:] = velocity
-        applied, internal = data.qfrc_applied, data.qfrc_bias
+        own = self._own
+        data.qvel[own] = velocity[own]
+        applied, internal = data.qfrc_applied[own], data.qfrc_bias[own]
         for _ in range(self.substeps):
             mj_step1(model, data)
             applied[:] = internal

@@ -12,6 +12,9 @@ from halfphysics.validation import number
 if TYPE_CHECKING:
     from halfphysics.motion import Motion
 
+#: Name [unit] -> (ours, the peer's or None).
+Checks = dict[str, tuple[float, float | None]]
+
 #: A timed run lasts at least this long: the work is repeated until it does [s].
 LEAST = 0.2
 

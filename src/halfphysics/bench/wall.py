@@ -35,7 +35,7 @@ def wall(options: Options) -> Iterator[Record]:
     frames = len(motion) - 1
     scene = Scene()
     scene.add_static("wall", Box(tuple(_SIZE)), position=_AT)
-    peer = MujocoLoop(who, motion.fps, SUBSTEPS, wall=(_SIZE, _AT))
+    peer = MujocoLoop(who, motion.fps, SUBSTEPS, scene)
     for label, settings in drives(SUBSTEPS, 0.0, 1.0, 10.0):
         simulator = Simulator(scene, body=who, settings=settings, fps=motion.fps)
         timing = in_turns(

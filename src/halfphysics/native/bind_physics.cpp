@@ -67,6 +67,11 @@ Convex convex(const Rows3& vertices, double radius, const Doubles& rim,
   return c;
 }
 
+// The tree of a static mesh in the world frame, shared by whoever asks for the same triangles.
+struct MeshTree {
+  std::shared_ptr<const TriangleTree> tree;
+};
+
 void set_model(Stepper& s, Ints parent, Ints jnt_first, Ints jnt_count, Ints dof_first,
                Ints dof_count, Rows3 pos, Rows4 quat, Rows3 ipos, Rows4 iquat, Doubles mass,
                Rows3 inertia, Ints jnt_type, Ints jnt_qpos, Ints jnt_dof, Ints jnt_body,
@@ -137,6 +142,21 @@ nb::dict contact_rows(const std::vector<Contact>& contacts) {
 }  // namespace
 
 void bind_physics(nb::module_& m) {
+  nb::class_<MeshTree>(m, "MeshTree")
+      .def("__init__",
+           [](MeshTree* self, Rows3 vertices, Faces faces) {
+             std::shared_ptr<const TriangleTree> tree;
+             {
+               nb::gil_scoped_release release;
+               tree = TriangleTree::shared(vertices.data(), (int)vertices.shape(0), faces.data(),
+                                           (int)faces.shape(0));
+             }
+             new (self) MeshTree{std::move(tree)};
+           })
+      .def("__len__", [](const MeshTree& t) { return t.tree->size(); })
+      // How many hold the tree, this one included.
+      .def_prop_ro("shares", [](const MeshTree& t) { return t.tree.use_count(); });
+
   nb::class_<Stepper>(m, "Stepper")
       .def(nb::init<>())
       .def("set_model", &set_model)
@@ -163,15 +183,11 @@ void bind_physics(nb::module_& m) {
              s.world.statics.push_back(std::move(v));
            })
       .def("add_mesh",
-           [](Stepper& s, int name, Rows3 vertices, Faces faces) {
+           [](Stepper& s, int name, const MeshTree& mesh) {
              Static v;
              v.kind = Static::Kind::Mesh;
              v.name = name;
-             {
-               nb::gil_scoped_release release;
-               v.tree = std::make_unique<TriangleTree>(vertices.data(), (int)vertices.shape(0),
-                                                       faces.data(), (int)faces.shape(0));
-             }
+             v.tree = mesh.tree;
              s.world.statics.push_back(std::move(v));
            })
       .def("set_pairings",
@@ -348,7 +364,7 @@ void bind_physics(nb::module_& m) {
     std::vector<double> out;
     for (const Plane& q : planes) {
       push(out, q.n);
-      out.insert(out.end(), {q.offset, q.dist, (double)q.triangle});
+      out.insert(out.end(), {q.offset, q.dist, (double)tree.face(q.triangle)});
     }
     return nb::make_tuple(array({planes.size(), 6}, out), tree.distance(p, reach));
   });

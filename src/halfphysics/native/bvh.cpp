@@ -1,5 +1,10 @@
 #include "bvh.h"
 
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <mutex>
 #include <numeric>
 #include <stdexcept>
 
@@ -44,88 +49,185 @@ struct Entry {
   bool operator<(const Entry& o) const { return d2 > o.d2 || (d2 == o.d2 && id > o.id); }
 };
 
+void check_faces(const int* faces, int nf, int nv) {
+  if (nf <= 0) throw std::invalid_argument("a mesh needs at least one triangle");
+  for (size_t i = 0; i < 3 * (size_t)nf; i++)
+    if (faces[i] < 0 || faces[i] >= nv)
+      throw std::invalid_argument("a face names a vertex that does not exist");
+}
+
 }  // namespace
 
 TriangleTree::TriangleTree(const double* vertices, int nv, const int* faces, int nf) {
-  if (nf <= 0) throw std::invalid_argument("a mesh needs at least one triangle");
+  check_faces(faces, nf, nv);
   corner_.resize(3 * (size_t)nf);
-  centroid_.resize(nf);
-  for (int t = 0; t < nf; t++) {
-    for (int k = 0; k < 3; k++) {
-      int v = faces[3 * t + k];
-      if (v < 0 || v >= nv) throw std::invalid_argument("a face names a vertex that does not exist");
-      corner_[3 * t + k] = load3(vertices + 3 * (size_t)v);
-    }
-    centroid_[t] = (1 / 3.0) * (corner_[3 * t] + corner_[3 * t + 1] + corner_[3 * t + 2]);
-  }
-  order_.resize(nf);
-  std::iota(order_.begin(), order_.end(), 0);
-  nodes_.reserve(nf);
-  build(0, nf);
+  for (size_t i = 0; i < corner_.size(); i++) corner_[i] = load3(vertices + 3 * (size_t)faces[i]);
+  build();
 }
 
-int TriangleTree::build(int first, int last) {
-  int id = (int)nodes_.size();
-  nodes_.emplace_back();
-  Node node;
-  node.first = first;
-  node.count = last - first;
-  Box3 centers;
+namespace {
+
+constexpr int kBins = 16;
+// Deeper than any sensible tree: from here on nodes are halved by count, so that no arrangement
+// of triangles makes the depth more than this and the logarithm of their number.
+constexpr int kDeep = 64;
+
+struct Item {
+  Box3 box;
+  int face;
+  double centre(int axis) const { return 0.5 * box.lo[axis] + 0.5 * box.hi[axis]; }
+};
+
+// Sorts items [first, last) to two sides and returns where the second begins: by the binned
+// surface-area heuristic (Wald 2007), else in halves; in the middle as they are where their centres
+// do not tell them apart. The same order on every platform.
+int split(std::vector<Item>& items, int first, int last, const Box3& centres, bool by_area) {
+  int half = first + (last - first) / 2;
+  Vec3 size = centres.hi - centres.lo;
+  int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
+  double lo = centres.lo[axis], scale = kBins / size[axis];
+  if (!(size[axis] > 1e-12) || !std::isfinite(scale)) return half;
+  if (!by_area) {
+    std::sort(items.begin() + first, items.begin() + last, [&](const Item& a, const Item& b) {
+      double x = a.centre(axis), y = b.centre(axis);
+      return x < y || (x == y && a.face < b.face);
+    });
+    return half;
+  }
+  Box3 box[kBins];
+  int count[kBins] = {};
+  auto bin = [&](const Item& i) {
+    return std::min(kBins - 1, (int)(scale * (i.centre(axis) - lo)));
+  };
   for (int i = first; i < last; i++) {
-    for (int k = 0; k < 3; k++) node.box.add(corner_[3 * order_[i] + k]);
-    centers.add(centroid_[order_[i]]);
+    int b = bin(items[i]);
+    count[b]++;
+    box[b] = joined(box[b], items[i].box);
   }
-  if (node.count > kLeaf) {
-    Vec3 size = centers.hi - centers.lo;
-    int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
-    int middle = -1;
-    if (size[axis] > 1e-12) {
-      // Binned surface-area heuristic (Wald 2007).
-      constexpr int kBins = 16;
-      Box3 box[kBins];
-      int count[kBins] = {};
-      double scale = kBins / size[axis];
-      auto bin = [&](int t) {
-        return std::min(kBins - 1, (int)(scale * (centroid_[t][axis] - centers.lo[axis])));
-      };
-      for (int i = first; i < last; i++) {
-        int b = bin(order_[i]);
-        count[b]++;
-        for (int k = 0; k < 3; k++) box[b].add(corner_[3 * order_[i] + k]);
-      }
-      double left[kBins];
-      int n_left[kBins];
-      Box3 sum;
-      int n = 0;
-      for (int b = 0; b < kBins; b++) {
-        sum = joined(sum, box[b]);
-        n += count[b];
-        left[b] = half_area(sum);
-        n_left[b] = n;
-      }
-      sum = {};
-      n = 0;
-      double best = 1e300;
-      int split = -1;
-      for (int b = kBins - 1; b > 0; b--) {
-        sum = joined(sum, box[b]);
-        n += count[b];
-        double cost = left[b - 1] * n_left[b - 1] + half_area(sum) * n;
-        if (n && n_left[b - 1] && cost < best) best = cost, split = b;
-      }
-      if (split > 0) {
-        auto it = std::stable_partition(order_.begin() + first, order_.begin() + last,
-                                        [&](int t) { return bin(t) < split; });
-        middle = (int)(it - order_.begin());
-      }
+  double left[kBins];
+  int n_left[kBins], n = 0;
+  Box3 sum;
+  for (int b = 0; b < kBins; b++) {
+    sum = joined(sum, box[b]);
+    n += count[b];
+    left[b] = half_area(sum);
+    n_left[b] = n;
+  }
+  sum = {};
+  n = 0;
+  double best = std::numeric_limits<double>::infinity();
+  int at = -1;
+  for (int b = kBins - 1; b > 0; b--) {
+    sum = joined(sum, box[b]);
+    n += count[b];
+    double cost = left[b - 1] * n_left[b - 1] + half_area(sum) * n;
+    if (n && n_left[b - 1] && cost < best) best = cost, at = b;
+  }
+  if (at < 0) return half;
+  // By hand: which of std::partition's results comes out is the library's choice.
+  int i = first, j = last;
+  while (true) {
+    while (i < j && bin(items[i]) < at) i++;
+    while (i < j && bin(items[j - 1]) >= at) j--;
+    if (i >= j) return i;
+    std::swap(items[i], items[j - 1]);
+  }
+}
+
+}  // namespace
+
+// Nodes are numbered depth first, the left child right after its parent.
+void TriangleTree::build() {
+  int nf = (int)(corner_.size() / 3);
+  std::vector<Item> items(nf);
+  for (int t = 0; t < nf; t++) {
+    items[t].face = t;
+    for (int k = 0; k < 3; k++) items[t].box.add(corner_[3 * (size_t)t + k]);
+  }
+  struct Work {
+    int first, last, depth, parent;  // parent: whose right child this becomes, or -1
+  };
+  std::vector<Work> work{{0, nf, 0, -1}};
+  nodes_.reserve(nf);
+  while (!work.empty()) {
+    Work w = work.back();
+    work.pop_back();
+    int id = (int)nodes_.size();
+    if (w.parent >= 0) nodes_[w.parent].right = id;
+    Node node;
+    Box3 centres;
+    for (int i = w.first; i < w.last; i++) {
+      node.box = joined(node.box, items[i].box);
+      centres.add({items[i].centre(0), items[i].centre(1), items[i].centre(2)});
     }
-    if (middle <= first || middle >= last) middle = (first + last) / 2;
-    node.count = 0;
-    node.left = build(first, middle);
-    node.right = build(middle, last);
+    node.first = w.first;
+    node.count = w.last - w.first;
+    if (node.count > kLeaf) {
+      int middle = split(items, w.first, w.last, centres, w.depth < kDeep);
+      node.count = 0;
+      node.left = id + 1;
+      work.push_back({middle, w.last, w.depth + 1, id});
+      work.push_back({w.first, middle, w.depth + 1, -1});
+    }
+    nodes_.push_back(node);
   }
-  nodes_[id] = node;
-  return id;
+  nodes_.shrink_to_fit();
+  // What a query reads together lies together.
+  std::vector<Vec3> corner(corner_.size());
+  face_.resize(nf);
+  order_.resize(nf);
+  std::iota(order_.begin(), order_.end(), 0);
+  for (int i = 0; i < nf; i++) {
+    face_[i] = items[i].face;
+    for (int k = 0; k < 3; k++) corner[3 * (size_t)i + k] = corner_[3 * (size_t)face_[i] + k];
+  }
+  corner_.swap(corner);
+}
+
+bool TriangleTree::holds(const double* vertices, const int* faces, int nf) const {
+  if (nf != size()) return false;
+  for (int i = 0; i < nf; i++)
+    for (int k = 0; k < 3; k++) {
+      Vec3 v = load3(vertices + 3 * (size_t)faces[3 * (size_t)face_[i] + k]);
+      if (std::memcmp(&v, &corner_[3 * (size_t)i + k], sizeof v)) return false;
+    }
+  return true;
+}
+
+std::shared_ptr<const TriangleTree> TriangleTree::shared(const double* vertices, int nv,
+                                                         const int* faces, int nf) {
+  check_faces(faces, nf, nv);
+  // The hash only narrows the choice: what is returned has been compared.
+  uint64_t hash = 1469598103934665603ull + (uint64_t)nv;
+  auto mix = [&](const void* data, size_t bytes) {
+    const char* p = (const char*)data;
+    for (; bytes >= 8; p += 8, bytes -= 8) {
+      uint64_t word;
+      std::memcpy(&word, p, 8);
+      hash = (hash ^ word) * 0x9e3779b97f4a7c15ull;
+      hash ^= hash >> 32;
+    }
+    for (; bytes; p++, bytes--) hash = (hash ^ (unsigned char)*p) * 1099511628211ull;
+  };
+  mix(vertices, 3 * sizeof(double) * (size_t)nv);
+  mix(faces, 3 * sizeof(int) * (size_t)nf);
+  static std::mutex mutex;
+  static std::multimap<uint64_t, std::weak_ptr<const TriangleTree>> known;
+  {
+    std::lock_guard<std::mutex> lock(mutex);
+    for (auto it = known.begin(); it != known.end();)
+      it = it->second.expired() ? known.erase(it) : std::next(it);
+    auto range = known.equal_range(hash);
+    for (auto it = range.first; it != range.second; ++it) {
+      auto tree = it->second.lock();
+      if (tree && tree->holds(vertices, faces, nf)) return tree;
+    }
+  }
+  // Outside the lock: two threads that want the same new tree at once build one each.
+  auto tree = std::make_shared<const TriangleTree>(vertices, nv, faces, nf);
+  std::lock_guard<std::mutex> lock(mutex);
+  known.emplace(hash, tree);
+  return tree;
 }
 
 void TriangleTree::triangle(int t, Vec3 v[3]) const {

@@ -28,7 +28,7 @@ struct Static {
   double offset = 0;
   Convex shape;       // hull, in the world frame
   Placed placed;
-  std::unique_ptr<TriangleTree> tree;
+  std::shared_ptr<const TriangleTree> tree;
 };
 
 struct Pairing {  // of two names

@@ -1,0 +1,89 @@
+"""The core alone with things standing 1 m off: what it costs to know that nothing is met."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.bench.clips import SUBSTEPS, body, drives, story
+from halfphysics.bench.free import core_loop
+from halfphysics.bench.mujoco_loop import MujocoLoop
+from halfphysics.bench.record import Options, Record
+from halfphysics.bench.room import Piece, mesh_of
+from halfphysics.bench.timing import in_turns
+from halfphysics.motion import Motion
+from halfphysics.scene import Scene
+from halfphysics.shapes import Box, Plane
+from halfphysics.simulator import Simulator
+
+Array = NDArray[np.float64]
+
+#: How far everything stands off what any part ever reaches [m].
+OFF = 1.0
+_TRIANGLES = 100_000
+
+
+def near(options: Options) -> Iterator[Record]:
+    """Floor and boxes, floor and meshes; both drives at stiffness 1."""
+    who = body()
+    motion = options.short(story().motion)
+    frames = len(motion) - 1
+    low, high = reached(motion)
+    pieces = _furniture(low - OFF, high + OFF)
+    for label, (scene, hulls) in {
+        "boxes": (_boxes(pieces, low), {}),
+        "meshes": _meshes(pieces, low, _TRIANGLES // (10 if options.quick else 1)),
+    }.items():
+        peer = MujocoLoop(who, motion.fps, SUBSTEPS, scene, hulls)
+        targets = peer.coordinates(motion.translation, motion.rotations, motion.axes)
+        for drive, settings in drives(SUBSTEPS, 1.0):
+            simulator = Simulator(scene, body=who, settings=settings, fps=motion.fps)
+            ours = core_loop(simulator, motion)
+            timing = in_turns(ours, lambda p=peer, t=targets: p.play(t), options)  # type: ignore[misc]
+            yield Record(
+                case="near",
+                setting=f"{label}, {drive}",
+                frames=frames,
+                ours=timing.rates(frames),
+                peer=timing.peer_rates(frames),
+            )
+
+
+def reached(motion: Motion) -> tuple[Array, Array]:
+    """Corners (3,) of the box that holds all parts in all frames [m]."""
+    skin = body().vertices(motion)
+    return skin.min(axis=(0, 1)), skin.max(axis=(0, 1))
+
+
+def _furniture(low: Array, high: Array) -> tuple[Piece, ...]:
+    """Two rows of cupboards along the path, `low` and `high` between them."""
+    out = []
+    for x in np.arange(low[0], high[0], 1.2):
+        for y0, y1 in ((low[1] - 0.5, low[1]), (high[1], high[1] + 0.5)):
+            out.append(Piece(low=(x, y0, low[2]), high=(x + 1.0, y1, 2.0), radius=0.01))
+    return tuple(out)
+
+
+def _with_floor(low: Array) -> Scene:
+    scene = Scene()
+    scene.add_static("floor", Plane(), position=(0.0, 0.0, low[2] - OFF))
+    return scene
+
+
+def _boxes(pieces: tuple[Piece, ...], low: Array) -> Scene:
+    scene = _with_floor(low)
+    for i, piece in enumerate(pieces):
+        size = np.subtract(piece.high, piece.low)
+        scene.add_static(f"box{i}", Box(tuple(size)), position=np.add(piece.low, 0.5 * size))
+    return scene
+
+
+def _meshes(
+    pieces: tuple[Piece, ...], low: Array, triangles: int
+) -> tuple[Scene, dict[str, tuple[Array, ...]]]:
+    made = mesh_of(pieces, triangles)
+    scene = _with_floor(low)
+    scene.add_static("furniture", made.mesh)
+    return scene, {"furniture": made.hulls}

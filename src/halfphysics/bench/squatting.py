@@ -1,0 +1,66 @@
+"""Legs that bend: feet stay where they stand while the pelvis goes down and back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+from halfphysics.motion import Motion
+from halfphysics.scenarios.legs import WORLD_FROM_REST, Leg, about, leg_of, planted, solve
+from halfphysics.skeleton import N_JOINTS
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+
+Array = NDArray[np.float64]
+
+#: Feet are this high over the floor that they stand on [m]: a little more than the clearance.
+FEET = 0.002
+#: Knees are bent by this much of height when standing [m]: straight ones have no plane.
+_BENT = 0.005
+
+
+def eased(times: Array, start: float, seconds: float) -> Array:
+    """From 0 to 1, smoothly, from `start` [s] on within `seconds`; the shape of `times`."""
+    x = np.clip((times - start) / seconds, 0.0, 1.0)
+    return x * x * (3.0 - 2.0 * x)
+
+
+def standing_height(body: Body) -> float:
+    """Height of the pelvis joint over the floor with legs as good as straight [m]."""
+    rest = [leg.height - (leg.hip + leg.thigh + leg.shank)[1] for leg in _legs(body)]
+    return min(rest) + FEET - _BENT
+
+
+def squat(body: Body, back: Array, down: Array, lean: Array, roll: Array, fps: float) -> Motion:
+    """A person at the origin who faces +x, arms in T-pose, feet flat on z = 0.
+
+    Args:
+        body: Who.
+        back: How far behind its standing place the pelvis is (T,) [m].
+        down: How far below its standing height (T,) [m].
+        lean, roll: Of the pelvis, forward and then to the right (T,) [rad].
+        fps: Frames per second.
+    """
+    frames = len(back)
+    height = standing_height(body)
+    pelvis = np.stack([-back, np.zeros(frames), height - down], axis=1)
+    root = about(0, roll) @ about(1, lean) @ WORLD_FROM_REST
+    rotations = np.zeros((frames, N_JOINTS, 3))
+    rotations[:, 0] = rot.matrix_to_rotvec(root)
+    flat = np.zeros(frames)
+    foot = np.broadcast_to(WORLD_FROM_REST, (frames, 3, 3))
+    for leg in _legs(body):
+        under = WORLD_FROM_REST @ (leg.hip + leg.thigh + leg.shank)
+        ankle = planted(leg, under[:2], 0.0, flat) + np.array([0.0, 0.0, FEET])
+        hip = pelvis + root @ leg.hip
+        for joint, turn in solve(leg, root, hip, ankle, foot, flat).items():
+            rotations[:, joint] = turn
+    return Motion(pelvis - np.asarray(body.rest_joints)[0], rotations, fps)
+
+
+def _legs(body: Body) -> tuple[Leg, ...]:
+    return tuple(leg_of(body, side) for side in ("left", "right"))

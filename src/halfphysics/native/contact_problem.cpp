@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "simd.h"
+
 namespace hp {
 
 namespace {
@@ -89,8 +91,7 @@ void ContactProblem::product() {
   for (int i = 0; i < n3; i++) {
     double f = p[i];
     if (f == 0) continue;
-    const double* row = &A_[(size_t)i * stride_];
-    for (int j = 0; j < n3; j++) w[j] += f * row[j];
+    add_scaled(w, f, &A_[(size_t)i * stride_], n3);
   }
 }
 
@@ -153,7 +154,7 @@ void ContactProblem::settle(Group& g, double tolerance) {
            d2 = p[3 * i + 2] - old_[3 * a + 2];
     if (d0 == 0 && d1 == 0 && d2 == 0) continue;
     const double *r0 = &A_[(size_t)(3 * i) * stride_], *r1 = r0 + stride_, *r2 = r1 + stride_;
-    for (int j = 0; j < n3; j++) w[j] += d0 * r0[j] + d1 * r1[j] + d2 * r2[j];
+    add_scaled(w, d0, r0, d1, r1, d2, r2, n3);
   }
 }
 
@@ -232,7 +233,7 @@ bool ContactProblem::newton(double damping) {
       double* row = &jacobian_[(size_t)r * m3];
       const double f = row[c] * inv;
       if (f == 0) continue;
-      for (int d = c + 1; d < m3; d++) row[d] -= f * pivot[d];
+      add_scaled(row + c + 1, -f, pivot + c + 1, m3 - c - 1);
       x[r] -= f * x[c];
     }
   }

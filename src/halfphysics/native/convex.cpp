@@ -1,5 +1,7 @@
 #include "convex.h"
 
+#include "simd.h"
+
 namespace hp {
 
 namespace {
@@ -10,15 +12,7 @@ constexpr double kSameDistance = 1e-7;  // [m]
 
 }  // namespace
 
-int Points::support(Vec3 d) const {
-  double best = -1e300;
-  int at = 0;
-  for (int i = 0; i < n; i++) {
-    double s = d.x * x[i] + d.y * y[i] + d.z * z[i];
-    if (s > best) best = s, at = i;
-  }
-  return at;
-}
+int Points::support(Vec3 d) const { return farthest(x, y, z, n, d.x, d.y, d.z); }
 
 void Convex::finish() {
   Box3 box;
@@ -30,6 +24,9 @@ void Convex::finish() {
     bound = std::max(bound, std::hypot(along, across + rim));
   }
   bound += radius;
+  xyz.clear();
+  for (int k = 0; k < 3; k++)
+    for (Vec3 v : vertices) xyz.push_back(v[k]);
 }
 
 void Placed::place(const Convex& c, const Mat3& rot, Vec3 pos) {
@@ -38,13 +35,10 @@ void Placed::place(const Convex& c, const Mat3& rot, Vec3 pos) {
   center = pos + rot * c.center;
   int n = (int)c.vertices.size();
   xyz.resize(3 * n);
-  double *x = xyz.data(), *y = x + n, *z = y + n;
-  box = {};
-  for (int i = 0; i < n; i++) {
-    Vec3 p = pos + rot * c.vertices[i];
-    x[i] = p.x, y[i] = p.y, z[i] = p.z;
-    box.add(p);
-  }
+  double at[3], lo[3], hi[3];
+  store3(at, pos);
+  transform(c.xyz.data(), n, rot.m, at, xyz.data(), lo, hi);
+  box = {load3(lo), load3(hi)};
   box.grow(c.radius);
   axis = rot * c.axis;
   if (c.rim == 0) return;

@@ -45,7 +45,9 @@ struct Convex {
   Vec3 center;       // of the bounding sphere, body's frame
   double bound = 0;  // its radius, rounding included
 
-  void finish();  // fills center and bound
+  std::vector<double> xyz;  // the vertices, one coordinate after the other
+
+  void finish();  // fills center, bound and xyz
 };
 
 // The shape at one pose.

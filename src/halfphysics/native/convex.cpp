@@ -9,6 +9,7 @@ namespace {
 constexpr double kClose = 2e-3;         // [m]
 constexpr double kTouching = 1e-5;      // [m]
 constexpr double kSameDistance = 1e-7;  // [m]
+constexpr double kProved = 1e-9;        // [m]
 
 }  // namespace
 
@@ -120,14 +121,19 @@ Nearest nearest_tetrahedron(const Vec3* w, bool& inside) {
 
 double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond) {
   Simplex s;
-  Vec3 v = norm2(guess) > 1e-24 ? guess : Vec3{1, 0, 0};
+  Vec3 v = norm2(guess) > 1e-24 ? guess : Vec3{1, 0, 0}, best;
   double vv = 1e300;
+  double apart = 0;  // the distance that a separating direction has proved: `best`, a unit vector
   for (int it = 0; it < 64; it++) {
     Vec3 p = a.farthest(-v), q = b.farthest(v), w = p - q;
-    double vw = dot(v, w);
+    double vw = dot(v, w), length = norm(v);
+    if (vw > apart * length) {
+      apart = vw / length;
+      if (apart > beyond) return apart;
+      best = (1 / length) * v;
+    }
     if (s.n) {
       if (vv - vw <= 1e-13 * vv) break;  // no support point gets nearer
-      if (vw > 0 && vw * vw > beyond * beyond * vv) return vw / std::sqrt(vv);
       bool known = false;
       for (int k = 0; k < s.n; k++) known |= norm2(w - s.w[k]) < 1e-28;
       if (known) break;
@@ -139,7 +145,11 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
                    : s.n == 2 ? nearest_segment(s.w, 0, 1)
                    : s.n == 3 ? nearest_triangle(s.w, 0, 1, 2)
                               : nearest_tetrahedron(s.w, inside);
-    if (inside || norm2(near.p) < 1e-22) return 0;
+    if (inside || norm2(near.p) < 1e-22) {
+      // A flat tetrahedron holds the origin by rounding alone: not where they are known apart.
+      if (apart > kProved) break;
+      return 0;
+    }
     if (norm2(near.p) >= vv) break;  // rounding: no further progress
     Simplex kept;
     kept.n = near.n;
@@ -154,8 +164,10 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
     v = near.p;
     vv = norm2(v);
   }
+  double found = std::sqrt(vv);
+  if (apart > kProved && apart < (1 - 1e-7) * found) v = apart * best, found = apart;
   pb = pa - v;  // exactly along v
-  return std::sqrt(vv);
+  return found;
 }
 
 Separation separate_along(const Placed& a, const Placed& b, Vec3 n) {

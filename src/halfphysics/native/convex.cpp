@@ -6,6 +6,7 @@ namespace {
 
 constexpr double kClose = 2e-3;         // [m]
 constexpr double kTouching = 1e-5;      // [m]
+constexpr double kApart2 = 1e-20;       // beyond rounding [m^2]
 constexpr double kSameDistance = 1e-7;  // [m]
 
 }  // namespace
@@ -105,19 +106,27 @@ Nearest nearest_triangle(const Vec3* w, int i, int j, int k) {
   return {p, 3, {i, j, k}, {va * s, vb * s, vc * s}};
 }
 
-Nearest nearest_tetrahedron(const Vec3* w, bool& inside) {
+// Where the origin is known to be outside, a flat tetrahedron cannot make rounding say otherwise.
+Nearest nearest_tetrahedron(const Vec3* w, bool outside, bool& inside) {
   static const int face[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};
   Nearest best{};
   double least = 1e300;
   inside = true;
+  auto look = [&](const int* f) {
+    Nearest q = nearest_triangle(w, f[0], f[1], f[2]);
+    double d = norm2(q.p);
+    if (d < least) least = d, best = q;
+  };
   for (const int* f : face) {
     Vec3 n = cross(w[f[1]] - w[f[0]], w[f[2]] - w[f[0]]);
     double other = dot(w[f[3]] - w[f[0]], n), origin = -dot(w[f[0]], n);
     if (other * origin >= 0 && other != 0) continue;
     inside = false;
-    Nearest q = nearest_triangle(w, f[0], f[1], f[2]);
-    double d = norm2(q.p);
-    if (d < least) least = d, best = q;
+    look(f);
+  }
+  if (inside && outside) {
+    inside = false;
+    for (const int* f : face) look(f);
   }
   return best;
 }
@@ -127,13 +136,16 @@ Nearest nearest_tetrahedron(const Vec3* w, bool& inside) {
 double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond) {
   Simplex s;
   Vec3 v = norm2(guess) > 1e-24 ? guess : Vec3{1, 0, 0};
-  double vv = 1e300;
+  double vv = 1e300, apart2 = 0;  // square of a distance that a plane has shown
   for (int it = 0; it < 64; it++) {
     Vec3 p = a.farthest(-v), q = b.farthest(v), w = p - q;
     double vw = dot(v, w);
     if (s.n) {
       if (vv - vw <= 1e-13 * vv) break;  // no support point gets nearer
-      if (vw > 0 && vw * vw > beyond * beyond * vv) return vw / std::sqrt(vv);
+      if (vw > 0) {
+        if (vw * vw > beyond * beyond * vv) return vw / std::sqrt(vv);
+        apart2 = std::max(apart2, vw * vw / vv);
+      }
       bool known = false;
       for (int k = 0; k < s.n; k++) known |= norm2(w - s.w[k]) < 1e-28;
       if (known) break;
@@ -144,8 +156,13 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
     Nearest near = s.n == 1   ? Nearest{s.w[0], 1, {0}, {1}}
                    : s.n == 2 ? nearest_segment(s.w, 0, 1)
                    : s.n == 3 ? nearest_triangle(s.w, 0, 1, 2)
-                              : nearest_tetrahedron(s.w, inside);
-    if (inside || norm2(near.p) < 1e-22) return 0;
+                              : nearest_tetrahedron(s.w, apart2 > kApart2, inside);
+    if (inside || (norm2(near.p) < 1e-22 && apart2 <= kApart2)) return 0;
+    if (norm2(near.p) < apart2 * (1 - 1e-9)) {
+      // Nearer than can be: the plane of a thin triangle is tilted by rounding, its corners not.
+      near.p = {};
+      for (int k = 0; k < near.n; k++) near.p += near.l[k] * s.w[near.id[k]];
+    }
     if (norm2(near.p) >= vv) break;  // rounding: no further progress
     Simplex kept;
     kept.n = near.n;
@@ -184,8 +201,9 @@ Separation separate(const Placed& a, const Placed& b, double beyond) {
   if (d > 1e-9) {
     Vec3 n = (1 / d) * (pa - pb);
     Separation found{d - round, n, pa - a.shape->radius * n, pb + b.shape->radius * n};
-    if (d > kClose) return found;
-    // So near, rounding tilts the line between the nearest points. A face normal that separates
+    if (d > kClose && a.shape->rim == 0 && b.shape->rim == 0) return found;
+    // So near (and between flat ends of round things even farther off) rounding tilts the line
+    // between the nearest points. A face normal that separates
     // as well is the direction that was meant; friction on a tilted one would creep.
     double like = d < kTouching ? 0.9 : 0.9999;
     for (Vec3 f : a.shape->normals)

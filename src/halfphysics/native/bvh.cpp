@@ -15,7 +15,7 @@ namespace {
 // Overlaps up to this deep count as touching: what was set down exactly on a surface [m].
 constexpr double kTouch = 1e-4;
 constexpr int kLeaf = 4;
-constexpr int kMaxPlanes = 32;
+constexpr int kMaxPlanes = 64;
 
 double half_area(const Box3& b) {
   Vec3 d = b.hi - b.lo;
@@ -262,7 +262,7 @@ Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach) {
 
 }  // namespace
 
-void TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out,
+bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out,
                           const std::vector<int>& without) const {
   out.clear();
   std::vector<Entry> heap;
@@ -329,6 +329,7 @@ void TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
       }
     }
   }
+  return heap.empty();
 }
 
 double TriangleTree::distance(const Placed& a, double range) const {

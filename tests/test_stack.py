@@ -53,6 +53,28 @@ def test_a_stack_of_five_stands(kind, fps, substeps):
     assert np.abs(poses[..., 3:] - poses[0, :, 3:]).max() < 1e-3
 
 
+@pytest.mark.parametrize("on", ["static", "object"])
+@pytest.mark.parametrize("kind", ["box", "cylinder"])
+def test_what_is_set_down_at_a_slant_lies_down(kind, on):
+    """One side 1.8 mm higher than the other; nothing but the box below holds it."""
+    scene = Scene()
+    scene.add_static("floor", Plane())
+    if on == "static":
+        scene.add_static("below", Box((0.4, 0.4, 0.2)), position=(0, 0, 0.1))
+    else:
+        scene.add_object("below", Box((0.4, 0.4, 0.2)), mass=50.0, position=(0, 0, 0.1))
+    shape = Box((0.3, 0.3, 0.1)) if kind == "box" else Cylinder(0.15, 0.1)
+    slant = rot.exp([1.8e-3 / 0.3, 0.0, 0.0])
+    scene.add_object("a", shape, mass=1.0, position=(0, 0, 0.2529), quaternion=slant)
+    simulator = Simulator(scene, body=[], fps=30)
+    simulator.reset([])
+    for _ in range(60):
+        frame = simulator.step([])
+    position, quaternion = frame.objects["a"]
+    assert 2.0 * np.linalg.norm(quaternion[1:3]) < 1e-5  # [rad]
+    assert position[2] == pytest.approx(0.251, abs=1e-4)  # by the clearance
+
+
 @pytest.mark.parametrize(("fps", "substeps"), [(30, None), (120, None), (30, 1)])
 @pytest.mark.parametrize("height", [0.0, 5e-4])
 def test_a_ball_at_rest_does_not_move(height, fps, substeps):

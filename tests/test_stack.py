@@ -215,3 +215,10 @@ def test_a_pile_gains_no_energy(friction, fps, substeps):
     for case in cases(4):
         gain, lift = largest_gain(pile(np.random.default_rng(case), friction), fps, substeps)
         assert gain <= lift, f"case {case}: {gain} J, all lifted by the clearance {lift} J"
+
+
+@pytest.mark.xfail(strict=True, reason="coarse steps: corrections of what spins fast do not settle")
+def test_a_jammed_pile_gains_no_energy_at_coarse_steps():
+    """0.1 kg between 4 and 8 kg at h = 1/60 s: a shift of a contact grows to a metre."""
+    gain, lift = largest_gain(pile(np.random.default_rng(5), 0.8), 60, 1)
+    assert gain <= lift

@@ -14,6 +14,7 @@ namespace {
 
 // Overlaps up to this deep count as touching: what was set down exactly on a surface [m].
 constexpr double kTouch = 1e-4;
+constexpr double kShort = 1e-5, kSeparates = 1e-6;  // [m]
 constexpr int kLeaf = 4;
 constexpr int kMaxPlanes = 64;
 
@@ -270,7 +271,8 @@ Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach) {
   if (d > 1e-9) {
     Vec3 n = (1 / d) * (pa - pb);
     double offset = std::max(dot(n, v[0]), std::max(dot(n, v[1]), dot(n, v[2])));
-    return {n, offset, d - r, t, false};
+    // A line of rounding's length may point anywhere: only one that separates counts.
+    if (d > kShort || a.lowest(n) - offset > d - r - kSeparates) return {n, offset, d - r, t, false};
   }
   // They touch or overlap: the smaller way out along the triangle's own normal.
   Vec3 n = cross(v[1] - v[0], v[2] - v[0]);

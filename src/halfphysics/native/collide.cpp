@@ -440,7 +440,9 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   if (already == 0) {
     Vec3 pa[4], pb[4];
     int n = face_manifold(a0, b0, c.n, 2e-3, 4, pa, pb);
-    for (int i = 0; i < n; i++) make_opposite(c.n, c.dist, pa[i], pb[i], i);
+    // Each with its own gap: what stands at a slant must be free to lie down.
+    for (int i = 0; i < n; i++)
+      make_opposite(c.n, std::max(c.dist, dot(c.n, pa[i] - pb[i])), pa[i], pb[i], i);
     if (n < 3) {
       Separation s = c.dist > 0 ? separate(a0, b0) : separate_along(a0, b0, c.n);
       make_opposite(c.n, c.dist, s.pa, s.pb, 4);

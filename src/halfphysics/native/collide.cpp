@@ -9,6 +9,7 @@ namespace {
 constexpr double kGiveWay = 0.05;   // speed at which a clearance that was lost is regained [m/s]
 constexpr double kTouch = 1e-5;     // overlaps up to this at the start are contacts at rest [m]
 constexpr int kTurningPasses = 3;
+constexpr double kFlat = 1e-6;  // corners this much farther than the nearest point will do for it [m]
 constexpr int kMostPoints = 16;  // of contact for one plane or pair
 constexpr double kSamePoint2 = 2e-3 * 2e-3;  // points this near are one contact [m^2]
 constexpr double kSpread2 = 5e-3 * 5e-3;     // of the first points, where there is a choice [m^2]
@@ -441,9 +442,14 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     Vec3 pa[4], pb[4];
     int n = face_manifold(a0, b0, c.n, 2e-3, 4, pa, pb);
     // Each with its own gap: what stands at a slant must be free to lie down.
-    for (int i = 0; i < n; i++)
-      make_opposite(c.n, std::max(c.dist, dot(c.n, pa[i] - pb[i])), pa[i], pb[i], i);
-    if (n < 3) {
+    bool nearest = false;
+    for (int i = 0; i < n; i++) {
+      double gap = std::max(c.dist, dot(c.n, pa[i] - pb[i]));
+      make_opposite(c.n, gap, pa[i], pb[i], i);
+      nearest |= gap < c.dist + kFlat;
+    }
+    // The corners of a slanted face need not be where the two are nearest.
+    if (n < 3 || !nearest) {
       Separation s = c.dist > 0 ? separate(a0, b0) : separate_along(a0, b0, c.n);
       make_opposite(c.n, c.dist, s.pa, s.pb, 4);
     }

@@ -250,7 +250,7 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
     if (gap >= c.target || c.dist < 0) return gap - c.target;
     // The plane between two things turns as they do: where their nearest sides are still the
     // same, what counts is their distance at the end.
-    Separation s = separate(a1, b1);
+    Separation s = separate(a1, b1, 1e300, false);
     if (s.dist > 0 && dot(s.n, c.n) > 0.5) return s.dist - c.target;
   }
   if (swept_clear(place(start, c.mover), a1, c, start, end)) {
@@ -458,7 +458,7 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   const Placed &a1 = place(end, c.mover), &b1 = place(end, c.other_mover);
   // At first along the normal they would have at the end; where that does not settle, along the
   // one they start with: whatever is apart along any direction is apart.
-  Separation s = separate(a1, b1);
+  Separation s = separate(a1, b1, 1e300, false);
   bool settle = pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < 0.5;
   if (settle) {
     s.n = c.n;

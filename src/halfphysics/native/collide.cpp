@@ -129,7 +129,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
         if (gjk(A.support(), B.support(), A.center - B.center, pa, pb) <= 0) continue;
         pairs_.erase(known);
       }
-      Separation s = separate(A, B, r + kAhead);
+      Separation s = separate(A, B, e.dist > r ? r + kAhead : r);
       e.dist = s.dist;
       e.way = way_of(e);
       if (s.dist > r) continue;
@@ -141,7 +141,8 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
       continue;
     }
     if (behind_planes(e, A, r)) continue;
-    look(m, start, e, r + kAhead);
+    // What was near is asked again anyhow.
+    look(m, start, e, e.dist > r || e.dist == Near().dist ? r + kAhead : r);
     const Static& S = statics[e.other_static];
     if (S.kind == Static::Kind::Hull) {
       if (e.dist > r) continue;

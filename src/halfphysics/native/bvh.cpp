@@ -289,12 +289,14 @@ Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach) {
 
 bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out,
                           const std::vector<int>& without) const {
-  out.clear();
   // What is measured and what waits, kept for the next call: nothing is allocated once warm.
   static thread_local std::vector<Entry> heap;
   static thread_local std::vector<Plane> known;  // of triangles whose distance has been computed
   heap.clear();
   known.clear();
+  auto left_out = [&](int t) {
+    return std::find(without.begin(), without.end(), t) != without.end();
+  };
   auto push = [&](double d2, int id) {
     heap.push_back({d2, id});
     std::push_heap(heap.begin(), heap.end());
@@ -309,6 +311,16 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
     if (later >= 0) push(later * (1 + 1e-12), e.id);
     return later >= 0;
   };
+  for (const Plane& old : out) {
+    if (left_out(old.triangle)) continue;
+    Vec3 v[3];
+    triangle(old.triangle, v);
+    Plane p = plane_to(a, v, old.triangle, reach);
+    if (p.dist > reach) continue;
+    known.push_back(p);
+    push(p.dist > 0 ? p.dist * p.dist : 0, -1 - old.triangle);
+  }
+  out.clear();
   double start = gap2(nodes_[0].box, a.box);
   if (start <= reach * reach) push(start, 0);
   while (!heap.empty() && (int)out.size() < kMaxPlanes) {
@@ -339,7 +351,7 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
       continue;
     }
     const int t = -1 - e.id;
-    if (std::find(without.begin(), without.end(), t) != without.end()) continue;
+    if (left_out(t)) continue;
     Vec3 v[3];
     triangle(t, v);
     auto behind = [&](const Plane& p) {
@@ -351,7 +363,8 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
     if (culled) continue;
     auto it = std::find_if(known.begin(), known.end(), [&](const Plane& p) { return p.triangle == t; });
     if (it != known.end()) {
-      out.push_back(*it);
+      // Before its distance's turn it only waits.
+      if (it->dist <= 0 || e.d2 >= it->dist * it->dist * (1 - 1e-12)) out.push_back(*it);
       continue;
     }
     if (wait(e, behind)) continue;

@@ -26,6 +26,7 @@ class TriangleTree {
 
   // Planes that together separate `a` from every triangle within `reach` of it: nearest triangle
   // first; what lies behind a plane already found is culled. Triangles `without` are left out.
+  // What `out` holds on entry, from a pose nearby, is looked at first: it is likely to be it again.
   // False if there were more planes than are kept: the farthest are missing.
   bool planes(const Placed& a, double reach, std::vector<Plane>& out,
               const std::vector<int>& without = {}) const;

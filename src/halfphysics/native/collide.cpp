@@ -497,6 +497,7 @@ void World::save(std::vector<double>& out) const {
     out.insert(out.end(), {(double)(k >> 32), (double)(k & 0xffffffff), s.clearance,
                            s.inside ? 1.0 : 0.0, s.exit.x, s.exit.y, s.exit.z,
                            s.through ? 1.0 : 0.0});
+  save_near(out);
 }
 
 const double* World::load(const double* in) {
@@ -504,7 +505,7 @@ const double* World::load(const double* in) {
   for (int n = (int)*in++; n > 0; n--, in += 8)
     pairs_[((int64_t)in[0] << 32) | (int64_t)in[1]] = {in[2], in[3] != 0, load3(in + 4),
                                                        in[7] != 0};
-  return in;
+  return load_near(in);
 }
 
 }  // namespace hp

@@ -36,8 +36,8 @@ struct Pairing {  // of two names
   bool ignore = false;
 };
 
-// Two that are near enough to be looked at, and what is known of their distance. All of it only
-// saves work: what is skipped for it could not have been a candidate.
+// Two that are near enough to be looked at, and what is known of their distance. It only saves
+// work: what is skipped for it could not have been a candidate.
 struct Near {
   int mover = 0;
   int other_static = -1, other_mover = -1;  // one of them
@@ -123,7 +123,7 @@ class World {
   // The gap that a contact's own points have at the end pose.
   double gap_at(const Poses& start, const Poses& end, const Contact& c) const;
   // Smallest distance of a person's parts from the statics, up to `range`, inf beyond.
-  double clearance(const Model& m, Poses& p, double range);
+  double clearance(const Model& m, Poses& p, double range) const;
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
@@ -151,6 +151,8 @@ class World {
     return odometer_[e.mover] + (e.other_mover >= 0 ? odometer_[e.other_mover] : 0.0);
   }
   bool far(const Near& e, double r) const { return e.dist - (way_of(e) - e.way) > r; }
+  void save_near(std::vector<double>& out) const;
+  const double* load_near(const double* in);
   bool behind_planes(const Near& e, const Placed& a, double r) const;
   void look(const Model& m, Poses& p, Near& e, double r);
   void demand(Candidate& c, double h);

@@ -159,30 +159,76 @@ void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& swe
   }
 }
 
-double World::clearance(const Model& m, Poses& p, double range) {
-  std::vector<double> way(movers.size(), 0.0);
-  for (size_t i = 0; i < movers.size(); i++)
-    if (movers[i].person >= 0) way[i] = range;
-  list(m, p, way);
+double World::clearance(const Model& m, Poses& p, double range) const {
   double best = range;
-  for (Near& e : near_) {
-    const Mover& M = movers[e.mover];
-    if (M.person < 0 || e.other_static < 0 || far(e, best)) continue;
-    const Static& S = statics[e.other_static];
-    const Placed& a = place(p, e.mover);
+  auto measure = [&](int i, const Static& S) {
+    const Mover& M = movers[i];
     if (S.kind == Static::Kind::HalfSpace) {
-      e.dist = a.lowest(S.n) - S.offset;
-      e.way = way_of(e);
-      best = std::min(best, e.dist);
-      continue;
+      if (dot(S.n, center(p, i)) - M.shape.bound - S.offset < best)
+        best = std::min(best, place(p, i).lowest(S.n) - S.offset);
+      return;
     }
-    if (best >= 0 && behind_planes(e, a, best)) continue;
-    if (S.kind == Static::Kind::Hull)
-      best = std::min(best, separate(a, S.placed, std::max(best, 0.0)).dist);
-    else
-      best = std::min(best, S.tree->distance(a, std::max(best, 1e-9)));
+    Box3 box;
+    box.add(center(p, i));
+    box.grow(M.shape.bound + std::max(best, 0.0));
+    if (S.kind == Static::Kind::Hull) {
+      if (box.meets(S.placed.box))
+        best = std::min(best, separate(place(p, i), S.placed, std::max(best, 0.0)).dist);
+    } else if (box.meets(S.tree->box())) {
+      best = std::min(best, S.tree->distance(place(p, i), std::max(best, 1e-9)));
+    }
+  };
+  bool listed = has_list_;
+  for (size_t i = 0; i < movers.size() && listed; i++)
+    listed = movers[i].person < 0 || odometer_[i] - listed_[i] + range <= range_[i];
+  if (listed) {
+    for (const Near& e : near_) {
+      if (movers[e.mover].person < 0 || e.other_static < 0 || far(e, best)) continue;
+      if (best >= 0 && behind_planes(e, place(p, e.mover), best)) continue;
+      measure(e.mover, statics[e.other_static]);
+    }
+  } else {
+    for (int i = 0; i < (int)movers.size(); i++)
+      if (movers[i].person >= 0)
+        for (const Static& S : statics)
+          if (!pairing(movers[i].name, S.name).ignore) measure(i, S);
   }
+  (void)m;
   return best < range ? best : std::numeric_limits<double>::infinity();
+}
+
+// Caches are saved too: what is found first among equals depends on them, to rounding.
+void World::save_near(std::vector<double>& out) const {
+  out.push_back(has_list_ ? 1 : 0);
+  for (const auto* v : {&odometer_, &listed_, &range_}) out.insert(out.end(), v->begin(), v->end());
+  out.push_back((double)near_.size());
+  for (const Near& e : near_) {
+    out.insert(out.end(), {(double)e.mover, (double)e.other_static, (double)e.other_mover, e.dist,
+                           e.way, e.reach, (double)e.planes.size()});
+    for (const Plane& q : e.planes)
+      out.insert(out.end(), {q.n.x, q.n.y, q.n.z, q.offset, q.dist, (double)q.triangle,
+                             q.overlaps ? 1.0 : 0.0});
+  }
+}
+
+const double* World::load_near(const double* in) {
+  has_list_ = *in++ != 0;
+  for (auto* v : {&odometer_, &listed_, &range_}) {
+    v->assign(in, in + movers.size());
+    in += movers.size();
+  }
+  near_.clear();
+  for (int n = (int)*in++; n > 0; n--) {
+    Near e;
+    e.mover = (int)in[0], e.other_static = (int)in[1], e.other_mover = (int)in[2];
+    e.dist = in[3], e.way = in[4], e.reach = in[5];
+    int planes = (int)in[6];
+    in += 7;
+    for (; planes > 0; planes--, in += 7)
+      e.planes.push_back({load3(in), in[3], in[4], (int)in[5], in[6] != 0});
+    near_.push_back(std::move(e));
+  }
+  return in;
 }
 
 }  // namespace hp

@@ -190,7 +190,6 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
     if (strayed) {  // they got farther after all: again, step by step for everybody
       restore(before);
       drives_ = drives;
-      world.forget();
       if (poses) poses->resize(first_row);
       diagnostics_ = {};
       touches_.clear();
@@ -634,7 +633,6 @@ std::vector<double> Stepper::save() {
 
 void Stepper::load(const std::vector<double>& state) {
   restore(state);
-  world.forget();
   touches_.clear();
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import coal
 import numpy as np
 import pytest
-from scipy.spatial import ConvexHull
+from coal_scene import coal_hull, coal_shape
 
 from halfphysics import _native
 from halfphysics import rotations as rot
@@ -13,24 +13,11 @@ from halfphysics.colliders import convex_collider, hull_collider
 from halfphysics.shapes import Box, Capsule, Cylinder, Sphere
 
 MICROMETRE = 1e-6
-
-
-def coal_hull(points):
-    hull = ConvexHull(points)
-    vertices = points[hull.vertices]
-    index = {int(v): i for i, v in enumerate(hull.vertices)}
-    centre = vertices.mean(axis=0)
-    triangles = coal.StdVec_Triangle()
-    for simplex in hull.simplices:
-        a, b, c = (index[int(v)] for v in simplex)
-        outward = np.cross(vertices[b] - vertices[a], vertices[c] - vertices[a])
-        if outward @ (vertices[a] - centre) < 0:
-            b, c = c, b
-        triangles.append(coal.Triangle(a, b, c))
-    corners = coal.StdVec_Vec3s()
-    for v in vertices:
-        corners.append(v)
-    return coal.Convex(corners, triangles)
+#: Where it stops, GJK's bounds of a distance between two round shapes are this far apart [m].
+BOUNDS = 1e-8
+#: The nearest points are apart along the normal; where they are along sides that are as near,
+#: thin triangles of GJK say less exactly [m].
+WITNESS = 5e-5
 
 
 def random_turn(rng):
@@ -38,7 +25,14 @@ def random_turn(rng):
 
 
 def distance(a, b):
-    return _native.convex_distance(a.vertices, a.normals, a.radius, b.vertices, b.normals, b.radius)
+    sides = ((c.vertices, c.normals, c.radius, c.rim) for c in (a, b))
+    return _native.convex_distance(*(x for side in sides for x in side))
+
+
+def lowest(collider, normal):
+    """Smallest n.x of a collider, from its definition: hull, disc, rounding."""
+    disc = np.linalg.norm(np.cross(collider.rim, normal))
+    return (collider.vertices @ normal).min() - disc - collider.radius
 
 
 def test_distance_of_hulls_agrees_with_coal():
@@ -75,34 +69,84 @@ def test_distance_of_hulls_agrees_with_coal():
     assert checked > 150
 
 
-@pytest.mark.parametrize(
-    ("shape", "peer"),
-    [
-        (Box((0.2, 0.3, 0.4)), coal.Box(0.2, 0.3, 0.4)),
-        (Sphere(0.2), coal.Sphere(0.2)),
-        (Capsule(0.1, 0.4), coal.Capsule(0.1, 0.4)),
-        (Cylinder(0.1, 0.4), coal.Cylinder(0.1, 0.4)),
-    ],
-)
-def test_primitives_agree_with_coal(shape, peer):
-    rng = np.random.default_rng(2)
-    # A cylinder is the prism around it: up to r (1/cos(pi/64) - 1) = 0.12 mm nearer.
-    slack = 1.3e-4 if isinstance(shape, Cylinder) else MICROMETRE
-    box = Box((0.5, 0.1, 0.2))
-    for _ in range(100):
-        turn = random_turn(rng)
+def some_shape(kind, rng):
+    """A collider of random size and the same as a coal geometry."""
+    if kind == "hull":
+        points = 0.15 * rng.normal(size=(rng.integers(4, 30), 3))
+        return hull_collider(points), coal_hull(points)
+    a, b = rng.uniform(0.02, 0.3, size=2)
+    shape = {
+        "box": Box((a, b, rng.uniform(0.02, 0.5))),
+        "sphere": Sphere(a),
+        "capsule": Capsule(a, b),
+        "cylinder": Cylinder(a, b),
+    }[kind]
+    return convex_collider(shape), coal_shape(shape, solid=True)
+
+
+@pytest.mark.parametrize("kind", ["box", "sphere", "capsule", "cylinder", "hull"])
+def test_primitives_are_exact(kind):
+    """1,000 placements a kind against all kinds: bounded from both sides, and as coal has it."""
+    rng = np.random.default_rng([2, len(kind)])
+    request = coal.DistanceRequest()
+    request.gjk_tolerance, request.gjk_max_iterations = 1e-10, 1000
+    apart = 0
+    for n in range(1000):
+        other = ("box", "sphere", "capsule", "cylinder", "hull")[n % 5]
+        (a, first), (b, second) = some_shape(kind, rng), some_shape(other, rng)
+        turns = random_turn(rng), random_turn(rng)
         shift = rng.normal(size=3)
-        shift *= rng.uniform(0.5, 1.5) / np.linalg.norm(shift)
-        expected = coal.distance(
-            peer,
-            coal.Transform3s(turn, shift),
-            coal.Box(*box.size),
-            coal.Transform3s.Identity(),
-            coal.DistanceRequest(),
-            coal.DistanceResult(),
-        )
-        dist, *_ = distance(convex_collider(shape).moved(turn, shift), convex_collider(box))
-        assert expected - slack <= dist <= expected + MICROMETRE
+        shift *= rng.uniform(0.2, 1.0) / np.linalg.norm(shift)
+        here = coal.Transform3s(turns[0], np.zeros(3))
+        there = coal.Transform3s(turns[1], shift)
+        expected = coal.distance(first, here, second, there, request, coal.DistanceResult())
+        a, b = a.moved(turns[0], np.zeros(3)), b.moved(turns[1], shift)
+        dist, normal, pa, pb = distance(a, b)
+        if expected <= MICROMETRE:
+            assert dist <= 2 * MICROMETRE
+            continue
+        apart += 1
+        assert dist == pytest.approx(expected, abs=MICROMETRE)
+        # No less: a plane separates them by as much. No more: these two points are theirs.
+        assert lowest(a, normal) + lowest(b, -normal) >= dist - BOUNDS
+        assert normal @ (pa - pb) == pytest.approx(dist, abs=1e-7)  # may name a face's own normal
+        for collider, point in ((a, pa), (b, pb)):
+            at = hull_collider(point[None])
+            assert distance(collider, at)[0] <= WITNESS
+    assert apart > 600
+
+
+def test_cylinders_side_by_side_and_end_to_end():
+    """Parallel axes: whole lines and faces are equally near."""
+    a, b = convex_collider(Cylinder(0.1, 0.4)), convex_collider(Cylinder(0.05, 0.3))
+    for gap in (1.0, 1e-2, 1e-4, 1e-6):
+        for turn in (np.eye(3), random_turn(np.random.default_rng(4))):
+            for shift in ([0.15 + gap, 0.0, 0.1], [0.02, 0.01, 0.35 + gap]):
+                dist, normal, *_ = distance(
+                    a.moved(turn, np.zeros(3)), b.moved(turn, turn @ np.array(shift))
+                )
+                assert dist == pytest.approx(gap, abs=1e-12)
+                side = [1.0, 0.0, 0.0] if shift[0] > 0.1 else [0.0, 0.0, 1.0]
+                np.testing.assert_allclose(normal, -turn @ np.array(side), atol=1e-6)
+
+
+@pytest.mark.parametrize("deep", [1e-7, 1e-4, 0.02])
+def test_the_way_out_of_an_overlap_leads_out(deep):
+    """Cylinders on their sides, crossed and parallel, and on an end, in a box and each other."""
+    cylinder, box = convex_collider(Cylinder(0.1, 0.4)), convex_collider(Box((0.3, 0.3, 0.3)))
+    on_side = rot.to_matrix(rot.exp([0.0, np.pi / 2, 0.0]))
+    across = rot.to_matrix(rot.exp([np.pi / 2, 0.0, 0.0]))
+    for turn, other, height in (
+        (np.eye(3), box, 0.35),
+        (on_side, box, 0.25),
+        (on_side, cylinder.moved(on_side, np.zeros(3)), 0.2),
+        (on_side, cylinder.moved(across, np.zeros(3)), 0.2),
+    ):
+        up = np.array([0.0, 0.0, height - deep])
+        moved = cylinder.moved(turn, up)
+        dist, normal, *_ = distance(moved, other)
+        assert dist == pytest.approx(-deep, abs=1e-9)
+        np.testing.assert_allclose(normal, [0.0, 0.0, 1.0], atol=1e-9)
 
 
 def soup(rng, triangles):
@@ -114,30 +158,31 @@ def soup(rng, triangles):
     return vertices, np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
 
 
-def test_planes_separate_from_every_triangle_in_reach():
+@pytest.mark.parametrize("kind", ["hull", "cylinder"])
+def test_planes_separate_from_every_triangle_in_reach(kind):
     """Planes are the whole truth: beyond all of them nothing within reach is met."""
     rng = np.random.default_rng(3)
     vertices, faces = soup(rng, 300)
     corners = vertices[faces]
     seen = 0
     for _ in range(100):
-        points = rng.normal(size=(20, 3)) * 0.08 + rng.uniform(-1.2, 1.2, size=3)
-        hull = hull_collider(points)
+        if kind == "hull":
+            shape = hull_collider(rng.normal(size=(20, 3)) * 0.08)
+        else:
+            shape = convex_collider(Cylinder(*rng.uniform(0.02, 0.2, size=2)))
+        hull = shape.moved(random_turn(rng), rng.uniform(-1.2, 1.2, size=3))
         reach = 0.3
-        planes, nearest = _native.triangle_planes(vertices, faces, hull.vertices, 0.0, reach)
-        exact = np.array(
-            [
-                distance(hull, hull_collider(t))[0] if np.ptp(t, axis=0).max() > 0 else np.inf
-                for t in corners
-            ]
+        planes, nearest = _native.triangle_planes(
+            vertices, faces, hull.vertices, hull.radius, hull.rim, reach
         )
+        exact = np.array([distance(hull, hull_collider(t))[0] for t in corners])
         if exact.min() <= 1e-6:
             assert nearest <= 1e-6
             continue
         seen += len(planes) > 0
         assert nearest == pytest.approx(min(exact.min(), reach), abs=MICROMETRE)
         for normal, offset, dist in ((p[:3], p[3], p[4]) for p in planes):
-            assert (hull.vertices @ normal).min() - offset == pytest.approx(dist, abs=1e-9)
+            assert lowest(hull, normal) - offset == pytest.approx(dist, abs=BOUNDS)
         for triangle, dist in zip(corners, exact, strict=True):
             if dist < reach - 1e-6:
                 heights = triangle @ planes[:, :3].T - planes[:, 3]
@@ -158,7 +203,9 @@ def test_a_finely_divided_floor_gives_one_plane():
         ]
     ).astype(np.int32)
     foot = hull_collider(Box((0.1, 0.25, 0.06)).convex_vertices() + np.array([0.013, 0.027, 0.035]))
-    planes, nearest = _native.triangle_planes(vertices, faces, foot.vertices, 0.0, 0.05)
+    planes, nearest = _native.triangle_planes(
+        vertices, faces, foot.vertices, foot.radius, foot.rim, 0.05
+    )
     assert len(planes) == 1
     np.testing.assert_allclose(planes[0, :3], [0, 0, 1], atol=1e-12)
     assert nearest == pytest.approx(0.005, abs=1e-12)

@@ -1,11 +1,10 @@
-"""Objects alone: closed forms of free flight, rest, sliding, bouncing, colliding, spinning."""
+"""Objects alone: rest, thin walls, repeatable runs; closed forms are in test_closed_forms.py."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from halfphysics import rotations as rot
 from halfphysics.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.shapes import Box, Cylinder, Plane, Sphere
@@ -28,17 +27,6 @@ def run(scene, seconds, fps=30.0, settings=None):
     }, frames
 
 
-def test_free_fall_is_exact_up_to_the_integrator():
-    scene = Scene()
-    scene.add_object("ball", Sphere(0.1), mass=1.0, position=(0, 0, 10), velocity=(1, 2, 3))
-    tracks, _ = run(scene, 1.0)
-    t, h = np.arange(31) / 30.0, 1.0 / 240.0
-    x = tracks["ball"][0]
-    # Symplectic Euler falls g t (t + h) / 2: first order, and exactly that.
-    np.testing.assert_allclose(x[:, 2], 10 + 3 * t - 0.5 * G * t * (t + h), atol=1e-12)
-    np.testing.assert_allclose(x[:, :2], np.outer(t, [1, 2]), atol=1e-12)
-
-
 @pytest.mark.parametrize("shape", [Sphere(0.11), Box((0.2, 0.3, 0.22)), Cylinder(0.1, 0.22)])
 def test_what_rests_on_the_floor_does_not_move(shape):
     scene = Scene()
@@ -53,7 +41,7 @@ def test_what_rests_on_the_floor_does_not_move(shape):
     assert np.abs(quaternion - quaternion[0]).max() < still
     # The floor carries the weight: impulse over a frame = m g dt.
     total = frames[-1].contacts.impulse.sum(axis=0)
-    np.testing.assert_allclose(total, [0, 0, 0.43 * G / 30], atol=1e-6)
+    np.testing.assert_allclose(total, [0, 0, 0.43 * G / 30], atol=1e-5)  # m tolerance / h: 1e-4
 
 
 @pytest.mark.parametrize("on", ["plane", "box", "mesh"])
@@ -71,107 +59,6 @@ def test_rest_on_every_kind_of_static(on):
     tracks, _ = run(scene, 3.0)
     position, _ = tracks["box"]
     assert np.abs(position - position[0]).max() < 1e-6  # the solver's tolerance
-
-
-@pytest.mark.parametrize(("angle", "slides"), [(0.99, False), (1.01, True)])
-def test_the_friction_angle(angle, slides):
-    """A block on an incline at 0.99 and 1.01 of the friction angle."""
-    mu = 0.5
-    tilt = np.arctan(mu) * angle
-    turn = rot.exp([0.0, tilt, 0.0])
-    scene = Scene()
-    scene.add_static("slope", Plane(), quaternion=turn, friction=1.0)
-    scene.add_object(
-        "block",
-        Box((0.2, 0.2, 0.1)),
-        mass=1.0,
-        friction=mu,
-        position=rot.rotate(turn, [0, 0, 0.05]),
-        quaternion=turn,
-    )
-    tracks, _ = run(scene, 2.0)
-    way = np.linalg.norm(tracks["block"][0][-1] - tracks["block"][0][0])
-    expected = 0.5 * G * (np.sin(tilt) - mu * np.cos(tilt)) * 4.0
-    if slides:
-        assert way == pytest.approx(expected, rel=0.02)
-    else:
-        assert way < 5e-4  # the solver may leave 1 micrometre a substep, 480 of them
-
-
-def test_sliding_distance_on_the_floor():
-    scene = Scene()
-    scene.add_static("floor", Plane())
-    scene.add_object(
-        "block",
-        Box((0.3, 0.3, 0.1)),
-        mass=2.0,
-        friction=0.4,
-        position=(0, 0, 0.05),
-        velocity=(2, 0, 0),
-    )
-    tracks, _ = run(scene, 2.0)
-    assert tracks["block"][0][-1, 0] == pytest.approx(2.0**2 / (2 * 0.4 * G), rel=0.02)
-
-
-def test_a_sliding_ball_ends_rolling():
-    """v = 5/7 of its start once it rolls without slip."""
-    scene = Scene()
-    scene.add_static("floor", Plane())
-    scene.add_object(
-        "ball", Sphere(0.1), mass=1.0, friction=0.5, position=(0, 0, 0.1), velocity=(3, 0, 0)
-    )
-    tracks, _ = run(scene, 2.0)
-    x = tracks["ball"][0][:, 0]
-    assert (x[-1] - x[-2]) * 30 == pytest.approx(3.0 * 5 / 7, rel=0.02)
-
-
-def test_bounce_height():
-    scene = Scene()
-    scene.add_static("floor", Plane())
-    scene.add_object("ball", Sphere(0.1), mass=1.0, restitution=0.5, position=(0, 0, 1.1))
-    tracks, _ = run(scene, 0.85, fps=240.0)
-    z = tracks["ball"][0][:, 2] - 0.1
-    landed = int(np.argmax(np.diff(z) > 0.0)) + 1
-    # Height falls by e^2; the bounce starts up to one substep's way (18 mm) above the floor.
-    assert z[landed:].max() == pytest.approx(0.25, abs=0.02)
-
-
-def test_two_balls_exchange_momentum():
-    scene = Scene(gravity=0.0)
-    scene.add_object("a", Sphere(0.1), mass=1.0, position=(0, 0, 0), velocity=(2, 0, 0))
-    scene.add_object("b", Sphere(0.1), mass=3.0, position=(0.5, 0, 0))
-    tracks, _ = run(scene, 1.0)
-    speed = {n: (x[-1] - x[-2]) * 30 for n, (x, _) in tracks.items()}
-    momentum = speed["a"] + 3.0 * speed["b"]
-    np.testing.assert_allclose(momentum, [2, 0, 0], atol=1e-9)
-    # e = 0: they go on together.
-    np.testing.assert_allclose(speed["a"], speed["b"], atol=1e-3)
-
-
-def test_a_spinning_asymmetric_body_keeps_energy_and_angular_momentum():
-    """30 rad/s near the unstable axis for 10 s, no force on it."""
-    scene = Scene(gravity=0.0)
-    scene.add_object(
-        "t", Box((0.1, 0.2, 0.4)), mass=1.0, position=(0, 0, 0), angular_velocity=(0.5, 30.0, 0.3)
-    )
-    simulator = Simulator(scene, body=[], fps=30)
-    simulator.reset([])
-    inertia = np.array(scene.objects["t"].inertia)
-
-    def energy_and_momentum():
-        turn = rot.to_matrix(simulator.world.stepper.qpos()[3:7])
-        w = simulator.world.stepper.qvel()[3:6]
-        return 0.5 * w @ inertia @ w, turn @ inertia @ w
-
-    e0, l0 = energy_and_momentum()
-    tumbled = 0.0
-    for _ in range(300):
-        simulator.step([])
-        e, l = energy_and_momentum()
-        assert e == pytest.approx(e0, rel=0.01)
-        assert np.linalg.norm(l - l0) <= 0.01 * np.linalg.norm(l0)
-        tumbled = max(tumbled, abs(simulator.world.stepper.qvel()[3]))
-    assert tumbled > 3.0  # it did leave the axis: the case is not the easy one
 
 
 def test_a_fast_ball_does_not_pass_a_thin_wall():
@@ -265,15 +152,15 @@ def test_an_elastic_thing_gains_no_energy():
         simulator = Simulator(scene, body=[], fps=60)
         simulator.reset([])
         stepper, inertia = simulator.world.stepper, np.array(scene.objects["thing"].inertia)
-        energy = []
+        h, energy = 1.0 / 240.0, []
         for _ in range(60):
             v = stepper.qvel()
-            energy.append(
-                0.5 * v[:3] @ v[:3] + 0.5 * v[3:] @ inertia @ v[3:] + G * stepper.qpos()[2]
-            )
+            # The invariant of symplectic Euler's free fall: half a substep's gravity off.
+            fall = G * stepper.qpos()[2] - 0.5 * G * h * v[2]
+            energy.append(0.5 * v[:3] @ v[:3] + 0.5 * v[3:] @ inertia @ v[3:] + fall)
             simulator.step([])
-        # Free flight alone drifts by g h v / 2 of the integrator; 2 g h v came with every bounce.
-        assert max(energy) <= energy[0] * 1.01
+        assert max(energy) <= energy[0] * (1 + 1e-6)
+        assert min(energy) >= energy[0] * (1 - 1e-3)
 
 
 def test_a_person_inside_a_box_does_not_stop_the_clock():

@@ -1,8 +1,8 @@
-"""Collision geometry: what a shape is for contact, as a hull of points with a rounding radius."""
+"""Collision geometry: what a shape is for contact, as a hull of points, swept and rounded."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -17,21 +17,20 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Sides of the prism that stands for a cylinder: it encloses the cylinder by 0.12 % of its radius.
-CYLINDER_SIDES = 64
-
 
 @dataclass(frozen=True, kw_only=True)
 class ConvexCollider:
     """Hull of `vertices` (n, 3) grown by `radius` [m]; outward unit face `normals` (m, 3).
 
-    A sphere is one vertex, a capsule two, a box eight. The normals serve only to find the way
-    out of an overlap.
+    A sphere is one vertex, a capsule two, a box eight. Before it is grown the hull is swept by a
+    disc across `rim` (3,), of that length [m]: a cylinder is two vertices and a disc. The normals
+    serve only to find the way out of an overlap.
     """
 
     vertices: Array
     normals: Array
     radius: float = 0.0
+    rim: Array = field(default_factory=lambda: np.zeros(3))
 
     def moved(self, rotation: Array, position: Array) -> ConvexCollider:
         """The same collider under a rotation (3, 3) and a shift (3,)."""
@@ -39,6 +38,7 @@ class ConvexCollider:
             vertices=np.ascontiguousarray(self.vertices @ rotation.T + position),
             normals=np.ascontiguousarray(self.normals @ rotation.T),
             radius=self.radius,
+            rim=rotation @ self.rim,
         )
 
 
@@ -90,18 +90,9 @@ def convex_collider(shape: Shape) -> ConvexCollider:
         ends = np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]) * shape.length
         return ConvexCollider(vertices=ends, normals=np.zeros((0, 3)), radius=shape.radius)
     if isinstance(shape, Cylinder):
-        angle = 2.0 * np.pi * np.arange(CYLINDER_SIDES) / CYLINDER_SIDES
-        ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(CYLINDER_SIDES)], axis=1)
-        rim = ring * (shape.radius / np.cos(np.pi / CYLINDER_SIDES))
-        top = np.array([0.0, 0.0, 0.5 * shape.length])
-        half = np.pi / CYLINDER_SIDES
-        sides = np.stack(
-            [np.cos(angle + half), np.sin(angle + half), np.zeros(CYLINDER_SIDES)], axis=1
-        )
-        return ConvexCollider(
-            vertices=np.concatenate([rim + top, rim - top]),
-            normals=np.concatenate([sides, axes[[2, 5]]]),
-        )
+        ends = np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]) * shape.length
+        rim = np.array([0.0, 0.0, shape.radius])
+        return ConvexCollider(vertices=ends, normals=axes[[2, 5]], rim=rim)
     if isinstance(shape, Mesh):
         return hull_collider(shape.convex_vertices())
     raise InputError(

@@ -185,6 +185,7 @@ class World:
                     collider.vertices,
                     collider.normals,
                     collider.radius,
+                    collider.rim,
                 )
                 names.append(name_of[person.name])
                 parts.append(part.index)
@@ -198,6 +199,7 @@ class World:
                 collider.vertices,
                 collider.normals,
                 collider.radius,
+                collider.rim,
             )
             names.append(name_of[thing.name])
             parts.append(-1)
@@ -220,7 +222,9 @@ class World:
                 self.stepper.add_mesh(index, _mesh_tree(static, rotation, position))
             else:
                 collider = convex_collider(shape).moved(rotation, position)
-                self.stepper.add_hull(index, collider.vertices, collider.normals, collider.radius)
+                self.stepper.add_hull(
+                    index, collider.vertices, collider.normals, collider.radius, collider.rim
+                )
         self.static_name = np.array(static_name, dtype=np.int64)
 
     def _set_pairings(self) -> None:

@@ -51,6 +51,22 @@ void need(bool ok, const char* what) {
   if (!ok) throw std::invalid_argument(what);
 }
 
+// `rim` is the axis of the disc times its radius; zero: none.
+Convex convex(const Rows3& vertices, double radius, const Doubles& rim,
+              std::vector<Vec3> normals = {}) {
+  need(vertices.shape(0) > 0, "a shape needs at least one vertex");
+  need(rim.shape(0) == 3, "rim: expected (3,)");
+  Convex c;
+  c.vertices = vectors(vertices);
+  c.normals = std::move(normals);
+  c.radius = radius;
+  Vec3 r = load3(rim.data());
+  c.rim = norm(r);
+  if (c.rim > 0) c.axis = (1 / c.rim) * r;
+  c.finish();
+  return c;
+}
+
 // The tree of a static mesh in the world frame, shared by whoever asks for the same triangles.
 struct MeshTree {
   std::shared_ptr<const TriangleTree> tree;
@@ -146,13 +162,10 @@ void bind_physics(nb::module_& m) {
       .def("set_model", &set_model)
       .def("add_mover",
            [](Stepper& s, int body, int name, int person, int part, Rows3 vertices, Rows3 normals,
-              double radius) {
-             need(vertices.shape(0) > 0, "a shape needs at least one vertex");
+              double radius, Doubles rim) {
              Mover v;
              v.body = body, v.name = name, v.person = person, v.part = part;
-             v.shape.vertices = vectors(vertices);
-             v.shape.normals = vectors(normals);
-             v.shape.radius = radius;
+             v.shape = convex(vertices, radius, rim, vectors(normals));
              s.world.movers.push_back(std::move(v));
            })
       .def("add_half_space",
@@ -162,15 +175,11 @@ void bind_physics(nb::module_& m) {
              s.world.statics.push_back(std::move(v));
            })
       .def("add_hull",
-           [](Stepper& s, int name, Rows3 vertices, Rows3 normals, double radius) {
-             need(vertices.shape(0) > 0, "a shape needs at least one vertex");
+           [](Stepper& s, int name, Rows3 vertices, Rows3 normals, double radius, Doubles rim) {
              Static v;
              v.kind = Static::Kind::Hull;
              v.name = name;
-             v.shape.vertices = vectors(vertices);
-             v.shape.normals = vectors(normals);
-             v.shape.radius = radius;
-             v.shape.finish();
+             v.shape = convex(vertices, radius, rim, vectors(normals));
              s.world.statics.push_back(std::move(v));
            })
       .def("add_mesh",
@@ -329,14 +338,10 @@ void bind_physics(nb::module_& m) {
         return array(q);
       });
 
-  // Distance of two convex vertex sets; normals (may be empty) decide the way out of an overlap.
-  m.def("convex_distance", [](Rows3 a, Rows3 normals_a, double ra, Rows3 b, Rows3 normals_b,
-                              double rb) {
-    Convex A, B;
-    A.vertices = vectors(a), A.normals = vectors(normals_a), A.radius = ra;
-    B.vertices = vectors(b), B.normals = vectors(normals_b), B.radius = rb;
-    A.finish();
-    B.finish();
+  // Distance of two convex shapes; normals (may be empty) decide the way out of an overlap.
+  m.def("convex_distance", [](Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b,
+                              Rows3 normals_b, double rb, Doubles rim_b) {
+    Convex A = convex(a, ra, rim_a, vectors(normals_a)), B = convex(b, rb, rim_b, vectors(normals_b));
     Placed pa, pb;
     pa.place(A, {}, {});
     pb.place(B, {}, {});
@@ -347,13 +352,11 @@ void bind_physics(nb::module_& m) {
     push(y, s.pb);
     return nb::make_tuple(s.dist, array(n), array(x), array(y));
   });
-  // Planes (normal, offset, distance, triangle) between a convex vertex set and triangles.
-  m.def("triangle_planes", [](Rows3 vertices, Faces faces, Rows3 hull, double radius,
+  // Planes (normal, offset, distance, triangle) between a convex shape and triangles.
+  m.def("triangle_planes", [](Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
                               double reach) {
     TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
-    Convex A;
-    A.vertices = vectors(hull), A.radius = radius;
-    A.finish();
+    Convex A = convex(hull, radius, rim);
     Placed p;
     p.place(A, {}, {});
     std::vector<Plane> planes;

@@ -240,9 +240,9 @@ namespace {
 Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach) {
   double x[3] = {v[0].x, v[1].x, v[2].x}, y[3] = {v[0].y, v[1].y, v[2].y},
          z[3] = {v[0].z, v[1].z, v[2].z};
-  Points tri{x, y, z, 3};
+  Support tri{{x, y, z, 3}};
   Vec3 pa, pb, middle = (1 / 3.0) * (v[0] + v[1] + v[2]);
-  double r = a.shape->radius, d = gjk(a.points(), tri, a.center - middle, pa, pb, reach + r);
+  double r = a.shape->radius, d = gjk(a.support(), tri, a.center - middle, pa, pb, reach + r);
   if (d > reach + r) return {{}, 0, d - r, t, false};
   if (d > 1e-9) {
     Vec3 n = (1 / d) * (pa - pb);

@@ -11,6 +11,10 @@ constexpr double kTouch = 1e-5;     // overlaps up to this at the start are cont
 constexpr int kTurningPasses = 3;
 constexpr int kMostPoints = 16;  // of contact for one plane or pair
 constexpr double kSamePoint2 = 2e-3 * 2e-3;  // points this near are one contact [m^2]
+constexpr double kSpread2 = 5e-3 * 5e-3;     // of the first points, where there is a choice [m^2]
+// Directions of the deepest point of a disc: up to the first [rad] it is one contact, which is
+// turned; up to the second what it turns by costs nothing.
+constexpr double kSameRim = 0.5, kSettledRim = 1e-4;
 constexpr double kHardGap = 1e-4;   // a step that would end nearer than half of this (or of the
                                     // distance it starts from) is shortened [m]
 
@@ -22,6 +26,15 @@ Vec3 carried_back(const Poses& start, const Poses& end, int body, Vec3 x) {
 
 Vec3 carried(const Poses& start, const Poses& end, int body, Vec3 x) {
   return body == 0 ? x : carried_back(end, start, body, x);
+}
+
+// Corners of the polygon around a disc, from its centre: the same material points at every pose.
+constexpr int kRimSides = 32;
+Vec3 rim_corner(const Placed& s, int k) {
+  Vec3 t, b;
+  tangents(s.shape->axis, t, b);
+  double angle = 2 * M_PI * k / kRimSides, r = s.shape->rim / std::cos(M_PI / kRimSides);
+  return s.R * (r * (std::cos(angle) * t + std::sin(angle) * b));
 }
 
 }  // namespace
@@ -147,7 +160,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
       auto known = pairs_.find(key(c));
       if (known != pairs_.end() && known->second.through) {
         Vec3 pa, pb;
-        if (gjk(A.points(), B.points(), center - sphere(j), pa, pb) <= 0) continue;
+        if (gjk(A.support(), B.support(), center - sphere(j), pa, pb) <= 0) continue;
         pairs_.erase(known);
       }
       Separation s = separate(A, B, both);
@@ -185,8 +198,9 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
                         Poses& end) const {
   if (c.dist < settings.clearance) return false;
   Mat3 turn = a1.R * transposed(a0.R);
+  const bool disc = a0.shape->rim > 0;
   Points p0 = a0.points(), p1 = a1.points();
-  int n = p0.n;
+  int n = p0.n * (disc ? kRimSides : 1);
   std::vector<double> xyz(6 * (size_t)n);
   double *x = xyz.data(), *y = x + 2 * n, *z = y + 2 * n;
   Mat3 back;
@@ -198,12 +212,17 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
     shift = start.kin.xpos[b] - back * end.kin.xpos[b];
     turn = back * turn;
   }
+  // A disc is the polygon around it here.
+  auto corner = [&](const Placed& s, Points p, int i) {
+    return disc ? p.at(i / kRimSides) + rim_corner(s, i % kRimSides) : p.at(i);
+  };
   for (int i = 0; i < n; i++) {
-    Vec3 q = p1.at(i);
+    Vec3 p = corner(a0, p0, i), q = corner(a1, p1, i);
     if (c.other_mover >= 0) q = back * q + shift;
-    x[i] = p0.x[i], y[i] = p0.y[i], z[i] = p0.z[i];
+    x[i] = p.x, y[i] = p.y, z[i] = p.z;
     x[n + i] = q.x, y[n + i] = q.y, z[n + i] = q.z;
   }
+  const Support swept{{x, y, z, 2 * n}};
   double cosine = 0.5 * (turn.m[0] + turn.m[4] + turn.m[8] - 1);
   double angle = std::acos(std::min(1.0, std::max(-1.0, cosine)));
   double margin = a0.shape->bound * angle * angle / 8 + a0.shape->radius + settings.clearance;
@@ -213,12 +232,12 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
     statics[c.other_static].tree->triangle(c.triangle, v);
     double tx[3] = {v[0].x, v[1].x, v[2].x}, ty[3] = {v[0].y, v[1].y, v[2].y},
            tz[3] = {v[0].z, v[1].z, v[2].z};
-    return gjk({x, y, z, 2 * n}, {tx, ty, tz, 3}, c.n, pa, pb, margin) > margin;
+    return gjk(swept, Support{{tx, ty, tz, 3}}, c.n, pa, pb, margin) > margin;
   }
   const Placed& b =
       c.other_static >= 0 ? statics[c.other_static].placed : place(start, c.other_mover);
   margin += b.shape->radius;
-  return gjk({x, y, z, 2 * n}, b.points(), c.n, pa, pb, margin) > margin;
+  return gjk(swept, b.support(), c.n, pa, pb, margin) > margin;
 }
 
 double World::excess(Poses& start, Poses& end, Candidate& c) const {
@@ -272,6 +291,17 @@ void World::search_behind(Poses& start, const std::vector<double>& reach, double
 }
 
 double World::gap_at(const Poses& start, const Poses& end, const Contact& c) const {
+  if (norm2(c.rim) > 0) {
+    // On a disc against something that stands: the point of its rim that lies in that direction,
+    // whatever material that is, so that what rolls or tips is measured where it touches.
+    const Convex& shape = movers[c.key >> 32].shape;
+    const int b = c.a.body[0];
+    auto on_rim = [&](const Poses& p) {
+      return Support{{}, p.kin.xmat[b] * shape.axis, shape.rim}.on_rim(c.rim);
+    };
+    Vec3 from = on_rim(start), center = c.a.point[0] - from;
+    return c.dist + dot(c.n, carried(start, end, b, center) + on_rim(end) - center - from);
+  }
   auto moved = [&](const Endpoint& e, double arm) {
     Vec3 way;
     for (int i = 0; i < e.count; i++) {
@@ -281,6 +311,63 @@ double World::gap_at(const Poses& start, const Poses& end, const Contact& c) con
     return way;
   };
   return c.dist + dot(c.n, moved(c.a, c.arm_a) - moved(c.b, -c.arm_b));
+}
+
+// Points on the rims of a mover's discs that would end too near what stands: the deepest, and four
+// evenly turned ones, so that it stands on its face. They are points of the rim in a direction of
+// the world, not of material: see gap_at.
+template <typename Make>
+void World::add_rim_contacts(const Placed& a0, const Placed& a1, const Candidate& c, int index,
+                             Make make, std::vector<Contact>& contacts) const {
+  struct Point {
+    double gap;
+    int feature;
+    Vec3 toward;
+    bool operator<(const Point& o) const { return gap < o.gap || (gap == o.gap && feature < o.feature); }
+  };
+  const Support s0 = a0.support(), s1 = a1.support();
+  const double r = a0.shape->radius;
+  Vec3 t, s;
+  tangents(c.n, t, s);
+  std::vector<Point> worst;
+  for (int v = 0; v < s1.points.n; v++) {
+    const Vec3 toward[5] = {s1.on_rim(-c.n), t, s, -t, -s};
+    for (int k = 0; k < 5; k++) {
+      // The four are for a disc that lies flat; on its edge some would be nowhere in particular.
+      if (k > 0 && std::fabs(dot(toward[k], s1.axis)) > 0.5) continue;
+      Vec3 out = s1.on_rim(toward[k]);
+      double gap = dot(c.n, s1.points.at(v) + out) - r - c.offset;
+      if (gap < c.target && norm2(out) > 0) worst.push_back({gap, 5 * v + k, toward[k]});
+    }
+  }
+  std::sort(worst.begin(), worst.end());
+  int already = 0, added = 0;
+  for (const Contact& k : contacts) already += k.pair == index;
+  std::vector<Vec3> chosen;
+  for (const Point& w : worst) {
+    if (added == 4 || already + added == kMostPoints) break;
+    Vec3 toward = (1 / norm(w.toward)) * w.toward;
+    Vec3 x = s0.points.at(w.feature / 5) + s0.on_rim(toward) - r * c.n;
+    int same = -1;
+    for (size_t k = 0; k < contacts.size(); k++)
+      if (contacts[k].pair == index && contacts[k].feature == w.feature &&
+          norm(contacts[k].rim - toward) < kSameRim)
+        same = (int)k;
+    if (same >= 0 && norm(contacts[same].rim - toward) < kSettledRim) continue;
+    bool near = false;
+    for (Vec3 o : chosen) near |= norm2(o - x) < kSpread2;
+    if (near && already == 0) continue;
+    chosen.push_back(x);
+    make(c.n, dot(c.n, x) - c.offset, x, x, w.feature);
+    contacts.back().rim = toward;
+    if (same >= 0) {
+      contacts.back().impulse = contacts[same].impulse;
+      contacts[same] = contacts.back();
+      contacts.pop_back();
+    } else {
+      added++;
+    }
+  }
 }
 
 void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate& c, int index,
@@ -300,10 +387,11 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     k.target = c.target;
     k.position = 0.5 * (xa + xb);
     k.a = Endpoint::rigid(M.body, xa);
-    k.arm_a = M.shape.radius;
+    // Round sides are measured at what they are round about.
+    k.arm_a = a0.reach(n);
     if (c.other_mover >= 0) {
       k.b = Endpoint::rigid(movers[c.other_mover].body, xb);
-      k.arm_b = movers[c.other_mover].shape.radius;
+      k.arm_b = place(start, c.other_mover).reach(n);
     }
     k.friction = pair.friction;
     k.restitution = pair.restitution;
@@ -325,6 +413,10 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   if (c.other_static >= 0) {
     // The vertices that would end deepest; at first spread out, so that few carry a face.
     const Placed& a1 = place(end, c.mover);
+    if (M.shape.rim > 0) {
+      add_rim_contacts(a0, a1, c, index, make, contacts);
+      return;
+    }
     Points p0 = a0.points(), p1 = a1.points();
     double r = M.shape.radius;
     std::vector<std::pair<double, int>> worst;
@@ -341,7 +433,7 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
       bool skip = false;
       for (const Contact& k : contacts) skip |= k.pair == index && k.feature == v;
       if (already == 0)
-        for (Vec3 o : chosen) skip |= norm2(o - x) < 25e-6;
+        for (Vec3 o : chosen) skip |= norm2(o - x) < kSpread2;
       if (skip) continue;
       chosen.push_back(x);
       added++;
@@ -366,18 +458,17 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   // one they start with: whatever is apart along any direction is apart.
   Separation s = separate(a1, b1);
   bool settle = pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < 0.5;
-  Points A = a1.points(), B = b1.points();
   if (settle) {
     s.n = c.n;
-    s.pa = A.at(A.support(-c.n)) - a1.shape->radius * c.n;
-    s.pb = B.at(B.support(c.n)) + b1.shape->radius * c.n;
+    s.pa = a1.support().farthest(-c.n) - a1.shape->radius * c.n;
+    s.pb = b1.support().farthest(c.n) + b1.shape->radius * c.n;
   }
   // The same material points at the start, and how far apart they were along the end's normal:
   // a better line for the contact that stands there, or one more.
   Vec3 xa = carried_back(start, end, M.body, s.pa),
        xb = carried_back(start, end, movers[c.other_mover].body, s.pb);
   double dist = dot(s.n, xa - xb);
-  bool round = A.n == 1 && B.n == 1;
+  bool round = a1.shape->radius > 0 && a1.points().n == 1 && b1.shape->radius > 0 && b1.points().n == 1;
   Contact* same = nullptr;
   for (Contact& k : contacts)
     if (k.pair == index && (round || (norm2(k.a.point[0] - xa) < kSamePoint2 &&

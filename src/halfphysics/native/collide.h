@@ -107,6 +107,9 @@ class World {
     return ((int64_t)c.mover << 32) | (int64_t)(c.other_static >= 0 ? 2 * c.other_static
                                                                     : 2 * c.other_mover + 1);
   }
+  template <typename Make>
+  void add_rim_contacts(const Placed& a0, const Placed& a1, const Candidate& c, int index,
+                        Make make, std::vector<Contact>& contacts) const;
   bool may_touch(const Model& m, int a, int b) const;
   void demand(Candidate& c, double h);
   bool swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,

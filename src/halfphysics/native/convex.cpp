@@ -25,7 +25,10 @@ void Convex::finish() {
   for (Vec3 v : vertices) box.add(v);
   center = 0.5 * (box.lo + box.hi);
   bound = 0;
-  for (Vec3 v : vertices) bound = std::max(bound, norm(v - center));
+  for (Vec3 v : vertices) {
+    double along = dot(axis, v - center), across = norm(v - center - along * axis);
+    bound = std::max(bound, std::hypot(along, across + rim));
+  }
   bound += radius;
 }
 
@@ -43,11 +46,17 @@ void Placed::place(const Convex& c, const Mat3& rot, Vec3 pos) {
     box.add(p);
   }
   box.grow(c.radius);
+  axis = rot * c.axis;
+  if (c.rim == 0) return;
+  Vec3 side;
+  for (int k = 0; k < 3; k++) side[k] = c.rim * std::sqrt(std::max(0.0, 1 - axis[k] * axis[k]));
+  box.lo -= side;
+  box.hi += side;
 }
 
 double Placed::lowest(Vec3 n) const {
   Points p = points();
-  return dot(n, p.at(p.support(-n))) - shape->radius;
+  return dot(n, p.at(p.support(-n))) - reach(n);
 }
 
 namespace {
@@ -115,13 +124,12 @@ Nearest nearest_tetrahedron(const Vec3* w, bool& inside) {
 
 }  // namespace
 
-double gjk(Points a, Points b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond) {
+double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond) {
   Simplex s;
   Vec3 v = norm2(guess) > 1e-24 ? guess : Vec3{1, 0, 0};
   double vv = 1e300;
   for (int it = 0; it < 64; it++) {
-    int i = a.support(-v), j = b.support(v);
-    Vec3 w = a.at(i) - b.at(j);
+    Vec3 p = a.farthest(-v), q = b.farthest(v), w = p - q;
     double vw = dot(v, w);
     if (s.n) {
       if (vv - vw <= 1e-13 * vv) break;  // no support point gets nearer
@@ -130,26 +138,26 @@ double gjk(Points a, Points b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond) {
       for (int k = 0; k < s.n; k++) known |= norm2(w - s.w[k]) < 1e-28;
       if (known) break;
     }
-    s.w[s.n] = w, s.a[s.n] = a.at(i), s.b[s.n] = b.at(j);
+    s.w[s.n] = w, s.a[s.n] = p, s.b[s.n] = q;
     s.n++;
     bool inside = false;
-    Nearest q = s.n == 1   ? Nearest{s.w[0], 1, {0}, {1}}
-                : s.n == 2 ? nearest_segment(s.w, 0, 1)
-                : s.n == 3 ? nearest_triangle(s.w, 0, 1, 2)
-                           : nearest_tetrahedron(s.w, inside);
-    if (inside || norm2(q.p) < 1e-22) return 0;
-    if (norm2(q.p) >= vv) break;  // rounding: no further progress
+    Nearest near = s.n == 1   ? Nearest{s.w[0], 1, {0}, {1}}
+                   : s.n == 2 ? nearest_segment(s.w, 0, 1)
+                   : s.n == 3 ? nearest_triangle(s.w, 0, 1, 2)
+                              : nearest_tetrahedron(s.w, inside);
+    if (inside || norm2(near.p) < 1e-22) return 0;
+    if (norm2(near.p) >= vv) break;  // rounding: no further progress
     Simplex kept;
-    kept.n = q.n;
+    kept.n = near.n;
     pa = pb = {};
-    for (int k = 0; k < q.n; k++) {
-      int id = q.id[k];
+    for (int k = 0; k < near.n; k++) {
+      int id = near.id[k];
       kept.w[k] = s.w[id], kept.a[k] = s.a[id], kept.b[k] = s.b[id];
-      pa += q.l[k] * s.a[id];
-      pb += q.l[k] * s.b[id];
+      pa += near.l[k] * s.a[id];
+      pb += near.l[k] * s.b[id];
     }
     s = kept;
-    v = q.p;
+    v = near.p;
     vv = norm2(v);
   }
   pb = pa - v;  // exactly along v
@@ -157,8 +165,7 @@ double gjk(Points a, Points b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond) {
 }
 
 Separation separate_along(const Placed& a, const Placed& b, Vec3 n) {
-  Points A = a.points();
-  Vec3 pa = A.at(A.support(-n)) - a.shape->radius * n;
+  Vec3 pa = a.support().farthest(-n) - a.shape->radius * n;
   double dist = dot(n, pa) - b.highest(n);
   return {dist, n, pa, pa - dist * n};
 }
@@ -166,7 +173,7 @@ Separation separate_along(const Placed& a, const Placed& b, Vec3 n) {
 Separation separate(const Placed& a, const Placed& b, double beyond) {
   double round = a.shape->radius + b.shape->radius;
   Vec3 pa, pb;
-  double d = gjk(a.points(), b.points(), a.center - b.center, pa, pb, beyond + round);
+  double d = gjk(a.support(), b.support(), a.center - b.center, pa, pb, beyond + round);
   if (d > beyond + round) return {d - round, {}, {}, {}};
   Separation best;
   best.dist = -1e300;
@@ -185,6 +192,11 @@ Separation separate(const Placed& a, const Placed& b, double beyond) {
       if (-dot(a.R * f, n) > like) consider(-(a.R * f));
     for (Vec3 f : b.shape->normals)
       if (dot(b.R * f, n) > like) consider(b.R * f);
+    for (const Placed* c : {&a, &b}) {
+      if (c->shape->rim == 0) continue;
+      Vec3 side = n - dot(n, c->axis) * c->axis;  // length is its cosine to n
+      if (norm(side) > like) consider((1 / norm(side)) * side);
+    }
     if (best.dist < found.dist - kSameDistance) return found;
     found.n = best.n;
     found.dist = best.dist;
@@ -195,6 +207,15 @@ Separation separate(const Placed& a, const Placed& b, double beyond) {
   Vec3 line = a.center - b.center;
   double length = norm(line);
   consider(length > 1e-9 ? (1 / length) * line : Vec3{0, 0, 1});
+  auto either = [&](Vec3 n) {
+    double size = norm(n);
+    if (size < 1e-9) return;
+    consider((1 / size) * n);
+    consider((-1 / size) * n);
+  };
+  for (const Placed* c : {&a, &b})
+    if (c->shape->rim > 0) either(line - dot(line, c->axis) * c->axis);
+  if (a.shape->rim > 0 && b.shape->rim > 0) either(cross(a.axis, b.axis));
   return best;
 }
 
@@ -207,13 +228,26 @@ struct P2 {
 double cross2(P2 o, P2 a, P2 b) { return (a.u - o.u) * (b.v - o.v) - (a.v - o.v) * (b.u - o.u); }
 
 // Vertices within tol of the face nearest along -n, projected on the plane, as a convex polygon
-// in counter-clockwise order (monotone chain).
+// in counter-clockwise order (monotone chain). A disc that is wholly that near gives eight points
+// of its rim, another its nearest point alone: a round side is no face.
 std::vector<P2> near_face(const Placed& s, Vec3 n, Vec3 t, Vec3 b, double tol) {
   Points p = s.points();
+  Support swept = s.support();
   double low = dot(n, p.at(p.support(-n)));
   std::vector<P2> pts;
-  for (int i = 0; i < p.n; i++)
-    if (dot(n, p.at(i)) <= low + tol) pts.push_back({dot(t, p.at(i)), dot(b, p.at(i))});
+  auto add = [&](Vec3 x) { pts.push_back({dot(t, x), dot(b, x)}); };
+  for (int i = 0; i < p.n; i++) {
+    Vec3 x = p.at(i);
+    if (dot(n, x) > low + tol) continue;
+    if (swept.rim == 0) {
+      add(x);
+    } else if (2 * (s.reach(n) - s.shape->radius) > tol) {
+      add(x + swept.on_rim(-n));
+    } else {
+      for (int k = 0; k < 8; k++)
+        add(x + swept.on_rim(std::cos(0.25 * M_PI * k) * t + std::sin(0.25 * M_PI * k) * b));
+    }
+  }
   std::sort(pts.begin(), pts.end(),
             [](P2 x, P2 y) { return x.u < y.u || (x.u == y.u && x.v < y.v); });
   if (pts.size() < 3) return pts;

@@ -14,11 +14,34 @@ struct Points {
   int support(Vec3 d) const;  // index of the vertex farthest along d
 };
 
-// Hull of the vertices, grown by `radius`: sphere 1 vertex, capsule 2, box 8, any mesh hull n.
+// What GJK asks of a shape: the hull of points, swept by a disc of radius `rim` across `axis`.
+struct Support {
+  Points points;
+  Vec3 axis;
+  double rim = 0;
+
+  Support(Points p) : points(p) {}
+  Support(Points p, Vec3 axis, double rim) : points(p), axis(axis), rim(rim) {}
+  Vec3 farthest(Vec3 d) const {
+    Vec3 p = points.at(points.support(d));
+    return rim == 0 ? p : p + on_rim(d);
+  }
+  // From a disc's centre to the point of its rim that lies farthest along d; 0 across the disc.
+  Vec3 on_rim(Vec3 d) const {
+    Vec3 side = d - dot(d, axis) * axis;
+    double length = norm(side);
+    return length > 1e-12 * norm(d) ? (rim / length) * side : Vec3{};
+  }
+};
+
+// Hull of the vertices, swept by a disc and grown by `radius`: sphere 1 vertex, capsule 2, box 8,
+// any mesh hull n; cylinder 2 and a disc.
 struct Convex {
   std::vector<Vec3> vertices;  // in the body's frame
   std::vector<Vec3> normals;   // outward face normals in the body's frame, for overlaps
   double radius = 0;
+  Vec3 axis{0, 0, 1};  // unit, body's frame: of the disc
+  double rim = 0;      // its radius; 0: none
   Vec3 center;       // of the bounding sphere, body's frame
   double bound = 0;  // its radius, rounding included
 
@@ -31,21 +54,28 @@ struct Placed {
   std::vector<double> xyz;  // x..., y..., z...
   Vec3 center;
   Mat3 R;
-  Box3 box;  // rounding included
+  Vec3 axis;  // of the disc, world
+  Box3 box;   // rounding included
 
   void place(const Convex& c, const Mat3& R, Vec3 pos);
   Points points() const {
     int n = (int)shape->vertices.size();
     return {xyz.data(), xyz.data() + n, xyz.data() + 2 * n, n};
   }
+  Support support() const { return {points(), axis, shape->rim}; }
+  // How far the surface lies from the hull of the vertices, against n.
+  double reach(Vec3 n) const {
+    double r = shape->radius;
+    return shape->rim == 0 ? r : r + shape->rim * norm(n - dot(n, axis) * axis);
+  }
   // Smallest and largest of n.x over the rounded shape.
   double lowest(Vec3 n) const;
   double highest(Vec3 n) const { return -lowest(-n); }
 };
 
-// Distance between two vertex hulls (Gilbert, Johnson, Keerthi 1988) and the nearest points; 0 if
+// Distance between two unrounded shapes (Gilbert, Johnson, Keerthi 1988) and the nearest points; 0 if
 // they touch or overlap. Stops early with a lower bound once that exceeds `beyond`.
-double gjk(Points a, Points b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond = 1e300);
+double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond = 1e300);
 
 struct Separation {
   double dist = 0;  // negative: depth along n

@@ -1,8 +1,9 @@
-// Contact-space solver: Coulomb contacts by block sweeps on A = J M^-1 J^T.
+// From contacts between bodies to contact space, A = J M^-1 J^T, and back to velocities.
 #pragma once
 #include <cstdint>
 #include <vector>
 
+#include "contact_problem.h"
 #include "tree.h"
 
 namespace hp {
@@ -36,6 +37,7 @@ struct Contact {
   // The points whose gap counts lie this far from `position`, along n on a and against it on b:
   // the surface points, and for rounded shapes the points they are round about.
   double arm_a = 0, arm_b = 0;
+  Vec3 rim;           // on a disc: direction from its centre, unit; else zero
   double dist = 0;    // gap at the start of the substep [m]
   double target = 0;  // smallest gap allowed at its end [m]
   double shift = 0;   // correction of the linear prediction [m]: gap_end = dist + h v_n - shift
@@ -47,41 +49,50 @@ struct Contact {
   int feature = 0;
 };
 
-struct SolveReport {
-  int sweeps = 0;
-  double residual = 0;  // largest violation [m/s]
-};
-
 class ContactSolver {
  public:
   // Smallest dv and impulses with  M dv = J^T p  and for every contact, with g the relative
   // normal velocity minus what the contact demands:  0 <= p_n, g >= 0, p_n g = 0,
   // |p_t| <= mu p_n, slip opposed by friction. `v_free` [nv] is the velocity without contact;
   // `v` receives the velocity with it. Stops at `tolerance` [m/s] or `max_sweeps`.
+  //
+  // Islands (trees that contacts connect) are solved one by one. Within an island only the
+  // points that carry something take part: those that did so in the substep before and the worst
+  // of each pair; whichever else is violated then joins, and A is extended.
   SolveReport solve(const Model& m, const Kinematics& k, const Inertia& inertia, double h,
                     const double* v_free, double* v, std::vector<Contact>& contacts,
                     double tolerance, int max_sweeps);
 
  private:
-  void half_solve(const Model& m, const Kinematics& k, const Inertia& inertia, int body);
-  void sweeps(int n, double tolerance, int most, SolveReport& report);
-  void local(int i);
-  void normals(int n, double tolerance);
-  void product(int n);
-  double residual(int n, bool normal_only) const;
+  // A contact that takes part: its row of Y = D^-1/2 L^-T J^T, sparse over dofs.
+  struct Row {
+    int contact = 0;
+    int first = 0, count = 0;  // into dof_, y_
+  };
 
-  std::vector<double> body_y_;        // per body: chain length x 6
-  std::vector<int> body_slot_;        // offset into body_y_, -1: not yet
-  std::vector<int> touched_;          // dofs with a row of Y
-  std::vector<int> dof_row_;          // dof -> row of Y, -1
-  std::vector<double> Y_, A_, beta_, p_, w_, friction_, step_, before_, diagonal_;
-  std::vector<Mat3> block_inverse_;
-  std::vector<double> tangent_step_;
-  std::vector<Twist> twists_;
-  // of normals()
-  std::vector<double> q_, x_, chol_;
-  std::vector<char> active_, wrong_;
-  std::vector<int> set_;
+  void half_solve(const Model& m, const Kinematics& k, const Inertia& inertia, int body);
+  void island(const Model& m, const Kinematics& k, const Inertia& inertia, const int* ids, int n,
+              std::vector<Contact>& contacts, double tolerance, int max_sweeps,
+              SolveReport& report);
+  void join(const Model& m, const Kinematics& k, const Inertia& inertia, const Contact& c,
+            int contact);
+  // dv of the island, into dv_, and the bodies' twists that it makes.
+  void response(const Model& m, const Kinematics& k, const Inertia& inertia);
+
+  // of the whole solve
+  std::vector<double> body_y_;  // per body: chain length x 6
+  std::vector<int> body_slot_;  // offset into body_y_, -1: not yet
+  std::vector<Twist> twists_, response_;
+  std::vector<double> dv_, demand_;
+  std::vector<int> root_island_, order_;
+  std::vector<char> joined_;
+  // of the island
+  ContactProblem problem_;
+  std::vector<Row> rows_;
+  std::vector<int> dof_;
+  std::vector<double> y_;        // three per entry of dof_
+  std::vector<double> scatter_;  // nv x 3, zero between uses
+  std::vector<int> worst_;
 };
 
 }  // namespace hp

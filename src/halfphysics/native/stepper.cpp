@@ -13,6 +13,8 @@ constexpr int kPasses = 8;         // solve and verify, at most
 constexpr double kSlackReach = 0.004;  // planes are asked for this much farther than needed [m]
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
+// A gap may miss what is asked of it by this share: curvature within a substep costs no more solves.
+constexpr double kSlack = 0.02;
 // Solving is bounded, and what is left to settle then shortens the step: multiplications of a
 // substep, and contact points.
 constexpr double kMostWork = 1e8;
@@ -200,15 +202,15 @@ double Stepper::excess(size_t i, double h) {
 // Checks the end pose against every candidate; adds contact points where something is violated
 // and corrects the linear prediction of those there are. True if all is well.
 bool Stepper::verify(double h, int pass, double& worst) {
-  const double slack = 2 * world.settings.tolerance + kRounding;
   worst = 0;
   bool good = true;
   body_twists(model, start_.kin, v_.data(), twists_);
   std::vector<char> violated;
   for (size_t i = 0; i < candidates_.size(); i++) {  // forgiven planes add to them
-    double e = excess(i, h);
+    double e = excess(i, h), allowed = 2 * world.settings.tolerance + kRounding;
     worst = std::min(worst, e);
-    violated.push_back(e < -slack);
+    if (candidates_[i].target > 0) allowed += kSlack * candidates_[i].target;
+    violated.push_back(e < -allowed);
     good &= !violated.back();
   }
   if (good) return true;
@@ -294,8 +296,9 @@ void Stepper::solve(double h) {
 // is well afterwards, `good` where nothing rebounds.
 bool Stepper::bounce(double h, bool good, double& worst) {
   body_twists(model, start_.kin, v_free_.data(), twists_);
-  // What gravity adds in this substep did not arrive, and is taken off the way back: a rebound in
-  // mid-step otherwise gains what its height above the surface is worth.
+  // The rebound starts where the substep does, above the surface, and before gravity has acted: the
+  // speed is that of the parabola which meets the surface and leaves it e times as fast. (On this
+  // grid a parabola's own speed is half a substep's gravity from the velocity.)
   std::vector<double> before(v_free_);
   for (int b : objects_)
     for (int i = 0; i < 3; i++) before[model.dof_first[b] + i] -= h * gravity[i];
@@ -314,8 +317,11 @@ bool Stepper::bounce(double h, bool good, double& worst) {
     double arriving = approach(c, arrived);
     if (arriving > -kBounceSpeed) continue;
     double turned = approach(c, spun);
-    double fallen = std::min(0.0, approach(c, twists_) + turned - arriving);
-    c.bounce = -c.restitution * arriving + fallen - turned;
+    double pull = std::max(0.0, arriving - turned - approach(c, twists_));
+    double height = 2 * pull * std::max(0.0, c.dist - c.target) / h;
+    double met = arriving - 0.5 * pull;
+    double back = c.restitution * c.restitution * (met * met + height) - height;
+    c.bounce = std::sqrt(std::max(0.0, back)) - 0.5 * pull - turned;
     any = true;
   }
   if (!any) return good;

@@ -18,6 +18,12 @@ void Model::finish() {
     last_dof[b] = dof_count[b] > 0 ? dof_first[b] + dof_count[b] - 1 : last_dof[parent[b]];
     for (int i = 0; i < dof_count[b]; i++) dof_body[dof_first[b] + i] = b;
   }
+  plain_ball.assign(nbody, 0);
+  for (int b = 1; b < nbody; b++) {
+    int j = jnt_first[b];
+    plain_ball[b] = jnt_count[b] == 1 && jnt_type[j] == Joint::Ball && norm2(jnt_pos[j]) == 0 &&
+                    quat[b].w == 1;
+  }
   row_start.assign(nv, 0);
   row_size.assign(nv, 0);
   chain.clear();
@@ -37,14 +43,14 @@ void Model::finish() {
 
 void Kinematics::resize(const Model& m) {
   xpos.resize(m.nbody);
-  xcom.resize(m.nbody);
   xquat.resize(m.nbody);
   xmat.resize(m.nbody);
   cdof.resize(m.nv);
 }
 
-void Kinematics::update(const Model& m, const double* qpos) {
+void Kinematics::update(const Model& m, const double* qpos, const char* active) {
   for (int b = 1; b < m.nbody; b++) {
+    if (active && !active[b]) continue;
     int p = m.parent[b], j0 = m.jnt_first[b], nj = m.jnt_count[b];
     Vec3 pos;
     Quat quat;
@@ -52,6 +58,9 @@ void Kinematics::update(const Model& m, const double* qpos) {
       const double* q = qpos + m.jnt_qpos[j0];
       pos = load3(q);
       quat = normalized(load4(q + 3));
+    } else if (m.plain_ball[b]) {
+      pos = xpos[p] + xmat[p] * m.pos[b];
+      quat = normalized(xquat[p] * load4(qpos + m.jnt_qpos[j0]));
     } else {
       pos = xpos[p] + xmat[p] * m.pos[b];
       quat = xquat[p] * m.quat[b];
@@ -73,15 +82,21 @@ void Kinematics::update(const Model& m, const double* qpos) {
     xpos[b] = pos;
     xquat[b] = quat;
     xmat[b] = to_matrix(quat);
-    xcom[b] = pos + xmat[b] * m.ipos[b];
   }
 }
 
-void Kinematics::update_dofs(const Model& m, const double* qpos) {
+void Kinematics::update_dofs(const Model& m, const double* qpos, const char* active) {
   for (int b = 1; b < m.nbody; b++) {
-    if (m.dof_count[b] == 0) continue;
+    if (m.dof_count[b] == 0 || (active && !active[b])) continue;
     Vec3 ref = reference(m, b);
     int nj = m.jnt_count[b], j0 = m.jnt_first[b];
+    if (m.plain_ball[b]) {
+      for (int k = 0; k < 3; k++) {
+        Vec3 axis = xmat[b].col(k);
+        cdof[m.jnt_dof[j0] + k] = {axis, cross(axis, ref - xpos[b])};
+      }
+      continue;
+    }
     // One rotating joint per body, or several (hinges and slides) applied in turn: for those the
     // frames between are rebuilt.
     Vec3 pos = xpos[m.parent[b]] + xmat[m.parent[b]] * m.pos[b];
@@ -136,8 +151,9 @@ void body_twists(const Model& m, const Kinematics& k, const double* qvel,
   }
 }
 
-void integrate(const Model& m, double* qpos, const double* qvel, double t) {
+void integrate(const Model& m, double* qpos, const double* qvel, double t, const char* active) {
   for (int j = 0; j < m.njnt; j++) {
+    if (active && !active[m.jnt_body[j]]) continue;
     double* q = qpos + m.jnt_qpos[j];
     const double* v = qvel + m.jnt_dof[j];
     switch (m.jnt_type[j]) {
@@ -158,7 +174,7 @@ void Inertia::compose(const Model& m, const Kinematics& k) {
   composite_.assign(m.nbody, {});
   for (int b = 1; b < m.nbody; b++) {
     Composite& c = composite_[b];
-    Vec3 r = k.xcom[b] - k.reference(m, b);
+    Vec3 r = k.xpos[b] + k.xmat[b] * m.ipos[b] - k.reference(m, b);
     double mass = m.mass[b];
     Mat3 R = k.xmat[b] * to_matrix(m.iquat[b]);
     c.mass = mass;

@@ -33,6 +33,7 @@ struct Model {
   std::vector<int> dof_body;             // per dof
   std::vector<int> row_start, row_size;  // per dof: its chain of ancestors, itself last
   std::vector<int> chain;                // dof indices of all rows, one after the other
+  std::vector<char> plain_ball;          // per body: one ball joint at its origin, no turn at rest
 
   void finish();  // throws std::invalid_argument on inconsistent arrays
 };
@@ -44,22 +45,24 @@ struct Twist {
 
 // Everything that follows from a pose.
 struct Kinematics {
-  std::vector<Vec3> xpos, xcom;  // body frame and centre of mass in the world
+  std::vector<Vec3> xpos;  // body frame in the world
   std::vector<Quat> xquat;
   std::vector<Mat3> xmat;
   std::vector<Twist> cdof;  // per dof, about the frame origin of its tree's root body
 
   void resize(const Model& m);
-  void update(const Model& m, const double* qpos);    // body frames
-  void update_dofs(const Model& m, const double* qpos);  // cdof; after update()
+  // Body frames; with `active` (per body, of the tree that it belongs to) only of those trees.
+  void update(const Model& m, const double* qpos, const char* active = nullptr);
+  void update_dofs(const Model& m, const double* qpos, const char* active = nullptr);  // cdof
   Vec3 reference(const Model& m, int body) const { return xpos[m.root[body]]; }
 };
 
 // Spatial velocity of every body about its tree's reference point.
 void body_twists(const Model& m, const Kinematics& k, const double* qvel, std::vector<Twist>& out);
 
-// qpos <- qpos moved along qvel for a time t, on the manifold.
-void integrate(const Model& m, double* qpos, const double* qvel, double t);
+// qpos <- qpos moved along qvel for a time t, on the manifold; with `active` only those trees.
+void integrate(const Model& m, double* qpos, const double* qvel, double t,
+               const char* active = nullptr);
 
 // The joint-space inertia matrix and its factor M = L^T D L, stored along the chains of dofs.
 struct Inertia {

@@ -1,0 +1,113 @@
+"""The judge of `test_clear.py` sees what goes through, and nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from clear_judge import Judge
+from people import FACING_X, t_pose
+from throws import OBSTACLES, throw
+
+from halfphysics import rotations as rot
+from halfphysics.body import Body
+from halfphysics.motion import Motion
+from halfphysics.scene import Scene
+from halfphysics.shapes import Box, Cylinder, Plane
+from halfphysics.simulator import Simulator
+
+trimesh = pytest.importorskip("trimesh")
+
+
+@pytest.fixture(scope="module")
+def body():
+    return Body.default()
+
+
+def ghost(body, scene, motion):
+    """What the judge says of a motion that nothing holds."""
+    simulator = Simulator(scene, body=body, fps=motion.fps)
+    poses = np.array([simulator.world.start([motion[t]])[0] for t in range(len(motion))])
+    return Judge(simulator).judge_poses(poses)
+
+
+def sheet():
+    corners = [[0, -2, -2], [0, 2, -2], [0, 2, 2], [0, -2, 2]]
+    return trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False)
+
+
+@pytest.mark.parametrize("kind", OBSTACLES)
+@pytest.mark.parametrize(("pose", "speed"), [("tpose", 20.0), ("curled", 3.0)])
+def test_ghosts_are_seen(body, kind, pose, speed):
+    rng = np.random.default_rng(OBSTACLES.index(kind))
+    motion, scene = throw(pose, kind, speed, 30.0, body, rng)
+    verdict = ghost(body, scene, motion)
+    assert verdict.start > 0.0
+    assert not verdict.clear
+
+
+@pytest.mark.parametrize("what", ["sheet", "pole", "plate", "mesh pole", "box"])
+def test_a_jump_over_it_is_a_crossing(body, what):
+    """No pose is anywhere near; every part that had it in its way has crossed."""
+    shape = {
+        "sheet": sheet(),
+        "plate": Box((0.001, 4.0, 4.0)),
+        "pole": Cylinder(0.01, 4.0),
+        "mesh pole": trimesh.creation.cylinder(0.01, height=4.0),
+        "box": Box((0.1, 4.0, 4.0)),
+    }[what]
+    motion = t_pose([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], fps=20.0)
+    scene = Scene()  # in the middle of the body: its root turns about the pelvis
+    scene.add_static("it", shape, position=(0.0, body.joints(motion)[0, 0, 1], 0.0))
+    verdict = ghost(body, scene, motion)
+    assert not verdict.inside
+    assert not verdict.clear
+    crossed = {part.split("/")[1] for part, _, pose in verdict.crossed if pose == 1}
+    trunk = {"pelvis", "spine1", "spine2", "spine3", "neck", "head"}
+    if "pole" in what:
+        assert trunk <= crossed
+        assert not any("wrist" in part or "foot" in part for part in crossed)
+    else:
+        assert len(crossed) == 55
+
+
+def test_being_inside_is_seen_at_once(body):
+    scene = Scene()
+    scene.add_static("it", Plane())
+    verdict = ghost(body, scene, t_pose(np.outer([0.3, 0.29, 0.28], [0.0, 0.0, 1.0])))
+    assert verdict.start < 0.0
+    assert verdict.inside == {0, 1, 2}
+    lowest = body.vertices(t_pose(np.zeros((2, 3))), frames=[0])[0, :, 2].min()
+    assert verdict.gap == pytest.approx(0.28 + lowest, abs=1e-6)
+
+
+@pytest.mark.parametrize("steps", [2, 5, 40])
+@pytest.mark.parametrize("turns", [0.0, 0.4])
+def test_passing_by_is_no_crossing(body, turns, steps):
+    """A person between two sheets and two poles, 5 mm from its finger tips and its head."""
+    t = np.linspace(-1.0, 1.0, steps + 1)
+    rotations = np.zeros((len(t), 55, 3))
+    rotations[:, 0] = rot.log(
+        rot.multiply(rot.exp(np.outer(turns * t, [1.0, 0.0, 0.0])), rot.exp(FACING_X))
+    )
+    motion = Motion(np.outer(t, [1.0, 0.0, 0.0]), rotations, 10.0)
+    everywhere = np.concatenate([body.vertices(motion, frames=[k])[0] for k in range(len(t))])
+    low, high = everywhere.min(axis=0) - 0.005, everywhere.max(axis=0) + 0.005
+    # The tips go in circles between the poses.
+    low, high = low - turns * 0.2, high + turns * 0.2
+    scene = Scene()
+    flat = rot.exp([0.0, np.pi / 2, 0.0])
+    scene.add_static("over", sheet(), position=(0.0, 0.0, high[2]), quaternion=flat)
+    scene.add_static("under", Plane(), position=(0.0, 0.0, low[2]))
+    scene.add_static("left", Cylinder(0.01, 4.0), position=(0.0, high[1] + 0.01, 0.0))
+    pole = trimesh.creation.cylinder(0.01, height=4.0)
+    scene.add_static("right", pole, position=(0.0, low[1] - 0.01, 0.0))
+    assert ghost(body, scene, motion).clear
+
+
+def test_around_an_edge_is_no_crossing(body):
+    """Up in front of a sheet's edge, over it and down behind it: three steps, one each way."""
+    scene = Scene()
+    scene.add_static("it", sheet(), position=(0.0, 0.0, -2.5))  # its edge at z = -0.5
+    path = [[-0.6, 0.0, -0.8], [-0.6, 0.0, 1.5], [0.6, 0.0, 1.5], [0.6, 0.0, -0.8]]
+    assert ghost(body, scene, t_pose(path, fps=10.0)).clear
+    assert not ghost(body, scene, t_pose(path[::3], fps=10.0)).clear

@@ -41,8 +41,9 @@ fi
 flags="-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer -g1"
 rm -rf "$site"
 CXX=$cxx "${pip[@]}" install --disable-pip-version-check --no-input --quiet --no-deps \
-  --target "$site" -C build-dir=build/sanitize/cmake -C cmake.build-type=RelWithDebInfo \
-  -C install.strip=false -C cmake.define.CMAKE_CXX_FLAGS="$flags" .
+  --target "$site" --config-settings=build-dir=build/sanitize/cmake \
+  --config-settings=cmake.build-type=RelWithDebInfo --config-settings=install.strip=false \
+  --config-settings=cmake.define.CMAKE_CXX_FLAGS="$flags" .
 grep -q __asan_init "$site"/halfphysics/_native*.so ||
   die "the module in $site is not instrumented"
 

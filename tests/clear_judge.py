@@ -197,9 +197,6 @@ class Judge:
         result = coal.DistanceResult()
         pose = coal.Transform3s(turn, x)
         d = coal.distance(self.shapes[i], pose, s.shape, s.place, self.request, result)
-        if s.triangles is not None and d <= 0.0:
-            # Not a depth that means much against triangles, but that they meet is sure.
-            d = min(d, -2 * ROUNDING)
         return d, np.array(result.getNearestPoint1()) - np.array(result.getNearestPoint2())
 
     # -- the way between two poses -----------------------------------------------------------

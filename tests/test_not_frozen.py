@@ -113,8 +113,8 @@ def test_who_is_stopped_rests_at_the_wall(body, kind, drive, stiffness):
     assert sum(f.lost_time for f in rest) == 0.0
 
 
-#: Left out: half-degree freedoms they are not. The jaw, light on a short arm, swings by 1.5 degrees
-#: as the trunk gives way; that is the drive's inertia, not the contact's doing.
+#: Left out: the jaw, light and on a short arm, swings by 1.5 degrees as the trunk gives way. That
+#: is the drive's inertia, not the contact's doing.
 FACE = ("jaw", "left_eye_smplhf", "right_eye_smplhf")
 ARM = ("left_shoulder", "left_elbow", "left_wrist", *(f"left_{f}{k}" for f in
        ("thumb", "index", "middle", "ring", "pinky") for k in (1, 2, 3)))  # fmt: skip

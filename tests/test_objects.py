@@ -74,25 +74,6 @@ def test_a_fast_ball_does_not_pass_a_thin_wall():
         assert x[-1] > 0.9
 
 
-def test_a_stack_stands():
-    scene = Scene()
-    scene.add_static("floor", Plane())
-    for i in range(3):
-        scene.add_object(f"box{i}", Box((0.3, 0.3, 0.2)), mass=1.0, position=(0, 0, 0.1 + 0.2 * i))
-    tracks, _ = run(scene, 3.0)
-    for position, _ in tracks.values():
-        assert np.abs(position - position[0]).max() < 1e-3
-
-
-def test_what_touches_at_the_start_is_not_lifted_by_the_clearance():
-    """A ball set down half a millimetre above the floor keeps its own distance."""
-    scene = Scene()
-    scene.add_static("floor", Plane())
-    scene.add_object("ball", Sphere(0.1), mass=1.0, position=(0, 0, 0.1005))
-    tracks, _ = run(scene, 2.0)
-    np.testing.assert_allclose(tracks["ball"][0][:, 2], 0.1005, atol=1e-9)
-
-
 def test_two_runs_are_equal_to_the_last_bit():
     def once():
         scene = Scene()

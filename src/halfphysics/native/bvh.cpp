@@ -14,8 +14,9 @@ namespace {
 
 // Overlaps up to this deep count as touching: what was set down exactly on a surface [m].
 constexpr double kTouch = 1e-4;
+constexpr double kShort = 1e-5, kSeparates = 1e-6;  // [m]
 constexpr int kLeaf = 4;
-constexpr int kMaxPlanes = 32;
+constexpr int kMaxPlanes = 64;
 
 double half_area(const Box3& b) {
   Vec3 d = b.hi - b.lo;
@@ -236,18 +237,42 @@ void TriangleTree::triangle(int t, Vec3 v[3]) const {
 
 namespace {
 
+// Point of a triangle nearest to p (Ericson 2005, 5.1.5).
+Vec3 nearest_on(const Vec3 v[3], Vec3 p) {
+  Vec3 ab = v[1] - v[0], ac = v[2] - v[0], ap = p - v[0];
+  double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return v[0];
+  Vec3 bp = p - v[1];
+  double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return v[1];
+  double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return v[0] + (d1 / (d1 - d3)) * ab;
+  Vec3 cp = p - v[2];
+  double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return v[2];
+  double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return v[0] + (d2 / (d2 - d6)) * ac;
+  double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 >= d3 && d5 >= d6)
+    return v[1] + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (v[2] - v[1]);
+  double sum = va + vb + vc;
+  return sum > 0 ? v[0] + (vb / sum) * ab + (vc / sum) * ac : v[0];
+}
+
 // The plane of the nearest points of a shape and a triangle; dist > reach where they are farther.
 Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach) {
   double x[3] = {v[0].x, v[1].x, v[2].x}, y[3] = {v[0].y, v[1].y, v[2].y},
          z[3] = {v[0].z, v[1].z, v[2].z};
   Support tri{{x, y, z, 3}};
-  Vec3 pa, pb, middle = (1 / 3.0) * (v[0] + v[1] + v[2]);
-  double r = a.shape->radius, d = gjk(a.support(), tri, a.center - middle, pa, pb, reach + r);
+  Vec3 pa, pb;
+  double r = a.shape->radius,
+         d = gjk(a.support(), tri, a.center - nearest_on(v, a.center), pa, pb, reach + r);
   if (d > reach + r) return {{}, 0, d - r, t, false};
   if (d > 1e-9) {
     Vec3 n = (1 / d) * (pa - pb);
     double offset = std::max(dot(n, v[0]), std::max(dot(n, v[1]), dot(n, v[2])));
-    return {n, offset, d - r, t, false};
+    // A line of rounding's length may point anywhere: only one that separates counts.
+    if (d > kShort || a.lowest(n) - offset > d - r - kSeparates) return {n, offset, d - r, t, false};
   }
   // They touch or overlap: the smaller way out along the triangle's own normal.
   Vec3 n = cross(v[1] - v[0], v[2] - v[0]);
@@ -262,20 +287,27 @@ Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach) {
 
 }  // namespace
 
-void TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out,
+bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out,
                           const std::vector<int>& without) const {
   out.clear();
-  std::vector<Entry> heap;
-  std::vector<Plane> known;  // planes of triangles whose distance has been computed
-  std::vector<int> known_of;
+  // What is measured and what waits, kept for the next call: nothing is allocated once warm.
+  static thread_local std::vector<Entry> heap;
+  static thread_local std::vector<Plane> known;  // of triangles whose distance has been computed
+  heap.clear();
+  known.clear();
   auto push = [&](double d2, int id) {
     heap.push_back({d2, id});
     std::push_heap(heap.begin(), heap.end());
   };
-  auto behind = [&](const Box3& b) {
-    for (const Plane& p : out)
-      if (!p.overlaps && highest(b, p.n) <= p.offset + 1e-9) return true;
-    return false;
+  // What lies behind a plane that is known is not nearer than that plane's triangle: it waits for
+  // its turn, and is culled if the plane is then one of those found.
+  auto wait = [&](const Entry& e, auto behind) {
+    double later = -1;
+    for (const Plane& p : known)
+      if (!p.overlaps && p.dist > 0 && p.dist * p.dist > e.d2 && behind(p))
+        later = std::max(later, p.dist * p.dist);
+    if (later >= 0) push(later * (1 + 1e-12), e.id);
+    return later >= 0;
   };
   double start = gap2(nodes_[0].box, a.box);
   if (start <= reach * reach) push(start, 0);
@@ -283,52 +315,57 @@ void TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
     std::pop_heap(heap.begin(), heap.end());
     Entry e = heap.back();
     heap.pop_back();
-    if (e.id < 0) {
-      int t = -1 - e.id;
-      if (std::find(without.begin(), without.end(), t) != without.end()) continue;
-      Vec3 v[3];
-      triangle(t, v);
+    if (e.id >= 0) {
+      const Node& node = nodes_[e.id];
+      auto behind = [&](const Plane& p) { return highest(node.box, p.n) <= p.offset + 1e-9; };
       bool culled = false;
-      for (const Plane& p : out) {
-        double o = p.offset + 1e-7;
-        culled |= !p.overlaps && dot(p.n, v[0]) <= o && dot(p.n, v[1]) <= o && dot(p.n, v[2]) <= o;
-      }
-      if (culled) continue;
-      auto it = std::find(known_of.begin(), known_of.end(), t);
-      if (it == known_of.end()) {
-        Plane p = plane_to(a, v, t, reach);
-        if (p.dist > reach) continue;
-        double d2 = p.dist > 0 ? p.dist * p.dist : 0;
-        if (!heap.empty() && d2 > heap.front().d2) {
-          known.push_back(p);
-          known_of.push_back(t);
-          push(d2, e.id);
-          continue;
+      for (const Plane& p : out) culled |= !p.overlaps && behind(p);
+      if (culled || wait(e, behind)) continue;
+      if (node.left >= 0) {
+        for (int child : {node.left, node.right}) {
+          double d2 = gap2(nodes_[child].box, a.box);
+          if (d2 <= reach * reach) push(std::max(d2, e.d2), child);
         }
-        out.push_back(p);
-      } else {
-        out.push_back(known[it - known_of.begin()]);
+        continue;
       }
-      continue;
-    }
-    const Node& node = nodes_[e.id];
-    if (behind(node.box)) continue;
-    if (node.left < 0) {
       for (int i = node.first; i < node.first + node.count; i++) {
         Vec3 v[3];
         triangle(order_[i], v);
         Box3 b;
         for (Vec3 p : v) b.add(p);
         double d2 = gap2(b, a.box);
-        if (d2 <= reach * reach) push(d2, -1 - order_[i]);
+        if (d2 <= reach * reach) push(std::max(d2, e.d2), -1 - order_[i]);
       }
+      continue;
+    }
+    const int t = -1 - e.id;
+    if (std::find(without.begin(), without.end(), t) != without.end()) continue;
+    Vec3 v[3];
+    triangle(t, v);
+    auto behind = [&](const Plane& p) {
+      double o = p.offset + 1e-7;
+      return dot(p.n, v[0]) <= o && dot(p.n, v[1]) <= o && dot(p.n, v[2]) <= o;
+    };
+    bool culled = false;
+    for (const Plane& p : out) culled |= !p.overlaps && behind(p);
+    if (culled) continue;
+    auto it = std::find_if(known.begin(), known.end(), [&](const Plane& p) { return p.triangle == t; });
+    if (it != known.end()) {
+      out.push_back(*it);
+      continue;
+    }
+    if (wait(e, behind)) continue;
+    Plane p = plane_to(a, v, t, reach);
+    if (p.dist > reach) continue;
+    double d2 = p.dist > 0 ? p.dist * p.dist : 0;
+    if (!heap.empty() && d2 > heap.front().d2) {
+      known.push_back(p);
+      push(d2, e.id);
     } else {
-      for (int child : {node.left, node.right}) {
-        double d2 = gap2(nodes_[child].box, a.box);
-        if (d2 <= reach * reach) push(d2, child);
-      }
+      out.push_back(p);
     }
   }
+  return heap.empty();
 }
 
 double TriangleTree::distance(const Placed& a, double range) const {

@@ -26,7 +26,8 @@ class TriangleTree {
 
   // Planes that together separate `a` from every triangle within `reach` of it: nearest triangle
   // first; what lies behind a plane already found is culled. Triangles `without` are left out.
-  void planes(const Placed& a, double reach, std::vector<Plane>& out,
+  // False if there were more planes than are kept: the farthest are missing.
+  bool planes(const Placed& a, double reach, std::vector<Plane>& out,
               const std::vector<int>& without = {}) const;
   // Smallest distance of `a` from the triangles, up to `range`; `range` if none is nearer, <= 0
   // where it meets one.

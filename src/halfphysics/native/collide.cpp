@@ -15,6 +15,7 @@ constexpr double kSpread2 = 5e-3 * 5e-3;     // of the first points, where there
 // Directions of the deepest point of a disc: up to the first [rad] it is one contact, which is
 // turned; up to the second what it turns by costs nothing.
 constexpr double kSameRim = 0.5, kSettledRim = 1e-4;
+constexpr double kAhead = 0.02;  // looked this much farther than asked, to know of the next [m]
 constexpr double kHardGap = 1e-4;   // a step that would end nearer than half of this (or of the
                                     // distance it starts from) is shortened [m]
 
@@ -81,11 +82,6 @@ void World::demand(Candidate& c, double h) {
 void World::gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
                    std::vector<Candidate>& out) {
   out.clear();
-  std::vector<Plane> planes;
-  auto sphere = [&](int i) {
-    const Mover& M = movers[i];
-    return start.kin.xpos[M.body] + start.kin.xmat[M.body] * M.shape.center;
-  };
   // A pair that overlaps leaves along the direction fixed when the overlap was first seen.
   auto fixed_exit = [&](Candidate& c, auto along) {
     auto it = pairs_.find(key(c));
@@ -101,73 +97,70 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
       it->second.exit = c.n;
     }
   };
-  for (int i = 0; i < (int)movers.size(); i++) {
-    const Mover& M = movers[i];
-    double bound = M.shape.bound, r = reach[i];
-    Vec3 center = sphere(i);
-    Box3 box{center, center};
-    box.grow(bound + r);
-    for (int j = 0; j < (int)statics.size(); j++) {
-      const Static& S = statics[j];
-      if (pairing(M.name, S.name).ignore) continue;
-      Candidate c;
-      c.mover = i;
-      c.other_static = j;
-      if (S.kind == Static::Kind::HalfSpace) {
-        if (dot(S.n, center) - bound - S.offset > r) continue;
-        c.n = S.n;
-        c.offset = S.offset;
-        c.dist = place(start, i).lowest(S.n) - S.offset;
-        if (c.dist > r) continue;
-        demand(c, h);
-        out.push_back(c);
-      } else if (S.kind == Static::Kind::Hull) {
-        if (!box.meets(S.placed.box)) continue;
-        const Placed& A = place(start, i);
-        Separation s = separate(A, S.placed, r);
-        if (s.dist > r) continue;
-        c.n = s.n;
-        c.dist = s.dist;
-        fixed_exit(c, [&](Candidate& k) { k.dist = separate_along(A, S.placed, k.n).dist; });
-        c.offset = S.placed.highest(c.n);
-        demand(c, h);
-        out.push_back(c);
-      } else {
-        if (!box.meets(S.tree->box())) continue;
-        S.tree->planes(place(start, i), r, planes);
-        bool overlaps = false;
-        for (const Plane& p : planes) overlaps |= p.overlaps;
-        if (overlaps) continue;  // started inside this mesh: nothing holds it until it is out
-        for (const Plane& p : planes) {
-          c.n = p.n;
-          c.offset = p.offset;
-          c.dist = p.dist;
-          c.triangle = p.triangle;
-          demand(c, h);
-          out.push_back(c);
-        }
-      }
+  for (Near& e : near_) {
+    const Mover& M = movers[e.mover];
+    if (!active[M.body] || (e.other_mover >= 0 && !active[movers[e.other_mover].body])) continue;
+    double r = reach[e.mover] + (e.other_mover >= 0 ? reach[e.other_mover] : 0.0);
+    if (far(e, r)) continue;
+    Candidate c;
+    c.mover = e.mover;
+    c.other_static = e.other_static;
+    c.other_mover = e.other_mover;
+    const Placed& A = place(start, e.mover);
+    if (e.other_static >= 0 && statics[e.other_static].kind == Static::Kind::HalfSpace) {
+      const Static& S = statics[e.other_static];
+      c.n = S.n;
+      c.offset = S.offset;
+      c.dist = A.lowest(S.n) - S.offset;
+      e.dist = c.dist;
+      e.way = way_of(e);
+      if (c.dist > r) continue;
+      demand(c, h);
+      out.push_back(c);
+      continue;
     }
-    for (int j = 0; j < (int)movers.size(); j++) {
+    if (e.other_mover >= 0) {
       // People come first, so that the normal points into the part.
-      if (j <= i || !may_touch(m, i, j)) continue;
-      double both = r + reach[j];
-      if (norm(center - sphere(j)) > bound + movers[j].shape.bound + both) continue;
-      Candidate c;
-      c.mover = i;
-      c.other_mover = j;
-      const Placed &A = place(start, i), &B = place(start, j);
+      const Placed& B = place(start, e.other_mover);
       auto known = pairs_.find(key(c));
       if (known != pairs_.end() && known->second.through) {
         Vec3 pa, pb;
-        if (gjk(A.support(), B.support(), center - sphere(j), pa, pb) <= 0) continue;
+        if (gjk(A.support(), B.support(), A.center - B.center, pa, pb) <= 0) continue;
         pairs_.erase(known);
       }
-      Separation s = separate(A, B, both);
-      if (s.dist > both) continue;
+      Separation s = separate(A, B, r + kAhead);
+      e.dist = s.dist;
+      e.way = way_of(e);
+      if (s.dist > r) continue;
       c.n = s.n;
       c.dist = s.dist;
       fixed_exit(c, [&](Candidate& k) { k.dist = separate_along(A, B, k.n).dist; });
+      demand(c, h);
+      out.push_back(c);
+      continue;
+    }
+    if (behind_planes(e, A, r)) continue;
+    look(m, start, e, r + kAhead);
+    const Static& S = statics[e.other_static];
+    if (S.kind == Static::Kind::Hull) {
+      if (e.dist > r) continue;
+      c.n = e.planes[0].n;
+      c.dist = e.dist;
+      fixed_exit(c, [&](Candidate& k) { k.dist = separate_along(A, S.placed, k.n).dist; });
+      c.offset = S.placed.highest(c.n);
+      demand(c, h);
+      out.push_back(c);
+      continue;
+    }
+    bool overlaps = false;
+    for (const Plane& p : e.planes) overlaps |= p.overlaps;
+    if (overlaps) continue;  // started inside this mesh: nothing holds it until it is out
+    for (const Plane& p : e.planes) {
+      if (p.dist > r) continue;
+      c.n = p.n;
+      c.offset = p.offset;
+      c.dist = p.dist;
+      c.triangle = p.triangle;
       demand(c, h);
       out.push_back(c);
     }
@@ -178,6 +171,7 @@ void World::reset(const Model& m, Poses& start) {
   pairs_.clear();
   std::vector<double> reach(movers.size(), settings.clearance);
   std::vector<Candidate> near;
+  list(m, start, reach);
   gather(m, start, reach, 1.0, near);
   for (const Candidate& c : near) {
     // What touches, to within rounding of files, rests there; what is deeper inside comes out.
@@ -446,7 +440,9 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   if (already == 0) {
     Vec3 pa[4], pb[4];
     int n = face_manifold(a0, b0, c.n, 2e-3, 4, pa, pb);
-    for (int i = 0; i < n; i++) make_opposite(c.n, c.dist, pa[i], pb[i], i);
+    // Each with its own gap: what stands at a slant must be free to lie down.
+    for (int i = 0; i < n; i++)
+      make_opposite(c.n, std::max(c.dist, dot(c.n, pa[i] - pb[i])), pa[i], pb[i], i);
     if (n < 3) {
       Separation s = c.dist > 0 ? separate(a0, b0) : separate_along(a0, b0, c.n);
       make_opposite(c.n, c.dist, s.pa, s.pb, 4);
@@ -486,32 +482,6 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   contacts[at] = contacts.back();
   contacts.pop_back();
   contacts[at].impulse = before.impulse;
-}
-
-double World::clearance(const Model&, Poses& p, double range) const {
-  double best = range;
-  for (int i = 0; i < (int)movers.size(); i++) {
-    const Mover& M = movers[i];
-    if (M.person < 0) continue;
-    Vec3 center = p.kin.xpos[M.body] + p.kin.xmat[M.body] * M.shape.center;
-    for (const Static& S : statics) {
-      if (pairing(M.name, S.name).ignore) continue;
-      if (S.kind == Static::Kind::HalfSpace) {
-        if (dot(S.n, center) - M.shape.bound - S.offset < best)
-          best = std::min(best, place(p, i).lowest(S.n) - S.offset);
-        continue;
-      }
-      Box3 box{center, center};
-      box.grow(M.shape.bound + std::max(best, 0.0));
-      if (S.kind == Static::Kind::Hull) {
-        if (box.meets(S.placed.box))
-          best = std::min(best, separate(place(p, i), S.placed, std::max(best, 0.0)).dist);
-      } else if (box.meets(S.tree->box())) {
-        best = std::min(best, S.tree->distance(place(p, i), std::max(best, 1e-9)));
-      }
-    }
-  }
-  return best < range ? best : std::numeric_limits<double>::infinity();
 }
 
 void World::save(std::vector<double>& out) const {

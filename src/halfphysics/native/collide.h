@@ -36,6 +36,17 @@ struct Pairing {  // of two names
   bool ignore = false;
 };
 
+// Two that are near enough to be looked at, and what is known of their distance. All of it only
+// saves work: what is skipped for it could not have been a candidate.
+struct Near {
+  int mover = 0;
+  int other_static = -1, other_mover = -1;  // one of them
+  double dist = -1e300;       // lower bound when last looked at [m]
+  double way = 0;             // what the two had travelled by then [m]
+  std::vector<Plane> planes;  // all that the other has lies behind them, within `reach` of there
+  double reach = 0;
+};
+
 // A pair of shapes that may meet in this substep.
 struct Candidate {
   int mover = 0;
@@ -62,6 +73,12 @@ struct Poses {
   std::vector<char> fresh;
 };
 
+// How movers get from one pose to another, without contact [m].
+struct Sweep {
+  std::vector<double> way;    // no point of the mover goes farther
+  std::vector<double> bulge;  // nor strays farther from the straight line between its ends
+};
+
 class World {
  public:
   std::vector<Mover> movers;
@@ -71,12 +88,27 @@ class World {
   ContactSettings settings;
 
   const Pairing& pairing(int a, int b) const { return pairings[a * n_names + b]; }
+  // Trees that take part, per body; the others' pairs are left out.
+  std::vector<char> active;
+
+  // Everybody is somewhere else now: nothing is known of distances.
+  void forget();
+  // The movers of active trees have gone from one pose to another.
+  void travel(const Poses& from, const Poses& to);
+  // Lists all pairs that can come within `way[mover]` of each other, and some that cannot, unless
+  // the list that there is says so already.
+  void list(const Model& m, const Poses& p, const std::vector<double>& way);
+  // Marks (per body) the trees of pairs that a sweep does not prove to stay clear of each other.
+  void find_busy(const Model& m, Poses& start, Poses& end, const Sweep& sweep,
+                 std::vector<char>& busy);
+  double travelled(int mover) const { return odometer_[mover]; }
+
   void start_poses(Poses& p) const;
   const Placed& place(Poses& p, int mover) const;
 
   // Remembers the pairs that start nearer than the clearance, or inside each other.
   void reset(const Model& m, Poses& start);
-  // All pairs within `reach[mover]` of each other.
+  // All listed pairs within `reach[mover]` of each other.
   void gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
               std::vector<Candidate>& out);
   // Smallest gap of a candidate at the end pose minus what it demands; forgives planes that are
@@ -91,7 +123,7 @@ class World {
   // The gap that a contact's own points have at the end pose.
   double gap_at(const Poses& start, const Poses& end, const Contact& c) const;
   // Smallest distance of a person's parts from the statics, up to `range`, inf beyond.
-  double clearance(const Model& m, Poses& p, double range) const;
+  double clearance(const Model& m, Poses& p, double range);
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
@@ -111,11 +143,25 @@ class World {
   void add_rim_contacts(const Placed& a0, const Placed& a1, const Candidate& c, int index,
                         Make make, std::vector<Contact>& contacts) const;
   bool may_touch(const Model& m, int a, int b) const;
+  Vec3 center(const Poses& p, int mover) const {
+    const Mover& M = movers[mover];
+    return p.kin.xpos[M.body] + p.kin.xmat[M.body] * M.shape.center;
+  }
+  double way_of(const Near& e) const {
+    return odometer_[e.mover] + (e.other_mover >= 0 ? odometer_[e.other_mover] : 0.0);
+  }
+  bool far(const Near& e, double r) const { return e.dist - (way_of(e) - e.way) > r; }
+  bool behind_planes(const Near& e, const Placed& a, double r) const;
+  void look(const Model& m, Poses& p, Near& e, double r);
   void demand(Candidate& c, double h);
   bool swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,
                    Poses& end) const;
 
   std::map<int64_t, PairState> pairs_;
+  std::vector<Near> near_;
+  std::vector<double> odometer_, listed_, range_;  // per mover [m]
+  bool has_list_ = false;
+  std::vector<Plane> planes_;
 };
 
 }  // namespace hp

@@ -2,13 +2,12 @@
 
 #include <cmath>
 
+#include "simd.h"
+
 namespace hp {
 
 namespace {
 
-// Few contacts are settled to this share of the tolerance: what is held or stacked must not creep.
-constexpr double kFine = 1e-5;
-constexpr int kFew = 12;
 // Sweeps after which the tolerance itself will do, and after which kEnough tolerances will.
 constexpr int kPatience = 6, kNoPatience = 12;
 // Sweeps before Newton steps are tried, and tried again.
@@ -17,6 +16,9 @@ constexpr int kSweeps = 3;
 // it adapts (Levenberg, Marquardt). Undamped steps are singular where points are redundant.
 constexpr int kSteps = 12, kFailures = 3;
 constexpr double kDamping = 1e-2, kLeastDamping = 1e-3, kMore = 5, kLess = 0.3;
+// Rounds of both that may bring nothing, and what counts as something.
+constexpr int kStalls = 2;
+constexpr double kProgress = 0.5;
 // Sweeps within the points of one pair, and from which on they take half steps: two contacts near
 // jamming may otherwise take turns for ever.
 constexpr int kWithin = 10, kHalf = 6;
@@ -89,8 +91,7 @@ void ContactProblem::product() {
   for (int i = 0; i < n3; i++) {
     double f = p[i];
     if (f == 0) continue;
-    const double* row = &A_[(size_t)i * stride_];
-    for (int j = 0; j < n3; j++) w[j] += f * row[j];
+    add_scaled(w, f, &A_[(size_t)i * stride_], n3);
   }
 }
 
@@ -153,7 +154,7 @@ void ContactProblem::settle(Group& g, double tolerance) {
            d2 = p[3 * i + 2] - old_[3 * a + 2];
     if (d0 == 0 && d1 == 0 && d2 == 0) continue;
     const double *r0 = &A_[(size_t)(3 * i) * stride_], *r1 = r0 + stride_, *r2 = r1 + stride_;
-    for (int j = 0; j < n3; j++) w[j] += d0 * r0[j] + d1 * r1[j] + d2 * r2[j];
+    add_scaled(w, d0, r0, d1, r1, d2, r2, n3);
   }
 }
 
@@ -232,7 +233,7 @@ bool ContactProblem::newton(double damping) {
       double* row = &jacobian_[(size_t)r * m3];
       const double f = row[c] * inv;
       if (f == 0) continue;
-      for (int d = c + 1; d < m3; d++) row[d] -= f * pivot[d];
+      add_scaled(row + c + 1, -f, pivot + c + 1, m3 - c - 1);
       x[r] -= f * x[c];
     }
   }
@@ -330,12 +331,14 @@ void ContactProblem::normals(double tolerance) {
   for (int i = 0; i < n; i++) p[3 * i] = std::max(x_[i], 0.0);
 }
 
-void ContactProblem::solve(double tolerance, int most, SolveReport& report) {
+void ContactProblem::solve(double tolerance, double fine, int most, SolveReport& report) {
   const int n_groups = (int)group_count_;
-  double goal = (size() <= kFew ? kFine : 1.0) * tolerance;
+  double goal = fine;
   finish_groups();
   product();
   report.residual = residual(false);
+  double least = 1e300;  // residual after a round
+  int stalled = 0;
   if (size() == 1) goal = -1;  // one sweep is exact: what rests feels nothing of where it started
   for (int it = 0; it < most && report.residual >= goal;) {
     for (int sweep = 0; sweep < kSweeps && it < most && report.residual >= goal; sweep++, it++) {
@@ -357,6 +360,11 @@ void ContactProblem::solve(double tolerance, int most, SolveReport& report) {
       }
       report.residual = residual(false);
     }
+    if (report.residual < kProgress * least)
+      stalled = 0;
+    else if (++stalled == kStalls)
+      break;
+    least = std::min(least, report.residual);
     if (it >= kPatience) goal = tolerance;
     if (it >= kNoPatience) goal = kEnough * tolerance;
   }

@@ -31,7 +31,8 @@ class ContactProblem {
   // Block sweeps find who carries and who slips; Newton steps then end it. Stops at `tolerance`
   // [m/s] or after `most` sweeps and steps; where friction is not settled by then the normal impulses are
   // solved for alone.
-  void solve(double tolerance, int most, SolveReport& report);
+  // For its first sweeps it aims at `fine` [m/s] instead.
+  void solve(double tolerance, double fine, int most, SolveReport& report);
 
  private:
   struct Group {

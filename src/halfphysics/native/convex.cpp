@@ -1,24 +1,20 @@
 #include "convex.h"
 
+#include "simd.h"
+
 namespace hp {
 
 namespace {
 
 constexpr double kClose = 2e-3;         // [m]
 constexpr double kTouching = 1e-5;      // [m]
+constexpr double kSeparates = 1e-6;     // [m]
 constexpr double kSameDistance = 1e-7;  // [m]
+constexpr double kProved = 1e-9;        // [m]
 
 }  // namespace
 
-int Points::support(Vec3 d) const {
-  double best = -1e300;
-  int at = 0;
-  for (int i = 0; i < n; i++) {
-    double s = d.x * x[i] + d.y * y[i] + d.z * z[i];
-    if (s > best) best = s, at = i;
-  }
-  return at;
-}
+int Points::support(Vec3 d) const { return farthest(x, y, z, n, d.x, d.y, d.z); }
 
 void Convex::finish() {
   Box3 box;
@@ -30,6 +26,9 @@ void Convex::finish() {
     bound = std::max(bound, std::hypot(along, across + rim));
   }
   bound += radius;
+  xyz.clear();
+  for (int k = 0; k < 3; k++)
+    for (Vec3 v : vertices) xyz.push_back(v[k]);
 }
 
 void Placed::place(const Convex& c, const Mat3& rot, Vec3 pos) {
@@ -38,13 +37,10 @@ void Placed::place(const Convex& c, const Mat3& rot, Vec3 pos) {
   center = pos + rot * c.center;
   int n = (int)c.vertices.size();
   xyz.resize(3 * n);
-  double *x = xyz.data(), *y = x + n, *z = y + n;
-  box = {};
-  for (int i = 0; i < n; i++) {
-    Vec3 p = pos + rot * c.vertices[i];
-    x[i] = p.x, y[i] = p.y, z[i] = p.z;
-    box.add(p);
-  }
+  double at[3], lo[3], hi[3];
+  store3(at, pos);
+  transform(c.xyz.data(), n, rot.m, at, xyz.data(), lo, hi);
+  box = {load3(lo), load3(hi)};
   box.grow(c.radius);
   axis = rot * c.axis;
   if (c.rim == 0) return;
@@ -105,19 +101,27 @@ Nearest nearest_triangle(const Vec3* w, int i, int j, int k) {
   return {p, 3, {i, j, k}, {va * s, vb * s, vc * s}};
 }
 
-Nearest nearest_tetrahedron(const Vec3* w, bool& inside) {
+// Where the origin is known to be outside, a flat tetrahedron cannot make rounding say otherwise.
+Nearest nearest_tetrahedron(const Vec3* w, bool outside, bool& inside) {
   static const int face[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};
   Nearest best{};
   double least = 1e300;
   inside = true;
+  auto look = [&](const int* f) {
+    Nearest q = nearest_triangle(w, f[0], f[1], f[2]);
+    double d = norm2(q.p);
+    if (d < least) least = d, best = q;
+  };
   for (const int* f : face) {
     Vec3 n = cross(w[f[1]] - w[f[0]], w[f[2]] - w[f[0]]);
     double other = dot(w[f[3]] - w[f[0]], n), origin = -dot(w[f[0]], n);
     if (other * origin >= 0 && other != 0) continue;
     inside = false;
-    Nearest q = nearest_triangle(w, f[0], f[1], f[2]);
-    double d = norm2(q.p);
-    if (d < least) least = d, best = q;
+    look(f);
+  }
+  if (inside && outside) {
+    inside = false;
+    for (const int* f : face) look(f);
   }
   return best;
 }
@@ -126,14 +130,19 @@ Nearest nearest_tetrahedron(const Vec3* w, bool& inside) {
 
 double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond) {
   Simplex s;
-  Vec3 v = norm2(guess) > 1e-24 ? guess : Vec3{1, 0, 0};
+  Vec3 v = norm2(guess) > 1e-24 ? guess : Vec3{1, 0, 0}, best;
   double vv = 1e300;
+  double apart = 0;  // the distance that a separating direction has proved: `best`, a unit vector
   for (int it = 0; it < 64; it++) {
     Vec3 p = a.farthest(-v), q = b.farthest(v), w = p - q;
-    double vw = dot(v, w);
+    double vw = dot(v, w), length = norm(v);
+    if (vw > apart * length) {
+      apart = vw / length;
+      if (apart > beyond) return apart;
+      best = (1 / length) * v;
+    }
     if (s.n) {
       if (vv - vw <= 1e-13 * vv) break;  // no support point gets nearer
-      if (vw > 0 && vw * vw > beyond * beyond * vv) return vw / std::sqrt(vv);
       bool known = false;
       for (int k = 0; k < s.n; k++) known |= norm2(w - s.w[k]) < 1e-28;
       if (known) break;
@@ -144,8 +153,16 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
     Nearest near = s.n == 1   ? Nearest{s.w[0], 1, {0}, {1}}
                    : s.n == 2 ? nearest_segment(s.w, 0, 1)
                    : s.n == 3 ? nearest_triangle(s.w, 0, 1, 2)
-                              : nearest_tetrahedron(s.w, inside);
-    if (inside || norm2(near.p) < 1e-22) return 0;
+                              : nearest_tetrahedron(s.w, apart > kProved, inside);
+    if (inside || norm2(near.p) < 1e-22) {
+      if (apart > kProved) break;  // by rounding alone
+      return 0;
+    }
+    if (apart > kTouching && norm2(near.p) < apart * apart * (1 - 1e-9)) {
+      // Nearer than can be: the plane of a thin triangle is tilted by rounding, its corners not.
+      near.p = {};
+      for (int k = 0; k < near.n; k++) near.p += near.l[k] * s.w[near.id[k]];
+    }
     if (norm2(near.p) >= vv) break;  // rounding: no further progress
     Simplex kept;
     kept.n = near.n;
@@ -160,8 +177,10 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
     v = near.p;
     vv = norm2(v);
   }
+  double found = std::sqrt(vv);
+  if (apart > kProved && apart < (1 - 1e-7) * found) v = apart * best, found = apart;
   pb = pa - v;  // exactly along v
-  return std::sqrt(vv);
+  return found;
 }
 
 Separation separate_along(const Placed& a, const Placed& b, Vec3 n) {
@@ -184,9 +203,10 @@ Separation separate(const Placed& a, const Placed& b, double beyond) {
   if (d > 1e-9) {
     Vec3 n = (1 / d) * (pa - pb);
     Separation found{d - round, n, pa - a.shape->radius * n, pb + b.shape->radius * n};
-    if (d > kClose) return found;
-    // So near, rounding tilts the line between the nearest points. A face normal that separates
-    // as well is the direction that was meant; friction on a tilted one would creep.
+    if (d > kClose && a.shape->rim == 0 && b.shape->rim == 0) return found;
+    // So near (and between flat ends of round things even farther off) rounding tilts the line
+    // between the nearest points. A face normal that separates as well is the direction that was
+    // meant; friction on a tilted one would creep.
     double like = d < kTouching ? 0.9 : 0.9999;
     for (Vec3 f : a.shape->normals)
       if (-dot(a.R * f, n) > like) consider(-(a.R * f));
@@ -197,10 +217,14 @@ Separation separate(const Placed& a, const Placed& b, double beyond) {
       Vec3 side = n - dot(n, c->axis) * c->axis;  // length is its cosine to n
       if (norm(side) > like) consider((1 / norm(side)) * side);
     }
-    if (best.dist < found.dist - kSameDistance) return found;
-    found.n = best.n;
-    found.dist = best.dist;
-    return found;
+    if (best.dist >= found.dist - kSameDistance) {
+      found.n = best.n;
+      found.dist = best.dist;
+      return found;
+    }
+    // A line of rounding's length may point anywhere: only one that separates counts.
+    consider(n);
+    if (d > kTouching || best.dist >= found.dist - kSeparates) return found;
   }
   for (Vec3 n : a.shape->normals) consider(-(a.R * n));
   for (Vec3 n : b.shape->normals) consider(b.R * n);
@@ -222,7 +246,7 @@ Separation separate(const Placed& a, const Placed& b, double beyond) {
 namespace {
 
 struct P2 {
-  double u, v;
+  double u, v, height;
 };
 
 double cross2(P2 o, P2 a, P2 b) { return (a.u - o.u) * (b.v - o.v) - (a.v - o.v) * (b.u - o.u); }
@@ -235,7 +259,7 @@ std::vector<P2> near_face(const Placed& s, Vec3 n, Vec3 t, Vec3 b, double tol) {
   Support swept = s.support();
   double low = dot(n, p.at(p.support(-n)));
   std::vector<P2> pts;
-  auto add = [&](Vec3 x) { pts.push_back({dot(t, x), dot(b, x)}); };
+  auto add = [&](Vec3 x) { pts.push_back({dot(t, x), dot(b, x), dot(n, x)}); };
   for (int i = 0; i < p.n; i++) {
     Vec3 x = p.at(i);
     if (dot(n, x) > low + tol) continue;
@@ -263,12 +287,35 @@ std::vector<P2> near_face(const Placed& s, Vec3 n, Vec3 t, Vec3 b, double tol) {
 
 }  // namespace
 
+namespace {
+
+// Height of a near face at a point: of the plane through its widest three corners, or of an edge.
+double height_at(const std::vector<P2>& face, P2 q) {
+  const P2 &o = face[0], &e = face[1];
+  if (face.size() == 2) {
+    double u = e.u - o.u, v = e.v - o.v, along = (q.u - o.u) * u + (q.v - o.v) * v;
+    return o.height + along / (u * u + v * v) * (e.height - o.height);
+  }
+  size_t i = 1, j = 2;
+  double widest = 0;
+  for (size_t k = 1; k < face.size(); k++)
+    for (size_t l = k + 1; l < face.size(); l++) {
+      double area = cross2(o, face[k], face[l]);
+      if (area > widest) widest = area, i = k, j = l;
+    }
+  double f = cross2(o, q, face[j]) / widest, g = cross2(o, face[i], q) / widest;
+  return o.height + f * (face[i].height - o.height) + g * (face[j].height - o.height);
+}
+
+}  // namespace
+
 int face_manifold(const Placed& a, const Placed& b, Vec3 n, double tol, int most, Vec3* pa,
                   Vec3* pb) {
   Vec3 t, s;
   tangents(n, t, s);
   std::vector<P2> A = near_face(a, n, t, s, tol), B = near_face(b, -n, t, s, tol);
   if (A.size() < 2 || B.size() < 2 || (A.size() == 2 && B.size() == 2)) return 0;
+  const std::vector<P2> face_a = A, face_b = B;
   if (B.size() == 2) std::swap(A, B);
   // Clip A (a segment or polygon) by the edges of the polygon B (Sutherland, Hodgman 1974).
   for (size_t e = 0; e < B.size() && !A.empty(); e++) {
@@ -280,7 +327,7 @@ int face_manifold(const Placed& a, const Placed& b, Vec3 n, double tol, int most
       if (fc >= 0) out.push_back(c);
       if ((fc < 0) != (fd < 0)) {
         double f = fc / (fc - fd);
-        out.push_back({c.u + f * (d.u - c.u), c.v + f * (d.v - c.v)});
+        out.push_back({c.u + f * (d.u - c.u), c.v + f * (d.v - c.v), 0});
       }
     }
     A = out;
@@ -297,11 +344,10 @@ int face_manifold(const Placed& a, const Placed& b, Vec3 n, double tol, int most
     for (P2 q : pick) known |= std::hypot(q.u - best.u, q.v - best.v) < 1e-9;
     if (!known) pick.push_back(best);
   }
-  double la = a.lowest(n), hb = b.highest(n);
   for (size_t k = 0; k < pick.size(); k++) {
     Vec3 base = pick[k].u * t + pick[k].v * s;
-    pa[k] = base + la * n;
-    pb[k] = base + hb * n;
+    pa[k] = base + (height_at(face_a, pick[k]) - a.shape->radius) * n;
+    pb[k] = base + (b.shape->radius - height_at(face_b, pick[k])) * n;  // of -n
   }
   return (int)pick.size();
 }

@@ -45,7 +45,9 @@ struct Convex {
   Vec3 center;       // of the bounding sphere, body's frame
   double bound = 0;  // its radius, rounding included
 
-  void finish();  // fills center and bound
+  std::vector<double> xyz;  // the vertices, one coordinate after the other
+
+  void finish();  // fills center, bound and xyz
 };
 
 // The shape at one pose.
@@ -92,7 +94,7 @@ Separation separate(const Placed& a, const Placed& b, double beyond = 1e300);
 Separation separate_along(const Placed& a, const Placed& b, Vec3 n);
 
 // Points where the faces of a and b that are nearest along n overlap, as pairs with
-// pa - pb parallel to n: up to `most` of them, none for point or edge contacts.
+// pa - pb parallel to n, on both surfaces: up to `most` of them, none for point or edge contacts.
 int face_manifold(const Placed& a, const Placed& b, Vec3 n, double tol, int most, Vec3* pa,
                   Vec3* pb);
 

@@ -7,6 +7,8 @@ namespace hp {
 namespace {
 
 constexpr double kRootTime = 0.3;  // time constant of root recovery [s]
+// What is left of a contact is dropped when it is this small: angles [rad], velocities [m/s, rad/s].
+constexpr double kSettledAngle = 1e-11, kSettledSpeed = 1e-9;
 
 Vec3 difference(const double* from, const double* to) {
   return log_quat(conjugate(load4(from)) * load4(to));
@@ -28,11 +30,11 @@ Drive::Drive(const Model& m, int root_body) {
   qpos0_ = m.jnt_qpos[j];
   dof0_ = m.jnt_dof[j];
   nq_ = 7, nv_ = 6;
-  balls_.push_back({3, 3});
+  balls_.push_back({3, 3, root_body});
   for (int b = root_body + 1; b < m.nbody && m.root[b] == root_body; b++)
     for (int i = m.jnt_first[b]; i < m.jnt_first[b] + m.jnt_count[b]; i++) {
       need(m.jnt_type[i] == Joint::Ball);
-      balls_.push_back({m.jnt_qpos[i] - qpos0_, m.jnt_dof[i] - dof0_});
+      balls_.push_back({m.jnt_qpos[i] - qpos0_, m.jnt_dof[i] - dof0_, b});
       nq_ += 4, nv_ += 3;
     }
   target_.resize(nq_);
@@ -46,29 +48,91 @@ void Drive::reset(const double* target, double* qvel) {
   previous_ = q_start_ = target_;
   for (auto* v : {&v_ref_, &deviation_, &v_drive_}) v->assign(nv_, 0);
   for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = 0;
+  exact_ = true;
+  velocity_known_ = true;
 }
 
-void Drive::begin_frame(const Model&, const DriveSettings& s, const double* target, double dt,
-                        const double* qpos, double* qvel) {
-  const double* q = qpos + qpos0_;
-  previous_ = target_;
+void Drive::aim(const DriveSettings& s, const double* target, double dt, const double* qpos) {
+  velocity_known_ = true;
+  dt_ = dt;
+  previous_.swap(target_);
   target_.assign(target, target + nq_);
-  Vec3 root = (1 / dt) * (load3(target) - load3(previous_.data()));
+  root_velocity_ = (1 / dt) * (load3(target) - load3(previous_.data()));
   if (s.recover_root) {
     // Measured against the reference as it was when this pose was reached.
-    Vec3 u = ((1 - std::exp(-dt / kRootTime)) / dt) * (load3(previous_.data()) - load3(q));
-    root += capped(u, s.root_speed);
+    Vec3 u = ((1 - std::exp(-dt / kRootTime)) / dt) *
+             (load3(previous_.data()) - load3(qpos + qpos0_));
+    root_velocity_ += capped(u, s.root_speed);
   }
-  store3(v_ref_.data(), root);
+}
+
+bool Drive::settled(const DriveSettings& s, const double* qpos) const {
+  if (exact_) return true;
+  if (s.time_constant > 0)
+    for (double e : deviation_)
+      if (std::fabs(e) > kSettledSpeed) return false;
+  for (const Ball& b : balls_) {
+    Quat turn = conjugate(load4(&previous_[b.qpos])) * load4(qpos + qpos0_ + b.qpos);
+    if (norm2(Vec3{turn.x, turn.y, turn.z}) > kSettledAngle * kSettledAngle) return false;
+  }
+  return true;
+}
+
+void Drive::follow(double share, double* qpos) const {
+  double* q = qpos + qpos0_;
+  store3(q, load3(q) + (share * dt_) * root_velocity_);
+  for (const Ball& b : balls_) {
+    Quat to = load4(&target_[b.qpos]), now = load4(q + b.qpos);
+    // Of the two that are the same rotation, the one that goes on from where it is.
+    if (to.w * now.w + to.x * now.x + to.y * now.y + to.z * now.z < 0)
+      to = {-to.w, -to.x, -to.y, -to.z};
+    if (share < 1) {
+      Quat from = load4(&previous_[b.qpos]);
+      to = normalized(from * exp_quat(share * log_quat(conjugate(from) * to)));
+    }
+    store4(q + b.qpos, to);
+  }
+}
+
+void Drive::followed() {
+  exact_ = true;
+  velocity_known_ = false;
+  std::fill(deviation_.begin(), deviation_.end(), 0.0);
+}
+
+void Drive::velocity(double* qvel) const {
+  if (velocity_known_) return;
+  double* v = qvel + dof0_;
+  store3(v, root_velocity_);
   for (const Ball& b : balls_)
-    store3(&v_ref_[b.dof], (1 / dt) * difference(&previous_[b.qpos], target + b.qpos));
-  if (s.time_constant == 0) {
-    q_start_.assign(q, q + nq_);
-    store3(v_drive_.data(), root);
-    for (const Ball& b : balls_)
-      store3(&v_drive_[b.dof], (1 / dt) * difference(q + b.qpos, target + b.qpos));
-    for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = v_drive_[i];
+    store3(v + b.dof, (1 / dt_) * difference(&previous_[b.qpos], &target_[b.qpos]));
+}
+
+void Drive::speeds(std::vector<double>& angular, Vec3& root) const {
+  root = root_velocity_;
+  angular.resize(balls_.size());
+  for (size_t i = 0; i < balls_.size(); i++) {
+    int q = balls_[i].qpos;
+    Quat turn = conjugate(load4(&previous_[q])) * load4(&target_[q]);
+    double s = std::min(1.0, norm(Vec3{turn.x, turn.y, turn.z}));
+    // 2 asin(s) <= 2 s + (pi - 2) s^3 on [0, 1].
+    angular[i] = (2 * s + (M_PI - 2) * s * s * s) / dt_;
   }
+}
+
+void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel) {
+  const double* q = qpos + qpos0_;
+  exact_ = false;
+  const double rate = 1 / dt_;
+  store3(v_ref_.data(), root_velocity_);
+  for (const Ball& b : balls_)
+    store3(&v_ref_[b.dof], rate * difference(&previous_[b.qpos], &target_[b.qpos]));
+  if (s.time_constant > 0) return;
+  q_start_.assign(q, q + nq_);
+  store3(v_drive_.data(), root_velocity_);
+  for (const Ball& b : balls_)
+    store3(&v_drive_[b.dof], rate * difference(q + b.qpos, &target_[b.qpos]));
+  for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = v_drive_[i];
 }
 
 void Drive::added_inertia(const Model& m, const Inertia& inertia, const DriveSettings& s,
@@ -128,6 +192,7 @@ void Drive::end_substep(const double* qvel) {
 
 void Drive::save(std::vector<double>& out) const {
   for (const auto* v : {&target_, &v_ref_, &deviation_}) out.insert(out.end(), v->begin(), v->end());
+  out.push_back(exact_ ? 1 : 0);
 }
 
 const double* Drive::load(const double* in) {
@@ -136,6 +201,8 @@ const double* Drive::load(const double* in) {
     in += v->size();
   }
   previous_ = q_start_ = target_;
+  exact_ = *in++ != 0;
+  velocity_known_ = true;
   return in;
 }
 

@@ -26,9 +26,24 @@ class Drive {
 
   // The body is put at `target` (qpos layout of the person) at rest.
   void reset(const double* target, double* qvel);
-  // Start of a frame of length dt towards `target`; Algorithm 1 sets qvel here.
-  void begin_frame(const Model& m, const DriveSettings& s, const double* target, double dt,
-                   const double* qpos, double* qvel);
+  // Start of a frame of length dt towards `target`.
+  void aim(const DriveSettings& s, const double* target, double dt, const double* qpos);
+  // Is the person where the motion has it, but for the root's position, and at its velocity? Then
+  // nothing but contact can keep it from the target.
+  bool settled(const DriveSettings& s, const double* qpos) const;
+  // The pose at the end of the frame (share 1), or before it, of who is settled and meets nothing;
+  // `qpos` is the pose at its start.
+  void follow(double share, double* qpos) const;
+  // The frame was followed to its end.
+  void followed();
+  // The frame is stepped through instead: velocities; Algorithm 1 sets qvel here.
+  void begin_frame(const DriveSettings& s, const double* qpos, double* qvel);
+  // Whoever followed a frame has the motion's velocity.
+  void velocity(double* qvel) const;
+  // Upper bound of each joint's angular speed while following [rad/s], per ball joint: the root
+  // first; and the root's velocity.
+  void speeds(std::vector<double>& angular, Vec3& root) const;
+  int body(int ball) const { return balls_[ball].body; }
   // Velocity v* that substep k (of length h, from pose qpos) would have without contact, and
   // the deviation eps - h v that PJSC restores (Algorithm 1 with lambda > 0; zero at the root
   // and wherever the motion is free). True if any is not zero: then the caller adds
@@ -51,12 +66,17 @@ class Drive {
  private:
   struct Ball {
     int qpos, dof;  // relative to the person's first
+    int body;
   };
   int qpos0_, dof0_, nq_, nv_;
   std::vector<Ball> balls_;  // the root's rotation first
   std::vector<double> target_, previous_;   // qpos layout
   std::vector<double> v_ref_, deviation_;   // dof layout
   std::vector<double> q_start_, v_drive_;   // Algorithm 1: pose and velocity at the frame's start
+  double dt_ = 0;
+  Vec3 root_velocity_;
+  bool exact_ = false;  // the pose is the target's, bit for bit, but for the root's position
+  bool velocity_known_ = true;
 };
 
 }  // namespace hp

@@ -11,6 +11,8 @@ namespace {
 constexpr int kJoins = 12;
 // Who misses this share of the tolerance joins: a corner that is left out sinks by as much.
 constexpr double kJoin = 1e-3;
+constexpr double kRough = 10;
+constexpr double kFine = 1e-5;
 
 }  // namespace
 
@@ -156,17 +158,30 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
   for (int l = 0; l < n; l++)
     if (norm2(contacts[ids[l]].impulse) > 0) join(m, k, inertia, contacts[ids[l]], ids[l]);
   join_worst([&](int i) { return demand_[3 * i]; }, true);
+  // What rests, things on things, must not creep by what a tolerance allows.
+  bool things = true;
+  for (int l = 0; l < n && things; l++)
+    for (const Endpoint* e : {&contacts[ids[l]].a, &contacts[ids[l]].b})
+      for (int q = 0; q < e->count; q++)
+        things &= m.last_dof[e->body[q]] < 0 || m.row_size[m.last_dof[e->body[q]]] <= 6;
+  const double fine = things ? kFine * tolerance : tolerance;
+  // Roughly while others may join, then properly.
   SolveReport mine;
+  bool rough = true;
   for (int round = 0;; round++) {
-    problem_.solve(tolerance, max_sweeps, mine);
-    if (round == kJoins || (int)rows_.size() == n) break;
+    rough = rough && round < kJoins && (int)rows_.size() < n;
+    problem_.solve(rough ? kRough * tolerance : tolerance, rough ? kRough * tolerance : fine,
+                   max_sweeps, mine);
+    if (round >= kJoins || (int)rows_.size() == n) break;
     response(m, k, inertia);
     auto violation = [&](int i) {
       const Contact& c = contacts[i];
       return demand_[3 * i] + dot(c.n, endpoint_velocity(m, k, response_, c.a) -
                                            endpoint_velocity(m, k, response_, c.b));
     };
-    if (!join_worst(violation, false)) break;
+    if (join_worst(violation, false)) continue;
+    if (!rough) break;
+    rough = false;
   }
   for (int l = 0; l < n; l++) contacts[ids[l]].impulse = {};
   for (size_t i = 0; i < rows_.size(); i++) {

@@ -10,6 +10,9 @@ namespace hp {
 namespace {
 
 constexpr int kPasses = 8;         // solve and verify, at most
+// What is stepped through may stray this far from what it would do by itself before those who
+// follow their motion are asked again [m].
+constexpr double kStray = 0.03;
 constexpr double kSlackReach = 0.004;  // planes are asked for this much farther than needed [m]
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
@@ -55,18 +58,183 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   for (Drive& d : drives_) d.reset(&qpos_[d.first_qpos()], qvel_.data());
   warm_.clear();
   touches_.clear();
+  world.forget();
+  pose_known_ = false;
+  start_pose();
+  world.reset(model, start_);
+}
+
+void Stepper::start_pose() {
+  if (pose_known_) return;
+  world.active.assign(model.nbody, 1);
   start_.kin.update(model, qpos_.data());
   world.start_poses(start_);
-  world.reset(model, start_);
+  pose_known_ = true;
+}
+
+const std::vector<double>& Stepper::qvel() {
+  for (Drive& d : drives_) d.velocity(qvel_.data());
+  return qvel_;
+}
+
+// How the parts of a person who follows the motion move. Joint rates are constant in the child's
+// frame, so that angular velocities add up along the chain and turn with it: with W the sum of
+// their bounds, B that of the turning, a point at r has speed <= V + W r and acceleration
+// <= A + (W^2 + B) r, and stays within dt^2/8 times that of the line between its ends.
+void Stepper::sweep_of(const Drive& d, double dt, const std::vector<char>& busy) {
+  if (busy[d.body(0)]) return;
+  Vec3 root;
+  d.speeds(angular_, root);
+  spin_bound_.resize(model.nbody);
+  turn_bound_.resize(model.nbody);
+  speed_bound_.resize(model.nbody);  // accelerations of the frames' origins
+  for (size_t i = 0; i < angular_.size(); i++) {
+    int b = d.body((int)i), p = model.parent[b];
+    double w = angular_[i];
+    if (i == 0) {
+      spin_bound_[b] = w, turn_bound_[b] = 0, speed_bound_[b] = 0;
+      continue;
+    }
+    double arm = norm(model.pos[b]);
+    spin_bound_[b] = spin_bound_[p] + w;
+    turn_bound_[b] = turn_bound_[p] + spin_bound_[p] * w;
+    speed_bound_[b] =
+        speed_bound_[p] + (spin_bound_[p] * spin_bound_[p] + turn_bound_[p]) * arm;
+  }
+  for (size_t i = 0; i < world.movers.size(); i++) {
+    const Mover& m = world.movers[i];
+    if (model.root[m.body] != model.root[d.body(0)]) continue;
+    int b = m.body;
+    double reach = norm(m.shape.center) + m.shape.bound;
+    double bulge = 0.125 * dt * dt *
+                   (speed_bound_[b] + (spin_bound_[b] * spin_bound_[b] + turn_bound_[b]) * reach);
+    const Quat &p = start_.kin.xquat[b], &q = end_.kin.xquat[b];
+    double cosine = std::fabs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z);
+    double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    Vec3 from = start_.kin.xpos[b] + start_.kin.xmat[b] * m.shape.center,
+         to = end_.kin.xpos[b] + end_.kin.xmat[b] * m.shape.center;
+    sweep_.bulge[i] = bulge;
+    sweep_.way[i] = norm(to - from) + 2 * sine * m.shape.bound + bulge;
+  }
+}
+
+// People who are where the motion has them and meet nothing on their whole way to its next frame
+// need no steps: they arrive there.
+void Stepper::find_busy(double dt, std::vector<char>& busy) {
+  busy.assign(model.nbody, 1);
+  q_free_ = qpos_;
+  bool any = false;
+  for (const Drive& d : drives_) {
+    if (!d.settled(drive_settings, qpos_.data())) continue;
+    busy[d.body(0)] = 0;
+    d.follow(1, q_free_.data());
+    any = true;
+  }
+  if (!any) return;
+  world.active.assign(model.nbody, 0);
+  for (int b = 1; b < model.nbody; b++) world.active[b] = !busy[model.root[b]];
+  end_.kin.update(model, q_free_.data(), world.active.data());
+  world.start_poses(end_);
+  const size_t n = world.movers.size();
+  sweep_.way.assign(n, 0);
+  sweep_.bulge.assign(n, 0);
+  assumed_.assign(n, 0);
+  // Whoever is stepped through is assumed not to get much farther than it would by itself.
+  bool stepped = false;
+  for (size_t i = 0; i < n; i++) {
+    int b = world.movers[i].body;
+    if (!busy[model.root[b]]) continue;
+    if (!stepped) {
+      start_.kin.update_dofs(model, qpos_.data());
+      body_twists(model, start_.kin, qvel().data(), twists_);
+      stepped = true;
+    }
+    double fall = norm(gravity) * dt * dt;
+    sweep_.way[i] = 1.5 * dt * speed_bound(world.movers[i], twists_) + fall + kStray;
+    assumed_[i] = world.travelled((int)i) + sweep_.way[i];
+  }
+  for (const Drive& d : drives_) sweep_of(d, dt, busy);
+  world.active.assign(model.nbody, 1);
+  world.list(model, start_, sweep_.way);
+  world.find_busy(model, start_, end_, sweep_, busy);
 }
 
 void Stepper::frame(const double* targets, double dt, int n, std::vector<double>* poses) {
   touches_.clear();
   diagnostics_ = {};
+  disturbed_.assign(model.nbody, 0);
+  start_pose();
+  settled_.clear();
   for (Drive& d : drives_) {
-    d.begin_frame(model, drive_settings, targets, dt, qpos_.data(), qvel_.data());
+    d.aim(drive_settings, targets, dt, qpos_.data());
+    settled_.push_back(d.settled(drive_settings, qpos_.data()));
     targets += d.qpos_count();
   }
+  const size_t first_row = poses ? poses->size() : 0;
+  q_start_ = qpos_;
+  find_busy(dt, busy_);
+  bool any_busy = false, any_free = false;
+  for (int b = 1; b < model.nbody; b++)
+    if (model.root[b] == b) (busy_[b] ? any_busy : any_free) = true;
+  if (any_busy && any_free) {
+    followed_ = start_;
+    std::vector<double> before = save();
+    std::vector<Drive> drives = drives_;
+    substeps(dt, n, poses);
+    bool strayed = false;
+    for (size_t i = 0; i < world.movers.size(); i++)
+      strayed |= busy_[model.root[world.movers[i].body]] &&
+                 world.travelled((int)i) > assumed_[i];
+    if (strayed) {  // they got farther after all: again, step by step for everybody
+      restore(before);
+      drives_ = drives;
+      world.forget();
+      if (poses) poses->resize(first_row);
+      diagnostics_ = {};
+      touches_.clear();
+      disturbed_.assign(model.nbody, 0);
+      busy_.assign(model.nbody, 1);
+      any_free = false;
+      substeps(dt, n, poses);
+    }
+  } else if (any_busy) {
+    substeps(dt, n, poses);
+  } else if (poses) {
+    for (int k = 0; k < n; k++) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
+  }
+  // Whom nothing touched has arrived, stepped through or not: the same bits either way.
+  for (size_t i = 0; i < drives_.size(); i++) {
+    Drive& d = drives_[i];
+    if (!settled_[i] || disturbed_[d.body(0)]) continue;
+    const int first = d.first_qpos(), count = d.qpos_count();
+    auto arrive = [&](double share, double* q) {
+      std::copy_n(&q_start_[first], count, q + first);
+      d.follow(share, q);
+    };
+    if (poses)
+      for (int k = 0; k < n; k++)
+        arrive((k + 1.0) / n, &(*poses)[first_row + (size_t)k * model.nq]);
+    arrive(1, qpos_.data());
+    d.followed();
+  }
+  if (!any_free) return;
+  if (any_busy) {
+    // Who followed has travelled too.
+    for (int b = 1; b < model.nbody; b++) world.active[b] = !busy_[model.root[b]];
+    end_.kin.update(model, qpos_.data());
+    world.start_poses(end_);
+    world.travel(followed_, end_);
+  } else {
+    world.travel(start_, end_);
+  }
+  std::swap(start_, end_);
+  world.active.assign(model.nbody, 1);
+}
+
+void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
+  for (int b = 1; b < model.nbody; b++) world.active[b] = busy_[model.root[b]];
+  for (Drive& d : drives_)
+    if (busy_[d.body(0)]) d.begin_frame(drive_settings, qpos_.data(), qvel_.data());
   for (int k = 0; k < n; k++) {
     substep(k, dt / n);
     if (poses) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
@@ -78,6 +246,7 @@ void Stepper::build_inertia(double h) {
   inertia_.compose(model, start_.kin);
   std::fill(extra_.begin(), extra_.end(), 0.0);
   for (const Drive& d : drives_) {
+    if (!world.active[d.body(0)]) continue;
     d.added_inertia(model, inertia_, drive_settings, extra_);
     double s = d.scale(drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
@@ -90,6 +259,7 @@ void Stepper::build_inertia(double h) {
 // velocity; `spin_` keeps what is then missing to the velocity at the end of the substep.
 void Stepper::object_velocity(double h) {
   for (int b : objects_) {
+    if (!world.active[b]) continue;
     int d = model.dof_first[b];
     Vec3 v = load3(&qvel_[d]) + h * gravity, w0 = load3(&qvel_[d + 3]);
     Mat3 R = to_matrix(model.iquat[b]), I;
@@ -124,8 +294,9 @@ void Stepper::free_velocity(int k, double h) {
   std::fill(torque_.begin(), torque_.end(), 0.0);
   bool any = false;
   for (const Drive& d : drives_)
-    any |= d.free_velocity(drive_settings, k, h, qpos_.data(), qvel_.data(), v_free_.data(),
-                           torque_.data());
+    if (world.active[d.body(0)])
+      any |= d.free_velocity(drive_settings, k, h, qpos_.data(), qvel_.data(), v_free_.data(),
+                             torque_.data());
   if (any) {
     build_inertia(h);
     for (int i = 0; i < model.nv; i++) torque_[i] *= extra_[i] / h;
@@ -145,8 +316,8 @@ double Stepper::speed_bound(const Mover& m, const std::vector<Twist>& t) const {
 void Stepper::pose_at(const std::vector<double>& v, double h, Poses& out,
                       std::vector<double>& q) {
   q = qpos_;
-  integrate(model, q.data(), v.data(), h);
-  out.kin.update(model, q.data());
+  integrate(model, q.data(), v.data(), h, world.active.data());
+  out.kin.update(model, q.data(), world.active.data());
   world.start_poses(out);
 }
 
@@ -172,6 +343,8 @@ void Stepper::remember() {
   for (const Contact& c : contacts_) {
     if (norm2(c.impulse) == 0) continue;
     const Candidate& k = candidates_[c.pair];
+    disturbed_[model.root[world.movers[k.mover].body]] = 1;
+    if (k.other_mover >= 0) disturbed_[model.root[world.movers[k.other_mover].body]] = 1;
     const Mover& m = world.movers[k.mover];
     Vec3 local = mul_t(start_.kin.xmat[m.body], c.position - start_.kin.xpos[m.body]);
     warm_.push_back({c.key, c.feature, local, c.n, c.impulse});
@@ -275,7 +448,10 @@ double Stepper::shorten(double h) {
   }
   double lost = 0;
   for (int b = 1; b < model.nbody; b++)
-    if (hurt[b]) at[b] = good[b], lost = std::max(lost, 1 - good[b]);
+    if (hurt[b]) {
+      at[b] = good[b], lost = std::max(lost, 1 - good[b]);
+      disturbed_[model.root[b]] = 1;
+    }
   move();
   return lost;
 }
@@ -335,10 +511,8 @@ bool Stepper::bounce(double h, bool good, double& worst) {
 
 void Stepper::substep(int k, double h) {
   inertia_ready_ = false;
-  start_.kin.update(model, qpos_.data());
   // Twists need the dofs' axes.
-  start_.kin.update_dofs(model, qpos_.data());
-  world.start_poses(start_);
+  start_.kin.update_dofs(model, qpos_.data(), world.active.data());
   free_velocity(k, h);
   v_ = v_free_;
   contacts_.clear();
@@ -348,17 +522,25 @@ void Stepper::substep(int k, double h) {
   const double clear = world.settings.clearance;
   body_twists(model, start_.kin, v_.data(), twists_);
   reach_.resize(world.movers.size());
-  double fastest = 0;
+  fastest_.assign(model.nbody, 0);
   for (size_t i = 0; i < reach_.size(); i++) {
+    reach_[i] = 0;
+    const int b = world.movers[i].body;
+    if (!world.active[b]) continue;
     reach_[i] = h * speed_bound(world.movers[i], twists_);
-    fastest = std::max(fastest, reach_[i]);
+    fastest_[model.root[b]] = std::max(fastest_[model.root[b]], reach_[i]);
   }
   // A contact can speed up what is slow now: a share of the fastest part's way for everyone.
-  for (double& r : reach_) r = 1.25 * std::max(r, 0.35 * fastest) + clear + kSlackReach;
+  for (size_t i = 0; i < reach_.size(); i++) {
+    const int b = world.movers[i].body;
+    if (world.active[b])
+      reach_[i] = 1.25 * std::max(reach_[i], 0.35 * fastest_[model.root[b]]) + clear + kSlackReach;
+  }
 
   double worst = 0;
   bool good = true;
   for (int query = 0; query < 4; query++) {
+    world.list(model, start_, reach_);
     world.gather(model, start_, reach_, h, candidates_);
     if (candidates_.empty()) break;
     diagnostics_.candidates = std::max(diagnostics_.candidates, (int)candidates_.size());
@@ -384,6 +566,7 @@ void Stepper::substep(int k, double h) {
     body_twists(model, start_.kin, v_.data(), twists_);
     bool beyond = false;
     for (size_t i = 0; i < reach_.size(); i++) {
+      if (!world.active[world.movers[i].body]) continue;
       double way = h * speed_bound(world.movers[i], twists_) + clear;
       if (way > reach_[i]) reach_[i] = 1.25 * way + kSlackReach, beyond = true;
     }
@@ -412,20 +595,24 @@ void Stepper::substep(int k, double h) {
     if (contacts_.empty()) trace.contacts.clear();
     trace.h = h, trace.k = k;
   }
+  world.travel(start_, end_);
+  std::swap(start_, end_);
   qpos_ = q_end_;
   qvel_ = v_;
   for (int b : objects_)
-    for (int i = 3; i < 6; i++) qvel_[model.dof_first[b] + i] += spin_[model.dof_first[b] + i];
-  for (Drive& d : drives_) d.end_substep(qvel_.data());
+    if (world.active[b])
+      for (int i = 3; i < 6; i++) qvel_[model.dof_first[b] + i] += spin_[model.dof_first[b] + i];
+  for (Drive& d : drives_)
+    if (world.active[d.body(0)]) d.end_substep(qvel_.data());
 }
 
 double Stepper::clearance() {
-  start_.kin.update(model, qpos_.data());
-  world.start_poses(start_);
+  start_pose();
   return world.clearance(model, start_, clearance_range);
 }
 
-std::vector<double> Stepper::save() const {
+std::vector<double> Stepper::save() {
+  qvel();
   std::vector<double> out(qpos_);
   out.insert(out.end(), qvel_.begin(), qvel_.end());
   for (const Drive& d : drives_) d.save(out);
@@ -439,6 +626,13 @@ std::vector<double> Stepper::save() const {
 }
 
 void Stepper::load(const std::vector<double>& state) {
+  restore(state);
+  world.forget();
+  touches_.clear();
+}
+
+void Stepper::restore(const std::vector<double>& state) {
+  pose_known_ = false;
   const double* in = state.data();
   std::copy(in, in + model.nq, qpos_.begin());
   in += model.nq;
@@ -450,7 +644,7 @@ void Stepper::load(const std::vector<double>& state) {
   for (int n = (int)*in++; n > 0; n--, in += 12)
     warm_.push_back({((int64_t)in[0] << 32) | (int64_t)in[1], (int)in[2], load3(in + 3),
                      load3(in + 6), load3(in + 9)});
-  touches_.clear();
+  start_pose();
 }
 
 }  // namespace hp

@@ -45,12 +45,12 @@ class Stepper {
   void frame(const double* targets, double dt, int n, std::vector<double>* poses = nullptr);
 
   const std::vector<double>& qpos() const { return qpos_; }
-  const std::vector<double>& qvel() const { return qvel_; }
+  const std::vector<double>& qvel();
   const std::vector<Touch>& touches() const { return touches_; }
   const Diagnostics& diagnostics() const { return diagnostics_; }
   double clearance();  // of the present pose
 
-  std::vector<double> save() const;
+  std::vector<double> save();
   void load(const std::vector<double>& state);
 
   // The last substep's problem and answer, for comparison with the reference.
@@ -64,6 +64,12 @@ class Stepper {
   Trace trace;
 
  private:
+  void start_pose();
+  // Marks the trees that have to be stepped through; the others' end of frame is in q_free_.
+  void find_busy(double dt, std::vector<char>& busy);
+  void sweep_of(const Drive& d, double dt, const std::vector<char>& busy);
+  void substeps(double dt, int n, std::vector<double>* poses);
+  void restore(const std::vector<double>& state);
   void substep(int k, double h);
   void free_velocity(int k, double h);
   void object_velocity(double h);
@@ -87,10 +93,17 @@ class Stepper {
   };
 
   std::vector<Drive> drives_;
+  bool pose_known_ = false;  // start_ is the pose of qpos_
+  Sweep sweep_;
+  std::vector<double> q_free_, angular_, spin_bound_, turn_bound_, speed_bound_;
+  std::vector<char> busy_, settled_, disturbed_;  // busy and disturbed: per body
+  std::vector<double> q_start_, fastest_;
+  std::vector<double> assumed_;  // per mover: what the others' sweeps allow it to travel [m]
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;
   Poses start_, end_;
+  Poses followed_;  // the start of the frame, for those who follow their motion
   Inertia inertia_;
   bool inertia_ready_ = false;
   std::vector<Twist> twists_;

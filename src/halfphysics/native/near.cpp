@@ -1,0 +1,188 @@
+// Who is near whom: what need not be looked at in a substep, or in a whole frame.
+#include <cmath>
+#include <limits>
+
+#include "collide.h"
+
+namespace hp {
+
+namespace {
+
+constexpr double kMargin = 0.1;  // pairs are listed this much farther than asked [m]
+// Plane tests decide up to this; what is nearer is looked at properly [m].
+constexpr double kRounding = 1e-9;
+
+}  // namespace
+
+void World::forget() {
+  near_.clear();
+  has_list_ = false;
+  odometer_.assign(movers.size(), 0);
+  listed_.assign(movers.size(), 0);
+  range_.assign(movers.size(), 0);
+}
+
+void World::travel(const Poses& from, const Poses& to) {
+  for (int i = 0; i < (int)movers.size(); i++) {
+    int b = movers[i].body;
+    if (!active[b]) continue;
+    const Quat &p = from.kin.xquat[b], &q = to.kin.xquat[b];
+    double cosine = std::fabs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z);
+    double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));  // of half the turn
+    odometer_[i] += norm(center(to, i) - center(from, i)) + 2 * sine * movers[i].shape.bound;
+  }
+}
+
+void World::list(const Model& m, const Poses& p, const std::vector<double>& way) {
+  const int n = (int)movers.size();
+  bool good = has_list_;
+  for (int i = 0; i < n && good; i++) good = odometer_[i] - listed_[i] + way[i] <= range_[i];
+  if (good) return;
+  has_list_ = true;
+  listed_ = odometer_;
+  std::vector<Vec3> at(n);
+  std::vector<Box3> box(n);
+  std::vector<Box3> tree(m.nbody);
+  for (int i = 0; i < n; i++) {
+    range_[i] = 2 * way[i] + kMargin;
+    at[i] = center(p, i);
+    box[i].add(at[i]);
+    box[i].grow(movers[i].shape.bound + range_[i]);
+    Box3& t = tree[m.root[movers[i].body]];
+    t.add(box[i].lo), t.add(box[i].hi);
+  }
+  std::vector<Near> old;
+  old.swap(near_);
+  size_t next = 0;
+  auto order = [](const Near& e) {
+    return e.other_static >= 0 ? e.other_static : (1 << 30) + e.other_mover;
+  };
+  auto add = [&](Near&& e) {
+    while (next < old.size() && (old[next].mover < e.mover ||
+                                 (old[next].mover == e.mover && order(old[next]) < order(e))))
+      next++;
+    if (next < old.size() && old[next].mover == e.mover && order(old[next]) == order(e))
+      near_.push_back(std::move(old[next++]));
+    else
+      near_.push_back(std::move(e));
+  };
+  for (int i = 0; i < n; i++) {
+    const Mover& M = movers[i];
+    for (int j = 0; j < (int)statics.size(); j++) {
+      const Static& S = statics[j];
+      if (S.kind == Static::Kind::HalfSpace) {
+        if (dot(S.n, at[i]) - M.shape.bound - S.offset > range_[i]) continue;
+      } else {
+        const Box3& other = S.kind == Static::Kind::Hull ? S.placed.box : S.tree->box();
+        if (!tree[m.root[M.body]].meets(other) || !box[i].meets(other)) continue;
+      }
+      if (pairing(M.name, S.name).ignore) continue;
+      Near e;
+      e.mover = i;
+      e.other_static = j;
+      add(std::move(e));
+    }
+    for (int j = i + 1; j < n; j++) {
+      if (m.root[M.body] == m.root[movers[j].body]) continue;
+      if (!box[i].meets(box[j]) || !may_touch(m, i, j)) continue;
+      Near e;
+      e.mover = i;
+      e.other_mover = j;
+      add(std::move(e));
+    }
+  }
+}
+
+// Does what is known of the other keep it farther than r? The planes hold where they were asked for.
+bool World::behind_planes(const Near& e, const Placed& a, double r) const {
+  if (e.planes.empty() || way_of(e) - e.way + r > e.reach) return false;
+  for (const Plane& p : e.planes)
+    if (p.overlaps || a.lowest(p.n) - p.offset <= r + kRounding) return false;
+  return true;
+}
+
+// Looks at a pair of a mover and a static properly, up to a distance of r.
+void World::look(const Model&, Poses& p, Near& e, double r) {
+  const Placed& a = place(p, e.mover);
+  const Static& S = statics[e.other_static];
+  e.way = way_of(e);
+  e.reach = r;
+  if (S.kind == Static::Kind::HalfSpace) {
+    e.dist = a.lowest(S.n) - S.offset;
+    e.planes = {{S.n, S.offset, e.dist, -1, false}};
+  } else if (S.kind == Static::Kind::Hull) {
+    Separation s = separate(a, S.placed, r);
+    e.dist = s.dist;
+    e.planes.clear();
+    if (norm2(s.n) > 0)
+      e.planes.push_back({s.n, S.placed.highest(s.n), s.dist, -1, s.dist < 0});
+  } else {
+    if (!S.tree->planes(a, r, e.planes)) e.reach = 0;
+    e.dist = r;
+    for (const Plane& q : e.planes) e.dist = std::min(e.dist, q.dist);
+  }
+}
+
+void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& sweep,
+                      std::vector<char>& busy) {
+  for (Near& e : near_) {
+    const Mover& M = movers[e.mover];
+    const int mine = m.root[M.body];
+    const double clear = settings.clearance + kRounding;
+    if (e.other_mover >= 0) {
+      const int its = m.root[movers[e.other_mover].body];
+      if (busy[mine] && busy[its]) continue;
+      double r = sweep.way[e.mover] + sweep.way[e.other_mover] + clear;
+      if (far(e, r)) continue;
+      e.dist = separate(place(start, e.mover), place(start, e.other_mover), r + kMargin).dist;
+      e.way = way_of(e);
+      if (e.dist <= r) busy[mine] = busy[its] = 1;
+      continue;
+    }
+    if (busy[mine]) continue;
+    double r = sweep.way[e.mover] + clear;
+    if (far(e, r)) continue;
+    // On the outer side at both ends and nowhere farther from the line between: clear.
+    auto passes = [&]() {
+      if (e.planes.empty() || way_of(e) - e.way + r > e.reach) return false;
+      double bulge = clear + sweep.bulge[e.mover];
+      for (const Plane& p : e.planes)
+        if (p.overlaps || place(start, e.mover).lowest(p.n) - p.offset <= bulge ||
+            place(end, e.mover).lowest(p.n) - p.offset <= bulge)
+          return false;
+      return true;
+    };
+    if (passes()) continue;
+    look(m, start, e, r + kMargin);
+    if (e.dist > r || passes()) continue;
+    busy[mine] = 1;
+  }
+}
+
+double World::clearance(const Model& m, Poses& p, double range) {
+  std::vector<double> way(movers.size(), 0.0);
+  for (size_t i = 0; i < movers.size(); i++)
+    if (movers[i].person >= 0) way[i] = range;
+  list(m, p, way);
+  double best = range;
+  for (Near& e : near_) {
+    const Mover& M = movers[e.mover];
+    if (M.person < 0 || e.other_static < 0 || far(e, best)) continue;
+    const Static& S = statics[e.other_static];
+    const Placed& a = place(p, e.mover);
+    if (S.kind == Static::Kind::HalfSpace) {
+      e.dist = a.lowest(S.n) - S.offset;
+      e.way = way_of(e);
+      best = std::min(best, e.dist);
+      continue;
+    }
+    if (best >= 0 && behind_planes(e, a, best)) continue;
+    if (S.kind == Static::Kind::Hull)
+      best = std::min(best, separate(a, S.placed, std::max(best, 0.0)).dist);
+    else
+      best = std::min(best, S.tree->distance(a, std::max(best, 1e-9)));
+  }
+  return best < range ? best : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace hp

@@ -1,0 +1,127 @@
+#include "simd.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+// On x86-64 Linux these functions are compiled twice, and the machine chooses when the library is
+// loaded. (Not under a sanitizer, whose own start comes too late for that.)
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__)
+#define HP_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define HP_CLONES
+#endif
+
+namespace hp {
+
+#if defined(__GNUC__)
+
+namespace {
+
+typedef double V __attribute__((vector_size(32), aligned(8), may_alias));
+typedef long long I __attribute__((vector_size(32)));
+
+}  // namespace
+
+HP_CLONES int farthest(const double* x, const double* y, const double* z, int n, double dx,
+                       double dy, double dz) {
+  double best = -1e300;
+  int at = 0, i = 0;
+  if (n >= 8) {
+    V most = {-1e300, -1e300, -1e300, -1e300};
+    I where = {0, 0, 0, 0}, here = {0, 1, 2, 3};
+    for (; i + 4 <= n; i += 4) {
+      V s = dx * *(const V*)(x + i) + dy * *(const V*)(y + i) + dz * *(const V*)(z + i);
+      I more = s > most;
+      most = more ? s : most;
+      where = more ? here : where;
+      here += 4;
+    }
+    for (int k = 0; k < 4; k++)
+      if (most[k] > best || (most[k] == best && where[k] < at)) best = most[k], at = (int)where[k];
+  }
+  for (; i < n; i++) {
+    double s = dx * x[i] + dy * y[i] + dz * z[i];
+    if (s > best) best = s, at = i;
+  }
+  return at;
+}
+
+HP_CLONES void transform(const double* v, int n, const double* R, const double* p, double* out,
+                         double* lo, double* hi) {
+  const double *x = v, *y = v + n, *z = v + 2 * n;
+  for (int k = 0; k < 3; k++) {
+    const double a = R[3 * k], b = R[3 * k + 1], c = R[3 * k + 2], q = p[k];
+    double* o = out + (size_t)k * n;
+    double least = 1e300, most = -1e300;
+    int i = 0;
+    if (n >= 8) {
+      V low = {1e300, 1e300, 1e300, 1e300}, high = -low;
+      for (; i + 4 <= n; i += 4) {
+        V s = q + (a * *(const V*)(x + i) + b * *(const V*)(y + i) + c * *(const V*)(z + i));
+        *(V*)(o + i) = s;
+        low = s < low ? s : low;
+        high = s > high ? s : high;
+      }
+      for (int l = 0; l < 4; l++) least = std::min(least, low[l]), most = std::max(most, high[l]);
+    }
+    for (; i < n; i++) {
+      double s = q + (a * x[i] + b * y[i] + c * z[i]);
+      o[i] = s;
+      least = std::min(least, s), most = std::max(most, s);
+    }
+    lo[k] = least, hi[k] = most;
+  }
+}
+
+HP_CLONES void add_scaled(double* y, double a, const double* x, int n) {
+  int i = 0;
+  for (; i + 4 <= n; i += 4) *(V*)(y + i) += a * *(const V*)(x + i);
+  for (; i < n; i++) y[i] += a * x[i];
+}
+
+HP_CLONES void add_scaled(double* y, double a, const double* x0, double b, const double* x1,
+                          double c, const double* x2, int n) {
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    *(V*)(y + i) +=
+        a * *(const V*)(x0 + i) + b * *(const V*)(x1 + i) + c * *(const V*)(x2 + i);
+  for (; i < n; i++) y[i] += a * x0[i] + b * x1[i] + c * x2[i];
+}
+
+#else
+
+int farthest(const double* x, const double* y, const double* z, int n, double dx, double dy,
+             double dz) {
+  double best = -1e300;
+  int at = 0;
+  for (int i = 0; i < n; i++) {
+    double s = dx * x[i] + dy * y[i] + dz * z[i];
+    if (s > best) best = s, at = i;
+  }
+  return at;
+}
+
+void transform(const double* v, int n, const double* R, const double* p, double* out, double* lo,
+               double* hi) {
+  for (int k = 0; k < 3; k++) {
+    lo[k] = 1e300, hi[k] = -1e300;
+    for (int i = 0; i < n; i++) {
+      double s = p[k] + (R[3 * k] * v[i] + R[3 * k + 1] * v[n + i] + R[3 * k + 2] * v[2 * n + i]);
+      out[k * n + i] = s;
+      lo[k] = std::min(lo[k], s), hi[k] = std::max(hi[k], s);
+    }
+  }
+}
+
+void add_scaled(double* y, double a, const double* x, int n) {
+  for (int i = 0; i < n; i++) y[i] += a * x[i];
+}
+
+void add_scaled(double* y, double a, const double* x0, double b, const double* x1, double c,
+                const double* x2, int n) {
+  for (int i = 0; i < n; i++) y[i] += a * x0[i] + b * x1[i] + c * x2[i];
+}
+
+#endif
+
+}  // namespace hp

@@ -1,0 +1,21 @@
+// The few loops over long arrays. Where the compiler has vector types they take four doubles at
+// once; the bits are the same with and without, on every machine: element by element the same
+// operations in the same order, none of them fused.
+#pragma once
+
+namespace hp {
+
+// Index of the largest dx x[i] + dy y[i] + dz z[i]: the first one of several.
+int farthest(const double* x, const double* y, const double* z, int n, double dx, double dy,
+             double dz);
+// out = p + R v for n points, coordinates one after the other in `v` and `out`; lo and hi receive
+// the smallest and largest coordinates.
+void transform(const double* v, int n, const double* R, const double* p, double* out, double* lo,
+               double* hi);
+// y += a x, over n numbers.
+void add_scaled(double* y, double a, const double* x, int n);
+// y += a x0 + b x1 + c x2, in this order for each number.
+void add_scaled(double* y, double a, const double* x0, double b, const double* x1, double c,
+                const double* x2, int n);
+
+}  // namespace hp

@@ -275,6 +275,8 @@ void bind_physics(nb::module_& m) {
            })
       .def("save", [](Stepper& s) { return array(s.save()); })
       .def("load", [](Stepper& s, Doubles state) { s.load(list<double>(state)); })
+      .def("keep_times", [](Stepper& s, bool on) { s.keep_times = on; })
+      .def("solve_times", [](Stepper& s) { return array(s.solve_times); })
       .def("keep_trace", [](Stepper& s, bool on) { s.keep_trace = on; })
       .def("trace",
            [](Stepper& s) {

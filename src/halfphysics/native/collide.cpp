@@ -9,6 +9,7 @@ namespace {
 constexpr double kGiveWay = 0.05;   // speed at which a clearance that was lost is regained [m/s]
 constexpr double kTouch = 1e-5;     // overlaps up to this at the start are contacts at rest [m]
 constexpr int kTurningPasses = 3;
+constexpr double kFlat = 1e-6;  // corners this much farther than the nearest point will do for it [m]
 constexpr int kMostPoints = 16;  // of contact for one plane or pair
 constexpr double kSamePoint2 = 2e-3 * 2e-3;  // points this near are one contact [m^2]
 constexpr double kSpread2 = 5e-3 * 5e-3;     // of the first points, where there is a choice [m^2]
@@ -128,7 +129,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
         if (gjk(A.support(), B.support(), A.center - B.center, pa, pb) <= 0) continue;
         pairs_.erase(known);
       }
-      Separation s = separate(A, B, r + kAhead);
+      Separation s = separate(A, B, e.dist > r ? r + kAhead : r);
       e.dist = s.dist;
       e.way = way_of(e);
       if (s.dist > r) continue;
@@ -140,7 +141,8 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
       continue;
     }
     if (behind_planes(e, A, r)) continue;
-    look(m, start, e, r + kAhead);
+    // What was near is asked again anyhow.
+    look(m, start, e, e.dist > r || e.dist == Near().dist ? r + kAhead : r);
     const Static& S = statics[e.other_static];
     if (S.kind == Static::Kind::Hull) {
       if (e.dist > r) continue;
@@ -249,7 +251,7 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
     if (gap >= c.target || c.dist < 0) return gap - c.target;
     // The plane between two things turns as they do: where their nearest sides are still the
     // same, what counts is their distance at the end.
-    Separation s = separate(a1, b1);
+    Separation s = separate(a1, b1, 1e300, false);
     if (s.dist > 0 && dot(s.n, c.n) > 0.5) return s.dist - c.target;
   }
   if (swept_clear(place(start, c.mover), a1, c, start, end)) {
@@ -441,9 +443,14 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     Vec3 pa[4], pb[4];
     int n = face_manifold(a0, b0, c.n, 2e-3, 4, pa, pb);
     // Each with its own gap: what stands at a slant must be free to lie down.
-    for (int i = 0; i < n; i++)
-      make_opposite(c.n, std::max(c.dist, dot(c.n, pa[i] - pb[i])), pa[i], pb[i], i);
-    if (n < 3) {
+    bool nearest = false;
+    for (int i = 0; i < n; i++) {
+      double gap = std::max(c.dist, dot(c.n, pa[i] - pb[i]));
+      make_opposite(c.n, gap, pa[i], pb[i], i);
+      nearest |= gap < c.dist + kFlat;
+    }
+    // The corners of a slanted face need not be where the two are nearest.
+    if (n < 3 || !nearest) {
       Separation s = c.dist > 0 ? separate(a0, b0) : separate_along(a0, b0, c.n);
       make_opposite(c.n, c.dist, s.pa, s.pb, 4);
     }
@@ -452,7 +459,7 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   const Placed &a1 = place(end, c.mover), &b1 = place(end, c.other_mover);
   // At first along the normal they would have at the end; where that does not settle, along the
   // one they start with: whatever is apart along any direction is apart.
-  Separation s = separate(a1, b1);
+  Separation s = separate(a1, b1, 1e300, false);
   bool settle = pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < 0.5;
   if (settle) {
     s.n = c.n;

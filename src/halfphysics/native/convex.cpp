@@ -189,7 +189,7 @@ Separation separate_along(const Placed& a, const Placed& b, Vec3 n) {
   return {dist, n, pa, pa - dist * n};
 }
 
-Separation separate(const Placed& a, const Placed& b, double beyond) {
+Separation separate(const Placed& a, const Placed& b, double beyond, bool way_out) {
   double round = a.shape->radius + b.shape->radius;
   Vec3 pa, pb;
   double d = gjk(a.support(), b.support(), a.center - b.center, pa, pb, beyond + round);
@@ -208,10 +208,11 @@ Separation separate(const Placed& a, const Placed& b, double beyond) {
     // between the nearest points. A face normal that separates as well is the direction that was
     // meant; friction on a tilted one would creep.
     double like = d < kTouching ? 0.9 : 0.9999;
+    const Vec3 in_a = mul_t(a.R, -n), in_b = mul_t(b.R, n);
     for (Vec3 f : a.shape->normals)
-      if (-dot(a.R * f, n) > like) consider(-(a.R * f));
+      if (dot(f, in_a) > like) consider(-(a.R * f));
     for (Vec3 f : b.shape->normals)
-      if (dot(b.R * f, n) > like) consider(b.R * f);
+      if (dot(f, in_b) > like) consider(b.R * f);
     for (const Placed* c : {&a, &b}) {
       if (c->shape->rim == 0) continue;
       Vec3 side = n - dot(n, c->axis) * c->axis;  // length is its cosine to n
@@ -226,6 +227,7 @@ Separation separate(const Placed& a, const Placed& b, double beyond) {
     consider(n);
     if (d > kTouching || best.dist >= found.dist - kSeparates) return found;
   }
+  if (!way_out) return {-1e300, {}, {}, {}};
   for (Vec3 n : a.shape->normals) consider(-(a.R * n));
   for (Vec3 n : b.shape->normals) consider(b.R * n);
   Vec3 line = a.center - b.center;

@@ -137,27 +137,45 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
   dof_.clear();
   y_.clear();
   problem_.clear(n);
-  auto join_worst = [&](auto violation, bool new_pairs) {
+  // The worst points of every pair, two at most at a time.
+  auto join_worst = [&](auto violation) {
     worst_.clear();
     for (int l = 0; l < n; l++) {
-      int i = ids[l], pair = contacts[i].pair;
-      if (joined_[i] || violation(i) >= -kJoin * tolerance) continue;
-      bool skip = false;
-      if (new_pairs)
-        for (const Row& r : rows_) skip |= contacts[r.contact].pair == pair;
-      for (int& j : worst_)
-        if (contacts[j].pair == pair) {
-          skip = true;
-          if (violation(i) < violation(j)) j = i;
+      const int i = ids[l];
+      if (joined_[i]) continue;
+      const double v = violation(i);
+      if (v >= -kJoin * tolerance) continue;
+      int rivals = 0;
+      Waiting* best = nullptr;
+      for (Waiting& w : worst_)
+        if (w.pair == contacts[i].pair) {
+          rivals++;
+          if (!best || w.violation > best->violation) best = &w;  // the least of them
         }
-      if (!skip) worst_.push_back(i);
+      if (rivals < 2)
+        worst_.push_back({i, contacts[i].pair, v});
+      else if (v < best->violation)
+        *best = {i, contacts[i].pair, v};
     }
-    for (int i : worst_) join(m, k, inertia, contacts[i], i);
+    for (const Waiting& w : worst_) join(m, k, inertia, contacts[w.contact], w.contact);
     return !worst_.empty();
   };
+  auto violation = [&](int i) {
+    const Contact& c = contacts[i];
+    return demand_[3 * i] + dot(c.n, endpoint_velocity(m, k, response_, c.a) -
+                                         endpoint_velocity(m, k, response_, c.b));
+  };
+  // Those that carried something before, and whatever is violated in spite of them.
   for (int l = 0; l < n; l++)
     if (norm2(contacts[ids[l]].impulse) > 0) join(m, k, inertia, contacts[ids[l]], ids[l]);
-  join_worst([&](int i) { return demand_[3 * i]; }, true);
+  if ((int)rows_.size() < n) {
+    if (rows_.empty()) {
+      join_worst([&](int i) { return demand_[3 * i]; });
+    } else {
+      response(m, k, inertia);
+      join_worst(violation);
+    }
+  }
   // What rests, things on things, must not creep by what a tolerance allows.
   bool things = true;
   for (int l = 0; l < n && things; l++)
@@ -174,12 +192,7 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
                    max_sweeps, mine);
     if (round >= kJoins || (int)rows_.size() == n) break;
     response(m, k, inertia);
-    auto violation = [&](int i) {
-      const Contact& c = contacts[i];
-      return demand_[3 * i] + dot(c.n, endpoint_velocity(m, k, response_, c.a) -
-                                           endpoint_velocity(m, k, response_, c.b));
-    };
-    if (join_worst(violation, false)) continue;
+    if (join_worst(violation)) continue;
     if (!rough) break;
     rough = false;
   }

@@ -92,7 +92,11 @@ class ContactSolver {
   std::vector<int> dof_;
   std::vector<double> y_;        // three per entry of dof_
   std::vector<double> scatter_;  // nv x 3, zero between uses
-  std::vector<int> worst_;
+  struct Waiting {
+    int contact, pair;
+    double violation;
+  };
+  std::vector<Waiting> worst_;
 };
 
 }  // namespace hp

@@ -1,5 +1,6 @@
 #include "stepper.h"
 
+#include <chrono>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -58,6 +59,7 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   for (Drive& d : drives_) d.reset(&qpos_[d.first_qpos()], qvel_.data());
   warm_.clear();
   touches_.clear();
+  solve_times.clear();
   world.forget();
   pose_known_ = false;
   start_pose();
@@ -457,6 +459,7 @@ double Stepper::shorten(double h) {
 }
 
 void Stepper::solve(double h) {
+  const auto begin = std::chrono::steady_clock::now();
   build_inertia(h);
   SolveReport r = solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(),
                                 contacts_, world.settings.tolerance / h, world.settings.max_sweeps);
@@ -466,6 +469,9 @@ void Stepper::solve(double h) {
   work_ += n3 * n3 * (model.nv + r.sweeps);
   solved_ = contacts_.size();
   if (keep_trace) trace.contacts = contacts_;
+  if (keep_times)
+    solve_times.back() +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 // Restitution of a pair that arrived fast enough: a second pass demands its rebound. True if all
@@ -511,6 +517,7 @@ bool Stepper::bounce(double h, bool good, double& worst) {
 
 void Stepper::substep(int k, double h) {
   inertia_ready_ = false;
+  if (keep_times) solve_times.push_back(0);
   // Twists need the dofs' axes.
   start_.kin.update_dofs(model, qpos_.data(), world.active.data());
   free_velocity(k, h);

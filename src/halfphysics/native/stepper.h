@@ -62,6 +62,9 @@ class Stepper {
   };
   bool keep_trace = false;
   Trace trace;
+  // Wall time of the solver in every substep since the last reset [s], where asked for.
+  bool keep_times = false;
+  std::vector<double> solve_times;
 
  private:
   void start_pose();

@@ -103,15 +103,20 @@ class Watch:
         result = coal.DistanceResult()
         return coal.distance(a[0], a[1], b[0], b[1], self.request, result)
 
-    def gap(self, qpos, against_objects=True):
-        """Smallest distance at one pose (inf: beyond `NEAR`), and between which two."""
+    def gap(self, qpos, against_objects=True, statics="all"):
+        """Smallest distance at one pose (inf: beyond `NEAR`), and between which two.
+
+        statics: Whose distance from them counts: "all", "things" (not the people's) or "none".
+        """
         best, pair = np.inf, ("", "")
         movers = self._movers(qpos)
         scene = self.simulator.world.scene
         for i, (name, shape, turn, position, radius) in enumerate(movers):
             pose = coal.Transform3s(turn, position)
-            for other, geometry, place, given in self.statics:
-                if scene.ignores("person" if name.startswith("person") else name, other):
+            human = name.startswith("person")
+            skipped = statics == "none" or (statics == "things" and human)
+            for other, geometry, place, given in [] if skipped else self.statics:
+                if scene.ignores("person" if human else name, other):
                     continue
                 if isinstance(given, Plane):
                     normal = place.getRotation() @ np.asarray(given.normal, float)

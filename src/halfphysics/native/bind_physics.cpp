@@ -2,7 +2,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <cstring>
+#include <algorithm>
 #include <stdexcept>
 
 #include "module.h"
@@ -38,7 +38,7 @@ std::vector<T> list(const A& a) {
 
 auto array(std::vector<size_t> shape, const std::vector<double>& values) {
   double* data = new double[values.size() + 1];
-  std::memcpy(data, values.data(), sizeof(double) * values.size());
+  std::copy(values.begin(), values.end(), data);  // memcpy may not be given the null of none
   nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
   return nb::ndarray<nb::numpy, double>(data, shape.size(), shape.data(), owner);
 }

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# The tests of the native core under the address and undefined-behaviour sanitizers of g++.
+#
+#   tools/sanitize.sh                 the tests listed below
+#   tools/sanitize.sh tests/test_x.py ...   others; arguments go to pytest
+#
+# Installs this checkout, instrumented, into build/sanitize, and runs it with the Python of .venv
+# (made by ./run test), or of PYTHON, which needs the test extra. Linux; needs g++.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+die() { printf 'sanitize: %s\n' "$*" >&2; exit 1; }
+
+site=$PWD/build/sanitize/site
+python=${PYTHON:-.venv/bin/python}
+cxx=${CXX:-g++}
+
+[ "$(uname -s)" = Linux ] || die "this runs on Linux only"
+"$python" -c 'import pytest, hypothesis, coal' 2>/dev/null ||
+  die "$python not found or without the test extra. Make it: ./run test"
+command -v "$cxx" >/dev/null 2>&1 || die "$cxx not found. Install it: apt install g++"
+
+# g++ prints a bare name for what it does not have.
+preload=
+for library in libasan.so libubsan.so libstdc++.so; do
+  path=$("$cxx" -print-file-name="$library")
+  [ "$path" != "$library" ] ||
+    die "$library of $cxx not found: the sanitizers need g++ and its libraries. Install them: apt install g++"
+  # Exceptions are intercepted only where the C++ library is there from the start.
+  preload=${preload:+$preload:}$path
+done
+
+if "$python" -m pip --version >/dev/null 2>&1; then
+  pip=("$python" -m pip)
+elif python3 -m pip --version >/dev/null 2>&1; then
+  pip=(python3 -m pip --python "$python")
+else
+  die "pip not found. Install it: apt install python3-pip"
+fi
+
+flags="-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer -g1"
+rm -rf "$site"
+CXX=$cxx "${pip[@]}" install --disable-pip-version-check --no-input --quiet --no-deps \
+  --target "$site" --config-settings=build-dir=build/sanitize/cmake \
+  --config-settings=cmake.build-type=RelWithDebInfo --config-settings=install.strip=false \
+  --config-settings=cmake.define.CMAKE_CXX_FLAGS="$flags" .
+grep -q __asan_init "$site"/halfphysics/_native*.so ||
+  die "the module in $site is not instrumented"
+
+if [ $# -eq 0 ]; then
+  set -- tests/test_{tree,convex,mesh_tree,reference,simulator,objects,fuzz}.py \
+    tests/test_{skinning,mesh_queries,metrics,drawing,render,strip}.py
+fi
+export PYTHONPATH=$site HALFPHYSICS_FUZZ=${HALFPHYSICS_FUZZ:-1}
+export ASAN_OPTIONS=detect_leaks=0:abort_on_error=0 UBSAN_OPTIONS=print_stacktrace=1
+export LD_PRELOAD=$preload
+found=$("$python" -c 'import halfphysics._native as n; print(n.__file__)')
+case $found in "$site"/*) ;; *) die "the tests would use $found instead of $site" ;; esac
+# What the sanitizers say goes to the file of errors itself: pytest must not hold that back.
+exec "$python" -m pytest -p no:cacheprovider --capture=sys "$@"

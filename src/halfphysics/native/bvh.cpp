@@ -17,6 +17,7 @@ constexpr double kTouch = 1e-4;
 constexpr double kShort = 1e-5, kSeparates = 1e-6;  // [m]
 constexpr int kLeaf = 4;
 constexpr int kMaxPlanes = 64;
+constexpr size_t kMostOutOfReach = 12;
 
 double half_area(const Box3& b) {
   Vec3 d = b.hi - b.lo;
@@ -267,7 +268,10 @@ Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach) {
   Vec3 pa, pb;
   double r = a.shape->radius,
          d = gjk(a.support(), tri, a.center - nearest_on(v, a.center), pa, pb, reach + r);
-  if (d > reach + r) return {{}, 0, d - r, t, false};
+  if (d > reach + r) {
+    Vec3 n = pa - pb;
+    return {n, std::max(dot(n, v[0]), std::max(dot(n, v[1]), dot(n, v[2]))), d - r, t, false};
+  }
   if (d > 1e-9) {
     Vec3 n = (1 / d) * (pa - pb);
     double offset = std::max(dot(n, v[0]), std::max(dot(n, v[1]), dot(n, v[2])));
@@ -292,8 +296,10 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
   // What is measured and what waits, kept for the next call: nothing is allocated once warm.
   static thread_local std::vector<Entry> heap;
   static thread_local std::vector<Plane> known;  // of triangles whose distance has been computed
+  static thread_local std::vector<Plane> out_of_reach;  // nothing behind these is within reach
   heap.clear();
   known.clear();
+  out_of_reach.clear();
   auto left_out = [&](int t) {
     return std::find(without.begin(), without.end(), t) != without.end();
   };
@@ -316,7 +322,10 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
     Vec3 v[3];
     triangle(old.triangle, v);
     Plane p = plane_to(a, v, old.triangle, reach);
-    if (p.dist > reach) continue;
+    if (p.dist > reach) {
+      out_of_reach.push_back(p);
+      continue;
+    }
     known.push_back(p);
     push(p.dist > 0 ? p.dist * p.dist : 0, -1 - old.triangle);
   }
@@ -332,6 +341,7 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
       auto behind = [&](const Plane& p) { return highest(node.box, p.n) <= p.offset + 1e-9; };
       bool culled = false;
       for (const Plane& p : out) culled |= !p.overlaps && behind(p);
+      for (const Plane& p : out_of_reach) culled |= behind(p);
       if (culled || wait(e, behind)) continue;
       if (node.left >= 0) {
         for (int child : {node.left, node.right}) {
@@ -360,6 +370,7 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
     };
     bool culled = false;
     for (const Plane& p : out) culled |= !p.overlaps && behind(p);
+    for (const Plane& p : out_of_reach) culled |= behind(p);
     if (culled) continue;
     auto it = std::find_if(known.begin(), known.end(), [&](const Plane& p) { return p.triangle == t; });
     if (it != known.end()) {
@@ -369,7 +380,10 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
     }
     if (wait(e, behind)) continue;
     Plane p = plane_to(a, v, t, reach);
-    if (p.dist > reach) continue;
+    if (p.dist > reach) {
+      if (out_of_reach.size() < kMostOutOfReach) out_of_reach.push_back(p);
+      continue;
+    }
     double d2 = p.dist > 0 ? p.dist * p.dist : 0;
     if (!heap.empty() && d2 > heap.front().d2) {
       known.push_back(p);

@@ -270,6 +270,9 @@ void World::search_behind(Poses& start, const std::vector<double>& reach, double
     if (k.mover == c.mover && k.other_static == c.other_static && k.searched)
       without.push_back(k.triangle);
   std::vector<Plane> planes;
+  for (const Candidate& k : all)
+    if (k.mover == c.mover && k.other_static == c.other_static && !k.searched)
+      planes.push_back({k.n, k.offset, k.dist, k.triangle, false});
   statics[c.other_static].tree->planes(place(start, c.mover), reach[c.mover], planes, without);
   c.searched = c.forgiven = false;
   for (const Plane& p : planes) {

@@ -138,8 +138,11 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
     double vw = dot(v, w), length = norm(v);
     if (vw > apart * length) {
       apart = vw / length;
-      if (apart > beyond) return apart;
       best = (1 / length) * v;
+      if (apart > beyond) {
+        pa = best, pb = {};
+        return apart;
+      }
     }
     if (s.n) {
       if (vv - vw <= 1e-13 * vv) break;  // no support point gets nearer
@@ -193,7 +196,7 @@ Separation separate(const Placed& a, const Placed& b, double beyond, bool way_ou
   double round = a.shape->radius + b.shape->radius;
   Vec3 pa, pb;
   double d = gjk(a.support(), b.support(), a.center - b.center, pa, pb, beyond + round);
-  if (d > beyond + round) return {d - round, {}, {}, {}};
+  if (d > beyond + round) return {d - round, pa - pb, {}, {}};
   Separation best;
   best.dist = -1e300;
   auto consider = [&](Vec3 n) {

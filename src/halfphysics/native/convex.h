@@ -76,7 +76,8 @@ struct Placed {
 };
 
 // Distance between two unrounded shapes (Gilbert, Johnson, Keerthi 1988) and the nearest points; 0 if
-// they touch or overlap. Stops early with a lower bound once that exceeds `beyond`.
+// they touch or overlap. Stops early with a lower bound once that exceeds `beyond`; pa - pb is then the
+// unit direction, from b to a, that proves it.
 double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond = 1e300);
 
 struct Separation {
@@ -85,7 +86,7 @@ struct Separation {
   Vec3 pa, pb;      // nearest points of the rounded shapes; pa - pb is parallel to n
 };
 
-// Distance of two rounded shapes, up to `beyond`. Where they overlap, n is the least-depth
+// Distance of two rounded shapes, up to `beyond` (then only dist, a lower bound, and n). Where they overlap, n is the least-depth
 // direction among the face normals of both and the line between their centres: exact for a point
 // or sphere in a hull and for faces that touch, an upper bound of the depth otherwise. Without
 // `way_out` an overlap is only said: dist is -1e300.

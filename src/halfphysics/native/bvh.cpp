@@ -294,12 +294,23 @@ Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach) {
 bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out,
                           const std::vector<int>& without) const {
   // What is measured and what waits, kept for the next call: nothing is allocated once warm.
+  struct Known {  // a triangle whose distance has been computed, and who waits for its turn
+    Plane plane;
+    int first = -1;
+  };
+  struct Waiting {
+    Entry entry;
+    int next;
+  };
   static thread_local std::vector<Entry> heap;
-  static thread_local std::vector<Plane> known;  // of triangles whose distance has been computed
+  static thread_local std::vector<Known> known;
+  static thread_local std::vector<Waiting> waiting;
   static thread_local std::vector<Plane> out_of_reach;  // nothing behind these is within reach
   heap.clear();
   known.clear();
+  waiting.clear();
   out_of_reach.clear();
+
   auto left_out = [&](int t) {
     return std::find(without.begin(), without.end(), t) != without.end();
   };
@@ -307,16 +318,33 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
     heap.push_back({d2, id});
     std::push_heap(heap.begin(), heap.end());
   };
-  // What lies behind a plane that is known is not nearer than that plane's triangle: it waits for
-  // its turn, and is culled if the plane is then one of those found.
-  auto wait = [&](const Entry& e, auto behind) {
-    double later = -1;
-    for (const Plane& p : known)
-      if (!p.overlaps && p.dist > 0 && p.dist * p.dist > e.d2 && behind(p))
-        later = std::max(later, p.dist * p.dist);
-    if (later >= 0) push(later * (1 + 1e-12), e.id);
-    return later >= 0;
+  auto square = [](const Plane& p) { return p.dist > 0 ? p.dist * p.dist : 0; };
+  // Culled by what is found, or set aside: what lies behind a plane that is known is not nearer
+  // than that plane's triangle, and culled with it if that is then found.
+  auto settled = [&](const Entry& e, auto behind) {
+    for (const Plane& p : out)
+      if (!p.overlaps && behind(p)) return true;
+    for (const Plane& p : out_of_reach)
+      if (behind(p)) return true;
+    for (Known& k : known) {
+      if (k.plane.overlaps || square(k.plane) <= e.d2 || !behind(k.plane)) continue;
+      waiting.push_back({e, k.first});
+      k.first = (int)waiting.size() - 1;
+      return true;
+    }
+    return false;
   };
+  auto node_settled = [&](const Entry& e) {
+    const Box3& box = nodes_[e.id].box;
+    return settled(e, [&](const Plane& p) { return highest(box, p.n) <= p.offset + 1e-9; });
+  };
+  auto triangle_settled = [&](const Entry& e, const Vec3 v[3]) {
+    return settled(e, [&](const Plane& p) {
+      double o = p.offset + 1e-7;
+      return dot(p.n, v[0]) <= o && dot(p.n, v[1]) <= o && dot(p.n, v[2]) <= o;
+    });
+  };
+
   for (const Plane& old : out) {
     if (left_out(old.triangle)) continue;
     Vec3 v[3];
@@ -324,70 +352,72 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
     Plane p = plane_to(a, v, old.triangle, reach);
     if (p.dist > reach) {
       out_of_reach.push_back(p);
-      continue;
+    } else {
+      known.push_back({p, -1});
+      push(square(p), -1 - old.triangle);
     }
-    known.push_back(p);
-    push(p.dist > 0 ? p.dist * p.dist : 0, -1 - old.triangle);
   }
   out.clear();
   double start = gap2(nodes_[0].box, a.box);
   if (start <= reach * reach) push(start, 0);
   while (!heap.empty() && (int)out.size() < kMaxPlanes) {
     std::pop_heap(heap.begin(), heap.end());
-    Entry e = heap.back();
+    const Entry e = heap.back();
     heap.pop_back();
     if (e.id >= 0) {
+      if (node_settled(e)) continue;
       const Node& node = nodes_[e.id];
-      auto behind = [&](const Plane& p) { return highest(node.box, p.n) <= p.offset + 1e-9; };
-      bool culled = false;
-      for (const Plane& p : out) culled |= !p.overlaps && behind(p);
-      for (const Plane& p : out_of_reach) culled |= behind(p);
-      if (culled || wait(e, behind)) continue;
       if (node.left >= 0) {
         for (int child : {node.left, node.right}) {
-          double d2 = gap2(nodes_[child].box, a.box);
-          if (d2 <= reach * reach) push(std::max(d2, e.d2), child);
+          Entry c{std::max(gap2(nodes_[child].box, a.box), e.d2), child};
+          if (c.d2 <= reach * reach && !node_settled(c)) push(c.d2, c.id);
         }
         continue;
       }
       for (int i = node.first; i < node.first + node.count; i++) {
         Vec3 v[3];
         triangle(order_[i], v);
-        Box3 b;
-        for (Vec3 p : v) b.add(p);
-        double d2 = gap2(b, a.box);
-        if (d2 <= reach * reach) push(std::max(d2, e.d2), -1 - order_[i]);
+        Box3 box;
+        for (Vec3 p : v) box.add(p);
+        Entry c{std::max(gap2(box, a.box), e.d2), -1 - order_[i]};
+        if (c.d2 <= reach * reach && !left_out(order_[i]) && !triangle_settled(c, v))
+          push(c.d2, c.id);
       }
       continue;
     }
     const int t = -1 - e.id;
-    if (left_out(t)) continue;
     Vec3 v[3];
     triangle(t, v);
-    auto behind = [&](const Plane& p) {
-      double o = p.offset + 1e-7;
-      return dot(p.n, v[0]) <= o && dot(p.n, v[1]) <= o && dot(p.n, v[2]) <= o;
-    };
-    bool culled = false;
-    for (const Plane& p : out) culled |= !p.overlaps && behind(p);
-    for (const Plane& p : out_of_reach) culled |= behind(p);
-    if (culled) continue;
-    auto it = std::find_if(known.begin(), known.end(), [&](const Plane& p) { return p.triangle == t; });
+    auto it = std::find_if(known.begin(), known.end(),
+                           [&](const Known& k) { return k.plane.triangle == t; });
     if (it != known.end()) {
-      // Before its distance's turn it only waits.
-      if (it->dist <= 0 || e.d2 >= it->dist * it->dist * (1 - 1e-12)) out.push_back(*it);
+      if (e.d2 < square(it->plane) * (1 - 1e-12)) continue;  // its turn comes
+      bool culled = false;
+      for (const Plane& p : out) {
+        double o = p.offset + 1e-7;
+        culled |= !p.overlaps && dot(p.n, v[0]) <= o && dot(p.n, v[1]) <= o && dot(p.n, v[2]) <= o;
+      }
+      if (!culled) {
+        out.push_back(it->plane);
+        it->first = -1;  // culled with it
+        continue;
+      }
+      // Culled itself, it holds nobody back.
+      int w = it->first;
+      it->plane.dist = 0;
+      for (; w >= 0; w = waiting[w].next) push(std::max(waiting[w].entry.d2, e.d2), waiting[w].entry.id);
+      it->first = -1;
       continue;
     }
-    if (wait(e, behind)) continue;
+    if (triangle_settled(e, v)) continue;
     Plane p = plane_to(a, v, t, reach);
     if (p.dist > reach) {
       if (out_of_reach.size() < kMostOutOfReach) out_of_reach.push_back(p);
       continue;
     }
-    double d2 = p.dist > 0 ? p.dist * p.dist : 0;
-    if (!heap.empty() && d2 > heap.front().d2) {
-      known.push_back(p);
-      push(d2, e.id);
+    if (!heap.empty() && square(p) > heap.front().d2) {
+      known.push_back({p, -1});
+      push(square(p), e.id);
     } else {
       out.push_back(p);
     }

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from halfphysics.world import World
 
 Array = NDArray[np.float64]
+
+#: How long the core runs before it comes back for air [s].
+_SLICE = 0.1
 
 #: A start deeper inside than this is worth a word [m].
 START_INSIDE = 1e-3
@@ -105,22 +108,28 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
             stacklevel=3,
         )
     lost_time = np.zeros(count)
-    substeps = [qpos[:1]]
+    substeps = [qpos[:1].copy()]
     rows, row_frames = [], []
-    steps: Iterable[int] = range(1, count)
-    if progress:
-        from tqdm import tqdm
-
-        steps = tqdm(steps, unit="frame", delay=2.0, disable=None, leave=False)
-    for t in steps:
-        substeps.append(simulator._move(targets[t], simulator.dt))
-        qpos[t] = stepper.qpos()
-        clearance[t] = stepper.clearance()
-        lost_time[t] = stepper.diagnostics()["lost_time"]
-        touched = stepper.touches()
-        if len(touched):
-            rows.append(touched)
-            row_frames.append(np.full(len(touched), t))
+    settings = simulator.settings
+    with _progress(count - 1, progress) as bar:
+        done = 1
+        while done < count:
+            # A slice of time at a time: the bar moves, and Ctrl-C is heard.
+            got = stepper.run(
+                targets[done:],
+                simulator.dt,
+                settings.substeps_for(simulator.dt),
+                settings.record == "substeps",
+                _SLICE,
+            )
+            frames = np.arange(done, done + len(got["qpos"]))
+            qpos[frames], clearance[frames] = got["qpos"], got["clearance"]
+            lost_time[frames] = got["lost_time"]
+            substeps.append(got["substeps"])
+            rows.append(got["touches"])
+            row_frames.append(np.repeat(frames, got["touch_count"].astype(np.int64)))
+            done += len(frames)
+            bar.update(len(frames))
     return Result(
         people=tuple(
             PersonResult(
@@ -142,9 +151,17 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
     )
 
 
+def _progress(frames: int, show: bool) -> Any:
+    """A progress bar on stderr where that is a terminal, after two seconds, if it is to show."""
+    from tqdm import tqdm
+
+    hidden = None if show else True
+    return tqdm(total=frames, unit="frame", delay=2.0, disable=hidden, leave=False)
+
+
 def _contacts(world: World, rows: list[Array], row_frames: list[NDArray[np.int64]]) -> Contacts:
     """The core's rows of all frames in terms of people and names."""
-    if not rows:
+    if not sum(map(len, rows)):
         return Contacts.none()
     columns, row = touches(world, np.concatenate(rows))
     return Contacts(frame=np.concatenate(row_frames)[row], **vars(columns))

@@ -3,6 +3,8 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstring>
 #include <stdexcept>
 
 #include "module.h"
@@ -102,6 +104,17 @@ void set_model(Stepper& s, Ints parent, Ints jnt_first, Ints jnt_count, Ints dof
   m.qpos0 = list<double>(qpos0);
   m.armature = list<double>(armature);
   m.finish();
+}
+
+// Columns: mover, other static, other mover, position, normal, impulse.
+void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
+  for (const Touch& t : touches) {
+    out.insert(out.end(), {(double)t.mover, (double)t.other_static, (double)t.other_mover});
+    double length = norm(t.normal);
+    push(out, t.weight > 0 ? (1 / t.weight) * t.position : t.position);
+    push(out, length > 0 ? (1 / length) * t.normal : t.normal);
+    push(out, t.impulse);
+  }
 }
 
 nb::dict contact_rows(const std::vector<Contact>& contacts) {
@@ -237,6 +250,41 @@ void bind_physics(nb::module_& m) {
              size_t rows = record ? n : 0;
              return array({rows, (size_t)s.model.nq}, poses);
            })
+      .def("run",
+           [](Stepper& s, Square targets, double dt, int n, bool record, double seconds) {
+             // As many frames as fit into `seconds` of wall time, one at least.
+             int want = 0;
+             for (int p = 0; p < s.person_count(); p++) want += s.person_qpos_count(p);
+             need((int)targets.shape(1) == want && targets.shape(0) > 0, "run: bad shape of targets");
+             std::vector<double> qpos, poses, clearance, lost, touches, counts;
+             size_t done = 0;
+             {
+               nb::gil_scoped_release release;
+               const auto begin = std::chrono::steady_clock::now();
+               auto spent = [&]() {
+                 return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
+                     .count();
+               };
+               do {
+                 s.frame(targets.data() + done * want, dt, n, record ? &poses : nullptr);
+                 qpos.insert(qpos.end(), s.qpos().begin(), s.qpos().end());
+                 clearance.push_back(s.clearance());
+                 lost.push_back(s.diagnostics().lost_time);
+                 counts.push_back((double)s.touches().size());
+                 touch_rows(s.touches(), touches);
+                 done++;
+               } while (done < targets.shape(0) && spent() < seconds);
+             }
+             size_t nq = s.model.nq;
+             nb::dict d;
+             d["qpos"] = array({done, nq}, qpos);
+             d["clearance"] = array(clearance);
+             d["lost_time"] = array(lost);
+             d["touch_count"] = array(counts);
+             d["touches"] = array({touches.size() / 12, 12}, touches);
+             d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
+             return d;
+           })
       .def("person_qpos", &Stepper::person_qpos)
       .def("person_qpos_count", &Stepper::person_qpos_count)
       .def("qpos", [](Stepper& s) { return array(s.qpos()); })
@@ -248,16 +296,8 @@ void bind_physics(nb::module_& m) {
            })
       .def("touches",
            [](Stepper& s) {
-             // Columns: mover, other static, other mover, position, normal, impulse.
              std::vector<double> out;
-             for (const Touch& t : s.touches()) {
-               out.insert(out.end(),
-                          {(double)t.mover, (double)t.other_static, (double)t.other_mover});
-               double length = norm(t.normal);
-               push(out, t.weight > 0 ? (1 / t.weight) * t.position : t.position);
-               push(out, length > 0 ? (1 / length) * t.normal : t.normal);
-               push(out, t.impulse);
-             }
+             touch_rows(s.touches(), out);
              return array({s.touches().size(), 12}, out);
            })
       .def("diagnostics",

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from clear_judge import Judge
 from coal_scene import Watch
-from fuzz_cases import Case, build, cases, settings_of, start_of, things
+from fuzz_cases import Case, Form, Person, Thing, build, cases, settings_of, start_of, things
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from people import t_pose, violent
@@ -29,9 +29,10 @@ from halfphysics.simulator import Simulator
 COAL = 1e-6
 #: Momentum is a sum of floating-point numbers, relative to its largest.
 ROUNDING = 1e-10
-#: A clearance that was lost comes back at 0.05 m/s at most, and by 1 mm at most: what that may
-#: give in a substep, per kilogram [J/kg].
-REGAINED = 0.5 * 0.05**2 + 9.81 * 0.001
+#: A clearance that was lost comes back at this speed at most [m/s].
+REGAINED = 0.05
+#: Up to this turn in a substep [rad] passive things are held to gain no energy.
+TURN = 0.3
 
 
 def drawn(few):
@@ -132,35 +133,98 @@ def test_people_and_things_go_through_nothing(case):
 def test_things_go_through_nothing_and_gain_no_energy(thrown, case):
     case = Case(**{**vars(case), "things": thrown})
     run = build(case, floor=True)
-    world = run.simulator.world
-    assume(world.things)
-    frames, energies = [], []
-    stepper = world.stepper
-    run.simulator.reset([])
-    for _ in range(case.fps * 3 // 2):
-        energies.append(energy(world, stepper.qpos(), stepper.qvel()))
-        frames.append(run.simulator.step([]))
+    assume(run.simulator.world.things)
+    frames, energies = fall(run)
     check_clear(run, frames)
-    for place in world.things:
+    for place in run.simulator.world.things:
         x = np.concatenate([f.substeps[:, place.qpos : place.qpos + 3] for f in frames])
         assert x[:, 0].max() < 1.2  # this side of the wall
         assert x[:, 2].min() > 0.0  # and of the floor
     if all(thing.form.restitution == 0.0 for thing in thrown):
-        mass = sum(thing.mass for thing in world.scene.objects.values())
-        most = mass * REGAINED * case.substeps + ROUNDING * np.abs(energies).max()
-        assert np.diff(energies).max(initial=0.0) <= most
+        check_energy(run, energies)
 
 
-def energy(world, qpos, qvel):
-    """Kinetic and potential energy of all things [J]."""
-    total = 0.0
+@pytest.mark.xfail(strict=True, reason="what is kept of near pairs changes rounding")
+def test_a_state_taken_in_the_middle_of_a_clash_goes_on_bit_for_bit():
+    """Two people at 5 m/s; a simulator that takes over in frame 7 is off by up to 0.5 mm."""
+    other = Person(betas=(-1.1555933531577653,), speed=5.0, wild=0.84593909, spin=3.2406, seed=6551)
+    case = Case(people=(Person(speed=5.0, seed=227), other), fps=30, substeps=1)
+    check_same_again(case, play(build(case)))
+
+
+#: A rod that rolls at 9 m/s, and one that a fall onto its end has set spinning.
+RODS = {
+    "rolling": Case(
+        things=(
+            Thing(
+                Form("capsule", (0.05, 0.218, 0.1), (0.0, 0.0, 0.512), (0.0, 2.189, 0.0)),
+                mass=3.0,
+                velocity=(-9.016, -5.205, -1.643),
+                spin=(0.0, 0.333, -5.316),
+            ),
+        ),
+        fps=30,
+        substeps=8,
+    ),
+    "spun": Case(
+        things=(
+            Thing(
+                Form("capsule", (0.03125, 0.25, 0.25), (0.0, 0.0, 1.0), friction=0.3),
+                mass=0.01,
+                velocity=(0.0, 2.0, 0.0),
+                spin=(0.0, 1.0, 0.0),
+            ),
+        ),
+        fps=30,
+        substeps=1,
+    ),
+}
+
+
+@pytest.mark.xfail(strict=True, reason="contacts of what turns by a radian in a substep add energy")
+@pytest.mark.parametrize("name", RODS)
+def test_rods_that_turn_by_radians_in_a_substep_gain_no_energy(name):
+    """360 rad/s at h = 1/240 s: 15 J/kg in one frame; 100 rad/s at h = 1/30 s: 3.8 J/kg."""
+    run = build(RODS[name], floor=True)
+    check_energy(run, fall(run)[1], any_turn=True)
+
+
+def fall(run):
+    """One and a half seconds without people: the frames, and (energy [J], turn of the fastest in
+    a substep [rad]) after each."""
+    run.simulator.reset([])
+    frames, energies = [], [energy(run)]
+    for _ in range(run.case.fps * 3 // 2):
+        frames.append(run.simulator.step([]))
+        energies.append(energy(run))
+    return frames, energies
+
+
+def check_energy(run, energies, any_turn=False):
+    """No frame gives more than a lost clearance may on its way back."""
+    energies, turns = np.array(energies).T
+    mass = sum(thing.mass for thing in run.simulator.world.scene.objects.values())
+    height = min(run.case.clearance, REGAINED / run.case.fps)
+    most = mass * (0.5 * REGAINED**2 + 9.81 * height) + ROUNDING * np.abs(energies).max()
+    gains = np.diff(energies)
+    if not any_turn:
+        gains = gains[np.maximum(turns[1:], turns[:-1]) <= TURN]
+    assert gains.max(initial=0.0) <= most
+
+
+def energy(run):
+    """Kinetic and potential energy of all things [J], and how far the fastest turns [rad]."""
+    world, stepper = run.simulator.world, run.simulator.world.stepper
+    qpos, qvel = stepper.qpos(), stepper.qvel()
+    total = fastest = 0.0
     for place in world.things:
         thing = world.scene.objects[place.name]
         v, w = qvel[place.dof : place.dof + 3], qvel[place.dof + 3 : place.dof + 6]
         x = qpos[place.qpos : place.qpos + 3]
         total += 0.5 * thing.mass * v @ v + 0.5 * w @ thing.inertia @ w
         total -= thing.mass * world.scene.gravity @ x
-    return float(total)
+        fastest = max(fastest, float(np.linalg.norm(w)))
+    return float(total), fastest / (run.case.fps * run.case.substeps)
 
 
 @pytest.mark.parametrize(

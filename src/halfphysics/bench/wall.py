@@ -10,6 +10,7 @@ import numpy as np
 from halfphysics import rotations as rot
 from halfphysics.bench.clips import SUBSTEPS, body, drives, straight
 from halfphysics.bench.mujoco_loop import MujocoLoop
+from halfphysics.bench.pressing import contacts, solving
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.timing import in_turns
 from halfphysics.scene import Scene
@@ -55,7 +56,9 @@ def wall(options: Options) -> Iterator[Record]:
                     past_face(who, result.motion),
                     past_face(who, timing.peer_result),
                 ),
+                "contacts per substep": (contacts(simulator, motion), None),
                 "time lost [ms]": (1000.0 * float(result.lost_time.sum()), None),
+                **solving(simulator, motion),
             },
         )
 

@@ -425,16 +425,33 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
   return heap.empty();
 }
 
-double TriangleTree::distance(const Placed& a, double range) const {
+double TriangleTree::distance(const Placed& a, double range, const std::vector<Plane>& near) const {
   double best = range;
-  std::vector<Entry> heap;
-  auto push = [&](const Box3& b, int id) {
-    double d2 = gap2(b, a.box);
+  static thread_local std::vector<Entry> heap;
+  // What lies behind a plane that was measured is no nearer than that, and so no nearer than the best.
+  static thread_local std::vector<Plane> measured;
+  heap.clear();
+  measured.clear();
+  auto measure = [&](int t, const Vec3 v[3]) {
+    Plane p = plane_to(a, v, t, std::max(best, 0.0));
+    best = std::min(best, p.dist);
+    if (!p.overlaps && norm2(p.n) > 0 && measured.size() < kMostOutOfReach) measured.push_back(p);
+  };
+  auto push = [&](int id) {
+    const Box3& box = nodes_[id].box;
+    double d2 = gap2(box, a.box);
     if (best > 0 && d2 > best * best) return;
+    for (const Plane& p : measured)
+      if (highest(box, p.n) <= p.offset) return;
     heap.push_back({d2, id});
     std::push_heap(heap.begin(), heap.end());
   };
-  push(nodes_[0].box, 0);
+  for (const Plane& p : near) {
+    Vec3 v[3];
+    triangle(p.triangle, v);
+    measure(p.triangle, v);
+  }
+  push(0);
   while (!heap.empty()) {
     std::pop_heap(heap.begin(), heap.end());
     Entry e = heap.back();
@@ -442,15 +459,18 @@ double TriangleTree::distance(const Placed& a, double range) const {
     if (e.d2 > 0 && (best <= 0 || e.d2 > best * best)) break;
     const Node& node = nodes_[e.id];
     if (node.left >= 0) {
-      push(nodes_[node.left].box, node.left);
-      push(nodes_[node.right].box, node.right);
+      push(node.left);
+      push(node.right);
       continue;
     }
     for (int i = node.first; i < node.first + node.count; i++) {
       Vec3 v[3];
       triangle(order_[i], v);
-      Plane p = plane_to(a, v, order_[i], std::max(best, 0.0));
-      best = std::min(best, p.dist);
+      bool behind = false;
+      for (const Plane& p : measured)
+        behind |= dot(p.n, v[0]) <= p.offset && dot(p.n, v[1]) <= p.offset &&
+                  dot(p.n, v[2]) <= p.offset;
+      if (!behind) measure(order_[i], v);
     }
   }
   return best;

@@ -31,8 +31,8 @@ class TriangleTree {
   bool planes(const Placed& a, double reach, std::vector<Plane>& out,
               const std::vector<int>& without = {}) const;
   // Smallest distance of `a` from the triangles, up to `range`; `range` if none is nearer, <= 0
-  // where it meets one.
-  double distance(const Placed& a, double range) const;
+  // where it meets one. The triangles of `near` are looked at first.
+  double distance(const Placed& a, double range, const std::vector<Plane>& near = {}) const;
 
   // Triangles are numbered in the order of the leaves; `face` is the index into the faces given.
   void triangle(int t, Vec3 v[3]) const;

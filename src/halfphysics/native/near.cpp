@@ -161,7 +161,7 @@ void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& swe
 
 double World::clearance(const Model& m, Poses& p, double range) const {
   double best = range;
-  auto measure = [&](int i, const Static& S) {
+  auto measure = [&](int i, const Static& S, const std::vector<Plane>& near) {
     const Mover& M = movers[i];
     if (S.kind == Static::Kind::HalfSpace) {
       if (dot(S.n, center(p, i)) - M.shape.bound - S.offset < best)
@@ -175,7 +175,7 @@ double World::clearance(const Model& m, Poses& p, double range) const {
       if (box.meets(S.placed.box))
         best = std::min(best, separate(place(p, i), S.placed, std::max(best, 0.0)).dist);
     } else if (box.meets(S.tree->box())) {
-      best = std::min(best, S.tree->distance(place(p, i), std::max(best, 1e-9)));
+      best = std::min(best, S.tree->distance(place(p, i), std::max(best, 1e-9), near));
     }
   };
   bool listed = has_list_;
@@ -185,13 +185,13 @@ double World::clearance(const Model& m, Poses& p, double range) const {
     for (const Near& e : near_) {
       if (movers[e.mover].person < 0 || e.other_static < 0 || far(e, best)) continue;
       if (best >= 0 && behind_planes(e, place(p, e.mover), best)) continue;
-      measure(e.mover, statics[e.other_static]);
+      measure(e.mover, statics[e.other_static], e.planes);
     }
   } else {
     for (int i = 0; i < (int)movers.size(); i++)
       if (movers[i].person >= 0)
         for (const Static& S : statics)
-          if (!pairing(movers[i].name, S.name).ignore) measure(i, S);
+          if (!pairing(movers[i].name, S.name).ignore) measure(i, S, {});
   }
   (void)m;
   return best < range ? best : std::numeric_limits<double>::infinity();

@@ -56,7 +56,8 @@ PARAMETERS = {
     "Simulator.step": "self pose dt",
     "Simulator.get_state": "self",
     "Simulator.set_state": "self state",
-    "Result": "* people objects scene names contacts clearance lost_time settings substeps",
+    "Result": "* people objects scene names contacts clearance lost_time settings substeps "
+    "diagnostics",
     "Result.save": "self path",
     "Result.load": "path * scene body",
     "Result.summary": "self",

@@ -14,7 +14,7 @@ import pytest
 from clear_judge import Judge
 from coal_scene import Watch
 from fuzz_cases import Case, Form, Person, Thing, build, cases, settings_of, start_of, things
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 from people import t_pose, violent
 
@@ -38,8 +38,11 @@ TURN = 0.3
 def drawn(few):
     """Settings of a test that runs `few` cases unless HALFPHYSICS_FUZZ says how many."""
     count = int(os.environ.get("HALFPHYSICS_FUZZ", few))
+    # Runs are too slow to be made smaller in passing: that is for campaigns.
+    small = (Phase.explicit, Phase.reuse, Phase.generate)
     return settings(
         max_examples=count,
+        phases=small if count < 100 else tuple(Phase),
         derandomize=count < 100,
         deadline=None,
         print_blob=True,

@@ -75,6 +75,7 @@ def make_result(body, seed=0, people=1, frames=5, axes="z", scene=None, model="s
         "contacts": Contacts(**columns),
         "clearance": np.where(rng.random(frames) < 0.5, np.inf, rng.normal(size=frames)),
         "lost_time": rng.random(frames),
+        "diagnostics": {"passes": rng.random(frames), "residual": rng.random(frames)},
         "settings": Settings(stiffness=float(rng.random()), drive_time=None, substeps=3),
     }
     return Result(**(arguments | changes))
@@ -87,6 +88,9 @@ def assert_same(a: Result, b: Result) -> None:
     assert a.fps == b.fps
     np.testing.assert_array_equal(a.clearance, b.clearance)
     np.testing.assert_array_equal(a.lost_time, b.lost_time)
+    assert sorted(a.diagnostics) == sorted(b.diagnostics)
+    for name, values in a.diagnostics.items():
+        np.testing.assert_array_equal(values, b.diagnostics[name])
     for column in COLUMNS:
         np.testing.assert_array_equal(getattr(a.contacts, column), getattr(b.contacts, column))
     assert list(a.objects) == list(b.objects)
@@ -451,6 +455,8 @@ def test_nothing_is_left_where_it_cannot_be_written(tmp_path, body):
 def test_lengths_must_agree(body):
     with pytest.raises(InputError, match=r"found lengths .*'lost_time': 3.*expected 5"):
         make_result(body, lost_time=np.zeros(3))
+    with pytest.raises(InputError, match=r"found lengths .*passes.*: 3.*expected 5"):
+        make_result(body, diagnostics={"passes": np.zeros(3)})
     with pytest.raises(InputError, match="people: found none"):
         make_result(body, people=0)
     with pytest.raises(InputError, match="names: found"):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
@@ -196,6 +196,12 @@ class Substeps:
         _set(self, "objects", MappingProxyType(dict(self.objects)))
 
 
+#: What the core says of a frame: planes and contact points (the most in any substep), solves and
+#: the sweeps and steps they took, substeps that were shortened, and the largest gap that was
+#: missing at the end of a substep [m].
+DIAGNOSTICS = ("planes", "contacts", "passes", "sweeps", "shortened", "residual")
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Result:
     """What `simulate` gives back.
@@ -212,6 +218,7 @@ class Result:
         lost_time: Time by which blocked steps were shortened, per frame (T,) [s].
         settings: How it was simulated.
         substeps: Every committed pose, with ``Settings(record="substeps")``, else None.
+        diagnostics: Name -> number of every frame (T,), see `DIAGNOSTICS`; empty where unknown.
 
     Raises:
         InputError: Parts that do not belong together.
@@ -226,6 +233,7 @@ class Result:
     lost_time: Array
     settings: Settings
     substeps: Substeps | None = None
+    diagnostics: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _set(self, "people", tuple(self.people))
@@ -246,6 +254,12 @@ class Result:
             array.setflags(write=False)
             _set(self, name, array)
             lengths[name] = len(array)
+        numbers = {}
+        for name, given in self.diagnostics.items():
+            numbers[name] = np.array(given, dtype=np.float64)
+            numbers[name].setflags(write=False)
+            lengths[f"diagnostics[{name!r}]"] = len(np.atleast_1d(numbers[name]))
+        _set(self, "diagnostics", MappingProxyType(numbers))
         wrong = {name: length for name, length in lengths.items() if length != frames}
         if wrong:
             raise InputError(f"result: found lengths {wrong}, expected {frames} frames in each")

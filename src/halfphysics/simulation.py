@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from halfphysics.body import check_match
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion import Motion
-from halfphysics.result import Contacts, ObjectTrack, PersonResult, Result, Substeps
+from halfphysics.result import DIAGNOSTICS, Contacts, ObjectTrack, PersonResult, Result, Substeps
 from halfphysics.simulator import Simulator, several, touches
 
 if TYPE_CHECKING:
@@ -110,6 +110,7 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
     lost_time = np.zeros(count)
     substeps = [qpos[:1].copy()]
     rows, row_frames = [], []
+    numbers = np.zeros((count, len(DIAGNOSTICS)))
     settings = simulator.settings
     with _progress(count - 1, progress) as bar:
         done = 1
@@ -124,7 +125,7 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
             )
             frames = np.arange(done, done + len(got["qpos"]))
             qpos[frames], clearance[frames] = got["qpos"], got["clearance"]
-            lost_time[frames] = got["lost_time"]
+            lost_time[frames], numbers[frames] = got["lost_time"], got["diagnostics"]
             substeps.append(got["substeps"])
             rows.append(got["touches"])
             row_frames.append(np.repeat(frames, got["touch_count"].astype(np.int64)))
@@ -148,6 +149,7 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
         lost_time=lost_time,
         settings=simulator.settings,
         substeps=_substeps(simulator, motions, np.concatenate(substeps)),
+        diagnostics=dict(zip(DIAGNOSTICS, numbers.T, strict=True)),
     )
 
 

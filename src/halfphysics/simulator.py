@@ -62,8 +62,7 @@ class Frame:
         clearance: Smallest distance of the people from the statics [m]; inf beyond
             `Settings.clearance_range`, negative where they penetrate.
         lost_time: Time by which blocked steps were shortened [s].
-        diagnostics: Numbers of the solver in this frame: candidates, contacts, passes, sweeps,
-            shortened, residual [m].
+        diagnostics: Numbers of the frame, see `halfphysics.result.DIAGNOSTICS`.
         substeps: With `Settings.record="substeps"`: model coordinates (N, nq) after every
             substep, else (0, nq).
     """

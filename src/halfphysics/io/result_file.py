@@ -38,6 +38,7 @@ VERSION = 1
 VERSION_KEY = "meta/format_version"
 OBJECT = "object/"
 SUBSTEPS = "meta/substeps/"
+DIAGNOSTICS = "meta/diagnostics/"
 _LAYOUTS = {
     "smplx": amass_smplx,
     "smplh": amass_smplh,
@@ -99,6 +100,8 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
         "meta/written_by": np.array(f"halfphysics {__version__}"),
         VERSION_KEY: np.array(VERSION),
     }
+    for name, values in result.diagnostics.items():
+        fields[f"{DIAGNOSTICS}{name}"] = values
     if result.substeps is not None:
         for index, motion in enumerate(result.substeps.motions):
             fields[f"{SUBSTEPS}person/{index}/translation"] = motion.translation
@@ -167,6 +170,11 @@ def _read(npz: Npz, scene: Scene | None, body: Any) -> Result:
         lost_time=_field(npz, "meta/lost_time"),
         settings=_settings(_parsed(npz, "meta/settings")),
         substeps=_substeps(npz, people),
+        diagnostics={
+            key.removeprefix(DIAGNOSTICS): _field(npz, key)
+            for key in npz
+            if key.startswith(DIAGNOSTICS)
+        },
     )
 
 

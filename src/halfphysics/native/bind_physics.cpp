@@ -256,7 +256,7 @@ void bind_physics(nb::module_& m) {
              int want = 0;
              for (int p = 0; p < s.person_count(); p++) want += s.person_qpos_count(p);
              need((int)targets.shape(1) == want && targets.shape(0) > 0, "run: bad shape of targets");
-             std::vector<double> qpos, poses, clearance, lost, touches, counts;
+             std::vector<double> qpos, poses, clearance, lost, touches, counts, numbers;
              size_t done = 0;
              {
                nb::gil_scoped_release release;
@@ -269,7 +269,11 @@ void bind_physics(nb::module_& m) {
                  s.frame(targets.data() + done * want, dt, n, record ? &poses : nullptr);
                  qpos.insert(qpos.end(), s.qpos().begin(), s.qpos().end());
                  clearance.push_back(s.clearance());
-                 lost.push_back(s.diagnostics().lost_time);
+                 const Diagnostics& g = s.diagnostics();
+                 lost.push_back(g.lost_time);
+                 numbers.insert(numbers.end(),
+                                {(double)g.candidates, (double)g.contacts, (double)g.passes,
+                                 (double)g.sweeps, (double)g.shortened, g.residual});
                  counts.push_back((double)s.touches().size());
                  touch_rows(s.touches(), touches);
                  done++;
@@ -280,6 +284,8 @@ void bind_physics(nb::module_& m) {
              d["qpos"] = array({done, nq}, qpos);
              d["clearance"] = array(clearance);
              d["lost_time"] = array(lost);
+             // planes, contacts, passes, sweeps, shortened, residual
+             d["diagnostics"] = array({done, 6}, numbers);
              d["touch_count"] = array(counts);
              d["touches"] = array({touches.size() / 12, 12}, touches);
              d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
@@ -304,7 +310,7 @@ void bind_physics(nb::module_& m) {
            [](Stepper& s) {
              const Diagnostics& d = s.diagnostics();
              nb::dict out;
-             out["candidates"] = d.candidates;
+             out["planes"] = d.candidates;
              out["contacts"] = d.contacts;
              out["passes"] = d.passes;
              out["sweeps"] = d.sweeps;

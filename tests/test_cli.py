@@ -365,7 +365,9 @@ def test_progress_bars_are_for_terminals(folder):
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_is_quiet_and_leaves_nothing(folder):
     write_motion("long.npz", frames=60_000)
-    process = program("simulate", "long.npz", "--out", "r.npz")
+    # A thing that falls takes a thousand steps a frame: a minute's work.
+    ball = ("--object", "ball=sphere:0.1,mass=1,at=9:9:9", "--substeps", "1000")
+    process = program("simulate", "long.npz", "--out", "r.npz", *ball)
     time.sleep(3.0)
     assert process.poll() is None, process.communicate()
     process.send_signal(signal.SIGINT)

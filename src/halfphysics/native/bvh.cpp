@@ -261,13 +261,13 @@ Vec3 nearest_on(const Vec3 v[3], Vec3 p) {
 }
 
 // The plane of the nearest points of a shape and a triangle; dist > reach where they are farther.
-Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach) {
+Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach, Vec3 guess = {}) {
   double x[3] = {v[0].x, v[1].x, v[2].x}, y[3] = {v[0].y, v[1].y, v[2].y},
          z[3] = {v[0].z, v[1].z, v[2].z};
   Support tri{{x, y, z, 3}};
   Vec3 pa, pb;
-  double r = a.shape->radius,
-         d = gjk(a.support(), tri, a.center - nearest_on(v, a.center), pa, pb, reach + r);
+  if (norm2(guess) == 0) guess = a.center - nearest_on(v, a.center);
+  double r = a.shape->radius, d = gjk(a.support(), tri, guess, pa, pb, reach + r);
   if (d > reach + r) {
     Vec3 n = pa - pb;
     return {n, std::max(dot(n, v[0]), std::max(dot(n, v[1]), dot(n, v[2]))), d - r, t, false};
@@ -349,7 +349,7 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
     if (left_out(old.triangle)) continue;
     Vec3 v[3];
     triangle(old.triangle, v);
-    Plane p = plane_to(a, v, old.triangle, reach);
+    Plane p = plane_to(a, v, old.triangle, reach, old.n);
     if (p.dist > reach) {
       out_of_reach.push_back(p);
     } else {

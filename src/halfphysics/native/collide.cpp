@@ -129,7 +129,8 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
         if (gjk(A.support(), B.support(), A.center - B.center, pa, pb) <= 0) continue;
         pairs_.erase(known);
       }
-      Separation s = separate(A, B, e.dist > r ? r + kAhead : r);
+      Separation s = separate(A, B, e.dist > r ? r + kAhead : r, true, e.axis);
+      e.axis = s.n;
       e.dist = s.dist;
       e.way = way_of(e);
       if (s.dist > r) continue;
@@ -251,7 +252,7 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
     if (gap >= c.target || c.dist < 0) return gap - c.target;
     // The plane between two things turns as they do: where their nearest sides are still the
     // same, what counts is their distance at the end.
-    Separation s = separate(a1, b1, 1e300, false);
+    Separation s = separate(a1, b1, 1e300, false, c.n);
     if (s.dist > 0 && dot(s.n, c.n) > 0.5) return s.dist - c.target;
   }
   if (swept_clear(place(start, c.mover), a1, c, start, end)) {
@@ -454,7 +455,8 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     }
     // The corners of a slanted face need not be where the two are nearest.
     if (n < 3 || !nearest) {
-      Separation s = c.dist > 0 ? separate(a0, b0) : separate_along(a0, b0, c.n);
+      Separation s =
+          c.dist > 0 ? separate(a0, b0, 1e300, true, c.n) : separate_along(a0, b0, c.n);
       make_opposite(c.n, c.dist, s.pa, s.pb, 4);
     }
     return;
@@ -462,7 +464,7 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   const Placed &a1 = place(end, c.mover), &b1 = place(end, c.other_mover);
   // At first along the normal they would have at the end; where that does not settle, along the
   // one they start with: whatever is apart along any direction is apart.
-  Separation s = separate(a1, b1, 1e300, false);
+  Separation s = separate(a1, b1, 1e300, false, c.n);
   bool settle = pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < 0.5;
   if (settle) {
     s.n = c.n;

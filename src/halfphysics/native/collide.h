@@ -45,6 +45,7 @@ struct Near {
   double way = 0;             // what the two had travelled by then [m]
   std::vector<Plane> planes;  // all that the other has lies behind them, within `reach` of there
   double reach = 0;
+  Vec3 axis;  // of the two nearest points when last looked at; 0: not yet
 };
 
 // A pair of shapes that may meet in this substep.

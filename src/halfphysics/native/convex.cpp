@@ -192,10 +192,11 @@ Separation separate_along(const Placed& a, const Placed& b, Vec3 n) {
   return {dist, n, pa, pa - dist * n};
 }
 
-Separation separate(const Placed& a, const Placed& b, double beyond, bool way_out) {
+Separation separate(const Placed& a, const Placed& b, double beyond, bool way_out, Vec3 guess) {
   double round = a.shape->radius + b.shape->radius;
   Vec3 pa, pb;
-  double d = gjk(a.support(), b.support(), a.center - b.center, pa, pb, beyond + round);
+  if (norm2(guess) == 0) guess = a.center - b.center;
+  double d = gjk(a.support(), b.support(), guess, pa, pb, beyond + round);
   if (d > beyond + round) return {d - round, pa - pb, {}, {}};
   Separation best;
   best.dist = -1e300;

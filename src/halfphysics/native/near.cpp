@@ -111,7 +111,8 @@ void World::look(const Model&, Poses& p, Near& e, double r) {
     e.dist = a.lowest(S.n) - S.offset;
     e.planes = {{S.n, S.offset, e.dist, -1, false}};
   } else if (S.kind == Static::Kind::Hull) {
-    Separation s = separate(a, S.placed, r);
+    Separation s = separate(a, S.placed, r, true, e.axis);
+    e.axis = s.n;
     e.dist = s.dist;
     e.planes.clear();
     if (norm2(s.n) > 0)
@@ -204,7 +205,8 @@ void World::save_near(std::vector<double>& out) const {
   out.push_back((double)near_.size());
   for (const Near& e : near_) {
     out.insert(out.end(), {(double)e.mover, (double)e.other_static, (double)e.other_mover, e.dist,
-                           e.way, e.reach, (double)e.planes.size()});
+                           e.way, e.reach, e.axis.x, e.axis.y, e.axis.z,
+                           (double)e.planes.size()});
     for (const Plane& q : e.planes)
       out.insert(out.end(), {q.n.x, q.n.y, q.n.z, q.offset, q.dist, (double)q.triangle,
                              q.overlaps ? 1.0 : 0.0});
@@ -222,8 +224,9 @@ const double* World::load_near(const double* in) {
     Near e;
     e.mover = (int)in[0], e.other_static = (int)in[1], e.other_mover = (int)in[2];
     e.dist = in[3], e.way = in[4], e.reach = in[5];
-    int planes = (int)in[6];
-    in += 7;
+    e.axis = load3(in + 6);
+    int planes = (int)in[9];
+    in += 10;
     for (; planes > 0; planes--, in += 7)
       e.planes.push_back({load3(in), in[3], in[4], (int)in[5], in[6] != 0});
     near_.push_back(std::move(e));

@@ -88,7 +88,24 @@ HP_CLONES void add_scaled(double* y, double a, const double* x0, double b, const
   for (; i < n; i++) y[i] += a * x0[i] + b * x1[i] + c * x2[i];
 }
 
+HP_CLONES void meet(const double* x, const int* at, const double* y, int n, double* s) {
+  V s0 = {0, 0, 0, 0}, s1 = s0, s2 = s0;
+  for (int k = 0; k < n; k++) {
+    const double* a = x + 4 * at[k];
+    const V b = *(const V*)(y + 4 * (size_t)k);
+    s0 += a[0] * b, s1 += a[1] * b, s2 += a[2] * b;
+  }
+  *(V*)s = s0, *(V*)(s + 4) = s1, *(V*)(s + 8) = s2;
+}
+
 #else
+
+void meet(const double* x, const int* at, const double* y, int n, double* s) {
+  for (int i = 0; i < 12; i++) s[i] = 0;
+  for (int k = 0; k < n; k++)
+    for (int p = 0; p < 3; p++)
+      for (int q = 0; q < 4; q++) s[4 * p + q] += x[4 * at[k] + p] * y[4 * k + q];
+}
 
 int farthest(const double* x, const double* y, const double* z, int n, double dx, double dy,
              double dz) {

@@ -18,4 +18,7 @@ void add_scaled(double* y, double a, const double* x, int n);
 void add_scaled(double* y, double a, const double* x0, double b, const double* x1, double c,
                 const double* x2, int n);
 
+// s[4 p + q] = sum over k of x[4 at[k] + p] y[4 k + q], p and q < 3: how two sparse rows meet.
+void meet(const double* x, const int* at, const double* y, int n, double* s);
+
 }  // namespace hp

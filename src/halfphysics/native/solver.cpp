@@ -3,6 +3,8 @@
 #include <cstring>
 #include <numeric>
 
+#include "simd.h"
+
 namespace hp {
 
 namespace {
@@ -81,9 +83,9 @@ void ContactSolver::join(const Model& m, const Kinematics& k, const Inertia& ine
             if (dof_[i] == dof[a]) at = i;
         if (at < 0) {
           dof_.push_back(dof[a]);
-          y_.insert(y_.end(), v, v + 3);
+          y_.insert(y_.end(), {v[0], v[1], v[2], 0.0});
         } else {
-          for (int q = 0; q < 3; q++) y_[3 * at + q] += v[q];
+          for (int q = 0; q < 3; q++) y_[4 * at + q] += v[q];
         }
       }
     }
@@ -93,24 +95,20 @@ void ContactSolver::join(const Model& m, const Kinematics& k, const Inertia& ine
   const int n = (int)rows_.size();
   const size_t stride = problem_.stride();
   for (int i = row.first; i < row.first + row.count; i++)
-    for (int q = 0; q < 3; q++) scatter_[3 * dof_[i] + q] = y_[3 * i + q];
+    for (int q = 0; q < 3; q++) scatter_[4 * dof_[i] + q] = y_[4 * i + q];
   rows_.push_back(row);
   for (int j = 0; j <= n; j++) {
     const Row& other = rows_[j];
-    double s[9] = {};
-    for (int i = other.first; i < other.first + other.count; i++) {
-      const double *mine = &scatter_[3 * dof_[i]], *its = &y_[3 * i];
-      for (int p = 0; p < 3; p++)
-        for (int q = 0; q < 3; q++) s[3 * p + q] += mine[p] * its[q];
-    }
+    double s[12];
+    meet(scatter_.data(), &dof_[other.first], &y_[4 * (size_t)other.first], other.count, s);
     for (int p = 0; p < 3; p++)
       for (int q = 0; q < 3; q++) {
-        problem_.A(n, j)[p * stride + q] = s[3 * p + q];
-        problem_.A(j, n)[q * stride + p] = s[3 * p + q];
+        problem_.A(n, j)[p * stride + q] = s[4 * p + q];
+        problem_.A(j, n)[q * stride + p] = s[4 * p + q];
       }
   }
   for (int i = row.first; i < row.first + row.count; i++)
-    for (int q = 0; q < 3; q++) scatter_[3 * dof_[i] + q] = 0;
+    for (int q = 0; q < 3; q++) scatter_[4 * dof_[i] + q] = 0;
 
   const double warm[3] = {dot(c.n, c.impulse), dot(c.t, c.impulse), dot(c.s, c.impulse)};
   problem_.add(&demand_[3 * contact], warm, c.friction, c.pair);
@@ -123,7 +121,7 @@ void ContactSolver::response(const Model& m, const Kinematics& k, const Inertia&
     const double* p = &problem_.p[3 * i];
     if (p[0] == 0) continue;
     for (int e = rows_[i].first; e < rows_[i].first + rows_[i].count; e++)
-      dv_[dof_[e]] += y_[3 * e] * p[0] + y_[3 * e + 1] * p[1] + y_[3 * e + 2] * p[2];
+      dv_[dof_[e]] += y_[4 * e] * p[0] + y_[4 * e + 1] * p[1] + y_[4 * e + 2] * p[2];
   }
   for (int i = 0; i < m.nv; i++) dv_[i] *= inertia.root_D[i];
   inertia.half_solve_back(m, dv_.data());
@@ -218,7 +216,7 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   body_slot_.assign(m.nbody, -1);
   body_y_.clear();
   joined_.assign(n, 0);
-  scatter_.resize(3 * (size_t)m.nv, 0.0);
+  scatter_.resize(4 * (size_t)m.nv, 0.0);
   dv_.resize(m.nv);
   demand_.resize(3 * (size_t)n);
   body_twists(m, k, v_free, twists_);

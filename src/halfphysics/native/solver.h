@@ -90,8 +90,8 @@ class ContactSolver {
   ContactProblem problem_;
   std::vector<Row> rows_;
   std::vector<int> dof_;
-  std::vector<double> y_;        // three per entry of dof_
-  std::vector<double> scatter_;  // nv x 3, zero between uses
+  std::vector<double> y_;        // three per entry of dof_, and a zero
+  std::vector<double> scatter_;  // nv x 4, zero between uses
   struct Waiting {
     int contact, pair;
     double violation;

@@ -338,7 +338,8 @@ void bind_physics(nb::module_& m) {
         return array(q);
       });
 
-  // Contacts w = beta + A p on their own: impulses, sweeps and steps, residual [m/s].
+  // Contacts w = beta + A p on their own: impulses, sweeps and steps, what is left of it all and of the
+  // normals alone [m/s].
   m.def("solve_contacts", [](Square A, Doubles beta, Doubles mu, Ints pairs, Doubles warm,
                              double tolerance, double fine, int most) {
     const size_t n = mu.shape(0), n3 = 3 * n;
@@ -362,7 +363,7 @@ void bind_physics(nb::module_& m) {
       nb::gil_scoped_release release;
       problem.solve(tolerance, fine, most, report);
     }
-    return nb::make_tuple(array(problem.p), report.sweeps, report.residual);
+    return nb::make_tuple(array(problem.p), report.sweeps, report.residual, report.normal);
   });
   // Impulses of one contact for each row of r (k, 3); `old` says where to look first.
   m.def("coulomb_contact", [](Square A, double mu, Rows3 r, Rows3 old) {

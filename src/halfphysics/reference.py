@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
+from halfphysics.reference_contact import contact_residual, solve_contacts
 from halfphysics.settings import Settings
 
 Array = NDArray[np.float64]
@@ -236,50 +237,6 @@ def stiff_diagonal(model: Any, M: Array, drive: ReferenceDrive) -> Array:
 # -- contact -----------------------------------------------------------------------------------
 
 
-def solve_contacts(
-    A: Array, b: Array, friction: Array, *, tolerance: float, sweeps: int, start: Array
-) -> Array:
-    """Impulses p (n, 3) of Coulomb contacts: block Gauss-Seidel, one contact after the other.
-
-    With w = A p + b (normal row first, minus what it must reach): 0 <= p_n, w_n >= 0 and
-    p_n w_n = 0, |p_t| <= mu p_n, and p_t opposes w_t where it slides. `A` (3n, 3n), `b` (3n,).
-    Stops when no impulse changes its contact's velocity by more than `tolerance` [m/s].
-    """
-    n = len(friction)
-    p: Array = start.copy()
-    for _ in range(sweeps):
-        change = 0.0
-        for i in range(n):
-            at = slice(3 * i, 3 * i + 3)
-            own = A[at, at]
-            r = A[at] @ p.ravel() + b[at] - own @ p[i]
-            new = _one_contact(own, r, friction[i], p[i])
-            change = max(change, float(np.abs(own @ (new - p[i])).max()))
-            p[i] = new
-        if change < tolerance:
-            break
-    return p
-
-
-def _one_contact(A: Array, r: Array, mu: float, p: Array) -> Array:
-    stick = np.asarray(-np.linalg.solve(A, r), dtype=np.float64)
-    if stick[0] >= 0.0 and np.hypot(stick[1], stick[2]) <= mu * stick[0]:
-        return stick
-    if r[0] >= 0.0 and p[0] == 0.0:
-        return np.zeros(3)
-    step = 1.0 / np.linalg.eigvalsh(A[1:, 1:])[-1]
-    p = p.copy()
-    for _ in range(200):
-        old = p.copy()
-        p[0] = max(0.0, -(r[0] + A[0, 1:] @ p[1:]) / A[0, 0])
-        t = p[1:] - step * (r[1:] + A[1:] @ p)
-        length, limit = float(np.hypot(*t)), mu * p[0]
-        p[1:] = t * (limit / length) if length > limit else t
-        if np.abs(p - old).max() <= 1e-15 * np.abs(p).max():
-            break
-    return p
-
-
 def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> Array:
     """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s)."""
     rows = []
@@ -312,12 +269,8 @@ class ContactProblem:
         return self._v_free + self._back @ p.ravel()
 
     def violation(self, p: Array) -> float:
-        """Largest violation of 0 <= p_n, w_n >= 0, p_n w_n = 0 and |p_t| <= mu p_n [m/s]."""
-        w = (self.A @ p.ravel() + self.b).reshape(-1, 3)
-        own = np.diag(self.A)[::3]
-        normal = np.abs(np.minimum(w[:, 0], p[:, 0] * own)).max(initial=0.0)
-        cone = (np.hypot(p[:, 1], p[:, 2]) - self.friction * p[:, 0]) * own
-        return float(max(normal, cone.max(initial=0.0), -(p[:, 0] * own).min(initial=0.0)))
+        """Largest violation of the law of contact, normal and friction [m/s]."""
+        return float(contact_residual(self.A, self.b, self.friction, p).max(initial=0.0))
 
     def solve(self, tolerance: float = 1e-14, sweeps: int = 20000) -> Array:
         """Impulses (n, 3) from nothing, by `solve_contacts`."""

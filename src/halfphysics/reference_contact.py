@@ -19,10 +19,7 @@ def coulomb_answers(A: Array, r: Array, mu: float) -> list[Array]:
 
     `A` (3, 3) is symmetric and positive definite, so there is at least one.
     """
-    answers = [np.zeros(3)] if r[0] >= 0.0 else []
-    stick = np.asarray(-np.linalg.solve(A, r), dtype=np.float64)
-    if stick[0] >= 0.0 and np.hypot(stick[1], stick[2]) <= mu * stick[0]:
-        answers.append(stick)
+    answers = _at_rest(A, r, mu)
     slips = [p for p in _sliding(A, r, mu) if p[0] > 0.0]
     # At the very edge of sticking, rounding decides which way it slips.
     rounding = 1e-13 * np.diag(A).max() * float(np.linalg.norm(r)) / A[0, 0]
@@ -31,6 +28,14 @@ def coulomb_answers(A: Array, r: Array, mu: float) -> list[Array]:
     if not answers:
         answers = [slips[int(np.argmin(along))]]
     return sorted(answers, key=lambda p: float(p[0]))
+
+
+def _at_rest(A: Array, r: Array, mu: float) -> list[Array]:
+    """The answers that leave and that stick."""
+    leaves = [np.zeros(3)] if r[0] >= 0.0 else []
+    stick = np.asarray(-np.linalg.solve(A, r), dtype=np.float64)
+    sticks = stick[0] >= 0.0 and np.hypot(stick[1], stick[2]) <= mu * stick[0]
+    return [*leaves, stick] if sticks else leaves
 
 
 def _sliding(A: Array, r: Array, mu: float) -> list[Array]:
@@ -101,7 +106,8 @@ def solve_contacts(
         for i in range(n):
             at = slice(3 * i, 3 * i + 3)
             r = A[at] @ p.ravel() + b[at] - A[at, at] @ p[i]
-            p[i] = coulomb_answers(A[at, at], r, float(friction[i]))[0]
+            own, mu = A[at, at], float(friction[i])
+            p[i] = (_at_rest(own, r, mu) or coulomb_answers(own, r, mu))[0]
         if sweep % 5 == 4 or n == 1:
             guess = _polished(A, b, friction, p)
             for x in (p, guess):

@@ -105,10 +105,10 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness):
         violation.append(problem.violation(problem.found))
         own.end_substep(stepper.qvel())
     assert contacts > 300
-    # As a rule to the solver's tolerance of 1 micrometre per substep. A limp body pressed flat
-    # leaves more now and then: further passes, and at last a shorter step, see to that.
-    assert np.median(violation) <= settings.tolerance / dt
-    assert np.quantile(violation, 0.8) <= 20 * settings.tolerance / dt
+    # To the solver's tolerance of 1 micrometre per substep, friction included; a limp body pressed
+    # flat leaves more now and then.
+    assert np.quantile(violation, 0.8) <= settings.tolerance / dt
+    assert np.max(violation) <= 20 * settings.tolerance / dt
 
 
 def test_contact_solved_independently():

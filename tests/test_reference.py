@@ -105,10 +105,49 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness):
         violation.append(problem.violation(problem.found))
         own.end_substep(stepper.qvel())
     assert contacts > 300
-    # As a rule to the solver's tolerance of 1 micrometre per substep. A limp body pressed flat
-    # leaves more now and then: further passes, and at last a shorter step, see to that.
-    assert np.median(violation) <= settings.tolerance / dt
-    assert np.quantile(violation, 0.8) <= 20 * settings.tolerance / dt
+    # To the solver's tolerance of 1 micrometre per substep, friction included; a limp body pressed
+    # flat leaves more now and then.
+    assert np.quantile(violation, 0.8) <= settings.tolerance / dt
+    assert np.max(violation) <= 20 * settings.tolerance / dt
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+def test_contact_of_a_person_solved_independently(body, drive):
+    """A firm body walks into a wall: both solve the same problem to rounding, each from nothing.
+
+    Its parts touch with several points each; the velocities are unique all the same.
+    """
+    motion = along_x(1.5, 16, start=-0.2).grounded(body, 0.0005).resample(240.0)
+    scene = Scene()
+    scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
+    settings = Settings(
+        drive_time=DRIVES[drive], stiffness=10.0, tolerance=1e-13, max_sweeps=400, substeps=1
+    )
+    dt = 1.0 / 240.0
+    simulator = Simulator(scene, body=body, settings=settings, fps=240)
+    simulator.reset(motion[0])
+    stepper, model = simulator.world.stepper, simulator.world.model
+    stepper.keep_trace(True)
+    targets = simulator.world.motion_coordinates([motion])
+    own = person_drive(simulator, settings, targets[0])
+    compared = most = 0
+    for t in range(1, len(motion)):
+        qpos = np.array(stepper.qpos())
+        simulator.step(motion[t])
+        trace = stepper.trace()
+        n = len(trace["contacts"]["dist"])
+        if t % 2 or not 0 < n <= 40:
+            continue
+        M = reference.inertia_matrix(model, qpos)
+        M = own.scale(dt) * (M + np.diag(reference.stiff_diagonal(model, M, own)))
+        problem = reference.contact_problem(model, qpos, trace["v_free"], M, dt, trace["contacts"])
+        p = problem.solve(tolerance=1e-12, sweeps=200)
+        assert problem.violation(p) <= 1e-12
+        np.testing.assert_allclose(trace["v"], problem.velocity(p), atol=VELOCITY)
+        compared += 1
+        most = max(most, n)
+    assert compared >= 5
+    assert most >= 15
 
 
 def test_contact_solved_independently():

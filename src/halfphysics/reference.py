@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
+from halfphysics.reference_contact import contact_residual, solve_contacts
 from halfphysics.settings import Settings
 
 Array = NDArray[np.float64]
@@ -74,47 +75,63 @@ def _joint_frame(model: Any, x: Array, q: Array, joint: int, qpos: Array) -> tup
     return pos + rot.rotate(quat, model.jnt_pos[joint]), quat
 
 
-def jacobian(
-    model: Any, qpos: Array, body: int, point: Array, frames: tuple[Array, Array] | None = None
-) -> tuple[Array, Array]:
-    """How a point (3,) carried by `body` moves: (3, nv) linear [m/s] and (3, nv) angular.
+@dataclass(frozen=True)
+class DofAxes:
+    """Per dof (nv, 3): the angular velocity it makes, the point it turns about, and what it moves
+    everything by; `carries` (nbody, nv) says which dofs move which body."""
 
-    `frames`: what `body_frames` gives at `qpos`, where it is known already.
-    """
-    x, q = frames or body_frames(model, qpos)
-    linear, angular = np.zeros((3, model.nv)), np.zeros((3, model.nv))
-    while body > 0:
+    angular: Array
+    anchor: Array
+    linear: Array
+    carries: NDArray[np.bool_]
+
+
+def dof_axes(model: Any, qpos: Array, frames: tuple[Array, Array]) -> DofAxes:
+    """Where the dofs act at `qpos`, where the bodies are at `frames`."""
+    x, q = frames
+    angular, anchor, linear = (np.zeros((model.nv, 3)) for _ in range(3))
+    carries = np.zeros((model.nbody, model.nv), dtype=bool)
+    for body in range(1, model.nbody):
+        carries[body] = carries[model.body_parentid[body]]
         for j in _joints(model, body):
             d = model.jnt_dofadr[j]
             kind = model.jnt_type[j]
+            carries[body, d : d + {FREE: 6, BALL: 3}.get(kind, 1)] = True
             if kind == FREE:
-                linear[:, d : d + 3] = np.eye(3)
+                linear[d : d + 3] = np.eye(3)
                 d += 3
-            if kind in (FREE, BALL):
-                axes = rot.to_matrix(q[body])  # angular velocity is in the child's frame
-                anchor = x[body] + rot.rotate(q[body], model.jnt_pos[j])
-                angular[:, d : d + 3] = axes
-                linear[:, d : d + 3] = np.cross(axes.T, point - anchor).T
-            else:
-                anchor, turn = _joint_frame(model, x, q, j, qpos)
-                axis = rot.rotate(turn, model.jnt_axis[j])
-                if kind == HINGE:
-                    angular[:, d] = axis
-                    linear[:, d] = np.cross(axis, point - anchor)
-                else:
-                    linear[:, d] = axis
-        body = model.body_parentid[body]
-    return linear, angular
+            if kind in (FREE, BALL):  # angular velocity is in the child's frame
+                angular[d : d + 3] = rot.to_matrix(q[body]).T
+                anchor[d : d + 3] = x[body] + rot.rotate(q[body], model.jnt_pos[j])
+                continue
+            pos, turn = _joint_frame(model, x, q, j, qpos)
+            (angular if kind == HINGE else linear)[d] = rot.rotate(turn, model.jnt_axis[j])
+            anchor[d] = pos
+    return DofAxes(angular, anchor, linear, carries)
+
+
+def jacobian(
+    model: Any, qpos: Array, body: int, point: Array, axes: DofAxes | None = None
+) -> tuple[Array, Array]:
+    """How a point (3,) carried by `body` moves: (3, nv) linear [m/s] and (3, nv) angular.
+
+    `axes`: what `dof_axes` gives at `qpos`, where it is known already.
+    """
+    at = axes or dof_axes(model, qpos, body_frames(model, qpos))
+    carried = at.carries[body][:, None]
+    linear = at.linear + np.cross(at.angular, point - at.anchor)
+    return (carried * linear).T, (carried * at.angular).T
 
 
 def inertia_matrix(model: Any, qpos: Array) -> Array:
     """M (nv, nv): the sum over bodies of m J_v^T J_v + J_w^T I J_w, and the armature."""
-    x, q = body_frames(model, qpos)
+    x, q = frames = body_frames(model, qpos)
+    axes = dof_axes(model, qpos, frames)
     M = np.diag(np.asarray(model.dof_armature, dtype=np.float64))
     for b in range(1, model.nbody):
         com = x[b] + rot.rotate(q[b], model.body_ipos[b])
         R = rot.to_matrix(rot.multiply(q[b], model.body_iquat[b]))
-        Jv, Jw = jacobian(model, qpos, b, com, (x, q))
+        Jv, Jw = jacobian(model, qpos, b, com, axes)
         M += model.body_mass[b] * Jv.T @ Jv
         M += Jw.T @ R @ np.diag(model.body_inertia[b]) @ R.T @ Jw
     return M
@@ -236,58 +253,14 @@ def stiff_diagonal(model: Any, M: Array, drive: ReferenceDrive) -> Array:
 # -- contact -----------------------------------------------------------------------------------
 
 
-def solve_contacts(
-    A: Array, b: Array, friction: Array, *, tolerance: float, sweeps: int, start: Array
-) -> Array:
-    """Impulses p (n, 3) of Coulomb contacts: block Gauss-Seidel, one contact after the other.
-
-    With w = A p + b (normal row first, minus what it must reach): 0 <= p_n, w_n >= 0 and
-    p_n w_n = 0, |p_t| <= mu p_n, and p_t opposes w_t where it slides. `A` (3n, 3n), `b` (3n,).
-    Stops when no impulse changes its contact's velocity by more than `tolerance` [m/s].
-    """
-    n = len(friction)
-    p: Array = start.copy()
-    for _ in range(sweeps):
-        change = 0.0
-        for i in range(n):
-            at = slice(3 * i, 3 * i + 3)
-            own = A[at, at]
-            r = A[at] @ p.ravel() + b[at] - own @ p[i]
-            new = _one_contact(own, r, friction[i], p[i])
-            change = max(change, float(np.abs(own @ (new - p[i])).max()))
-            p[i] = new
-        if change < tolerance:
-            break
-    return p
-
-
-def _one_contact(A: Array, r: Array, mu: float, p: Array) -> Array:
-    stick = np.asarray(-np.linalg.solve(A, r), dtype=np.float64)
-    if stick[0] >= 0.0 and np.hypot(stick[1], stick[2]) <= mu * stick[0]:
-        return stick
-    if r[0] >= 0.0 and p[0] == 0.0:
-        return np.zeros(3)
-    step = 1.0 / np.linalg.eigvalsh(A[1:, 1:])[-1]
-    p = p.copy()
-    for _ in range(200):
-        old = p.copy()
-        p[0] = max(0.0, -(r[0] + A[0, 1:] @ p[1:]) / A[0, 0])
-        t = p[1:] - step * (r[1:] + A[1:] @ p)
-        length, limit = float(np.hypot(*t)), mu * p[0]
-        p[1:] = t * (limit / length) if length > limit else t
-        if np.abs(p - old).max() <= 1e-15 * np.abs(p).max():
-            break
-    return p
-
-
 def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> Array:
     """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s)."""
     rows = []
-    frames = body_frames(model, qpos)
+    axes = dof_axes(model, qpos, body_frames(model, qpos))
     for i in range(len(contacts["dist"])):
         frame = np.stack([contacts[name][i] for name in ("normal", "tangent", "binormal")])
         ends = ((contacts[f"body_{s}"][i], contacts[f"point_{s}"][i]) for s in "ab")
-        Ja, Jb = (jacobian(model, qpos, int(b), x, frames)[0] for b, x in ends)
+        Ja, Jb = (jacobian(model, qpos, int(b), x, axes)[0] for b, x in ends)
         rows.append(frame @ (Ja - Jb))
     return np.concatenate(rows) if rows else np.zeros((0, model.nv))
 
@@ -312,12 +285,8 @@ class ContactProblem:
         return self._v_free + self._back @ p.ravel()
 
     def violation(self, p: Array) -> float:
-        """Largest violation of 0 <= p_n, w_n >= 0, p_n w_n = 0 and |p_t| <= mu p_n [m/s]."""
-        w = (self.A @ p.ravel() + self.b).reshape(-1, 3)
-        own = np.diag(self.A)[::3]
-        normal = np.abs(np.minimum(w[:, 0], p[:, 0] * own)).max(initial=0.0)
-        cone = (np.hypot(p[:, 1], p[:, 2]) - self.friction * p[:, 0]) * own
-        return float(max(normal, cone.max(initial=0.0), -(p[:, 0] * own).min(initial=0.0)))
+        """Largest violation of the law of contact, normal and friction [m/s]."""
+        return float(contact_residual(self.A, self.b, self.friction, p).max(initial=0.0))
 
     def solve(self, tolerance: float = 1e-14, sweeps: int = 20000) -> Array:
         """Impulses (n, 3) from nothing, by `solve_contacts`."""

@@ -386,6 +386,46 @@ void bind_physics(nb::module_& m) {
         return array(q);
       });
 
+  // Contacts w = beta + A p on their own: impulses, sweeps and steps, what is left of it all and of the
+  // normals alone [m/s].
+  m.def("solve_contacts", [](Square A, Doubles beta, Doubles mu, Ints pairs, Doubles warm,
+                             double tolerance, double fine, int most) {
+    const size_t n = mu.shape(0), n3 = 3 * n;
+    need(A.shape(0) == n3 && A.shape(1) == n3 && beta.shape(0) == n3 && warm.shape(0) == n3 &&
+             pairs.shape(0) == n,
+         "solve_contacts: A (3n, 3n), beta (3n,), mu (n,), pairs (n,), warm (3n,)");
+    ContactProblem problem;
+    problem.clear((int)n);
+    for (size_t i = 0; i < n; i++) {
+      for (size_t j = 0; j <= i; j++)
+        for (size_t r = 0; r < 3; r++)
+          for (size_t c = 0; c < 3; c++) {
+            const double a = A.data()[(3 * i + r) * n3 + 3 * j + c];
+            problem.A((int)i, (int)j)[r * problem.stride() + c] = a;
+            problem.A((int)j, (int)i)[c * problem.stride() + r] = a;
+          }
+      problem.add(beta.data() + 3 * i, warm.data() + 3 * i, mu.data()[i], pairs.data()[i]);
+    }
+    SolveReport report;
+    {
+      nb::gil_scoped_release release;
+      problem.solve(tolerance, fine, most, report);
+    }
+    return nb::make_tuple(array(problem.p), report.sweeps, report.residual, report.normal);
+  });
+  // Impulses of one contact for each row of r (k, 3); `old` says where to look first.
+  m.def("coulomb_contact", [](Square A, double mu, Rows3 r, Rows3 old) {
+    need(A.shape(0) == 3 && A.shape(1) == 3 && old.shape(0) == r.shape(0),
+         "coulomb_contact: A (3, 3), r and old (k, 3)");
+    Mat3 a;
+    std::memcpy(a.m, A.data(), sizeof a.m);
+    LocalContact contact;
+    contact.set(a, mu);
+    std::vector<double> out;
+    for (size_t i = 0; i < r.shape(0); i++)
+      push(out, contact.solve(load3(r.data() + 3 * i), load3(old.data() + 3 * i)));
+    return array({r.shape(0), 3}, out);
+  });
   // Distance of two convex shapes; normals (may be empty) decide the way out of an overlap.
   m.def("convex_distance", [](Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b,
                               Rows3 normals_b, double rb, Doubles rim_b) {

@@ -10,20 +10,24 @@ namespace {
 
 // Sweeps after which the tolerance itself will do, and after which kEnough tolerances will.
 constexpr int kPatience = 6, kNoPatience = 12;
-// Sweeps before Newton steps are tried, and tried again.
-constexpr int kSweeps = 3;
-// Newton steps in a row; those that may fail; their damping relative to the diagonal of A, and how
-// it adapts (Levenberg, Marquardt). Undamped steps are singular where points are redundant.
-constexpr int kSteps = 12, kFailures = 3;
+// Sweeps before Newton steps are tried, and tried again: of many contacts a step costs many sweeps.
+constexpr int kSweeps = 3, kSweepsOfFew = 1, kFew = 16;
+// Newton steps in a row; those that may fail; shares of a step that are tried, each half of the one
+// before; the damping relative to the diagonal of A, and how it adapts (Levenberg, Marquardt).
+// Undamped steps are singular where points are redundant.
+constexpr int kSteps = 20, kFailures = 2, kShares = 8;
 constexpr double kDamping = 1e-2, kLeastDamping = 1e-3, kMore = 5, kLess = 0.3;
+// A step need only be better than the worst of the last few: the merit has valleys with bends
+// (Grippo, Lampariello, Lucidi 1986). The best of them is kept.
+constexpr int kMemory = 4;
 // Rounds of both that may bring nothing, and what counts as something.
-constexpr int kStalls = 2;
+constexpr int kStalls = 3;
 constexpr double kProgress = 0.5;
-// Sweeps within the points of one pair, and from which on they take half steps: two contacts near
-// jamming may otherwise take turns for ever.
-constexpr int kWithin = 10, kHalf = 6;
-// Rounds of normals alone, friction following, where nothing else ended.
-constexpr int kRounds = 8;
+// Sweeps within the points of one pair.
+constexpr int kWithin = 3;
+// Rounds of normals alone, friction following, where nothing else ended; from kGiveUp on friction
+// that its normal impulse does not bear is given up, so that the rounds end.
+constexpr int kRounds = 12, kGiveUp = 4;
 constexpr int kPivots = 40;
 // Multiplications after which no further round begins.
 constexpr double kMostWork = 1e8;
@@ -134,7 +138,6 @@ void ContactProblem::settle(Group& g, double tolerance) {
       int a = it % 2 == 0 ? turn : m - 1 - turn, i = g.rows[a];
       const LocalContact& c = local_[i];
       Vec3 now = load3(&p[3 * i]), q = c.solve(load3(&own_[3 * a]) - c.A * now, now);
-      if (it >= kHalf) q = 0.5 * (now + q);
       Vec3 d = q - now;
       if (d.x == 0 && d.y == 0 && d.z == 0) continue;
       store3(&p[3 * i], q);
@@ -160,14 +163,13 @@ void ContactProblem::settle(Group& g, double tolerance) {
 
 // One step of Newton's method on the natural map (Alart, Curnier 1991): who carries has w_n = 0;
 // who sticks w_t = 0; who slips p_t = mu p_n y/|y| with y = p_t - k w_t. False if no share of the
-// step brings p nearer to its answer; p is then as it was.
-bool ContactProblem::newton(double damping) {
+// step brings the merit under `bound`; p is then as it was.
+bool ContactProblem::newton(double damping, double bound) {
   const int n = size();
   set_.clear();
   for (int i = 0; i < n; i++)
     if (p[3 * i] * local_[i].A.m[0] >= w_[3 * i]) set_.push_back(i);
   const int m = (int)set_.size(), m3 = 3 * m;
-  const double before = merit();
   start_ = p;
   // Those that carry nothing are let go first.
   size_t s = 0;
@@ -215,26 +217,39 @@ bool ContactProblem::newton(double damping) {
     right_[3 * a + 2] = -(q[2] - limit * v) / k;
   }
 
-  bool regular = true;
   double* x = right_.data();
-  for (int c = 0; c < m3 && regular; c++) {  // elimination with row exchanges
-    int best = c;
-    for (int r = c + 1; r < m3; r++)
-      if (std::fabs(jacobian_[(size_t)r * m3 + c]) > std::fabs(jacobian_[(size_t)best * m3 + c]))
-        best = r;
-    double* pivot = &jacobian_[(size_t)c * m3];
-    if (best != c) {
-      std::swap_ranges(pivot + c, pivot + m3, &jacobian_[(size_t)best * m3 + c]);
-      std::swap(x[best], x[c]);
+  bool regular = true;
+  // Elimination with row exchanges, three columns at a time: first among themselves, then from
+  // the rest.
+  auto row_at = [&](int r) { return &jacobian_[(size_t)r * m3]; };
+  for (int first = 0; first < m3 && regular; first += 3) {
+    const int rest = first + 3;
+    double* pivot[3];
+    for (int k = 0; k < 3; k++) {
+      const int c = first + k;
+      int best = c;
+      for (int r = c + 1; r < m3; r++)
+        if (std::fabs(row_at(r)[c]) > std::fabs(row_at(best)[c])) best = r;
+      pivot[k] = row_at(c);
+      if (best != c) {
+        std::swap_ranges(pivot[k] + first, pivot[k] + m3, row_at(best) + first);
+        std::swap(x[best], x[c]);
+      }
+      for (int l = 0; l < k; l++)
+        add_scaled(pivot[k] + rest, -pivot[k][first + l], pivot[l] + rest, m3 - rest);
+      regular &= std::fabs(pivot[k][c]) > 1e-14;
+      const double inv = 1 / pivot[k][c];
+      for (int r = c + 1; r < m3; r++) {
+        double* row = row_at(r);
+        const double f = row[c] *= inv;
+        for (int d = c + 1; d < rest; d++) row[d] -= f * pivot[k][d];
+        x[r] -= f * x[c];
+      }
     }
-    regular = std::fabs(pivot[c]) > 1e-14;
-    const double inv = 1 / pivot[c];
-    for (int r = c + 1; r < m3; r++) {
-      double* row = &jacobian_[(size_t)r * m3];
-      const double f = row[c] * inv;
-      if (f == 0) continue;
-      add_scaled(row + c + 1, -f, pivot + c + 1, m3 - c - 1);
-      x[r] -= f * x[c];
+    for (int r = rest; r < m3; r++) {
+      double* row = row_at(r);
+      add_scaled(row + rest, -row[first], pivot[0] + rest, -row[first + 1], pivot[1] + rest,
+                 -row[first + 2], pivot[2] + rest, m3 - rest);
     }
   }
   if (regular) {
@@ -245,14 +260,14 @@ bool ContactProblem::newton(double damping) {
       x[r] = t / row[r];
     }
     double share = 1;
-    for (int attempt = 0; attempt < 4; attempt++, share *= 0.5) {
+    for (int attempt = 0; attempt < kShares; attempt++, share *= 0.5) {
       for (int i = 0; i < 3 * n; i++) p[i] = (1 - share) * start_[i];
       for (int a = 0; a < m; a++)
         for (int r = 0; r < 3; r++)
           p[3 * set_[a] + r] = start_[3 * set_[a] + r] + share * x[3 * a + r];
       project();
       product();
-      if (merit() < before * (1 - 1e-3)) return true;
+      if (merit() < bound * (1 - 1e-3)) return true;
     }
   }
   p = start_;
@@ -332,59 +347,72 @@ void ContactProblem::normals(double tolerance) {
 }
 
 void ContactProblem::solve(double tolerance, double fine, int most, SolveReport& report) {
-  const int n_groups = (int)group_count_;
-  double goal = fine;
   finish_groups();
   product();
-  report.residual = residual(false);
-  double least = 1e300;  // residual after a round
+  double least = 1e300;  // so far, and where
+  auto judge = [&]() {
+    report.residual = residual(false);
+    if (report.residual < least) least = report.residual, best_ = p;
+  };
+  judge();
+  double goal = fine, last = 1e300;
+  // One sweep over one contact is exact: what rests feels nothing of where it started.
+  if (size() == 1) goal = -1, most = 1;
+  const int n_groups = (int)group_count_, sweeps = size() <= kFew ? kSweepsOfFew : kSweeps;
   int stalled = 0;
-  if (size() == 1) goal = -1;  // one sweep is exact: what rests feels nothing of where it started
   for (int it = 0; it < most && report.residual >= goal;) {
-    for (int sweep = 0; sweep < kSweeps && it < most && report.residual >= goal; sweep++, it++) {
+    for (int sweep = 0; sweep < sweeps && it < most && report.residual >= goal; sweep++, it++) {
       for (int k = 0; k < n_groups; k++)
         settle(groups_[it % 2 == 0 ? k : n_groups - 1 - k], 0.1 * goal);
       report.sweeps++;
-      report.residual = residual(false);
-      if (size() == 1) return;
+      judge();
     }
-    double damping = kDamping;
+    double damping = kDamping, recent[kMemory];
+    std::fill_n(recent, kMemory, merit());
     int failures = 0;
-    for (int step = 0; step < kSteps && report.residual >= goal; step++, it++) {
+    for (int step = 0; step < kSteps && it < most && report.residual >= goal; step++, it++) {
+      const bool better = newton(damping, *std::max_element(recent, recent + kMemory));
       report.sweeps++;
-      if (newton(damping)) {
+      judge();
+      if (better) {
         damping = std::max(kLess * damping, kLeastDamping);
+        recent[step % kMemory] = merit();
       } else {
         damping *= kMore;
         if (++failures == kFailures) break;
       }
-      report.residual = residual(false);
     }
-    if (report.residual < kProgress * least)
+    if (report.residual < kProgress * last)
       stalled = 0;
     else if (++stalled == kStalls)
       break;
-    least = std::min(least, report.residual);
+    last = std::min(last, report.residual);
     if (it >= kPatience) goal = tolerance;
     if (it >= kNoPatience) goal = kEnough * tolerance;
   }
-  if (report.residual < tolerance) return;
+  if (report.residual > least) p = best_, product();
+  report.residual = residual(false);
+  report.normal = residual(true);
   // Where friction is slow to settle it is held and the normal impulses are solved for alone:
   // nothing penetrates, and the next substep starts warm.
-  report.residual = residual(true);
-  if (report.residual < kEnough * tolerance) return;
-  before_ = p;  // the best so far: pivots that do not end must not count
+  if (report.residual < tolerance || report.normal < kEnough * tolerance) return;
+  best_ = p;  // pivots that do not end must not count
   const double work = std::pow((double)size(), 3) * kPivots / 6;  // of a round, at most
-  for (int r = 0; r < kRounds && report.residual >= tolerance && r * work <= kMostWork; r++) {
+  for (int r = 0; r < kRounds && report.normal >= tolerance && r * work <= kMostWork; r++) {
     normals(1e-3 * tolerance);
+    if (r >= kGiveUp)
+      for (int i = 0; i < size(); i++)
+        if (std::hypot(p[3 * i + 1], p[3 * i + 2]) > local_[i].mu * p[3 * i] + 1e-12)
+          p[3 * i + 1] = p[3 * i + 2] = 0;
     project();  // a normal impulse that got smaller takes its friction along
     product();
-    double after = residual(true);
     report.sweeps++;
-    if (after < report.residual) before_ = p, report.residual = after;
+    const double after = residual(true);
+    if (after < report.normal) best_ = p, report.normal = after;
   }
-  p = before_;
+  p = best_;
   product();
+  report.residual = residual(false);
 }
 
 }  // namespace hp

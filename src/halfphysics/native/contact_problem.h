@@ -9,7 +9,8 @@ namespace hp {
 struct SolveReport {
   int sweeps = 0;       // block sweeps and Newton steps
   int points = 0;       // contacts that took part
-  double residual = 0;  // largest violation [m/s]
+  double residual = 0;  // largest violation, friction's included [m/s]
+  double normal = 0;    // largest violation of w_n, p_n >= 0 and p_n w_n = 0 [m/s]
 };
 
 // Each contact has three rows (n, t, s): 0 <= p_n, w_n >= 0, p_n w_n = 0, |p_t| <= mu p_n, slip
@@ -29,9 +30,8 @@ class ContactProblem {
   void add(const double* beta3, const double* warm3, double mu, int pair);
 
   // Block sweeps find who carries and who slips; Newton steps then end it. Stops at `tolerance`
-  // [m/s] or after `most` sweeps and steps; where friction is not settled by then the normal impulses are
-  // solved for alone.
-  // For its first sweeps it aims at `fine` [m/s] instead.
+  // [m/s] or after `most` sweeps and steps, and takes the best of them; where the normal impulses
+  // are not settled by then they are solved for alone. At first it aims at `fine` [m/s] instead.
   void solve(double tolerance, double fine, int most, SolveReport& report);
 
  private:
@@ -43,7 +43,7 @@ class ContactProblem {
 
   void finish_groups();
   void settle(Group& g, double tolerance);
-  bool newton(double damping);
+  bool newton(double damping, double bound);
   void normals(double tolerance);
   void product();
   void project();
@@ -51,12 +51,12 @@ class ContactProblem {
   double merit() const;
 
   size_t stride_ = 0;
-  std::vector<double> A_, w_, before_;
+  std::vector<double> A_, w_;
   std::vector<LocalContact> local_;
   std::vector<Group> groups_;
   size_t group_count_ = 0;
   std::vector<double> old_, own_;
-  std::vector<double> jacobian_, right_, start_;
+  std::vector<double> jacobian_, right_, start_, best_;
   std::vector<double> q_, x_, chol_;
   std::vector<char> active_, wrong_;
   std::vector<int> set_;

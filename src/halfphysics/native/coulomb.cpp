@@ -2,6 +2,40 @@
 
 namespace hp {
 
+namespace {
+
+double polynomial(const double* f, int degree, double t) {
+  double y = f[degree];
+  for (int i = degree - 1; i >= 0; i--) y = y * t + f[i];
+  return y;
+}
+
+// Roots in [-1, 1] of f[0] + f[1] t + ...: between those of its derivative it is monotone.
+int polynomial_roots(const double* f, int degree, double* roots) {
+  if (degree == 0) return 0;
+  double derivative[4], turns[4];
+  for (int i = 0; i < degree; i++) derivative[i] = (i + 1) * f[i + 1];
+  const int n = polynomial_roots(derivative, degree - 1, turns);
+  turns[n] = 1;
+  int found = 0;
+  double lo = -1, f_lo = polynomial(f, degree, lo);
+  for (int k = 0; k <= n; k++) {
+    const double f_hi = polynomial(f, degree, turns[k]);
+    if ((f_hi <= 0) != (f_lo <= 0)) {
+      double from = lo, to = turns[k];
+      for (int i = 0; i < 54; i++) {
+        const double mid = 0.5 * (from + to);
+        ((polynomial(f, degree, mid) <= 0) == (f_lo <= 0) ? from : to) = mid;
+      }
+      roots[found++] = 0.5 * (from + to);
+    }
+    lo = turns[k], f_lo = f_hi;
+  }
+  return found;
+}
+
+}  // namespace
+
 void LocalContact::set(const Mat3& a, double friction) {
   A = a;
   mu = friction;
@@ -42,45 +76,49 @@ LocalContact::Slip LocalContact::slip(Vec3 r, double c, double s) const {
           n * (c * r.y + s * r.z) - r.x * (c * t1 + s * t2)};
 }
 
-// All directions, where Newton's method did not find the one: roots of f and, where two lie close
-// together, of f on both sides of its extremum. Of several, the one with the smallest impulse.
-bool LocalContact::search(Vec3 r, double& best_c, double& best_s) const {
-  constexpr int kSteps = 24, kHalvings = 45;
-  double best = 0;
-  auto at = [&](double angle) { return slip(r, std::cos(angle), std::sin(angle)); };
-  auto root = [&](double lo, double hi, double f_lo) {
-    for (int i = 0; i < kHalvings; i++) {
-      double mid = 0.5 * (lo + hi);
-      ((at(mid).f <= 0) == (f_lo <= 0) ? lo : hi) = mid;
+// All directions, where Newton's method did not find the one. With c, s = (1 - t^2, 2 t)/(1 + t^2)
+// f is a polynomial of degree 4 in t; |t| <= 1 is half the circle, and -c, -s the other half. Of
+// several roots, the one with the smallest impulse; of none whose slip friction opposes (rounding
+// at the cone's edge), the one that slips least.
+bool LocalContact::search(Vec3 r, double rounding, double& best_c, double& best_s) const {
+  const double* a = A.m;
+  double best = 0, least = 1e300;
+  for (double side : {1.0, -1.0}) {
+    const double C[3] = {side, 0, -side}, S[3] = {0, 2 * side, 0}, Q[3] = {1, 0, 1};
+    double normal[3], across[3], stick[3], y[3], z[3], f[5] = {};
+    for (int i = 0; i < 3; i++) {
+      normal[i] = a[0] * Q[i] + mu * (a[1] * C[i] + a[2] * S[i]);
+      across[i] = C[i] * r.z - S[i] * r.y;
+      stick[i] = r.x * (C[i] * a[6] - S[i] * a[3]);
+      y[i] = r.x * mu * (C[i] * a[7] - S[i] * a[4]);
+      z[i] = r.x * mu * (C[i] * a[8] - S[i] * a[5]);
     }
-    double angle = 0.5 * (lo + hi);
-    Slip q = at(angle);
-    if (q.normal > best && q.along <= 1e-12)
-      best = q.normal, best_c = std::cos(angle), best_s = std::sin(angle);
-  };
-  Slip old = at(0);
-  for (int k = 1; k <= kSteps; k++) {
-    double lo = 2 * M_PI * (k - 1) / kSteps, hi = 2 * M_PI * k / kSteps;
-    Slip now = at(hi);
-    if ((now.f <= 0) != (old.f <= 0)) {
-      root(lo, hi, old.f);
-    } else if ((now.slope <= 0) != (old.slope <= 0)) {
-      double a = lo, b = hi;
-      for (int i = 0; i < kHalvings; i++) {
-        double mid = 0.5 * (a + b);
-        ((at(mid).slope <= 0) == (old.slope <= 0) ? a : b) = mid;
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++)
+        f[i + j] += normal[i] * across[j] - stick[i] * Q[j] - y[i] * C[j] - z[i] * S[j];
+    double roots[4];
+    const int n = polynomial_roots(f, 4, roots);
+    for (int i = 0; i < n; i++) {
+      const double t = roots[i], q = side / (1 + t * t), c = q * (1 - t * t), s = q * 2 * t;
+      const Slip slipping = slip(r, c, s);
+      if (slipping.normal <= 0) continue;
+      if (slipping.along <= rounding) {
+        if (slipping.normal <= best) continue;
+        best = slipping.normal;
+      } else {
+        if (best > 0 || slipping.along >= least * slipping.normal) continue;
+        least = slipping.along / slipping.normal;
       }
-      double mid = 0.5 * (a + b), f = at(mid).f;
-      if ((f <= 0) != (old.f <= 0)) root(lo, mid, old.f), root(mid, hi, f);
+      best_c = c, best_s = s;
     }
-    old = now;
   }
-  return best > 0;
+  return best > 0 || least < 1e300;
 }
 
 Vec3 LocalContact::solve(Vec3 r, Vec3 old) const {
   if (r.x >= 0) return {};
   Vec3 stick = inverse * (-r);
+  stick -= inverse * (r + A * stick);  // Cramer's rule loses digits where A is ill-conditioned
   double m = mu;
   if (stick.x >= 0 && stick.y * stick.y + stick.z * stick.z <= m * m * stick.x * stick.x)
     return stick;
@@ -90,6 +128,8 @@ Vec3 LocalContact::solve(Vec3 r, Vec3 old) const {
   if (c == 0 && s == 0) c = 1;
   double f = 1 / std::sqrt(c * c + s * s);
   c *= f, s *= f;
+  const double* a = A.m;
+  const double rounding = 1e-13 * std::max(a[0], std::max(a[4], a[8])) * norm(r);
   bool found = false;
   for (int it = 0; it < 8 && !found; it++) {
     Slip q = slip(r, c, s);
@@ -100,13 +140,13 @@ Vec3 LocalContact::solve(Vec3 r, Vec3 old) const {
     c = f * c2, s = f * s2;
     if (std::fabs(d) < 1e-9) {
       q = slip(r, c, s);
-      found = q.normal > 1e-6 * A.m[0] && q.along <= 0;
+      found = q.normal > 1e-6 * a[0] && q.along <= rounding;
       break;
     }
   }
-  // Without any (rounding at the cone's edge) at least nothing penetrates.
-  if (!found && !search(r, c, s)) return {-r.x / A.m[0], 0, 0};
-  double pn = -r.x / (A.m[0] + m * (A.m[1] * c + A.m[2] * s));
+  // Without any (rounding, where A is all but singular) at least nothing penetrates.
+  if (!found && !search(r, rounding, c, s)) return {-r.x / a[0], 0, 0};
+  double pn = -r.x / (a[0] + m * (a[1] * c + a[2] * s));
   return {pn, m * pn * c, m * pn * s};
 }
 

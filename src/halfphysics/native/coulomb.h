@@ -30,7 +30,7 @@ struct LocalContact {
     double along;     // of the slip along the friction: negative where friction opposes it
   };
   Slip slip(Vec3 r, double c, double s) const;
-  bool search(Vec3 r, double& c, double& s) const;
+  bool search(Vec3 r, double rounding, double& c, double& s) const;
 };
 
 // Friction back onto its disc.

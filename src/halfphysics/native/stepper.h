@@ -123,7 +123,7 @@ class Stepper {
   Poses followed_;  // the start of the frame, for those who follow their motion
   Inertia inertia_;
   bool inertia_ready_ = false;
-  std::vector<Twist> twists_;
+  std::vector<Twist> twists_, moving_;
   std::vector<double> reach_;
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;

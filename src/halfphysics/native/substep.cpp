@@ -14,6 +14,12 @@ constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
 // A gap may miss what is asked of it by this share: curvature within a substep costs no more solves.
 constexpr double kSlack = 0.02;
+// Nobody is pushed apart faster than this for the sake of a curved way: a shorter step is straighter,
+// and things that spin fast would gain energy [m/s].
+constexpr double kPush = 3, kThingsPush = 0.5;
+// What pulls harder than it moves is at first not thought to get farther than this, or than its own
+// speed would take it by this factor [m].
+constexpr double kFirstWay = 0.05, kFirstFactor = 2;
 // Gaps that gave way this far are solved for more finely, by this factor: not to be worn away [m].
 constexpr double kNarrow = 5e-5, kFiner = 0.1;
 // Solving is bounded, and what is left to settle then shortens the step: multiplications of an
@@ -152,7 +158,11 @@ bool Stepper::verify(double h, int pass, double& worst) {
       world.add_contacts(model, start_, end_, candidates_[i], (int)i, pass, contacts_);
   for (size_t i = 0; i < contacts_.size(); i++) {
     Contact& c = contacts_[i];
-    if (pass > 0) c.shift = c.dist + h * approach(c, twists_) - world.gap_at(start_, end_, c);
+    if (pass > 0) {
+      const bool thing = world.movers[candidates_[c.pair].mover].person < 0;
+      c.shift = std::min(c.dist + h * approach(c, twists_) - world.gap_at(start_, end_, c),
+                         std::max(0.0, c.dist - c.target) + h * (thing ? kThingsPush : kPush));
+    }
     if (i >= old) warm_start(c);
   }
   return false;
@@ -301,6 +311,7 @@ void Stepper::attempt(double h) {
   const double clear = world.settings.clearance;
   work_ = 0;
   gave_way_.assign(model.nbody, 0);
+  body_twists(model, start_.kin, qvel_.data(), moving_);
   body_twists(model, start_.kin, v_free_.data(), twists_);
   reach_.resize(world.movers.size());
   fastest_.assign(model.nbody, 0);
@@ -309,6 +320,10 @@ void Stepper::attempt(double h) {
     const int b = world.movers[i].body;
     if (!world.active[b]) continue;
     reach_[i] = h * speed_bound(world.movers[i], twists_);
+    if (reach_[i] > kFirstWay) {
+      double way = kFirstFactor * h * speed_bound(world.movers[i], moving_);
+      reach_[i] = std::min(reach_[i], std::max(kFirstWay, way));
+    }
     fastest_[model.root[b]] = std::max(fastest_[model.root[b]], reach_[i]);
   }
   // A contact can speed up what is slow now: a share of the fastest part's way for everyone.

@@ -94,10 +94,14 @@ class Stepper {
   void find_islands();
   int island(const Candidate& c) const;
   double way(size_t mover) const;
+
+  // A step in pieces (pieces.cpp).
   std::vector<double> shares(double h);
   void commit(double h, const std::vector<double>& share);
   double retry(double h, std::vector<double> share);
   double catch_up(double h, double left, bool begun);
+
+  // The parts of a substep.
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
   void warm_start(Contact& c);
   void remember(const std::vector<double>& share);

@@ -13,15 +13,18 @@ Two questions, neither answered with anything of the core but its body frames:
    - the hull of both sets of vertices is disjoint from the obstacle, or, the step cut into
      pieces, those of the pieces are: the vertices move straight; or
    - the rigid motion (origin straight, rotation by the shortest arc) is clear, by conservative
-     advancement.
+     advancement; or
+   - two or four such motions are, over poses stepped back a little (`DETOURS`): a step that was
+     made in pieces may bend around an edge.
 
    With a witness the part is where it could have got to: on its side. Without any it has crossed.
-   Only the last two can miss a way that exists, and only where the obstacle stands in both.
+   Only the last three can miss a way that exists, and only where the obstacle stands in all.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import product
 
 import coal
 import numpy as np
@@ -37,7 +40,10 @@ ROUNDING = 1e-6
 #: Poses looked at together: bounds the memory.
 CHUNK = 512
 #: A step without witness is cut in halves at most this often.
-STRAIGHT_DEPTH, ARC_DEPTH = 4, 12
+STRAIGHT_DEPTH, ARC_DEPTH, BENT_DEPTH = 4, 12, 1
+#: How far a part may step back from an obstacle on its way from one pose to the next [m]: not far
+#: enough to get around anything that it was thrown at.
+DETOURS = (0.005, 0.02)
 
 
 @dataclass
@@ -177,8 +183,10 @@ class Judge:
 
                 for k in np.flatnonzero(near[:, i]):
                     before, after = at(int(k)), at(int(k) + 1)
+                    # One that is proved is enough: the others are not looked at as patiently.
+                    ways = x[k : k + 2, i], turn[k : k + 2, i]
                     if s.plane is None and not self._kept(
-                        i, s, before, after, x[k : k + 2, i], turn[k : k + 2, i]
+                        i, s, before, after, *ways, patient=not verdict.crossed
                     ):
                         verdict.crossed.append((self.names[i], s.name, first + int(k) + 1))
 
@@ -201,7 +209,7 @@ class Judge:
 
     # -- the way between two poses -----------------------------------------------------------
 
-    def _kept(self, i, s, before, after, x, turn):
+    def _kept(self, i, s, before, after, x, turn, patient=True):
         if before[0] <= 0.0 or after[0] <= 0.0:
             return True  # inside at a committed pose: counted there
         w0, w1 = (self.points[i] @ turn[k].T + x[k] for k in (0, 1))
@@ -226,8 +234,10 @@ class Judge:
                     return True
             elif _highest(s, n) < bottom:
                 return True
-        return self._straight(w0, w1, s, STRAIGHT_DEPTH) or self._arc(
-            i, s, x, turn, 0.0, 1.0, before[0], after[0], ARC_DEPTH
+        return (
+            self._straight(w0, w1, s, STRAIGHT_DEPTH)
+            or self._arc(i, s, x, turn, 0.0, 1.0, before[0], after[0], ARC_DEPTH)
+            or (patient and self._bent(i, s, x, turn, before, after, BENT_DEPTH))
         )
 
     def _straight(self, w0, w1, s, depth):
@@ -240,6 +250,29 @@ class Judge:
             return False
         middle = 0.5 * (w0 + w1)
         return self._straight(w0, middle, s, depth - 1) and self._straight(middle, w1, s, depth - 1)
+
+    def _bent(self, i, s, x, turn, before, after, depth):
+        """The rigid motion in two, and those in two, over poses stepped back from the middle."""
+        turned = rot.matrix_to_rotvec(turn[0].T @ turn[1])
+        ends = [n / max(np.linalg.norm(n), 1e-12) for _, n in (before, after)]
+        out = [*ends, ends[0] + ends[1]]
+        for share, n, detour in product((0.5, 0.0, 1.0), out, DETOURS):
+            middle = x[0] + share * (x[1] - x[0]) + detour * n
+            between = turn[0] @ rot.rotvec_to_matrix(share * turned)
+            there = self._distance(i, middle, between, s)
+            if there[0] <= 0.0:
+                continue
+            legs = [
+                (np.array([x[0], middle]), np.array([turn[0], between]), before, there),
+                (np.array([middle, x[1]]), np.array([between, turn[1]]), there, after),
+            ]
+            if all(
+                self._arc(i, s, y, r, 0.0, 1.0, a[0], b[0], ARC_DEPTH)
+                or (depth > 0 and self._bent(i, s, y, r, a, b, depth - 1))
+                for y, r, a, b in legs
+            ):
+                return True
+        return False
 
     def _arc(self, i, s, x, turn, a, b, gap_a, gap_b, depth):
         turned = rot.matrix_to_rotvec(turn[0].T @ turn[1])

@@ -36,23 +36,6 @@ LOG = Path(
 SHORTENED = 0.01
 
 
-#: What the sample fails at for now: GJK takes some flat tetrahedra for an overlap, and what a part
-#: is thought to overlap does not hold it.
-FALSE_OVERLAP = "GJK sees an overlap where there is none, and the mesh is let go"
-NOT_YET_CLEAR = dict.fromkeys(("rods", 0, 5), FALSE_OVERLAP)
-JAMMED = "jammed between pieces of furniture the body is stopped for too long"
-
-
-def places(all_places, failing):
-    """Parameters; where a sample is run, those that fail so far are marked."""
-    return [
-        pytest.param(p, marks=pytest.mark.xfail(reason=failing[p]) if not WANTED else ())
-        if p in failing
-        else p
-        for p in all_places
-    ]
-
-
 @pytest.fixture(scope="module")
 def rows_of(tmp_path_factory):
     """Rows of all these cases, or of a few that are quick; run once."""
@@ -81,7 +64,7 @@ def complaints(rows, what):
     return "\n".join(f"{row['id']}: {text}" for row in rows for text in what(row))
 
 
-@pytest.mark.parametrize("kind", places(OBSTACLES, NOT_YET_CLEAR))
+@pytest.mark.parametrize("kind", OBSTACLES)
 def test_nobody_is_thrown_through(rows_of, kind):
     def few(cases):
         quick = [c for c in cases if c.speed >= 2.0 and c.fps * c.substeps <= 240.0]
@@ -109,14 +92,12 @@ def clip_rows(rows_of, shared_data, request):
     return rows_of(names[place], cases, shared_data, few)
 
 
-@pytest.mark.parametrize("clip_rows", places(range(10), NOT_YET_CLEAR), indirect=True)
+@pytest.mark.parametrize("clip_rows", range(10), indirect=True)
 def test_real_clips_go_through_nothing(clip_rows):
     assert sum(row["touched"] for row in clip_rows) > 0
     assert not complaints(clip_rows, not_clear), complaints(clip_rows, not_clear)
 
 
-@pytest.mark.parametrize(
-    "clip_rows", places(range(10), dict.fromkeys(range(6), JAMMED)), indirect=True
-)
+@pytest.mark.parametrize("clip_rows", range(10), indirect=True)
 def test_real_clips_lose_no_time(clip_rows):
     assert not complaints(clip_rows, held_back), complaints(clip_rows, held_back)

@@ -217,8 +217,7 @@ def test_a_pile_gains_no_energy(friction, fps, substeps):
         assert gain <= lift, f"case {case}: {gain} J, all lifted by the clearance {lift} J"
 
 
-@pytest.mark.xfail(strict=True, reason="coarse steps: corrections of what spins fast do not settle")
 def test_a_jammed_pile_gains_no_energy_at_coarse_steps():
-    """0.1 kg between 4 and 8 kg at h = 1/60 s: a shift of a contact grows to a metre."""
+    """0.1 kg between 4 and 8 kg at h = 1/60 s: what spins fast is not pushed out of its curve."""
     gain, lift = largest_gain(pile(np.random.default_rng(5), 0.8), 60, 1)
     assert gain <= lift

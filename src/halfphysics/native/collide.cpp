@@ -17,8 +17,10 @@ constexpr double kSpread2 = 5e-3 * 5e-3;     // of the first points, where there
 // turned; up to the second what it turns by costs nothing.
 constexpr double kSameRim = 0.5, kSettledRim = 1e-4;
 constexpr double kAhead = 0.02;  // looked this much farther than asked, to know of the next [m]
-constexpr double kHardGap = 1e-4;   // a step that would end nearer than half of this (or of the
-                                    // distance it starts from) is shortened [m]
+// A step that would end nearer than half of kLeastGap (or of the distance it starts from) is
+// shortened; under the first of these it may only wear the gap away as slowly as solving is exact,
+// under the second not at all [m].
+constexpr double kFloor = 2e-5, kLastFloor = 5e-6;
 
 // Where a point carried by a body at the end pose was at the start.
 Vec3 carried_back(const Poses& start, const Poses& end, int body, Vec3 x) {
@@ -77,7 +79,21 @@ void World::demand(Candidate& c, double h) {
     c.target = c.dist + std::min(clear - c.dist, kGiveWay * h);
   else
     c.target = c.dist + std::min(settings.depenetration_speed * h, -c.dist);
-  c.hard = c.dist > 0 ? 0.5 * std::min(c.dist, kHardGap) : c.dist - 1e-7;
+  if (c.dist <= 0) {
+    c.hard = c.dist - 1e-7;
+    return;
+  }
+  c.hard = 0.5 * std::min(c.dist, kLeastGap);
+  if (clear < 2 * kFloor) return;  // what rests nearer than that is not in danger
+  c.hard = std::min(std::max(c.hard, kFloor),
+                    std::max(c.dist - 2 * settings.tolerance, std::min(c.dist, kLastFloor)));
+}
+
+bool World::takes_part(const Near& e) const {
+  const int a = movers[e.mover].body;
+  if (e.other_mover < 0) return active[a];
+  const int b = movers[e.other_mover].body;
+  return (active[a] && (active[b] || standing[b])) || (active[b] && standing[a]);
 }
 
 void World::gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
@@ -99,8 +115,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
     }
   };
   for (Near& e : near_) {
-    const Mover& M = movers[e.mover];
-    if (!active[M.body] || (e.other_mover >= 0 && !active[movers[e.other_mover].body])) continue;
+    if (!takes_part(e)) continue;
     double r = reach[e.mover] + (e.other_mover >= 0 ? reach[e.other_mover] : 0.0);
     if (far(e, r)) continue;
     Candidate c;
@@ -386,11 +401,15 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
     k.dist = dist;
     k.target = c.target;
     k.position = 0.5 * (xa + xb);
-    k.a = Endpoint::rigid(M.body, xa);
+    // Who stands is as good as the world.
+    k.a = Endpoint::rigid(active[M.body] ? M.body : 0, xa);
+    k.a.point[0] = xa;
     // Round sides are measured at what they are round about.
     k.arm_a = a0.reach(n);
     if (c.other_mover >= 0) {
-      k.b = Endpoint::rigid(movers[c.other_mover].body, xb);
+      const int body = movers[c.other_mover].body;
+      k.b = Endpoint::rigid(active[body] ? body : 0, xb);
+      k.b.point[0] = xb;
       k.arm_b = place(start, c.other_mover).reach(n);
     }
     k.friction = pair.friction;

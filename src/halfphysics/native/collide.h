@@ -62,6 +62,9 @@ struct Candidate {
   bool searched = false;  // what its plane had hidden has been asked for
 };
 
+// Where all demands cannot be met, clearances give way down to this [m].
+constexpr double kLeastGap = 1e-4;
+
 struct ContactSettings {
   double clearance = 1e-3, depenetration_speed = 0.5, tolerance = 1e-6;
   int max_sweeps = 50;
@@ -91,6 +94,9 @@ class World {
   const Pairing& pairing(int a, int b) const { return pairings[a * n_names + b]; }
   // Trees that take part, per body; the others' pairs are left out.
   std::vector<char> active;
+  // Trees that have made their step already (per body), and stand in the way of those that take
+  // part.
+  std::vector<char> standing;
 
   // Everybody is somewhere else now: nothing is known of distances.
   void forget();
@@ -156,6 +162,7 @@ class World {
   const double* load_near(const double* in);
   bool behind_planes(const Near& e, const Placed& a, double r) const;
   void look(const Model& m, Poses& p, Near& e, double r);
+  bool takes_part(const Near& e) const;
   void demand(Candidate& c, double h);
   bool swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,
                    Poses& end) const;

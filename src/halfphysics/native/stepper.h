@@ -73,26 +73,47 @@ class Stepper {
   void sweep_of(const Drive& d, double dt, const std::vector<char>& busy);
   void substeps(double dt, int n, std::vector<double>* poses);
   void restore(const std::vector<double>& state);
-  void substep(int k, double h);
+  double speed_bound(const Mover& m, const std::vector<Twist>& t) const;
+  int tree(int mover) const { return model.root[world.movers[mover].body]; }
+
+  // Without contact (free_motion.cpp).
   void free_velocity(int k, double h);
   void object_velocity(double h);
   void build_inertia(double h);
+
+  // With it (substep.cpp).
+  void substep(int k, double h);
+  void attempt(double h);
   void solve(double h);
   // World::excess of candidate i; asks for what a plane that it forgives had hidden.
   double excess(size_t i, double h);
+  double allowed(const Candidate& c) const;
   bool verify(double h, int pass, double& worst);
-  void give_way();
-  double shorten(double h);
+  double approach(const Contact& c, const std::vector<Twist>& twists) const;
+  void drop_idle();
+  bool give_way();
+  void relax();
+  bool bounce(double h, bool good, double& worst);
+  void find_islands();
+  int island(const Candidate& c) const;
+  double way(size_t mover) const;
+
+  // A step in pieces (pieces.cpp).
+  std::vector<double> shares(double h);
+  void commit(double h, const std::vector<double>& share);
+  double retry(double h, std::vector<double> share);
+  double catch_up(double h, double left, bool begun);
+
+  // The parts of a substep.
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
   void warm_start(Contact& c);
-  void remember();
-  bool bounce(double h, bool good, double& worst);
-  double speed_bound(const Mover& m, const std::vector<Twist>& t) const;
+  void remember(const std::vector<double>& share);
 
   struct Warm {
     int64_t key;
     int feature;
     Vec3 local, normal, impulse;  // contact point in the mover's frame
+    bool used;
   };
 
   std::vector<Drive> drives_;
@@ -109,13 +130,22 @@ class Stepper {
   Poses followed_;  // the start of the frame, for those who follow their motion
   Inertia inertia_;
   bool inertia_ready_ = false;
-  std::vector<Twist> twists_;
+  std::vector<Twist> twists_, moving_;
   std::vector<double> reach_;
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;
-  double work_ = 0;  // of this substep's solves
-  size_t solved_ = 0;  // contacts that the last solve knew
-  std::vector<Warm> warm_;
+  // Of an attempt at a step.
+  bool good_ = true;       // nothing is violated at its end
+  double worst_ = 0;       // most that is [m], negative
+  double work_ = 0;        // of its solves
+  double tolerance_ = 0;   // of its solves [m]
+  size_t solved_ = 0;      // contacts that the last solve knew
+  double step_ = 0;        // the whole substep's length [s]
+  double pulled_ = 0;      // gravity has acted for this long since the start pose [s]
+  std::vector<char> violated_;       // per candidate
+  std::vector<int> island_;          // per body: of the tree that it belongs to
+  std::vector<char> gave_way_;       // per body: its tree's clearance has
+  std::vector<Warm> warm_, next_warm_;
   ContactSolver solver_;
   std::vector<Touch> touches_;
   Diagnostics diagnostics_;

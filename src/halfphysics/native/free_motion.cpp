@@ -1,0 +1,71 @@
+// What a substep would do without contact: the drive's pull on people, gravity and spin of objects.
+#include "stepper.h"
+
+namespace hp {
+
+void Stepper::build_inertia(double h) {
+  if (inertia_ready_) return;
+  inertia_.compose(model, start_.kin);
+  std::fill(extra_.begin(), extra_.end(), 0.0);
+  for (const Drive& d : drives_) {
+    if (!world.active[d.body(0)]) continue;
+    d.added_inertia(model, inertia_, drive_settings, extra_);
+    double s = d.scale(drive_settings, h);
+    std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
+  }
+  inertia_.factor(model, scale_, extra_);
+  inertia_ready_ = true;
+}
+
+// Gravity, and the free rotation by the implicit midpoint rule. The pose moves with the midpoint
+// velocity; `spin_` keeps what is then missing to the velocity at the end of the substep.
+void Stepper::object_velocity(double h) {
+  for (int b : objects_) {
+    if (!world.active[b]) continue;
+    int d = model.dof_first[b];
+    Vec3 v = load3(&qvel_[d]) + h * gravity, w0 = load3(&qvel_[d + 3]);
+    Mat3 R = to_matrix(model.iquat[b]), I;
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++) {
+        I.m[3 * i + j] = 0;
+        for (int a = 0; a < 3; a++)
+          I.m[3 * i + j] += R.m[3 * i + a] * model.inertia[b][a] * R.m[3 * j + a];
+      }
+    // Newton on  2 I (w - w0) + h w x I w = 0  for the midpoint velocity w.
+    Vec3 w = w0, L0 = I * w0;
+    for (int it = 0; it < 20; it++) {
+      Vec3 Lw = I * w, f = 2.0 * (Lw - L0) + h * cross(w, Lw);
+      if (norm2(f) <= 1e-32 * (norm2(L0) + 1e-300)) break;
+      Mat3 D;
+      for (int j = 0; j < 3; j++) {
+        Vec3 e;
+        e[j] = 1;
+        Vec3 Ie = I.col(j), c = 2.0 * Ie + h * (cross(e, Lw) + cross(w, Ie));
+        for (int i = 0; i < 3; i++) D.m[3 * i + j] = c[i];
+      }
+      w -= solve3(D, f);
+    }
+    store3(&v_free_[d], v);
+    store3(&v_free_[d + 3], w);
+    store3(&spin_[d + 3], w - w0);
+  }
+}
+
+void Stepper::free_velocity(int k, double h) {
+  v_free_ = qvel_;
+  std::fill(torque_.begin(), torque_.end(), 0.0);
+  bool any = false;
+  for (const Drive& d : drives_)
+    if (world.active[d.body(0)])
+      any |= d.free_velocity(drive_settings, k, h, qpos_.data(), qvel_.data(), v_free_.data(),
+                             torque_.data());
+  if (any) {
+    build_inertia(h);
+    for (int i = 0; i < model.nv; i++) torque_[i] *= extra_[i] / h;
+    inertia_.solve(model, torque_.data());
+    for (int i = 0; i < model.nv; i++) v_free_[i] += torque_[i];
+  }
+  object_velocity(h);
+}
+
+}  // namespace hp

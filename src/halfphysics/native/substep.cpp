@@ -1,0 +1,368 @@
+// A substep: solve the contacts, verify the end pose, and what to do where that fails.
+#include <chrono>
+#include <numeric>
+
+#include "stepper.h"
+
+namespace hp {
+
+namespace {
+
+constexpr int kPasses = 8;   // solve and verify, at most, before the clearance gives way and after
+constexpr int kQueries = 4;  // for planes with ever larger reach
+constexpr double kSlackReach = 0.004;  // planes are asked for this much farther than needed [m]
+constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
+constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
+// A gap may miss what is asked of it by this share: curvature within a substep costs no more solves.
+constexpr double kSlack = 0.02;
+// Nobody is pushed apart faster than this for the sake of a curved way: a shorter step is straighter,
+// and things that spin fast would gain energy [m/s].
+constexpr double kPush = 3, kThingsPush = 0.5;
+// What pulls harder than it moves is at first not thought to get farther than this, or than its own
+// speed would take it by this factor [m].
+constexpr double kFirstWay = 0.05, kFirstFactor = 2;
+// Gaps that gave way this far are solved for more finely, by this factor: not to be worn away [m].
+constexpr double kNarrow = 5e-5, kFiner = 0.1;
+// Solving is bounded, and what is left to settle then shortens the step: multiplications of an
+// attempt, those of a contact that takes part besides A itself, and contact points.
+constexpr double kMostWork = 1e8, kRowWork = 60;
+constexpr size_t kMostContacts = 250;
+constexpr double kWarmRadius2 = 0.02 * 0.02;
+
+}  // namespace
+
+double Stepper::speed_bound(const Mover& m, const std::vector<Twist>& t) const {
+  const Twist& w = t[m.body];
+  Vec3 center = start_.kin.xpos[m.body] + start_.kin.xmat[m.body] * m.shape.center;
+  Vec3 v = w.v + cross(w.w, center - start_.kin.reference(model, m.body));
+  return norm(v) + norm(w.w) * m.shape.bound;
+}
+
+void Stepper::pose_at(const std::vector<double>& v, double h, Poses& out,
+                      std::vector<double>& q) {
+  q = qpos_;
+  integrate(model, q.data(), v.data(), h, world.active.data());
+  out.kin.update(model, q.data(), world.active.data());
+  world.start_poses(out);
+}
+
+void Stepper::warm_start(Contact& c) {
+  const Mover& m = world.movers[candidates_[c.pair].mover];
+  Vec3 local = mul_t(start_.kin.xmat[m.body], c.position - start_.kin.xpos[m.body]);
+  double best = kWarmRadius2;
+  Warm* found = nullptr;
+  for (Warm& w : warm_) {
+    if (w.used || w.key != c.key || dot(w.normal, c.n) < 0.8) continue;
+    double d = norm2(w.local - local);
+    if (d < best) best = d, found = &w;
+  }
+  if (!found) return;
+  c.impulse = found->impulse;
+  found->used = true;
+}
+
+// The trees that planes connect: island_[tree].
+void Stepper::find_islands() {
+  island_.resize(model.nbody);
+  std::iota(island_.begin(), island_.end(), 0);
+  auto find = [&](int b) {
+    while (island_[b] != b) b = island_[b] = island_[island_[b]];
+    return b;
+  };
+  for (const Candidate& c : candidates_) {
+    if (c.other_mover < 0) continue;
+    int a = tree(c.mover), b = tree(c.other_mover);
+    if (world.active[a] && world.active[b]) island_[find(a)] = find(b);
+  }
+  for (int b = 0; b < model.nbody; b++) island_[b] = find(b);
+}
+
+int Stepper::island(const Candidate& c) const {
+  int a = tree(c.mover);
+  return island_[world.active[a] ? a : tree(c.other_mover)];
+}
+
+// The contacts of trees that have made a step, whole or shortened.
+void Stepper::remember(const std::vector<double>& share) {
+  for (size_t i = next_warm_.size(); i-- > 0;) {
+    // Who steps once more has new ones.
+    const Mover& m = world.movers[next_warm_[i].key >> 32];
+    if (world.active[m.body]) next_warm_.erase(next_warm_.begin() + i);
+  }
+  // Points found after the last solve only carry a guess.
+  contacts_.resize(std::min(contacts_.size(), solved_));
+  for (const Contact& c : contacts_) {
+    if (norm2(c.impulse) == 0) continue;
+    const Candidate& k = candidates_[c.pair];
+    if (!share.empty() && share[island(k)] < 0) continue;
+    disturbed_[tree(k.mover)] = 1;
+    if (k.other_mover >= 0) disturbed_[tree(k.other_mover)] = 1;
+    const Mover& m = world.movers[k.mover];
+    Vec3 local = mul_t(start_.kin.xmat[m.body], c.position - start_.kin.xpos[m.body]);
+    next_warm_.push_back({c.key, c.feature, local, c.n, c.impulse, false});
+    Touch* t = nullptr;
+    for (Touch& o : touches_)
+      if (o.mover == k.mover && o.other_static == k.other_static &&
+          o.other_mover == k.other_mover && dot(o.normal, c.n) > 0.95 * norm(o.normal))
+        t = &o;
+    if (!t) {
+      touches_.push_back({k.mover, k.other_static, k.other_mover, {}, {}, {}, 0});
+      t = &touches_.back();
+    }
+    double p = dot(c.impulse, c.n);
+    t->position += p * c.position;
+    t->normal += p * c.n;
+    t->impulse += c.impulse;
+    t->weight += p;
+  }
+}
+
+double Stepper::excess(size_t i, double h) {
+  double e = world.excess(start_, end_, candidates_[i]);
+  if (candidates_[i].forgiven && candidates_[i].triangle >= 0 && !candidates_[i].searched)
+    world.search_behind(start_, reach_, h, (int)i, candidates_);
+  return e;
+}
+
+// What a candidate's gap may miss of its target.
+double Stepper::allowed(const Candidate& c) const {
+  double miss = 2 * tolerance_ + kRounding;
+  if (c.target > 0) miss += kSlack * c.target;
+  return miss;
+}
+
+// Checks the end pose against every candidate; adds contact points where something is violated
+// and corrects the linear prediction of those there are. True if all is well.
+bool Stepper::verify(double h, int pass, double& worst) {
+  worst = 0;
+  bool good = true;
+  body_twists(model, start_.kin, v_.data(), twists_);
+  violated_.clear();
+  for (size_t i = 0; i < candidates_.size(); i++) {  // forgiven planes add to them
+    double e = excess(i, h);
+    worst = std::min(worst, e);
+    violated_.push_back(e < -allowed(candidates_[i]));
+    good &= !violated_.back();
+  }
+  if (good) return true;
+  if (contacts_.size() > kMostContacts) drop_idle();
+  size_t old = contacts_.size();
+  for (size_t i = 0; i < candidates_.size(); i++)
+    if (violated_[i])
+      world.add_contacts(model, start_, end_, candidates_[i], (int)i, pass, contacts_);
+  for (size_t i = 0; i < contacts_.size(); i++) {
+    Contact& c = contacts_[i];
+    if (pass > 0) {
+      const bool thing = world.movers[candidates_[c.pair].mover].person < 0;
+      c.shift = std::min(c.dist + h * approach(c, twists_) - world.gap_at(start_, end_, c),
+                         std::max(0.0, c.dist - c.target) + h * (thing ? kThingsPush : kPush));
+    }
+    if (i >= old) warm_start(c);
+  }
+  return false;
+}
+
+double Stepper::approach(const Contact& c, const std::vector<Twist>& twists) const {
+  return dot(c.n, endpoint_velocity(model, start_.kin, twists, c.a) -
+                      endpoint_velocity(model, start_.kin, twists, c.b));
+}
+
+// Points that carry nothing and would end where they may make room for those that are needed.
+void Stepper::drop_idle() {
+  size_t kept = 0;
+  for (Contact& c : contacts_)
+    if (norm2(c.impulse) > 0 || world.gap_at(start_, end_, c) < c.target) contacts_[kept++] = c;
+  contacts_.resize(kept);
+}
+
+// Where the demands on an island cannot be met all together, its clearance gives way before its
+// step does. False if everything that is violated has given way already.
+bool Stepper::give_way() {
+  find_islands();
+  std::vector<char> now(model.nbody, 0);
+  bool any = false;
+  for (size_t i = 0; i < candidates_.size(); i++) {
+    int b = island(candidates_[i]);
+    if (i < violated_.size() && violated_[i] && !gave_way_[b]) now[b] = 1, any = true;
+  }
+  if (!any) return false;
+  for (int b = 1; b < model.nbody; b++)
+    if (now[island_[b]]) gave_way_[b] = 1;
+  relax();
+  return true;
+}
+
+// METHOD: v_n >= -(dist - 0.1 mm)/h.
+void Stepper::relax() {
+  for (Candidate& c : candidates_) {
+    if (!gave_way_[tree(c.mover)] && (c.other_mover < 0 || !gave_way_[tree(c.other_mover)])) continue;
+    c.target = std::min(c.target, c.dist >= 0 ? std::min(c.dist, kLeastGap) : c.dist);
+    if (c.target >= 0 && c.target < kNarrow) tolerance_ = kFiner * world.settings.tolerance;
+  }
+  for (Contact& c : contacts_) c.target = candidates_[c.pair].target;
+}
+
+// No point of the mover goes farther between the poses [m].
+double Stepper::way(size_t i) const {
+  const Mover& m = world.movers[i];
+  const Quat &p = start_.kin.xquat[m.body], &q = end_.kin.xquat[m.body];
+  double cosine = std::fabs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z);
+  double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));  // of half the turn
+  Vec3 from = start_.kin.xpos[m.body] + start_.kin.xmat[m.body] * m.shape.center,
+       to = end_.kin.xpos[m.body] + end_.kin.xmat[m.body] * m.shape.center;
+  return norm(to - from) + 2 * sine * m.shape.bound;
+}
+
+void Stepper::solve(double h) {
+  const auto begin = std::chrono::steady_clock::now();
+  build_inertia(step_);
+  SolveReport r = solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(),
+                                contacts_, tolerance_ / h, world.settings.max_sweeps);
+  diagnostics_.sweeps += r.sweeps;
+  diagnostics_.passes++;
+  double n3 = 3.0 * r.points;
+  work_ += n3 * n3 * (kRowWork + r.sweeps);
+  solved_ = contacts_.size();
+  if (keep_trace) trace.contacts = contacts_;
+  if (keep_times)
+    solve_times.back() +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// Restitution of a pair that arrived fast enough: a second pass demands its rebound. True if all
+// is well afterwards, `good` where nothing rebounds.
+bool Stepper::bounce(double h, bool good, double& worst) {
+  body_twists(model, start_.kin, v_free_.data(), twists_);
+  // The rebound starts where the substep does, above the surface, and before gravity has acted: the
+  // speed is that of the parabola which meets the surface and leaves it e times as fast. (On this
+  // grid a parabola's own speed is half a substep's gravity from the velocity.)
+  std::vector<double> before(v_free_);
+  for (int b : objects_)
+    for (int i = 0; i < 3; i++) before[model.dof_first[b] + i] -= pulled_ * gravity[i];
+  // Nor is the velocity in mid-step what it ends with where things spin fast.
+  for (int i = 0; i < model.nv; i++) before[i] += spin_[i];
+  std::vector<Twist> arrived, spun;
+  body_twists(model, start_.kin, spin_.data(), spun);
+  body_twists(model, start_.kin, before.data(), arrived);
+  bool any = false;
+  for (Contact& c : contacts_) {
+    if (c.restitution <= 0 || dot(c.impulse, c.n) <= 0) continue;
+    double arriving = approach(c, arrived);
+    if (arriving > -kBounceSpeed) continue;
+    double turned = approach(c, spun);
+    double pull = std::max(0.0, arriving - turned - approach(c, twists_));
+    double height = 2 * pull * std::max(0.0, c.dist - c.target) / h;
+    double met = arriving - 0.5 * pull;
+    double back = c.restitution * c.restitution * (met * met + height) - height;
+    c.bounce = std::sqrt(std::max(0.0, back)) - 0.5 * pull - turned;
+    any = true;
+  }
+  if (!any) return good;
+  for (int pass = 1; pass < 4; pass++) {
+    solve(h);
+    pose_at(v_, h, end_, q_end_);
+    if (verify(h, pass, worst)) return true;
+  }
+  return false;
+}
+
+// Solves for a step of length h from the start pose: velocities v_, their pose end_, whether all is
+// well with it.
+void Stepper::attempt(double h) {
+  const double clear = world.settings.clearance;
+  work_ = 0;
+  gave_way_.assign(model.nbody, 0);
+  body_twists(model, start_.kin, qvel_.data(), moving_);
+  body_twists(model, start_.kin, v_free_.data(), twists_);
+  reach_.resize(world.movers.size());
+  fastest_.assign(model.nbody, 0);
+  for (size_t i = 0; i < reach_.size(); i++) {
+    reach_[i] = 0;
+    const int b = world.movers[i].body;
+    if (!world.active[b]) continue;
+    reach_[i] = h * speed_bound(world.movers[i], twists_);
+    if (reach_[i] > kFirstWay) {
+      double way = kFirstFactor * h * speed_bound(world.movers[i], moving_);
+      reach_[i] = std::min(reach_[i], std::max(kFirstWay, way));
+    }
+    fastest_[model.root[b]] = std::max(fastest_[model.root[b]], reach_[i]);
+  }
+  // A contact can speed up what is slow now: a share of the fastest part's way for everyone.
+  for (size_t i = 0; i < reach_.size(); i++) {
+    const int b = world.movers[i].body;
+    if (world.active[b])
+      reach_[i] = 1.25 * std::max(reach_[i], 0.35 * fastest_[model.root[b]]) + clear + kSlackReach;
+  }
+  for (int query = 0; query < kQueries; query++) {
+    for (Warm& w : warm_) w.used = false;
+    contacts_.clear();
+    solved_ = 0;
+    tolerance_ = world.settings.tolerance;
+    world.list(model, start_, reach_);
+    world.gather(model, start_, reach_, h, candidates_);
+    if (query > 0) relax();
+    diagnostics_.candidates = std::max(diagnostics_.candidates, (int)candidates_.size());
+    v_ = v_free_;
+    pose_at(v_, h, end_, q_end_);
+    good_ = verify(h, 0, worst_);
+    double most = work_ + kMostWork;
+    for (int pass = 1; !good_; pass++) {
+      if (pass > kPasses || work_ > most) {
+        if (!give_way()) break;
+        pass = 1;
+        most = work_ + kMostWork;
+      }
+      solve(h);
+      pose_at(v_, h, end_, q_end_);
+      good_ = verify(h, pass, worst_);
+    }
+    if (!contacts_.empty()) good_ = bounce(h, good_, worst_);
+    // Planes hold only for what was asked: ask again, from the start pose, for what moved more.
+    bool beyond = false;
+    for (size_t i = 0; i < reach_.size(); i++) {
+      if (!world.active[world.movers[i].body]) continue;
+      double least = way(i) + clear;
+      if (least <= reach_[i]) continue;
+      beyond = true;
+      if (query + 1 < kQueries) reach_[i] = 1.25 * least + kSlackReach;
+    }
+    if (!beyond) return;
+  }
+  good_ = false;
+}
+
+void Stepper::substep(int k, double h) {
+  inertia_ready_ = false;
+  if (keep_times) solve_times.push_back(0);
+  // Twists need the dofs' axes.
+  start_.kin.update_dofs(model, qpos_.data(), world.active.data());
+  free_velocity(k, h);
+  step_ = pulled_ = h;
+  next_warm_.clear();
+  attempt(h);
+  if (keep_trace) {
+    trace.qpos = qpos_, trace.qvel = qvel_, trace.v_free = v_free_, trace.v = v_;
+    if (contacts_.empty()) trace.contacts.clear();
+    trace.h = h, trace.k = k;
+  }
+  diagnostics_.contacts = std::max(diagnostics_.contacts, (int)contacts_.size());
+  std::vector<double> share;
+  if (!good_) share = shares(h);
+  if (share.empty()) {
+    commit(h, share);
+  } else {
+    double lost = retry(h, share);
+    if (lost > 0) diagnostics_.shortened++;
+    diagnostics_.lost_time += lost;
+  }
+  diagnostics_.residual = std::max(diagnostics_.residual, -worst_);
+  warm_.swap(next_warm_);
+  qvel_ = v_free_;
+  for (int b : objects_)
+    if (world.active[b])
+      for (int i = 3; i < 6; i++) qvel_[model.dof_first[b] + i] += spin_[model.dof_first[b] + i];
+  for (Drive& d : drives_)
+    if (world.active[d.body(0)]) d.end_substep(qvel_.data());
+}
+
+}  // namespace hp

@@ -147,7 +147,6 @@ def test_things_go_through_nothing_and_gain_no_energy(thrown, case):
         check_energy(run, energies)
 
 
-@pytest.mark.xfail(strict=True, reason="what is kept of near pairs changes rounding")
 def test_a_state_taken_in_the_middle_of_a_clash_goes_on_bit_for_bit():
     """Two people at 5 m/s; a simulator that takes over in frame 7 is off by up to 0.5 mm."""
     other = Person(betas=(-1.1555933531577653,), speed=5.0, wild=0.84593909, spin=3.2406, seed=6551)

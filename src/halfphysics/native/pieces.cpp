@@ -117,7 +117,7 @@ double Stepper::retry(double h, std::vector<double> share) {
   }
   commit(h, share);
   double lost = 0;
-  const std::vector<Warm> warm = warm_;
+  const std::vector<Remembered> warm = warm_;
   for (int first = 1; first < model.nbody; first++) {
     if (left[first] == 0 || model.root[first] != first) continue;
     const int which = islands[first];

@@ -203,6 +203,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
         arrive((k + 1.0) / n, &(*poses)[first_row + (size_t)k * model.nq]);
     arrive(1, qpos_.data());
     d.followed();
+    if (busy_[d.body(0)]) pose_known_ = false;  // the last step ended a rounding away
   }
   if (!any_free) return;
   if (any_busy) {
@@ -240,9 +241,9 @@ std::vector<double> Stepper::save() {
   for (const Drive& d : drives_) d.save(out);
   world.save(out);
   out.push_back((double)warm_.size());
-  for (const Warm& w : warm_) {
+  for (const Remembered& w : warm_) {
     out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature});
-    for (Vec3 v : {w.local, w.normal, w.impulse}) out.insert(out.end(), {v.x, v.y, v.z});
+    for (Vec3 v : {w.local, w.normal, w.impulse, w.other}) out.insert(out.end(), {v.x, v.y, v.z});
   }
   return out;
 }
@@ -262,9 +263,9 @@ void Stepper::restore(const std::vector<double>& state) {
   for (Drive& d : drives_) in = d.load(in);
   in = world.load(in);
   warm_.clear();
-  for (int n = (int)*in++; n > 0; n--, in += 12)
+  for (int n = (int)*in++; n > 0; n--, in += 15)
     warm_.push_back({((int64_t)in[0] << 32) | (int64_t)in[1], (int)in[2], load3(in + 3),
-                     load3(in + 6), load3(in + 9), false});
+                     load3(in + 6), load3(in + 9), load3(in + 12), false});
   start_pose();
 }
 

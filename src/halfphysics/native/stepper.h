@@ -109,13 +109,6 @@ class Stepper {
   void warm_start(Contact& c);
   void remember(const std::vector<double>& share);
 
-  struct Warm {
-    int64_t key;
-    int feature;
-    Vec3 local, normal, impulse;  // contact point in the mover's frame
-    bool used;
-  };
-
   std::vector<Drive> drives_;
   bool pose_known_ = false;  // start_ is the pose of qpos_
   Sweep sweep_;
@@ -145,7 +138,7 @@ class Stepper {
   std::vector<char> violated_;       // per candidate
   std::vector<int> island_;          // per body: of the tree that it belongs to
   std::vector<char> gave_way_;       // per body: its tree's clearance has
-  std::vector<Warm> warm_, next_warm_;
+  std::vector<Remembered> warm_, next_warm_;
   ContactSolver solver_;
   std::vector<Touch> touches_;
   Diagnostics diagnostics_;

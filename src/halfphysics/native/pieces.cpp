@@ -63,6 +63,7 @@ void Stepper::commit(double h, const std::vector<double>& share) {
   world.travel(start_, end_);
   std::swap(start_, end_);
   qpos_ = q_end_;
+  if (record_) record_->insert(record_->end(), qpos_.begin(), qpos_.end());
   for (int i = 0; i < model.nv; i++)
     if (share.empty() || share[model.dof_body[i]] >= 0) v_free_[i] = v_[i];
 }

@@ -9,6 +9,10 @@ namespace {
 // What is stepped through may stray this far from what it would do by itself before those who
 // follow their motion are asked again [m].
 constexpr double kStray = 0.03;
+// A thing that turns farther than this in a substep makes it in parts, as many as it takes to turn
+// less than a quarter of that in each, within bounds [rad].
+constexpr double kTurn = 1.0;
+constexpr int kMostParts = 32;
 
 }  // namespace
 
@@ -160,7 +164,11 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   }
   const size_t first_row = poses ? poses->size() : 0;
   q_start_ = qpos_;
-  find_busy(dt, busy_);
+  if (keep_pieces)
+    busy_.assign(model.nbody, 1);
+  else
+    find_busy(dt, busy_);
+  record_ = keep_pieces ? poses : nullptr;
   bool any_busy = false, any_free = false;
   for (int b = 1; b < model.nbody; b++)
     if (model.root[b] == b) (busy_[b] ? any_busy : any_free) = true;
@@ -198,7 +206,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
       std::copy_n(&q_start_[first], count, q + first);
       d.follow(share, q);
     };
-    if (poses)
+    if (poses && !keep_pieces)
       for (int k = 0; k < n; k++)
         arrive((k + 1.0) / n, &(*poses)[first_row + (size_t)k * model.nq]);
     arrive(1, qpos_.data());
@@ -219,13 +227,24 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   world.active.assign(model.nbody, 1);
 }
 
+// A contact is a straight line where what turns goes in a circle: things that turn far in a substep
+// make it in parts, or contacts would add energy.
+int Stepper::parts_of(double h) const {
+  double fastest = 0;
+  for (int b : objects_)
+    if (world.active[b]) fastest = std::max(fastest, norm(load3(&qvel_[model.dof_first[b] + 3])));
+  if (fastest * h <= kTurn) return 1;
+  return std::min(kMostParts, (int)std::ceil(4 * fastest * h / kTurn));
+}
+
 void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
   for (int b = 1; b < model.nbody; b++) world.active[b] = busy_[model.root[b]];
   for (Drive& d : drives_)
     if (busy_[d.body(0)]) d.begin_frame(drive_settings, qpos_.data(), qvel_.data());
   for (int k = 0; k < n; k++) {
-    substep(k, dt / n);
-    if (poses) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
+    const int parts = parts_of(dt / n);
+    for (int i = 0; i < parts; i++) substep(k * parts + i, dt / n / parts);
+    if (poses && !keep_pieces) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
   }
 }
 

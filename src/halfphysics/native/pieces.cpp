@@ -7,7 +7,7 @@ namespace {
 
 // Who could not make the whole step tries again: so often; a step of which less than this share is
 // possible is not begun but tried this much shorter; and what is left counts above this share.
-constexpr int kRetries = 6;
+constexpr int kRetries = 12;
 constexpr double kWorthwhile = 0.25, kShorter = 0.25, kNothing = 1e-6;
 constexpr int kBisections = 6;
 // Who moves farther than planes were asked for keeps this much of what lies beyond [m].

@@ -9,6 +9,11 @@ namespace hp {
 namespace {
 
 constexpr int kPasses = 8;   // solve and verify, at most, before the clearance gives way and after
+// Solving stops when so many passes in a row have not halved the worst violation: a way that is too
+// long to be straight gets no better, shorter ones do. Nor does a clearance that gives way cure what
+// is violated by more than this many clearances. Points of things that miss less settle slowly.
+constexpr int kStale = 2;
+constexpr double kHopeless = 3, kSettling = 0.1;
 constexpr int kQueries = 4;  // for planes with ever larger reach
 constexpr double kSlackReach = 0.004;  // planes are asked for this much farther than needed [m]
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
@@ -27,6 +32,7 @@ constexpr double kNarrow = 5e-5, kFiner = 0.1;
 // attempt, those of a contact that takes part besides A itself, and contact points.
 constexpr double kMostWork = 1e8, kRowWork = 60;
 constexpr size_t kMostContacts = 250;
+constexpr double kFar = 1e300;
 constexpr double kWarmRadius2 = 0.02 * 0.02;
 
 }  // namespace
@@ -146,13 +152,26 @@ bool Stepper::verify(double h, int pass, double& worst) {
   bool good = true;
   body_twists(model, start_.kin, v_.data(), twists_);
   violated_.clear();
+  overdue_ = 0;
+  // Things that lie on each other pass on what they carry, a pair more in every pass: of them only
+  // points count that were solved for.
+  auto of_things = [&](const Candidate& c) {
+    return world.movers[c.mover].person < 0 ||
+           (c.other_mover >= 0 && world.movers[c.other_mover].person < 0);
+  };
   for (size_t i = 0; i < candidates_.size(); i++) {  // forgiven planes add to them
     double e = excess(i, h);
     worst = std::min(worst, e);
     violated_.push_back(e < -allowed(candidates_[i]));
     good &= !violated_.back();
+    if (violated_.back() && !of_things(candidates_[i])) overdue_ = std::max(overdue_, -e);
   }
   if (good) return true;
+  for (const Contact& c : contacts_)
+    if (violated_[c.pair] && of_things(candidates_[c.pair])) {
+      double miss = c.target - world.gap_at(start_, end_, c);
+      if (miss > kSettling * world.settings.clearance) overdue_ = std::max(overdue_, miss);
+    }
   if (contacts_.size() > kMostContacts) drop_idle();
   size_t old = contacts_.size();
   for (size_t i = 0; i < candidates_.size(); i++)
@@ -313,18 +332,22 @@ void Stepper::attempt(double h) {
     v_ = v_free_;
     pose_at(v_, h, end_, q_end_);
     good_ = verify(h, 0, worst_);
-    double most = work_ + kMostWork;
-    for (int pass = 1; !good_; pass++) {
-      if (pass > kPasses || work_ > most) {
-        if (!give_way()) break;
-        pass = 1;
-        most = work_ + kMostWork;
+    double most = work_ + kMostWork, least = kFar, mark = kFar;
+    for (int pass = 1, stale = 0; !good_; pass++) {
+      if (pass > kPasses || work_ > most || stale >= kStale) {
+        if (least > kHopeless * clear || !give_way()) break;
+        pass = 1, stale = 0;
+        most = work_ + kMostWork, least = mark = kFar;
       }
       solve(h);
       pose_at(v_, h, end_, q_end_);
       good_ = verify(h, pass, worst_);
+      least = std::min(least, overdue_);
+      stale = overdue_ == 0 || overdue_ < 0.5 * mark ? 0 : stale + 1;
+      if (stale == 0) mark = overdue_;
     }
     if (!contacts_.empty()) good_ = bounce(h, good_, worst_);
+    if (!good_) return;  // made shorter it stays within reach
     // Planes hold only for what was asked: ask again, from the start pose, for what moved more.
     bool beyond = false;
     for (size_t i = 0; i < reach_.size(); i++) {

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from halfphysics import rotations as rot
 from halfphysics.colliders import convex_collider, part_collider
 from halfphysics.errors import InputError
+from halfphysics.fingerprint import fingerprint
 from halfphysics.person_model import addresses, principal
 from halfphysics.skeleton import N_JOINTS
 
@@ -90,6 +91,7 @@ class World:
         stepper: The native stepper.
         mover_name, mover_part: Per native shape: index into `names`, joint index or -1.
         nq, nv: Numbers of coordinates and velocities.
+        signature: Differs where people or things do.
     """
 
     def __init__(self, bodies: Sequence[Body], scene: Scene, settings: Settings) -> None:
@@ -107,6 +109,7 @@ class World:
             )
         model = self._compile(people)
         self.nq, self.nv = int(model.nq), int(model.nv)
+        self.signature = f"{self.names} {self.nq} {self.nv} {fingerprint(self.bodies, scene)}"
         self.stepper = _native.Stepper()
         self.stepper.set_model(*model_arrays(model))
         self._name_people(model, people)

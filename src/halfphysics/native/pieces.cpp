@@ -63,8 +63,11 @@ void Stepper::commit(double h, const std::vector<double>& share) {
   world.travel(start_, end_);
   std::swap(start_, end_);
   qpos_ = q_end_;
-  for (int i = 0; i < model.nv; i++)
-    if (share.empty() || share[model.dof_body[i]] >= 0) v_free_[i] = v_[i];
+  // Of those who stand, nothing was solved for: v_ says nothing about them.
+  for (int i = 0; i < model.nv; i++) {
+    const int b = model.dof_body[i];
+    if (world.active[b] && (share.empty() || share[b] >= 0)) v_free_[i] = v_[i];
+  }
 }
 
 // What was shortened tries to make the rest of its step, in pieces short enough, while all others

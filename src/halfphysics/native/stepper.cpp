@@ -190,6 +190,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
     for (int k = 0; k < n; k++) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
   }
   // Whom nothing touched has arrived, stepped through or not: the same bits either way.
+  bool arrived = false;
   for (size_t i = 0; i < drives_.size(); i++) {
     Drive& d = drives_[i];
     if (!settled_[i] || disturbed_[d.body(0)]) continue;
@@ -203,8 +204,14 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
         arrive((k + 1.0) / n, &(*poses)[first_row + (size_t)k * model.nq]);
     arrive(1, qpos_.data());
     d.followed();
+    arrived = true;
   }
-  if (!any_free) return;
+  if (!any_free) {
+    // Not where the steps have led but, to rounding, beside it: a state that is loaded knows no more.
+    if (arrived) pose_known_ = false;
+    start_pose();
+    return;
+  }
   if (any_busy) {
     // Who followed has travelled too.
     for (int b = 1; b < model.nbody; b++) world.active[b] = !busy_[model.root[b]];
@@ -244,10 +251,13 @@ std::vector<double> Stepper::save() {
     out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature});
     for (Vec3 v : {w.local, w.normal, w.impulse}) out.insert(out.end(), {v.x, v.y, v.z});
   }
+  out.push_back((double)out.size());  // so that what was cut off is seen
   return out;
 }
 
 void Stepper::load(const std::vector<double>& state) {
+  if (state.size() < 2 || state.back() != (double)(state.size() - 1))
+    throw std::invalid_argument("the state is not whole");
   restore(state);
   touches_.clear();
 }

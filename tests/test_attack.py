@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from people import along_x, violent
+from people import along_x, follow, violent
 
 from halfphysics.body import Body
 from halfphysics.errors import InputError
@@ -100,3 +100,23 @@ def test_a_state_of_another_scene_is_refused(body):
     assert fine.get_state().numbers == state.numbers
     stiffer = Simulator(wall(3), body=body, settings=Settings(stiffness=10.0))
     stiffer.set_state(state)
+
+
+@pytest.mark.parametrize("seed", [5, 6])
+def test_without_clearance_nobody_gets_into_a_mesh(body, seed):
+    """What is inside to within solving is inside: a mesh would not hold it any more."""
+    pytest.importorskip("coal")
+    import trimesh
+    from clear_judge import Judge
+
+    motion = violent(40, seed=seed)
+    x = body.vertices(motion, frames=[0])[0][:, 0].max() + 0.02
+    corners = [[x, -3.0, -3.0], [x, 3.0, -3.0], [x, 3.0, 3.0], [x, -3.0, 3.0]]
+    scene = Scene()
+    scene.add_static("sheet", trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False))
+    settings = Settings(clearance=0.0, record="substeps")
+    frames, _, simulator = follow(motion, scene, body, settings)
+    start = simulator.world.start([motion[0]])[0]
+    verdict = Judge(simulator).judge(start, frames[1:])
+    assert verdict.clear
+    assert 0.0 < verdict.gap < 1e-4

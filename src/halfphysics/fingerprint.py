@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from halfphysics.mesh import Mesh
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -23,12 +25,12 @@ def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
     def add(*values: Any) -> None:
         nonlocal number
         for value in values:
-            data = value.encode() if isinstance(value, str) else np.ascontiguousarray(value)
+            data = value.encode() if isinstance(value, str) else np.asarray(value).tobytes()
             number = zlib.crc32(data, number)
 
     def add_shape(shape: Shape) -> None:
         add(type(shape).__name__)
-        if hasattr(shape, "vertices"):
+        if isinstance(shape, Mesh):
             add(shape.vertices, shape.faces)
         elif is_dataclass(shape):
             add(*(np.asarray(getattr(shape, f.name), dtype=float) for f in fields(shape)))

@@ -34,6 +34,9 @@ Array = NDArray[np.float64]
 
 #: (1 + lambda) times the armature of a finger joint [kg m^2] (METHOD: "Solving it").
 FINGER_INERTIA = 1e-3
+#: Solving is exact to about 1e-6: what may come as near as that is inside sometimes, and a part
+#: that is inside a mesh is not held by it any more [m].
+LEAST_CLEARANCE = 2e-5
 
 
 @dataclass(frozen=True)
@@ -123,7 +126,7 @@ class World:
             s.recovery_rate,
             s.root == "recover",
             s.root_speed,
-            s.clearance,
+            max(s.clearance, LEAST_CLEARANCE),
             s.clearance_range,
             s.depenetration_speed,
             s.tolerance,

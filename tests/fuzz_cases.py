@@ -7,7 +7,7 @@ that would overlap anything are left out.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -255,7 +255,6 @@ class Run:
     case: Case
     simulator: Simulator
     motions: list[Motion]
-    frames: list = field(default_factory=list)
 
     def poses(self, t):
         return [motion[t] for motion in self.motions]

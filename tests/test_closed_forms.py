@@ -105,8 +105,10 @@ def test_rolling_without_slip(shape, fps, substeps):
     acceleration = G * np.sin(0.3) / (1.0 + share)
     way = rot.rotate(rot.conjugate(tilt), poses[-1, :3])
     fall = 2.0 * (2.0 + length_of(fps, substeps))
-    # To 1e-4, where 2 % is asked: there is nothing approximate about a round side.
-    assert way[0] == pytest.approx(0.5 * acceleration * fall, rel=1e-4)
+    # To 1e-4: there is nothing approximate about a round side. Where it turns by more than a radian
+    # in a substep, that is made in parts, and the fall is that of smaller steps.
+    exact = 1e-4 if length_of(fps, substeps) < 1.0 / 45.0 else 5e-3
+    assert way[0] == pytest.approx(0.5 * acceleration * fall, rel=exact)
     np.testing.assert_allclose(way[1:], [0.0, 0.1], atol=1e-6)
     speed, spin = np.linalg.norm(simulator.world.stepper.qvel().reshape(2, 3), axis=1)
     assert speed == pytest.approx(2.0 * acceleration, rel=1e-4)

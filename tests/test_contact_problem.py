@@ -156,7 +156,7 @@ def test_law_of_contact_over_random_mechanisms():
 
 
 @pytest.mark.parametrize(
-    ("drive_time", "stiffness", "share"), [(None, 1.0, 0.0), (0.02, 1.0, 0.0), (None, 0.0, 0.25)]
+    ("drive_time", "stiffness", "share"), [(None, 1.0, 0.0), (0.02, 1.0, 0.0), (None, 0.0, 0.5)]
 )
 def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, share):
     """The problems of a real run, set up in numpy and solved from nothing, 50 to 80 points at once.

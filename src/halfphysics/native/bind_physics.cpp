@@ -247,8 +247,8 @@ void bind_physics(nb::module_& m) {
                nb::gil_scoped_release release;
                s.frame(targets.data(), dt, n, record ? &poses : nullptr);
              }
-             size_t rows = record ? n : 0;
-             return array({rows, (size_t)s.model.nq}, poses);
+             const size_t nq = s.model.nq;
+             return array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
            })
       .def("run",
            [](Stepper& s, Square targets, double dt, int n, bool record, double seconds) {
@@ -321,6 +321,7 @@ void bind_physics(nb::module_& m) {
            })
       .def("save", [](Stepper& s) { return array(s.save()); })
       .def("load", [](Stepper& s, Doubles state) { s.load(list<double>(state)); })
+      .def("keep_pieces", [](Stepper& s, bool on) { s.keep_pieces = on; })
       .def("keep_times", [](Stepper& s, bool on) { s.keep_times = on; })
       .def("solve_times", [](Stepper& s) { return array(s.solve_times); })
       .def("keep_trace", [](Stepper& s, bool on) { s.keep_trace = on; })

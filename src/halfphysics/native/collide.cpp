@@ -385,7 +385,8 @@ void World::add_rim_contacts(const Placed& a0, const Placed& a1, const Candidate
   }
 }
 
-void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate& c, int index,
+void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start, Poses& end,
+                         const Candidate& c, int index,
                          int pass, std::vector<Contact>& contacts) const {
   const Mover& M = movers[c.mover];
   const Placed& a0 = place(start, c.mover);
@@ -464,19 +465,37 @@ void World::add_contacts(const Model&, Poses& start, Poses& end, const Candidate
   const Placed& b0 = place(start, c.other_mover);
   if (already == 0) {
     Vec3 pa[4], pb[4];
+    bool nearest = false;
+    const size_t first = contacts.size();
+    // What carried something is likely to do so again: the same two points, as long as they face
+    // each other.
+    const int A = M.body, B = movers[c.other_mover].body;
+    for (const Remembered& w : remembered) {
+      if (w.key != key(c) || dot(w.normal, c.n) < 0.99) continue;
+      Vec3 xa = start.kin.xpos[A] + start.kin.xmat[A] * w.local,
+           xb = start.kin.xpos[B] + start.kin.xmat[B] * w.other;
+      double gap = dot(c.n, xa - xb);
+      if (norm2(xa - xb - gap * c.n) > kSamePoint2 || gap < c.dist - kFlat) continue;
+      make_opposite(c.n, std::max(c.dist, gap), xa, xb, w.feature);
+      nearest |= gap < c.dist + kFlat;
+    }
+    auto known = [&](Vec3 xa, Vec3 xb) {
+      for (size_t k = first; k < contacts.size(); k++)
+        if (norm2(contacts[k].position - 0.5 * (xa + xb)) < kSamePoint2) return true;
+      return false;
+    };
     int n = face_manifold(a0, b0, c.n, 2e-3, 4, pa, pb);
     // Each with its own gap: what stands at a slant must be free to lie down.
-    bool nearest = false;
     for (int i = 0; i < n; i++) {
       double gap = std::max(c.dist, dot(c.n, pa[i] - pb[i]));
-      make_opposite(c.n, gap, pa[i], pb[i], i);
       nearest |= gap < c.dist + kFlat;
+      if (!known(pa[i], pb[i])) make_opposite(c.n, gap, pa[i], pb[i], i);
     }
     // The corners of a slanted face need not be where the two are nearest.
     if (n < 3 || !nearest) {
       Separation s =
           c.dist > 0 ? separate(a0, b0, 1e300, true, c.n) : separate_along(a0, b0, c.n);
-      make_opposite(c.n, c.dist, s.pa, s.pb, 4);
+      if (!known(s.pa, s.pb)) make_opposite(c.n, c.dist, s.pa, s.pb, 4);
     }
     return;
   }

@@ -77,6 +77,15 @@ struct Poses {
   std::vector<char> fresh;
 };
 
+// A contact point that carried something in the substep before.
+struct Remembered {
+  int64_t key;
+  int feature;
+  Vec3 local, normal, impulse;  // the point in the mover's frame; in the world
+  Vec3 other;                   // in the other mover's frame: the point opposite
+  bool used;
+};
+
 // How movers get from one pose to another, without contact [m].
 struct Sweep {
   std::vector<double> way;    // no point of the mover goes farther
@@ -125,8 +134,9 @@ class World {
   void search_behind(Poses& start, const std::vector<double>& reach, double h, int index,
                      std::vector<Candidate>& all);
   // Adds contact points of a violated candidate, or better ones than in the passes before.
-  void add_contacts(const Model& m, Poses& start, Poses& end, const Candidate& c, int index,
-                    int pass, std::vector<Contact>& contacts) const;
+  void add_contacts(const std::vector<Remembered>& remembered, Poses& start, Poses& end,
+                    const Candidate& c, int index, int pass,
+                    std::vector<Contact>& contacts) const;
   // The gap that a contact's own points have at the end pose.
   double gap_at(const Poses& start, const Poses& end, const Contact& c) const;
   // Smallest distance of a person's parts from the statics, up to `range`, inf beyond.

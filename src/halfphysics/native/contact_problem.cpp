@@ -387,8 +387,9 @@ void ContactProblem::solve(double tolerance, double fine, int most, SolveReport&
     else if (++stalled == kStalls)
       break;
     last = std::min(last, report.residual);
-    if (it >= kPatience) goal = tolerance;
-    if (it >= kNoPatience) goal = kEnough * tolerance;
+    // What must be finer than the tolerance is given half of the sweeps for it.
+    if (it >= (fine < tolerance ? most / 2 : kPatience)) goal = tolerance;
+    if (it >= kNoPatience && fine >= tolerance) goal = kEnough * tolerance;
   }
   if (report.residual > least) p = best_, product();
   report.residual = residual(false);

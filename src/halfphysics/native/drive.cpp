@@ -49,12 +49,15 @@ void Drive::reset(const double* target, double* qvel) {
   for (auto* v : {&v_ref_, &deviation_, &v_drive_}) v->assign(nv_, 0);
   for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = 0;
   exact_ = true;
-  velocity_known_ = true;
+  velocity_known_ = older_asked_ = true;
 }
 
 void Drive::aim(const DriveSettings& s, const double* target, double dt, const double* qpos) {
+  older_asked_ = velocity_known_;
+  older_dt_ = dt_, older_root_ = root_velocity_;
   velocity_known_ = true;
   dt_ = dt;
+  older_.swap(previous_);
   previous_.swap(target_);
   target_.assign(target, target + nq_);
   root_velocity_ = (1 / dt) * (load3(target) - load3(previous_.data()));
@@ -100,12 +103,19 @@ void Drive::followed() {
   std::fill(deviation_.begin(), deviation_.end(), 0.0);
 }
 
-void Drive::velocity(double* qvel) const {
-  if (velocity_known_) return;
+void Drive::velocity(const std::vector<double>& from, const std::vector<double>& to, double dt,
+                     Vec3 root, double* qvel) const {
   double* v = qvel + dof0_;
-  store3(v, root_velocity_);
+  store3(v, root);
   for (const Ball& b : balls_)
-    store3(v + b.dof, (1 / dt_) * difference(&previous_[b.qpos], &target_[b.qpos]));
+    store3(v + b.dof, (1 / dt) * difference(&from[b.qpos], &to[b.qpos]));
+}
+
+void Drive::velocity(double* qvel) const {
+  if (!velocity_known_)
+    velocity(previous_, target_, dt_, root_velocity_, qvel);
+  else if (!older_asked_)
+    velocity(older_, previous_, older_dt_, older_root_, qvel);
 }
 
 void Drive::speeds(std::vector<double>& angular, Vec3& root) const {
@@ -122,6 +132,8 @@ void Drive::speeds(std::vector<double>& angular, Vec3& root) const {
 
 void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel) {
   const double* q = qpos + qpos0_;
+  velocity(qvel);
+  older_asked_ = true;
   exact_ = false;
   const double rate = 1 / dt_;
   store3(v_ref_.data(), root_velocity_);
@@ -202,7 +214,7 @@ const double* Drive::load(const double* in) {
   }
   previous_ = q_start_ = target_;
   exact_ = *in++ != 0;
-  velocity_known_ = true;
+  velocity_known_ = older_asked_ = true;
   return in;
 }
 

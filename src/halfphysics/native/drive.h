@@ -77,6 +77,14 @@ class Drive {
   Vec3 root_velocity_;
   bool exact_ = false;  // the pose is the target's, bit for bit, but for the root's position
   bool velocity_known_ = true;
+  // Of the frame before, while its velocity has not been asked for.
+  std::vector<double> older_;
+  double older_dt_ = 0;
+  Vec3 older_root_;
+  bool older_asked_ = true;
+
+  void velocity(const std::vector<double>& from, const std::vector<double>& to, double dt,
+                Vec3 root, double* qvel) const;
 };
 
 }  // namespace hp

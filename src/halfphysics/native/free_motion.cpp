@@ -5,7 +5,7 @@ namespace hp {
 
 void Stepper::build_inertia(double h) {
   if (inertia_ready_) return;
-  inertia_.compose(model, start_.kin);
+  inertia_.compose(model, start_.kin, world.active.data());
   std::fill(extra_.begin(), extra_.end(), 0.0);
   for (const Drive& d : drives_) {
     if (!world.active[d.body(0)]) continue;
@@ -13,7 +13,7 @@ void Stepper::build_inertia(double h) {
     double s = d.scale(drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
   }
-  inertia_.factor(model, scale_, extra_);
+  inertia_.factor(model, scale_, extra_, world.active.data());
   inertia_ready_ = true;
 }
 

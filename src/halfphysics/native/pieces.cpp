@@ -63,11 +63,9 @@ void Stepper::commit(double h, const std::vector<double>& share) {
   world.travel(start_, end_);
   std::swap(start_, end_);
   qpos_ = q_end_;
-  // Of those who stand, nothing was solved for: v_ says nothing about them.
-  for (int i = 0; i < model.nv; i++) {
-    const int b = model.dof_body[i];
-    if (world.active[b] && (share.empty() || share[b] >= 0)) v_free_[i] = v_[i];
-  }
+  if (record_) record_->insert(record_->end(), qpos_.begin(), qpos_.end());
+  for (int i = 0; i < model.nv; i++)
+    if (share.empty() || share[model.dof_body[i]] >= 0) v_free_[i] = v_[i];
 }
 
 // What was shortened tries to make the rest of its step, in pieces short enough, while all others
@@ -120,7 +118,7 @@ double Stepper::retry(double h, std::vector<double> share) {
   }
   commit(h, share);
   double lost = 0;
-  const std::vector<Warm> warm = warm_;
+  const std::vector<Remembered> warm = warm_;
   for (int first = 1; first < model.nbody; first++) {
     if (left[first] == 0 || model.root[first] != first) continue;
     const int which = islands[first];

@@ -9,6 +9,10 @@ namespace {
 // What is stepped through may stray this far from what it would do by itself before those who
 // follow their motion are asked again [m].
 constexpr double kStray = 0.03;
+// A thing that turns farther than this in a substep makes it in parts, as many as it takes to turn
+// less than a quarter of that in each, within bounds [rad].
+constexpr double kTurn = 1.0;
+constexpr int kMostParts = 32;
 
 }  // namespace
 
@@ -160,7 +164,11 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   }
   const size_t first_row = poses ? poses->size() : 0;
   q_start_ = qpos_;
-  find_busy(dt, busy_);
+  if (keep_pieces)
+    busy_.assign(model.nbody, 1);
+  else
+    find_busy(dt, busy_);
+  record_ = keep_pieces ? poses : nullptr;
   bool any_busy = false, any_free = false;
   for (int b = 1; b < model.nbody; b++)
     if (model.root[b] == b) (busy_[b] ? any_busy : any_free) = true;
@@ -190,7 +198,6 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
     for (int k = 0; k < n; k++) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
   }
   // Whom nothing touched has arrived, stepped through or not: the same bits either way.
-  bool arrived = false;
   for (size_t i = 0; i < drives_.size(); i++) {
     Drive& d = drives_[i];
     if (!settled_[i] || disturbed_[d.body(0)]) continue;
@@ -199,19 +206,14 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
       std::copy_n(&q_start_[first], count, q + first);
       d.follow(share, q);
     };
-    if (poses)
+    if (poses && !keep_pieces)
       for (int k = 0; k < n; k++)
         arrive((k + 1.0) / n, &(*poses)[first_row + (size_t)k * model.nq]);
     arrive(1, qpos_.data());
     d.followed();
-    arrived = true;
+    if (busy_[d.body(0)]) pose_known_ = false;  // the last step ended a rounding away
   }
-  if (!any_free) {
-    // Not where the steps have led but, to rounding, beside it: a state that is loaded knows no more.
-    if (arrived) pose_known_ = false;
-    start_pose();
-    return;
-  }
+  if (!any_free) return;
   if (any_busy) {
     // Who followed has travelled too.
     for (int b = 1; b < model.nbody; b++) world.active[b] = !busy_[model.root[b]];
@@ -225,13 +227,24 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   world.active.assign(model.nbody, 1);
 }
 
+// A contact is a straight line where what turns goes in a circle: things that turn far in a substep
+// make it in parts, or contacts would add energy.
+int Stepper::parts_of(double h) const {
+  double fastest = 0;
+  for (int b : objects_)
+    if (world.active[b]) fastest = std::max(fastest, norm(load3(&qvel_[model.dof_first[b] + 3])));
+  if (fastest * h <= kTurn) return 1;
+  return std::min(kMostParts, (int)std::ceil(4 * fastest * h / kTurn));
+}
+
 void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
   for (int b = 1; b < model.nbody; b++) world.active[b] = busy_[model.root[b]];
   for (Drive& d : drives_)
     if (busy_[d.body(0)]) d.begin_frame(drive_settings, qpos_.data(), qvel_.data());
   for (int k = 0; k < n; k++) {
-    substep(k, dt / n);
-    if (poses) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
+    const int parts = parts_of(dt / n);
+    for (int i = 0; i < parts; i++) substep(k * parts + i, dt / n / parts);
+    if (poses && !keep_pieces) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
   }
 }
 
@@ -247,9 +260,9 @@ std::vector<double> Stepper::save() {
   for (const Drive& d : drives_) d.save(out);
   world.save(out);
   out.push_back((double)warm_.size());
-  for (const Warm& w : warm_) {
+  for (const Remembered& w : warm_) {
     out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature});
-    for (Vec3 v : {w.local, w.normal, w.impulse}) out.insert(out.end(), {v.x, v.y, v.z});
+    for (Vec3 v : {w.local, w.normal, w.impulse, w.other}) out.insert(out.end(), {v.x, v.y, v.z});
   }
   out.push_back((double)out.size());  // so that what was cut off is seen
   return out;
@@ -272,9 +285,9 @@ void Stepper::restore(const std::vector<double>& state) {
   for (Drive& d : drives_) in = d.load(in);
   in = world.load(in);
   warm_.clear();
-  for (int n = (int)*in++; n > 0; n--, in += 12)
+  for (int n = (int)*in++; n > 0; n--, in += 15)
     warm_.push_back({((int64_t)in[0] << 32) | (int64_t)in[1], (int)in[2], load3(in + 3),
-                     load3(in + 6), load3(in + 9), false});
+                     load3(in + 6), load3(in + 9), load3(in + 12), false});
   start_pose();
 }
 

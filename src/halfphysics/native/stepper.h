@@ -62,6 +62,9 @@ class Stepper {
   };
   bool keep_trace = false;
   Trace trace;
+  // Recorded poses are those of every piece of a step too, for judges from outside; nobody follows
+  // the motion without steps then.
+  bool keep_pieces = false;
   // Wall time of the solver in every substep since the last reset [s], where asked for.
   bool keep_times = false;
   std::vector<double> solve_times;
@@ -71,6 +74,7 @@ class Stepper {
   // Marks the trees that have to be stepped through; the others' end of frame is in q_free_.
   void find_busy(double dt, std::vector<char>& busy);
   void sweep_of(const Drive& d, double dt, const std::vector<char>& busy);
+  int parts_of(double h) const;
   void substeps(double dt, int n, std::vector<double>* poses);
   void restore(const std::vector<double>& state);
   double speed_bound(const Mover& m, const std::vector<Twist>& t) const;
@@ -109,19 +113,13 @@ class Stepper {
   void warm_start(Contact& c);
   void remember(const std::vector<double>& share);
 
-  struct Warm {
-    int64_t key;
-    int feature;
-    Vec3 local, normal, impulse;  // contact point in the mover's frame
-    bool used;
-  };
-
   std::vector<Drive> drives_;
   bool pose_known_ = false;  // start_ is the pose of qpos_
   Sweep sweep_;
   std::vector<double> q_free_, angular_, spin_bound_, turn_bound_, speed_bound_;
   std::vector<char> busy_, settled_, disturbed_;  // busy and disturbed: per body
   std::vector<double> q_start_, fastest_;
+  std::vector<double>* record_ = nullptr;  // of the frame under way
   std::vector<double> assumed_;  // per mover: what the others' sweeps allow it to travel [m]
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
@@ -145,7 +143,7 @@ class Stepper {
   std::vector<char> violated_;       // per candidate
   std::vector<int> island_;          // per body: of the tree that it belongs to
   std::vector<char> gave_way_;       // per body: its tree's clearance has
-  std::vector<Warm> warm_, next_warm_;
+  std::vector<Remembered> warm_, next_warm_;
   ContactSolver solver_;
   std::vector<Touch> touches_;
   Diagnostics diagnostics_;

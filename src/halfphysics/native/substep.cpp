@@ -50,8 +50,8 @@ void Stepper::warm_start(Contact& c) {
   const Mover& m = world.movers[candidates_[c.pair].mover];
   Vec3 local = mul_t(start_.kin.xmat[m.body], c.position - start_.kin.xpos[m.body]);
   double best = kWarmRadius2;
-  Warm* found = nullptr;
-  for (Warm& w : warm_) {
+  Remembered* found = nullptr;
+  for (Remembered& w : warm_) {
     if (w.used || w.key != c.key || dot(w.normal, c.n) < 0.8) continue;
     double d = norm2(w.local - local);
     if (d < best) best = d, found = &w;
@@ -99,7 +99,15 @@ void Stepper::remember(const std::vector<double>& share) {
     if (k.other_mover >= 0) disturbed_[tree(k.other_mover)] = 1;
     const Mover& m = world.movers[k.mover];
     Vec3 local = mul_t(start_.kin.xmat[m.body], c.position - start_.kin.xpos[m.body]);
-    next_warm_.push_back({c.key, c.feature, local, c.n, c.impulse, false});
+    Vec3 other;
+    if (k.other_mover >= 0) {
+      // The two points that face each other, `dist` apart about the one they act on.
+      const int b = world.movers[k.other_mover].body;
+      const Vec3 half = 0.5 * c.dist * c.n;
+      local = mul_t(start_.kin.xmat[m.body], c.position + half - start_.kin.xpos[m.body]);
+      other = mul_t(start_.kin.xmat[b], c.position - half - start_.kin.xpos[b]);
+    }
+    next_warm_.push_back({c.key, c.feature, local, c.n, c.impulse, other, false});
     Touch* t = nullptr;
     for (Touch& o : touches_)
       if (o.mover == k.mover && o.other_static == k.other_static &&
@@ -149,7 +157,7 @@ bool Stepper::verify(double h, int pass, double& worst) {
   size_t old = contacts_.size();
   for (size_t i = 0; i < candidates_.size(); i++)
     if (violated_[i])
-      world.add_contacts(model, start_, end_, candidates_[i], (int)i, pass, contacts_);
+      world.add_contacts(warm_, start_, end_, candidates_[i], (int)i, pass, contacts_);
   for (size_t i = 0; i < contacts_.size(); i++) {
     Contact& c = contacts_[i];
     if (pass > 0) {
@@ -294,7 +302,7 @@ void Stepper::attempt(double h) {
       reach_[i] = 1.25 * std::max(reach_[i], 0.35 * fastest_[model.root[b]]) + clear + kSlackReach;
   }
   for (int query = 0; query < kQueries; query++) {
-    for (Warm& w : warm_) w.used = false;
+    for (Remembered& w : warm_) w.used = false;
     contacts_.clear();
     solved_ = 0;
     tolerance_ = world.settings.tolerance;

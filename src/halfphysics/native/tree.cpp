@@ -170,9 +170,10 @@ void integrate(const Model& m, double* qpos, const double* qvel, double t, const
   }
 }
 
-void Inertia::compose(const Model& m, const Kinematics& k) {
+void Inertia::compose(const Model& m, const Kinematics& k, const char* active) {
   composite_.assign(m.nbody, {});
   for (int b = 1; b < m.nbody; b++) {
+    if (active && !active[b]) continue;
     Composite& c = composite_[b];
     Vec3 r = k.xpos[b] + k.xmat[b] * m.ipos[b] - k.reference(m, b);
     double mass = m.mass[b];
@@ -190,13 +191,14 @@ void Inertia::compose(const Model& m, const Kinematics& k) {
   }
   for (int b = m.nbody - 1; b > 0; b--) {
     int p = m.parent[b];
-    if (p == 0) continue;
+    if (p == 0 || (active && !active[b])) continue;
     composite_[p].mass += composite_[b].mass;
     composite_[p].moment += composite_[b].moment;
     for (int e = 0; e < 6; e++) composite_[p].I[e] += composite_[b].I[e];
   }
   M.resize(m.chain.size());
   for (int i = 0; i < m.nv; i++) {
+    if (active && !active[m.dof_body[i]]) continue;
     const Composite& c = composite_[m.dof_body[i]];
     const Twist& s = k.cdof[i];
     const double* I = c.I;
@@ -215,16 +217,22 @@ void Inertia::compose(const Model& m, const Kinematics& k) {
 }
 
 void Inertia::factor(const Model& m, const std::vector<double>& scale,
-                     const std::vector<double>& extra) {
+                     const std::vector<double>& extra, const char* active) {
   L.resize(M.size());
   inv_D.resize(m.nv);
   root_D.resize(m.nv);
   for (int i = 0; i < m.nv; i++) {
     int start = m.row_start[i], n = m.row_size[i];
+    if (active && !active[m.dof_body[i]]) {
+      std::fill_n(&L[start], n, 0.0);
+      inv_D[i] = root_D[i] = 0;
+      continue;
+    }
     for (int a = 0; a < n; a++) L[start + a] = scale[i] * M[start + a];
     L[start + n - 1] += scale[i] * extra[i];
   }
   for (int i = m.nv - 1; i >= 0; i--) {
+    if (active && !active[m.dof_body[i]]) continue;
     double* row = &L[m.row_start[i]];
     const int* dof = &m.chain[m.row_start[i]];
     int n = m.row_size[i] - 1;

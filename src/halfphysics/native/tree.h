@@ -69,12 +69,14 @@ struct Inertia {
   std::vector<double> M;               // rows as Model::chain, without scaling
   std::vector<double> L, inv_D, root_D;  // factor of the matrix given to factor(); root_D = D^-1/2
 
-  void compose(const Model& m, const Kinematics& k);
+  // With `active` (per body) only of those trees: whatever is solved for, the others stay at zero.
+  void compose(const Model& m, const Kinematics& k, const char* active = nullptr);
   double diagonal(const Model& m, int dof) const {
     return M[m.row_start[dof] + m.row_size[dof] - 1];
   }
   // Factors scale_i * (M + diag(extra)); scale is constant within a tree.
-  void factor(const Model& m, const std::vector<double>& scale, const std::vector<double>& extra);
+  void factor(const Model& m, const std::vector<double>& scale, const std::vector<double>& extra,
+              const char* active = nullptr);
   void solve(const Model& m, double* x) const;       // x <- matrix^-1 x
   void half_solve_back(const Model& m, double* x) const;  // x <- L^-1 x, the last half of solve()
 

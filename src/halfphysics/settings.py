@@ -26,7 +26,7 @@ class Settings:
     root_speed: float = 1.0
     """Fastest speed of that return [m/s]."""
     clearance: float = 0.001
-    """Distance kept between the body and everything else [m]."""
+    """Distance kept between the body and everything else [m]; less than 2e-5 counts as 2e-5."""
     clearance_range: float = 0.05
     """Distances up to this are reported exactly in `Result.clearance` [m], inf beyond."""
     contact: Literal["parts"] = "parts"

@@ -200,7 +200,7 @@ class Simulator:
         """Everything the simulation remembers: continue from it with `set_state`, bit for bit."""
         if not self._started:
             raise InputError("get_state: the simulator has no pose yet; call reset(pose) first")
-        return State(self.world.stepper.save().tobytes(), self._axes, self._signature())
+        return State(self.world.stepper.save().tobytes(), self._axes, self.world.signature)
 
     def set_state(self, state: State) -> None:
         """Return to a state of this simulator or of one with the same people, scene and settings.
@@ -208,19 +208,19 @@ class Simulator:
         Raises:
             InputError: The state belongs to another model.
         """
-        if not isinstance(state, State) or state.signature != self._signature():
+        if not isinstance(state, State) or state.signature != self.world.signature:
             raise InputError(
                 "set_state: the state is of another simulator; expected one with the same people "
                 f"and things: {', '.join(self.names)}"
             )
+        try:
+            self.world.stepper.load(np.frombuffer(state.numbers))
+        except ValueError as error:
+            raise InputError(f"set_state: {error}; expected one that get_state gave") from None
         self._axes = state.axes
-        self.world.stepper.load(np.frombuffer(state.numbers))
         self._started = True
 
     # -- inside ----------------------------------------------------------------------------
-
-    def _signature(self) -> str:
-        return f"{self.names} {self.world.nq} {self.world.nv}"
 
     def _checked(self, pose: Pose | Sequence[Pose]) -> list[Pose]:
         poses = several(pose)

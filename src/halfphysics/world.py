@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from halfphysics import rotations as rot
 from halfphysics.colliders import convex_collider, part_collider
 from halfphysics.errors import InputError
+from halfphysics.fingerprint import fingerprint
 from halfphysics.person_model import addresses, principal
 from halfphysics.skeleton import N_JOINTS
 
@@ -33,6 +34,9 @@ Array = NDArray[np.float64]
 
 #: (1 + lambda) times the armature of a finger joint [kg m^2] (METHOD: "Solving it").
 FINGER_INERTIA = 1e-3
+#: Solving is exact to about 1e-6: what may come as near as that is inside sometimes, and a part
+#: that is inside a mesh is not held by it any more [m].
+LEAST_CLEARANCE = 2e-5
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,7 @@ class World:
         stepper: The native stepper.
         mover_name, mover_part: Per native shape: index into `names`, joint index or -1.
         nq, nv: Numbers of coordinates and velocities.
+        signature: Differs where people or things do.
     """
 
     def __init__(self, bodies: Sequence[Body], scene: Scene, settings: Settings) -> None:
@@ -107,6 +112,7 @@ class World:
             )
         model = self._compile(people)
         self.nq, self.nv = int(model.nq), int(model.nv)
+        self.signature = f"{self.names} {self.nq} {self.nv} {fingerprint(self.bodies, scene)}"
         self.stepper = _native.Stepper()
         self.stepper.set_model(*model_arrays(model))
         self._name_people(model, people)
@@ -120,7 +126,7 @@ class World:
             s.recovery_rate,
             s.root == "recover",
             s.root_speed,
-            s.clearance,
+            max(s.clearance, LEAST_CLEARANCE),
             s.clearance_range,
             s.depenetration_speed,
             s.tolerance,

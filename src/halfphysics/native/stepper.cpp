@@ -264,10 +264,13 @@ std::vector<double> Stepper::save() {
     out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature});
     for (Vec3 v : {w.local, w.normal, w.impulse, w.other}) out.insert(out.end(), {v.x, v.y, v.z});
   }
+  out.push_back((double)out.size());  // so that what was cut off is seen
   return out;
 }
 
 void Stepper::load(const std::vector<double>& state) {
+  if (state.size() < 2 || state.back() != (double)(state.size() - 1))
+    throw std::invalid_argument("the state is not whole");
   restore(state);
   touches_.clear();
 }

@@ -1,0 +1,46 @@
+"""A short text that differs where people or things do: which states fit which simulator."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import fields, is_dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from halfphysics.mesh import Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from halfphysics.body import Body
+    from halfphysics.scene import Scene
+    from halfphysics.shapes import Shape
+
+
+def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
+    """Of what moves and what it meets: names, places, geometry and masses, not of settings."""
+    number = 0
+
+    def add(*values: Any) -> None:
+        nonlocal number
+        for value in values:
+            data = value.encode() if isinstance(value, str) else np.asarray(value).tobytes()
+            number = zlib.crc32(data, number)
+
+    def add_shape(shape: Shape) -> None:
+        add(type(shape).__name__)
+        if isinstance(shape, Mesh):
+            add(shape.vertices, shape.faces)
+        elif is_dataclass(shape):
+            add(*(np.asarray(getattr(shape, f.name), dtype=float) for f in fields(shape)))
+
+    for static in scene.statics.values():
+        add(static.name, static.position, static.quaternion)
+        add_shape(static.shape)
+    for thing in scene.objects.values():
+        add(thing.name, thing.com, thing.inertia, np.float64(thing.mass))
+        add_shape(thing.shape)
+    for body in bodies:
+        add(body.rest_joints, *(part.vertices for part in body.variant.parts))
+    return f"{len(scene.statics)} statics, {len(scene.objects)} objects, {number:08x}"

@@ -44,6 +44,7 @@ Vec3 rim_corner(const Placed& s, int k) {
 }  // namespace
 
 void World::start_poses(Poses& p) const {
+  p.stamp = ++stamps_;
   p.placed.resize(movers.size());
   p.fresh.assign(movers.size(), 0);
 }
@@ -250,6 +251,37 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
       c.other_static >= 0 ? statics[c.other_static].placed : place(start, c.other_mover);
   margin += b.shape->radius;
   return gjk(swept, b.support(), c.n, pa, pb, margin) > margin;
+}
+
+// Is the same hull disjoint from the whole mesh? Then no plane of it that may be crossed hides
+// anything. Asked once for each way: a part that flies by something finely divided crosses many.
+bool World::mesh_clear(const Candidate& c, Poses& start, Poses& end) const {
+  const Placed &a0 = place(start, c.mover), &a1 = place(end, c.mover);
+  if (a0.shape->rim > 0) return false;
+  if (ways_of_ != end.stamp) ways_.clear(), ways_of_ = end.stamp;
+  for (const Way& w : ways_)
+    if (w.mover == c.mover && w.other_static == c.other_static) return w.clear;
+  static thread_local Convex shape;
+  static thread_local Placed swept;
+  const int n = a0.points().n;
+  shape.vertices.resize(2 * (size_t)n);
+  swept.shape = &shape;
+  swept.xyz.resize(6 * (size_t)n);
+  for (int k = 0; k < 3; k++)
+    for (int i = 0; i < n; i++) {
+      swept.xyz[(size_t)k * 2 * n + i] = a0.xyz[(size_t)k * n + i];
+      swept.xyz[(size_t)k * 2 * n + n + i] = a1.xyz[(size_t)k * n + i];
+    }
+  swept.center = 0.5 * (a0.center + a1.center);
+  swept.box = a0.box;
+  swept.box.add(a1.box.lo), swept.box.add(a1.box.hi);
+  const Mat3 turn = a1.R * transposed(a0.R);
+  const double cosine = 0.5 * (turn.m[0] + turn.m[4] + turn.m[8] - 1),
+               angle = std::acos(std::min(1.0, std::max(-1.0, cosine))),
+               margin = a0.shape->bound * angle * angle / 8 + a0.shape->radius + settings.clearance;
+  const bool clear = statics[c.other_static].tree->distance(swept, margin) >= margin;
+  ways_.push_back({c.mover, c.other_static, clear});
+  return clear;
 }
 
 double World::excess(Poses& start, Poses& end, Candidate& c) const {

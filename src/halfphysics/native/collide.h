@@ -72,6 +72,7 @@ struct ContactSettings {
 
 // Poses of all movers.
 struct Poses {
+  unsigned stamp = 0;  // another one, another pose
   Kinematics kin;
   std::vector<Placed> placed;
   std::vector<char> fresh;
@@ -130,6 +131,8 @@ class World {
   // Smallest gap of a candidate at the end pose minus what it demands; forgives planes that are
   // crossed where nothing is behind them.
   double excess(Poses& start, Poses& end, Candidate& c) const;
+  // Is the whole mesh of a candidate out of the way from start to end?
+  bool mesh_clear(const Candidate& c, Poses& start, Poses& end) const;
   // A plane of a mesh that may be crossed hides nothing: appends the candidates behind it.
   void search_behind(Poses& start, const std::vector<double>& reach, double h, int index,
                      std::vector<Candidate>& all);
@@ -182,6 +185,13 @@ class World {
   std::vector<double> odometer_, listed_, range_;  // per mover [m]
   bool has_list_ = false;
   std::vector<Plane> planes_;
+  // Of mesh_clear(), for the end pose that has this stamp.
+  struct Way {
+    int mover, other_static;
+    bool clear;
+  };
+  mutable std::vector<Way> ways_;
+  mutable unsigned ways_of_ = 0, stamps_ = 0;
 };
 
 }  // namespace hp

@@ -133,7 +133,8 @@ void Stepper::remember(const std::vector<double>& share) {
 
 double Stepper::excess(size_t i, double h) {
   double e = world.excess(start_, end_, candidates_[i]);
-  if (candidates_[i].forgiven && candidates_[i].triangle >= 0 && !candidates_[i].searched)
+  if (candidates_[i].forgiven && candidates_[i].triangle >= 0 && !candidates_[i].searched &&
+      !world.mesh_clear(candidates_[i], start_, end_))
     world.search_behind(start_, reach_, h, (int)i, candidates_);
   return e;
 }

@@ -22,7 +22,7 @@ constexpr double kRounding = 1e-9;     // of distances after a substep, at any t
 constexpr double kSlack = 0.02;
 // Nobody is pushed apart faster than this for the sake of a curved way: a shorter step is straighter,
 // and things that spin fast would gain energy [m/s].
-constexpr double kPush = 3, kThingsPush = 0.5;
+constexpr double kPush = 3, kThingsPush = 0.05;
 // What pulls harder than it moves is at first not thought to get farther than this, or than its own
 // speed would take it by this factor [m].
 constexpr double kFirstWay = 0.05, kFirstFactor = 2;

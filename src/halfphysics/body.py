@@ -23,6 +23,7 @@ from halfphysics.skeleton import N_JOINTS
 if TYPE_CHECKING:
     from halfphysics.motion import Motion
     from halfphysics.pose import Pose
+    from halfphysics.skin_hulls import SkinHulls
     from halfphysics.variant import Variant
 
 Array = NDArray[np.float64]
@@ -250,6 +251,13 @@ class Body:
         from halfphysics.variant import build_variant
 
         return build_variant(self)
+
+    @cached_property
+    def skin_hulls(self) -> SkinHulls:
+        """Vertex sets of whole faces, whose hulls cover the skin at every pose."""
+        from halfphysics.skin_hulls import skin_hulls
+
+        return skin_hulls(self.faces, self.weights, self.rest_vertices)
 
     def save_mjcf(self, path: str | os.PathLike[str]) -> None:
         """Write the 55 rigid parts as a MuJoCo model (MJCF) that stock MuJoCo opens.

@@ -29,8 +29,8 @@ class Settings:
     """Distance kept between the body and everything else [m]; less than 2e-5 counts as 2e-5."""
     clearance_range: float = 0.05
     """Distances up to this are reported exactly in `Result.clearance` [m], inf beyond."""
-    contact: Literal["parts"] = "parts"
-    """What touches: the 55 rigid convex parts (the only choice in this version)."""
+    contact: Literal["skin", "parts"] = "parts"
+    """What of a person touches: hulls of the skin itself, or the 55 rigid parts (faster)."""
     self_contact: Literal[False] = False
     """Contact of a person with itself (not in this version)."""
     depenetration_speed: float = 0.5
@@ -80,7 +80,7 @@ class Settings:
         number("root_speed", above=0.0)
         number("clearance", least=0.0)
         number("clearance_range", least=0.0)
-        check("contact", self.contact == "parts", "'parts': the skin is not in this version")
+        choice("contact", "skin", "parts")
         check("self_contact", self.self_contact is False, "False: this version has no self-contact")
         check("strength", self.strength is None, "None: this version has no torque limits")
         number("depenetration_speed", least=0.0)

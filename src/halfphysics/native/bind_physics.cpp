@@ -117,14 +117,19 @@ void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
   }
 }
 
+void inside_rows(const World& world, std::vector<double>& out) {
+  for (const Inside& in : world.inside())
+    out.insert(out.end(), {(double)in.mover, (double)in.other_static, in.depth()});
+}
+
 nb::dict contact_rows(const std::vector<Contact>& contacts) {
   std::vector<double> n, t, u, xa, xb, imp, dist, target, shift, mu, bounce, a, b;
   for (const Contact& c : contacts) {
     push(n, c.n);
     push(t, c.t);
     push(u, c.s);
-    push(xa, c.a.count ? c.a.point[0] : c.position);
-    push(xb, c.b.count ? c.b.point[0] : c.position);
+    push(xa, c.at_a);
+    push(xb, c.at_b);
     push(imp, c.impulse);
     dist.push_back(c.dist);
     target.push_back(c.target);
@@ -179,6 +184,39 @@ void bind_physics(nb::module_& m) {
              Mover v;
              v.body = body, v.name = name, v.person = person, v.part = part;
              v.shape = convex(vertices, radius, rim, vectors(normals));
+             s.world.movers.push_back(std::move(v));
+           })
+      .def("add_skin",
+           // bend: (vertices, 3, features), or of no vertices: no pose blend shapes.
+           [](Stepper& s, Ints body, Ints parent, Rows3 joint, Rows3 rest, Ints first, Ints at,
+              Doubles weight, f64<nb::ndim<3>> bend) {
+             auto skin = std::make_shared<Skin>();
+             skin->body = list<int>(body), skin->parent = list<int>(parent);
+             skin->joint = vectors(joint), skin->rest = vectors(rest);
+             skin->first = list<int>(first), skin->at = list<int>(at);
+             skin->weight = list<double>(weight);
+             const size_t n = rest.shape(0), joints = joint.shape(0);
+             need(body.shape(0) == joints && parent.shape(0) == joints && first.shape(0) == n + 1 &&
+                      at.shape(0) == weight.shape(0) && (size_t)skin->first[n] == at.shape(0),
+                  "add_skin: arrays that do not fit together");
+             for (int j : skin->at) need(j >= 0 && (size_t)j < joints, "add_skin: no such joint");
+             need(bend.shape(0) == 0 || (bend.shape(0) == n && bend.shape(1) == 3 &&
+                                         bend.shape(2) == (size_t)skin->features()),
+                  "add_skin: bend has the wrong shape");
+             skin->bend.assign(bend.data(), bend.data() + bend.size());
+             s.skins.push_back(std::move(skin));
+             return (int)s.skins.size() - 1;
+           })
+      .def("add_skin_mover",
+           [](Stepper& s, int skin, int name, int person, int part, Ints vertices) {
+             Mover v;
+             v.skin = s.skins.at(skin);
+             v.name = name, v.person = person, v.part = part;
+             v.vertex = list<int>(vertices);
+             need(!v.vertex.empty(), "add_skin_mover: a hull needs at least one vertex");
+             for (int i : v.vertex)
+               need(i >= 0 && (size_t)i < v.skin->rest.size(), "add_skin_mover: no such vertex");
+             v.finish();
              s.world.movers.push_back(std::move(v));
            })
       .def("add_half_space",
@@ -256,7 +294,8 @@ void bind_physics(nb::module_& m) {
              int want = 0;
              for (int p = 0; p < s.person_count(); p++) want += s.person_qpos_count(p);
              need((int)targets.shape(1) == want && targets.shape(0) > 0, "run: bad shape of targets");
-             std::vector<double> qpos, poses, clearance, lost, touches, counts, numbers;
+             std::vector<double> qpos, poses, clearance, lost, touches, counts, numbers, inside,
+                 inside_counts;
              size_t done = 0;
              {
                nb::gil_scoped_release release;
@@ -276,6 +315,8 @@ void bind_physics(nb::module_& m) {
                                  (double)g.sweeps, (double)g.shortened, g.residual});
                  counts.push_back((double)s.touches().size());
                  touch_rows(s.touches(), touches);
+                 inside_counts.push_back((double)s.world.inside().size());
+                 inside_rows(s.world, inside);
                  done++;
                } while (done < targets.shape(0) && spent() < seconds);
              }
@@ -288,6 +329,8 @@ void bind_physics(nb::module_& m) {
              d["diagnostics"] = array({done, 6}, numbers);
              d["touch_count"] = array(counts);
              d["touches"] = array({touches.size() / 12, 12}, touches);
+             d["inside_count"] = array(inside_counts);
+             d["inside"] = array({inside.size() / 3, 3}, inside);
              d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
              return d;
            })
@@ -318,6 +361,13 @@ void bind_physics(nb::module_& m) {
              out["residual"] = d.residual;
              out["lost_time"] = d.lost_time;
              return out;
+           })
+      // Who started inside something that stands and is not out yet: mover, static, depth [m].
+      .def("inside",
+           [](Stepper& s) {
+             std::vector<double> out;
+             inside_rows(s.world, out);
+             return array({out.size() / 3, 3}, out);
            })
       .def("save", [](Stepper& s) { return array(s.save()); })
       .def("load", [](Stepper& s, Doubles state) { s.load(list<double>(state)); })

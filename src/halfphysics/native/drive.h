@@ -59,6 +59,15 @@ class Drive {
   // Root offset from the reference at the last target [m].
   const std::vector<double>& target() const { return target_; }
 
+  // Goes back to the motion gently, so that no point goes faster than `speed` on any joint's account,
+  // until it is back; `reach` says (per body) how far from a joint any point that it moves is.
+  void go_gently(double speed, const std::vector<double>& reach);
+  bool gentle() const { return gentle_; }
+  // Back at the motion's pose, but for the root's position?
+  void stop_when_back(const double* qpos);
+  // Takes the motion's velocity away.
+  void subtract_reference(double* v) const;
+
   // Everything that outlives a frame.
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
@@ -75,6 +84,8 @@ class Drive {
   std::vector<double> q_start_, v_drive_;   // Algorithm 1: pose and velocity at the frame's start
   double dt_ = 0;
   Vec3 root_velocity_;
+  bool gentle_ = false;
+  std::vector<double> gentle_rate_;  // per ball [rad/s]
   bool exact_ = false;  // the pose is the target's, bit for bit, but for the root's position
   bool velocity_known_ = true;
   // Of the frame before, while its velocity has not been asked for.

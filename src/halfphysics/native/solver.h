@@ -8,9 +8,10 @@
 
 namespace hp {
 
-// A point that moves with a weighted sum of bodies; a rigid part has one entry.
+// A point that moves with a weighted sum of bodies; a rigid part has one entry, a skinned vertex
+// several.
 struct Endpoint {
-  static constexpr int kMost = 4;
+  static constexpr int kMost = 8;
   int count = 0;
   int body[kMost];
   double weight[kMost];
@@ -26,6 +27,13 @@ struct Endpoint {
   }
 };
 
+// A point of a surface, to be found again at another pose: `local` in its body's frame, or, of a skin,
+// off the vertex that it moves with, before that is posed.
+struct Material {
+  int vertex = -1;
+  Vec3 local;
+};
+
 Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Twist>& twists,
                        const Endpoint& e);
 
@@ -33,10 +41,10 @@ Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Tw
 struct Contact {
   Endpoint a, b;
   Vec3 n, t, s;
-  Vec3 position;
-  // The points whose gap counts lie this far from `position`, along n on a and against it on b:
-  // the surface points, and for rounded shapes the points they are round about.
-  double arm_a = 0, arm_b = 0;
+  Vec3 position, at_a, at_b;
+  // The points whose gap counts: on the surfaces, or what those are round about.
+  Material gap_a, gap_b;
+  double closing = 0;  // what the gap loses by the growth of what came out of something [m]
   Vec3 rim;           // on a disc: direction from its centre, unit; else zero
   double dist = 0;    // gap at the start of the substep [m]
   double target = 0;  // smallest gap allowed at its end [m]

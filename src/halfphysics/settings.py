@@ -29,7 +29,7 @@ class Settings:
     """Distance kept between the body and everything else [m]; less than 2e-5 counts as 2e-5."""
     clearance_range: float = 0.05
     """Distances up to this are reported exactly in `Result.clearance` [m], inf beyond."""
-    contact: Literal["skin", "parts"] = "parts"
+    contact: Literal["skin", "parts"] = "skin"
     """What of a person touches: hulls of the skin itself, or the 55 rigid parts (faster)."""
     self_contact: Literal[False] = False
     """Contact of a person with itself (not in this version)."""

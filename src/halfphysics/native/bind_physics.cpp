@@ -117,6 +117,14 @@ void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
   }
 }
 
+void pose_of(Stepper& s, const Doubles& qpos, Poses& p) {
+  need((int)qpos.shape(0) == s.model.nq, "bad length of qpos");
+  p.kin.resize(s.model);
+  p.kin.update(s.model, qpos.data());
+  p.kin.update_dofs(s.model, qpos.data());
+  s.world.start_poses(p);
+}
+
 void inside_rows(const World& world, std::vector<double>& out) {
   for (const Inside& in : world.inside())
     out.insert(out.end(), {(double)in.mover, (double)in.other_static, in.depth()});
@@ -199,6 +207,10 @@ void bind_physics(nb::module_& m) {
              need(body.shape(0) == joints && parent.shape(0) == joints && first.shape(0) == n + 1 &&
                       at.shape(0) == weight.shape(0) && (size_t)skin->first[n] == at.shape(0),
                   "add_skin: arrays that do not fit together");
+             for (int b : skin->body) {
+               need(b > 0 && b < s.model.nbody, "add_skin: no such body");
+               skin->dof.push_back(s.model.dof_first[b]);
+             }
              for (int j : skin->at) need(j >= 0 && (size_t)j < joints, "add_skin: no such joint");
              need(bend.shape(0) == 0 || (bend.shape(0) == n && bend.shape(1) == 3 &&
                                          bend.shape(2) == (size_t)skin->features()),
@@ -416,6 +428,41 @@ void bind_physics(nb::module_& m) {
                  M[i * n + j] = M[j * n + i] = inertia.M[mod.row_start[i] + a];
                }
              return array({n, n}, M);
+           })
+      // Vertices of the skin that are a mover's corners; none: it is rigid.
+      .def("mover_vertices",
+           [](Stepper& s, int mover) {
+             const std::vector<int>& v = s.world.movers.at(mover).vertex;
+             return array(std::vector<double>(v.begin(), v.end()));
+           })
+      // Of a mover at a pose: its corners (n, 3), and the Jacobian (3, nv) of one of them.
+      .def("mover_points",
+           [](Stepper& s, Doubles qpos, int mover) {
+             Poses p;
+             pose_of(s, qpos, p);
+             const Points at = s.world.place(p, mover).points();
+             std::vector<double> x;
+             for (int i = 0; i < at.n; i++) push(x, at.at(i));
+             return array({(size_t)at.n, 3}, x);
+           })
+      .def("mover_jacobian",
+           [](Stepper& s, Doubles qpos, int mover, int corner) {
+             Poses p;
+             pose_of(s, qpos, p);
+             const Mover& m = s.world.movers.at(mover);
+             const Placed& at = s.world.place(p, mover);
+             const Endpoint e = p.endpoint(m, at, p.material(m, at, at.points().at(corner)));
+             const size_t n = s.model.nv;
+             std::vector<double> J(3 * n), v(n, 0);
+             std::vector<Twist> twists;
+             for (size_t i = 0; i < n; i++) {
+               v[i] = 1;
+               body_twists(s.model, p.kin, v.data(), twists);
+               const Vec3 x = endpoint_velocity(s.model, p.kin, twists, v.data(), e);
+               for (int k = 0; k < 3; k++) J[k * n + i] = x[k];
+               v[i] = 0;
+             }
+             return array({3, n}, J);
            })
       .def("inertia_solve",
            [](Stepper& s, Doubles qpos, Doubles x) {

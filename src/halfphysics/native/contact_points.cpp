@@ -1,6 +1,7 @@
 // Where two that would come too near touch: contact points, and their gaps at the end pose.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "collide.h"
 
@@ -165,11 +166,16 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
       double gap = dot(c.n, p1.at(v) + c.shift()) - r - c.offset;
       if (gap < c.target) worst.push_back({gap, v});
     }
-    std::sort(worst.begin(), worst.end());
+    // A few of many: not worth sorting.
+    auto later = std::greater<std::pair<double, int>>();
+    std::make_heap(worst.begin(), worst.end(), later);
     int added = 0;
     std::vector<Vec3> chosen;
-    for (auto [gap, v] : worst) {
+    while (!worst.empty()) {
       if (added == 4 || already + added == kMostPoints) break;
+      std::pop_heap(worst.begin(), worst.end(), later);
+      const int v = worst.back().second;
+      worst.pop_back();
       Vec3 x = p0.at(v);
       bool skip = false;
       for (const Contact& k : contacts) skip |= k.pair == index && k.feature == v;

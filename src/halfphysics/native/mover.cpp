@@ -8,6 +8,8 @@ namespace hp {
 
 namespace {
 
+constexpr int kBlock = 4;         // vertices are posed so many at once
+constexpr double kNoBend = 1e-9;  // rates of points that are left out [m/rad]
 const double kFrobenius = 2 * std::sqrt(2.0);  // of the change of a rotation by half a turn
 
 // Weights of the joints that carry more than a sliver of a vertex, largest first.
@@ -43,9 +45,6 @@ void Mover::finish() {
   }
   const Skin& s = *skin;
   const int n = (int)vertex.size(), joints = (int)s.joint.size();
-  shape.vertices.clear();
-  for (int v : vertex) shape.vertices.push_back(s.rest[v]);
-  shape.finish();
   std::vector<double> sum(joints, 0), most(joints, 0), reach(joints, 0);
   for (int v : vertex)
     for (int e = s.first[v]; e < s.first[v + 1]; e++) {
@@ -74,12 +73,27 @@ void Mover::finish() {
       longest += kFrobenius * stretches.back().most;
     }
   }
-  shape.bound += longest;
   std::vector<int> order;
   for (int j = 0; j < joints; j++)
     if (most[j] > 0) order.push_back(j);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return sum[a] > sum[b]; });
+  // Vertices that hang on the same joints stand side by side.
+  auto hangs = [&](int v) {
+    std::vector<char> on(joints, 0), mine;
+    for (int e = s.first[v]; e < s.first[v + 1]; e++) on[s.at[e]] = 1;
+    for (int j : order) mine.push_back(on[j]);
+    return mine;
+  };
+  std::vector<std::pair<std::vector<char>, int>> sorted;
+  for (int v : vertex) sorted.push_back({hangs(v), v});
+  std::sort(sorted.begin(), sorted.end());
+  for (int i = 0; i < n; i++) vertex[i] = sorted[i].second;
+  shape.vertices.clear();
+  for (int v : vertex) shape.vertices.push_back(s.rest[v]);
+  shape.finish();
+  shape.bound += longest;
   ties.clear();
+  runs.clear();
   weights.assign(order.size() * (size_t)n, 0);
   for (size_t k = 0; k < order.size(); k++) {
     const int j = order[k];
@@ -87,6 +101,15 @@ void Mover::finish() {
     for (int i = 0; i < n; i++)
       for (int e = s.first[vertex[i]]; e < s.first[vertex[i] + 1]; e++)
         if (s.at[e] == j) weights[k * n + i] = s.weight[e];
+    for (int i = 0, end; i < n; i = end) {
+      end = std::min(n, i + kBlock);
+      const double* w = &weights[k * n];
+      if (std::all_of(w + i, w + end, [](double x) { return x == 0; })) continue;
+      if (!runs.empty() && runs.back().tie == (int)k && runs.back().first + runs.back().count == i)
+        runs.back().count += end - i;
+      else
+        runs.push_back({(int)k, i, end - i});
+    }
   }
   body = ties[0].body;
 }
@@ -128,13 +151,14 @@ void Poses::place(const std::vector<Mover>& movers, int i) {
       }
   }
   const double* rest = out.rest.empty() ? m.shape.xyz.data() : out.rest.data();
-  for (size_t k = 0; k < m.ties.size(); k++) {
-    const Mover::Tie& t = m.ties[k];
+  for (const Mover::Run& r : m.runs) {
+    const Mover::Tie& t = m.ties[r.tie];
     const Mat3& R = kin.xmat[t.body];
     // The joint's place at rest is the shape's centre less `middle`.
     double shift[3];
     store3(shift, kin.xpos[t.body] - R * (m.shape.center - t.middle));
-    blend(rest, n, R.m, shift, &m.weights[k * n], out.xyz.data());
+    blend(rest + r.first, n, r.count, R.m, shift, &m.weights[(size_t)r.tie * n + r.first],
+          &out.xyz[r.first]);
   }
   double lo[3], hi[3];
   for (int c = 0; c < 3; c++) limits(&out.xyz[(size_t)c * n], n, lo[c], hi[c]);
@@ -195,6 +219,27 @@ Endpoint Poses::endpoint(const Mover& m, const Placed& at, const Material& point
     e.weight[k] = share[k].weight;
     e.point[k] = kin.xpos[b] + kin.xmat[b] * (x - s.joint[share[k].joint]);
   }
+  if (s.bend.empty()) return e;
+  // d vec(R_local)/dt = vec(R_local [w]x) for a joint that turns at w, in its own frame.
+  auto bends = std::make_shared<std::vector<Endpoint::Bend>>();
+  const int f = s.features();
+  for (const Mover::Stretch& stretch : m.stretches) {
+    const int j = stretch.joint;
+    const Mat3 local = transposed(kin.xmat[s.body[s.parent[j]]]) * kin.xmat[s.body[j]];
+    for (int axis = 0; axis < 3; axis++) {
+      const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+      Vec3 rate;  // at rest
+      for (int c = 0; c < 3; c++) {
+        const double* row = &s.bend[((size_t)m.vertex[v] * 3 + c) * f + 9 * (j - 1)];
+        for (int r = 0; r < 3; r++)  // R [e]x: columns `next` and `last` are R's last and minus its next
+          rate[c] += row[3 * r + next] * local.m[3 * r + last] - row[3 * r + last] * local.m[3 * r + next];
+      }
+      Vec3 world;
+      for (int k = 0; k < e.count; k++) world += e.weight[k] * (kin.xmat[e.body[k]] * rate);
+      if (norm2(world) > kNoBend * kNoBend) bends->push_back({s.dof[j] + axis, world});
+    }
+  }
+  e.bends = bends;
   return e;
 }
 

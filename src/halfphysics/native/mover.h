@@ -13,7 +13,7 @@ namespace hp {
 // A person's skin: vertices that hang on several joints each (linear blend skinning with pose blend
 // shapes, SMPL, Loper et al. 2015):  x = sum_j w_j (R_j (rest + B vec(R_local - I) - j_j) + c_j).
 struct Skin {
-  std::vector<int> body, parent;  // of each joint: the model's body, the parent joint
+  std::vector<int> body, parent, dof;  // of each joint: the model's body, the parent joint, first dof
   std::vector<Vec3> joint;        // at rest
   std::vector<Vec3> rest;         // vertices at rest
   std::vector<int> first, at;     // vertex v hangs on the joints at[first[v]] ... at[first[v + 1] - 1]
@@ -43,6 +43,10 @@ struct Mover {
   std::vector<int> vertex;  // of the skin
   std::vector<Tie> ties;
   std::vector<double> weights;  // of a skin: ties x vertices
+  struct Run {  // of vertices that hang on a tie
+    int tie, first, count;
+  };
+  std::vector<Run> runs;  // tie after tie
   // Pose blend shapes: no vertex goes farther than `most` times the change of the joint's local
   // rotation matrix (Frobenius).
   struct Stretch {

@@ -73,12 +73,12 @@ HP_CLONES void transform(const double* v, int n, const double* R, const double* 
   }
 }
 
-HP_CLONES void blend(const double* v, int n, const double* R, const double* p, const double* w,
-                     double* out) {
-  const double *x = v, *y = v + n, *z = v + 2 * n;
+HP_CLONES void blend(const double* v, int stride, int n, const double* R, const double* p,
+                     const double* w, double* out) {
+  const double *x = v, *y = v + stride, *z = v + 2 * (size_t)stride;
   for (int k = 0; k < 3; k++) {
     const double a = R[3 * k], b = R[3 * k + 1], c = R[3 * k + 2], q = p[k];
-    double* o = out + (size_t)k * n;
+    double* o = out + (size_t)k * stride;
     int i = 0;
     for (; i + 4 <= n; i += 4)
       *(V*)(o + i) += *(const V*)(w + i) *
@@ -138,11 +138,13 @@ HP_CLONES void meet(const double* x, const int* at, const double* y, int n, doub
 
 #else
 
-void blend(const double* v, int n, const double* R, const double* p, const double* w, double* out) {
+void blend(const double* v, int stride, int n, const double* R, const double* p, const double* w,
+           double* out) {
+  const double *x = v, *y = v + stride, *z = v + 2 * (size_t)stride;
   for (int k = 0; k < 3; k++)
     for (int i = 0; i < n; i++)
-      out[k * n + i] +=
-          w[i] * (p[k] + (R[3 * k] * v[i] + R[3 * k + 1] * v[n + i] + R[3 * k + 2] * v[2 * n + i]));
+      out[(size_t)k * stride + i] +=
+          w[i] * (p[k] + (R[3 * k] * x[i] + R[3 * k + 1] * y[i] + R[3 * k + 2] * z[i]));
 }
 
 void limits(const double* v, int n, double& lo, double& hi) {

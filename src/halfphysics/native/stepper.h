@@ -99,7 +99,8 @@ class Stepper {
   double excess(size_t i, double h);
   double allowed(const Candidate& c) const;
   bool verify(double h, int pass, double& worst);
-  double approach(const Contact& c, const std::vector<Twist>& twists) const;
+  double approach(const Contact& c, const std::vector<Twist>& twists,
+                  const std::vector<double>& v) const;
   void drop_idle();
   bool give_way();
   void relax();

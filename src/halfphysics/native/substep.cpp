@@ -114,7 +114,8 @@ void Stepper::remember(const std::vector<double>& share) {
     if (!share.empty() && share[island(k)] < 0) continue;
     disturbed_[tree(k.mover)] = 1;
     if (k.other_mover >= 0) disturbed_[tree(k.other_mover)] = 1;
-    auto material = [&](int mover, Vec3 x) {
+    auto material = [&](int mover, Vec3 x) -> Material {
+      if (world.movers[mover].skin && k.other_static >= 0) return c.gap_a;  // a vertex
       return start_.material(world.movers[mover], world.place(start_, mover), x);
     };
     // Of two that move: the points that face each other, `dist` apart about the one they act on.
@@ -191,7 +192,7 @@ bool Stepper::verify(double h, int pass, double& worst) {
     Contact& c = contacts_[i];
     if (pass > 0) {
       const bool thing = world.movers[candidates_[c.pair].mover].person < 0;
-      c.shift = std::min(c.dist + h * approach(c, twists_) - world.gap_at(start_, end_, c),
+      c.shift = std::min(c.dist + h * approach(c, twists_, v_) - world.gap_at(start_, end_, c),
                          std::max(0.0, c.dist - c.target) + h * (thing ? kThingsPush : kPush));
     }
     if (i >= old) warm_start(c);
@@ -199,9 +200,10 @@ bool Stepper::verify(double h, int pass, double& worst) {
   return false;
 }
 
-double Stepper::approach(const Contact& c, const std::vector<Twist>& twists) const {
-  return dot(c.n, endpoint_velocity(model, start_.kin, twists, c.a) -
-                      endpoint_velocity(model, start_.kin, twists, c.b));
+double Stepper::approach(const Contact& c, const std::vector<Twist>& twists,
+                         const std::vector<double>& v) const {
+  return dot(c.n, endpoint_velocity(model, start_.kin, twists, v.data(), c.a) -
+                      endpoint_velocity(model, start_.kin, twists, v.data(), c.b));
 }
 
 // Points that carry nothing and would end where they may make room for those that are needed.
@@ -273,10 +275,10 @@ bool Stepper::bounce(double h, bool good, double& worst) {
   bool any = false;
   for (Contact& c : contacts_) {
     if (c.restitution <= 0 || dot(c.impulse, c.n) <= 0) continue;
-    double arriving = approach(c, arrived);
+    double arriving = approach(c, arrived, before);
     if (arriving > -kBounceSpeed) continue;
-    double turned = approach(c, spun);
-    double pull = std::max(0.0, arriving - turned - approach(c, twists_));
+    double turned = approach(c, spun, spin_);
+    double pull = std::max(0.0, arriving - turned - approach(c, twists_, v_free_));
     double height = 2 * pull * std::max(0.0, c.dist - c.target) / h;
     double met = arriving - 0.5 * pull;
     double back = c.restitution * c.restitution * (met * met + height) - height;

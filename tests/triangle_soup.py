@@ -1,0 +1,166 @@
+"""Triangles in a tree of boxes, asked by many points at once: plain numpy, nothing of the core.
+
+For the judge of the skin (`skin_judge`): which boxes meet which triangles, how far points are,
+how often a surface winds around them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: Items that go down the tree together: bounds the memory.
+CHUNK = 8192
+#: Rays go along this axis: oblique, so that they meet no edge of anything that people build.
+RAY = np.array([0.2367, -0.1713, 0.9563])
+
+
+class Boxes:
+    """A balanced tree over boxes `low`, `high` (F, d), halved at the middle of the widest side."""
+
+    def __init__(self, low, high):
+        depth = int(np.ceil(np.log2(max(1, len(low)))))
+        fill = (1 << depth) - len(low)
+        wide = ((0, fill), (0, 0))
+        # What fills up meets nothing.
+        low = np.pad(low, wide, constant_values=np.inf)
+        high = np.pad(high, wide, constant_values=-np.inf)
+        middle = 0.5 * (low + np.where(np.isinf(high), np.inf, high))
+        order = np.arange(1 << depth)
+        for level in range(depth):
+            groups = order.reshape(1 << level, -1)
+            axis = np.argmax(high[groups].max(axis=1) - low[groups].min(axis=1), axis=1)
+            along = np.argsort(middle[groups, axis[:, None]], axis=1, kind="stable")
+            order = np.take_along_axis(groups, along, axis=1).ravel()
+        self.order = order
+        self.levels = [(low[order], high[order])]
+        for _ in range(depth):
+            below, above = self.levels[0]
+            pairs = below.reshape(-1, 2, low.shape[1]), above.reshape(-1, 2, low.shape[1])
+            self.levels.insert(0, (pairs[0].min(axis=1), pairs[1].max(axis=1)))
+
+    def pairs(self, items, meets):
+        """(item, box) of all pairs that meet.
+
+        items: how many there are; meets(i, low, high): whether items `i` (k,) meet boxes (k, d).
+        """
+        found = [np.zeros((2, 0), dtype=np.int64)]
+        for first in range(0, items, CHUNK):
+            item = np.arange(first, min(first + CHUNK, items))
+            node = np.zeros(len(item), dtype=np.int64)
+            for k, (low, high) in enumerate(self.levels):
+                if k:
+                    item = np.repeat(item, 2)
+                    node = (2 * node[:, None] + [0, 1]).ravel()
+                keep = meets(item, low[node], high[node])
+                item, node = item[keep], node[keep]
+            found.append(np.stack([item, self.order[node]]))
+        return np.concatenate(found, axis=1)
+
+
+class Soup:
+    """Triangles (F, 3, 3) [m], counter-clockwise seen from outside."""
+
+    def __init__(self, triangles):
+        self.triangles = np.asarray(triangles, dtype=float)
+        self.low, self.high = self.triangles.min(axis=(0, 1)), self.triangles.max(axis=(0, 1))
+        self._boxes = Boxes(self.triangles.min(axis=1), self.triangles.max(axis=1))
+        # The same, seen along the ray.
+        u = np.cross(RAY, [1.0, 0.0, 0.0])
+        u /= np.linalg.norm(u)
+        n = RAY / np.linalg.norm(RAY)
+        self._turn = np.stack([u, np.cross(n, u), n], axis=1)
+        self._seen = self.triangles @ self._turn
+        self._shadows = None
+
+    def near(self, low, high):
+        """Pairs (item, triangle) whose boxes meet; items have boxes `low`, `high` (n, 3)."""
+        return self._boxes.pairs(
+            len(low),
+            lambda i, a, b: (low[i] <= b).all(axis=1) & (high[i] >= a).all(axis=1),
+        )
+
+    def smallest(self, points, most=np.inf):
+        """The smallest distance of any of the points (n, 3), and whose; (inf, -1) beyond `most`."""
+        if not len(points):
+            return np.inf, -1
+        # No farther than the best that a walk straight down the tree comes upon.
+        d = self._within(points, np.full(len(points), min(self._bound(points).min(), most)))
+        i = int(d.argmin())
+        return (float(d[i]), i) if np.isfinite(d[i]) else (np.inf, -1)
+
+    def distances(self, points):
+        """Distances (n,) of points (n, 3)."""
+        return self._within(points, self._bound(points))
+
+    def _bound(self, points):
+        """Distances (n,) of points from some triangle that is near."""
+        node = np.zeros(len(points), dtype=np.int64)
+        for low, high in self._boxes.levels[1:]:
+            two = 2 * node[:, None] + [0, 1]
+            away = _beside(points[:, None], low[two], high[two])
+            node = two[np.arange(len(two)), away.argmin(axis=1)]
+        # Rounding: what is that far is looked at.
+        return (1.0 + 1e-9) * to_triangles(points, self.triangles[self._boxes.order[node]]) + 1e-12
+
+    def _within(self, points, reach):
+        """Distances (n,) of points, inf where beyond `reach` (n,)."""
+        out, square = np.full(len(points), np.inf), reach * reach
+
+        def meets(i, low, high):
+            return _beside(points[i], low, high) <= square[i]
+
+        item, which = self._boxes.pairs(len(points), meets)
+        np.minimum.at(out, item, to_triangles(points[item], self.triangles[which]))
+        return np.where(out <= reach, out, np.inf)
+
+    def winding(self, points):
+        """How often the surface winds around points (n, 3): exact where it is closed."""
+        if self._shadows is None:
+            flat = self._seen[..., :2]
+            self._shadows = Boxes(
+                np.concatenate([flat.min(axis=1), self._seen[..., 2:].max(axis=1)], axis=1),
+                np.concatenate([flat.max(axis=1), self._seen[..., 2:].max(axis=1)], axis=1),
+            )
+        p = points @ self._turn
+
+        def meets(i, low, high):
+            q = p[i]
+            beside = (q[:, :2] < low[:, :2]) | (q[:, :2] > high[:, :2])
+            return ~beside.any(axis=1) & (q[:, 2] <= high[:, 2])
+
+        item, which = self._shadows.pairs(len(p), meets)
+        a, b, c = np.moveaxis(self._seen[which] - p[item, None], 1, 0)
+
+        def turn(x, y):
+            return x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]
+
+        areas = np.stack([turn(b, c), turn(c, a), turn(a, b)], axis=1)
+        sign = np.sign(areas.sum(axis=1))
+        covered = (areas * sign[:, None] > 0.0).all(axis=1)
+        above = (areas * np.stack([a[:, 2], b[:, 2], c[:, 2]], axis=1)).sum(axis=1) * sign > 0.0
+        return np.bincount(item, weights=sign * (covered & above), minlength=len(p))
+
+
+def _beside(points, low, high):
+    """Squared distances of points from boxes, pair by pair; inf from empty ones."""
+    away = np.maximum(np.maximum(low - points, points - high), 0.0)
+    return (away * away).sum(axis=-1)
+
+
+def to_triangles(points, triangles):
+    """Distances (k,) of points (k, 3) from triangles (k, 3, 3), pair by pair."""
+    best = np.full(len(points), np.inf)
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    size = np.einsum("ki,ki->k", normal, normal)
+    within = size > 0.0
+    for j in range(3):
+        a, edge = triangles[:, j], triangles[:, (j + 1) % 3] - triangles[:, j]
+        to = points - a
+        length = np.einsum("ki,ki->k", edge, edge)
+        t = np.einsum("ki,ki->k", to, edge) / np.where(length > 0.0, length, 1.0)
+        gap = to - np.clip(t, 0.0, 1.0)[:, None] * edge
+        best = np.minimum(best, np.einsum("ki,ki->k", gap, gap))
+        within &= np.einsum("ki,ki->k", np.cross(edge, to), normal) >= 0.0
+    height = np.einsum("ki,ki->k", points - triangles[:, 0], normal)
+    plane = height * height / np.where(size > 0.0, size, 1.0)
+    return np.sqrt(np.where(within, np.minimum(best, plane), best))

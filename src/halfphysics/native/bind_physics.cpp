@@ -127,7 +127,8 @@ void pose_of(Stepper& s, const Doubles& qpos, Poses& p) {
 
 void inside_rows(const World& world, std::vector<double>& out) {
   for (const Inside& in : world.inside())
-    out.insert(out.end(), {(double)in.mover, (double)in.other_static, in.depth()});
+    out.insert(out.end(), {(double)in.mover, (double)in.other_static, (double)in.other_mover,
+                           in.depth()});
 }
 
 nb::dict contact_rows(const std::vector<Contact>& contacts) {
@@ -342,7 +343,7 @@ void bind_physics(nb::module_& m) {
              d["touch_count"] = array(counts);
              d["touches"] = array({touches.size() / 12, 12}, touches);
              d["inside_count"] = array(inside_counts);
-             d["inside"] = array({inside.size() / 3, 3}, inside);
+             d["inside"] = array({inside.size() / 4, 4}, inside);
              d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
              return d;
            })
@@ -374,12 +375,12 @@ void bind_physics(nb::module_& m) {
              out["lost_time"] = d.lost_time;
              return out;
            })
-      // Who started inside something that stands and is not out yet: mover, static, depth [m].
+      // Who started inside something and is not out yet: mover, static, other mover, depth [m].
       .def("inside",
            [](Stepper& s) {
              std::vector<double> out;
              inside_rows(s.world, out);
-             return array({out.size() / 3, 3}, out);
+             return array({out.size() / 4, 4}, out);
            })
       .def("save", [](Stepper& s) { return array(s.save()); })
       .def("load", [](Stepper& s, Doubles state) { s.load(list<double>(state)); })

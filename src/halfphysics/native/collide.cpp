@@ -180,14 +180,20 @@ void World::reset(const Model& m, Poses& start) {
   list(m, start, reach);
   std::vector<Overlap> overlaps;
   for (Near& e : near_) {
-    if (e.other_static < 0) continue;
-    look(m, start, e, settings.clearance);
     bool inside = false;
+    if (e.other_mover >= 0) {
+      const Mover &A = movers[e.mover], &B = movers[e.other_mover];
+      if (A.person < 0 || B.person >= 0) continue;  // of things that overlap: see fixed_exit
+      if (separate(place(start, e.mover), place(start, e.other_mover)).dist < -kTouch)
+        overlaps.push_back({e.mover, -1, e.other_mover});
+      continue;
+    }
+    look(m, start, e, settings.clearance);
     if (statics[e.other_static].kind == Static::Kind::Mesh)
       for (const Plane& p : e.planes) inside |= p.overlaps;
     else
       inside = e.dist < -kTouch;
-    if (inside) overlaps.push_back({e.mover, e.other_static});
+    if (inside) overlaps.push_back({e.mover, e.other_static, -1});
   }
   if (!overlaps.empty()) {
     find_inside(m, start, overlaps);
@@ -303,11 +309,14 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
     if (half_space || gap >= c.target) return gap - c.target;
   } else {
     const Placed& b1 = place(end, c.other_mover);
-    gap = separate_along(a1, b1, c.n).dist;
+    Placed moved;
+    if (c.inside >= 0) moved = displaced(a1, c.shift());
+    const Placed& a = c.inside >= 0 ? moved : a1;
+    gap = separate_along(a, b1, c.n).dist;
     if (gap >= c.target || c.dist < 0) return gap - c.target;
     // The plane between two things turns as they do: where their nearest sides are still the
     // same, what counts is their distance at the end.
-    Separation s = separate(a1, b1, 1e300, false, c.n);
+    Separation s = separate(a, b1, 1e300, false, c.n);
     if (s.dist > 0 && dot(s.n, c.n) > 0.5) return s.dist - c.target;
   }
   if (swept_clear(place(start, c.mover), a1, c, start, end)) {
@@ -354,8 +363,8 @@ void World::save(std::vector<double>& out) const {
                            s.through ? 1.0 : 0.0});
   out.push_back((double)inside_.size());
   for (const Inside& i : inside_)
-    out.insert(out.end(), {(double)i.mover, (double)i.other_static, i.exit.x, i.exit.y, i.exit.z, i.out,
-                           i.lost ? 1.0 : 0.0});
+    out.insert(out.end(), {(double)i.mover, (double)i.other_static, (double)i.other_mover, i.exit.x,
+                           i.exit.y, i.exit.z, i.out, i.lost ? 1.0 : 0.0});
   out.push_back(growth);
   save_near(out);
 }
@@ -366,8 +375,8 @@ const double* World::load(const double* in) {
     pairs_[((int64_t)in[0] << 32) | (int64_t)in[1]] = {in[2], in[3] != 0, load3(in + 4),
                                                        in[7] != 0};
   inside_.clear();
-  for (int n = (int)*in++; n > 0; n--, in += 7)
-    inside_.push_back({(int)in[0], (int)in[1], load3(in + 2), in[5], in[5], in[6] != 0});
+  for (int n = (int)*in++; n > 0; n--, in += 8)
+    inside_.push_back({(int)in[0], (int)in[1], (int)in[2], load3(in + 3), in[6], in[6], in[7] != 0});
   growth = *in++;
   return load_near(in);
 }

@@ -60,11 +60,11 @@ struct Candidate {
   Vec3 shift() const { return from + share * (to - from); }
 };
 
-// A mover that started inside something that stands. Displaced by `exit` it is clear of it, and on
-// the right side; what is kept clear is the mover displaced by a part (1 - out) of that, and `out`
-// only grows. METHOD: "Starting inside"; docs/design.md says why displaced and not shrunken.
+// A mover that started inside a static or, a part of a person, inside a thing. Displaced by `exit` it is
+// clear of it, and on the right side; what is kept clear is the mover displaced by a part (1 - out) of
+// that, and `out` only grows. docs/design.md, "Starting inside".
 struct Inside {
-  int mover = 0, other_static = 0;
+  int mover = 0, other_static = -1, other_mover = -1;  // one of the two
   Vec3 exit;
   double out = 0;   // 1: it has come out
   double next = 0;  // what it will be at the end of the substep
@@ -193,16 +193,17 @@ class World {
   void demand(Candidate& c, double h);
   // Starting inside (inside.cpp).
   struct Overlap {
-    int mover, other_static;
+    int mover, other_static, other_mover;
   };
+  struct Obstacle;
   void find_inside(const Model& m, Poses& start, const std::vector<Overlap>& overlaps);
-  void way_out(const Model& m, Poses& start, int which, const std::vector<int>& group,
+  void way_out(const Model& m, Poses& start, const Obstacle& o, const std::vector<int>& group,
                const std::vector<char>& moves, const std::vector<char>& stays);
   void gather_inside(Poses& start, Near& e, Inside& in, double reach, double h,
                      std::vector<Candidate>& out);
   Inside* inside_of(const Near& e);
   bool is_inside(int mover, int other_static) const;
-  bool clear_of(Poses& start, int mover, const Static& s, Vec3 shift, double range) const;
+  bool clear_of(Poses& start, int mover, const Obstacle& o, Vec3 shift, double range) const;
   double bulge(int mover, const Poses& start, const Poses& end, const Mat3& back) const;
   bool swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,
                    Poses& end) const;

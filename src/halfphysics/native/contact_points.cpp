@@ -190,6 +190,27 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
     return;
   }
   const Placed& b0 = place(start, c.other_mover);
+  if (c.inside >= 0) {
+    // The nearest points of the displaced mover and the thing, at the start or, later, at the end; they
+    // act where the mover is.
+    if (already == kMostPoints) return;
+    Poses& at = already == 0 ? start : end;
+    const Vec3 shift = already == 0 ? c.from : c.shift();
+    const Separation s =
+        separate(displaced(place(at, c.mover), shift), place(at, c.other_mover), 1e300, true, c.n);
+    const bool settle = already > 0 && (pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < 0.5);
+    const Vec3 n = settle ? c.n : s.n;
+    auto start_of = [&](int mover, Vec3 x) {
+      const Mover& own = movers[mover];
+      return start.position(own, place(start, mover), at.material(own, place(at, mover), x));
+    };
+    const Vec3 xa = start_of(c.mover, s.pa - shift), xb = start_of(c.other_mover, s.pb);
+    for (const Contact& k : contacts)
+      if (k.pair == index && norm2(k.at_a - xa) < kSamePoint2 && dot(k.n, n) > 0.9999) return;
+    make(n, dot(n, xa + c.from - xb), xa, xa, 5 + already);
+    contacts.back().gap_b = start.material(movers[c.other_mover], b0, xb);
+    return;
+  }
   if (already == 0) {
     Vec3 pa[4], pb[4];
     bool nearest = false;

@@ -8,8 +8,10 @@ namespace {
 
 constexpr double kRootTime = 0.3;  // time constant of root recovery [s]
 // What is left of a contact is dropped when it is this small: angles [rad], velocities [m/s, rad/s].
-// Who came out of something is back where all joints are this near to the motion's [rad].
-constexpr double kBack = 0.01, kLeastReach = 0.02;  // [m]
+// Who came out of something is back where all joints are this near to the motion's [rad]; it goes gently
+// for so long at most [s].
+constexpr double kBack = 0.01, kGentle = 0.5;
+constexpr double kLeastReach = 0.02;  // of a joint [m]
 constexpr double kSettledAngle = 1e-11, kSettledSpeed = 1e-9;
 
 Vec3 difference(const double* from, const double* to) {
@@ -51,20 +53,25 @@ void Drive::reset(const double* target, double* qvel) {
   for (auto* v : {&v_ref_, &deviation_, &v_drive_}) v->assign(nv_, 0);
   for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = 0;
   exact_ = true;
-  gentle_ = false;
+  gentle_left_ = 0;
   velocity_known_ = older_asked_ = true;
 }
 
 void Drive::go_gently(double speed, const std::vector<double>& reach) {
-  gentle_ = true;
+  if (gentle_left_ == 0) gentle_left_ = kGentle;
   gentle_rate_.clear();
   for (const Ball& b : balls_) gentle_rate_.push_back(speed / std::max(reach[b.body], kLeastReach));
 }
 
-void Drive::stop_when_back(const double* qpos) {
+void Drive::stay_gentle(bool comes_out, double dt, const double* qpos) {
+  if (comes_out) {
+    gentle_left_ = kGentle;
+    return;
+  }
+  gentle_left_ = std::max(0.0, gentle_left_ - dt);
   for (const Ball& b : balls_)
     if (norm(difference(&target_[b.qpos], qpos + qpos0_ + b.qpos)) > kBack) return;
-  gentle_ = false;
+  gentle_left_ = 0;
 }
 
 void Drive::subtract_reference(double* v) const {
@@ -164,7 +171,7 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   for (size_t i = 0; i < balls_.size(); i++) {
     const Ball& b = balls_[i];
     Vec3 w = rate * difference(q + b.qpos, &target_[b.qpos]);
-    if (gentle_) {
+    if (gentle()) {
       const Vec3 asked = load3(&v_ref_[b.dof]);
       w = asked + capped(w - asked, gentle_rate_[i]);
     }
@@ -199,7 +206,7 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
     for (size_t i = 0; i < balls_.size(); i++) {
       const Ball& b = balls_[i];
       Quat ref = load4(&previous_[b.qpos]) * exp_quat((k * h) * load3(&v_ref_[b.dof]));
-      const double most = gentle_ ? std::min(limit, 2 * gentle_rate_[i] * tau) : limit;
+      const double most = gentle() ? std::min(limit, 2 * gentle_rate_[i] * tau) : limit;
       Vec3 xi = capped(log_quat(conjugate(ref) * load4(q + b.qpos)), most);
       Vec3 e = load3(&deviation_[b.dof]) - (h / (tau * tau)) * xi;
       store3(v + b.dof, load3(&v_ref_[b.dof]) + (1 / sc) * e);
@@ -232,7 +239,7 @@ void Drive::end_substep(const double* qvel) {
 
 void Drive::save(std::vector<double>& out) const {
   for (const auto* v : {&target_, &v_ref_, &deviation_}) out.insert(out.end(), v->begin(), v->end());
-  out.insert(out.end(), {exact_ ? 1.0 : 0.0, gentle_ ? 1.0 : 0.0});
+  out.insert(out.end(), {exact_ ? 1.0 : 0.0, gentle_left_});
 }
 
 const double* Drive::load(const double* in) {
@@ -242,7 +249,7 @@ const double* Drive::load(const double* in) {
   }
   previous_ = q_start_ = target_;
   exact_ = *in++ != 0;
-  gentle_ = *in++ != 0;
+  gentle_left_ = *in++;
   velocity_known_ = older_asked_ = true;
   return in;
 }

@@ -5,25 +5,18 @@ namespace hp {
 
 namespace {
 
-// While somebody comes out of something their joints resist as if they had so many times more inertia:
-// on the ways from the root to what comes out, so that it goes as a whole, and elsewhere, so that what
+// Who comes out of something, or just has, resists as if its joints had so many times more inertia: on
+// the ways from the root to what comes out, so that it goes as a whole, and elsewhere, so that what
 // pushes a foot does not swing an arm.
 constexpr double kFirm = 3, kLock = 30;
 
 }  // namespace
 
-void Stepper::lock_joints() {
-  std::vector<char> way(model.nbody, 0), tree(model.nbody, 0);
-  for (const Inside& in : world.inside()) {
-    const Mover& m = world.movers[in.mover];
-    if (m.person >= 0) tree[model.root[m.body]] = 1;
-    for (const Mover::Tie& t : m.ties)
-      for (int b = t.body; b > 0 && !way[b]; b = model.parent[b]) way[b] = 1;
-  }
-  for (int i = 0; i < model.nv; i++) {
-    const int b = model.dof_body[i], root = model.root[b];
-    if (tree[root] && world.active[b] && b != root)
-      extra_[i] += (way[b] ? kFirm : kLock) * inertia_.diagonal(model, i);
+void Stepper::stiffen() {
+  for (const Drive& d : drives_) {
+    if (!d.gentle() || !world.active[d.body(0)]) continue;
+    for (int i = d.first_dof() + 6; i < d.first_dof() + d.dof_count(); i++)
+      extra_[i] += (way_out_[model.dof_body[i]] ? kFirm : kLock) * inertia_.diagonal(model, i);
   }
 }
 
@@ -37,15 +30,10 @@ void Stepper::build_inertia(double h) {
     double s = d.scale(drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
   }
-  if (world.any_inside()) {
-    const std::vector<double> firm = extra_;
-    lock_joints();
-    inertia_.factor(model, scale_, extra_, world.active.data());
-    extra_ = firm;
-    inertia_ready_ = true;
-    return;
-  }
+  const std::vector<double> drive = extra_;
+  stiffen();
   inertia_.factor(model, scale_, extra_, world.active.data());
+  extra_ = drive;
   inertia_ready_ = true;
 }
 

@@ -122,7 +122,10 @@ void World::look(const Model&, Poses& p, Near& e, double r) {
 
 void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& sweep,
                       std::vector<char>& busy) {
-  for (const Inside& in : inside_) busy[m.root[movers[in.mover].body]] = 1;
+  for (const Inside& in : inside_) {
+    busy[m.root[movers[in.mover].body]] = 1;
+    if (in.other_mover >= 0) busy[m.root[movers[in.other_mover].body]] = 1;
+  }
   for (Near& e : near_) {
     const Mover& M = movers[e.mover];
     const int mine = m.root[M.body];

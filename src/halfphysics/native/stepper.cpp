@@ -36,6 +36,7 @@ void Stepper::finish(const std::vector<int>& person_roots) {
     if (m.body <= 0 || m.body >= model.nbody) throw std::invalid_argument("bad body of a shape");
     m.finish();
   }
+  way_out_.assign(model.nbody, 0);
   joint_reach_.assign(model.nbody, 0);
   for (const Mover& m : world.movers)
     for (const Mover::Tie& t : m.ties) {
@@ -63,6 +64,10 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   pose_known_ = false;
   start_pose();
   world.reset(model, start_);
+  way_out_.assign(model.nbody, 0);
+  for (const Inside& in : world.inside())
+    for (const Mover::Tie& t : world.movers[in.mover].ties)
+      for (int b = t.body; b > 0 && !way_out_[b]; b = model.parent[b]) way_out_[b] = 1;
   for (Drive& d : drives_)
     if (comes_out(d)) d.go_gently(kGentle, joint_reach_);
 }
@@ -223,7 +228,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
     for (int k = 0; k < n; k++) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
   }
   for (Drive& d : drives_)
-    if (d.gentle() && !comes_out(d)) d.stop_when_back(qpos_.data());
+    if (d.gentle()) d.stay_gentle(comes_out(d), dt, qpos_.data());
   // Whom nothing touched has arrived, stepped through or not: the same bits either way.
   for (size_t i = 0; i < drives_.size(); i++) {
     Drive& d = drives_[i];
@@ -287,6 +292,7 @@ std::vector<double> Stepper::save() {
   out.insert(out.end(), qvel_.begin(), qvel_.end());
   for (const Drive& d : drives_) d.save(out);
   world.save(out);
+  out.insert(out.end(), way_out_.begin(), way_out_.end());
   out.push_back((double)warm_.size());
   for (const Remembered& w : warm_) {
     out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature,
@@ -314,6 +320,8 @@ void Stepper::restore(const std::vector<double>& state) {
   in += model.nv;
   for (Drive& d : drives_) in = d.load(in);
   in = world.load(in);
+  way_out_.assign(in, in + model.nbody);
+  in += model.nbody;
   for (Drive& d : drives_)
     if (d.gentle()) d.go_gently(kGentle, joint_reach_);
   warm_.clear();

@@ -86,7 +86,7 @@ class Stepper {
   void free_velocity(int k, double h);
   void object_velocity(double h);
   void build_inertia(double h);
-  void lock_joints();
+  void stiffen();
 
   // With it (substep.cpp).
   void substep(int k, double h);
@@ -123,6 +123,7 @@ class Stepper {
   bool pose_known_ = false;  // start_ is the pose of qpos_
   Sweep sweep_;
   std::vector<double> q_free_, angular_, spin_bound_, turn_bound_, speed_bound_;
+  std::vector<char> way_out_;  // per body: between a root and what started inside something
   std::vector<double> joint_reach_;  // per body: how far any point that its joint moves is [m]
   std::vector<char> busy_, settled_, disturbed_;  // busy and disturbed: per body
   std::vector<double> q_start_, fastest_;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import os
 import subprocess
@@ -18,7 +19,7 @@ from scipy.spatial import ConvexHull
 from halfphysics.body import Body
 from halfphysics.errors import InputError
 from halfphysics.pose import Pose
-from halfphysics.skeleton import N_JOINTS
+from halfphysics.skeleton import FACE_JOINTS, LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
 from halfphysics.skin_corners import without_inner
 from halfphysics.skin_cut import PIECES, cut_faces, parts_of_faces
 from halfphysics.skin_hulls import REMEMBERED, SkinHulls, _known, skin_hulls
@@ -252,6 +253,24 @@ def test_the_gap_of_another_shape(body):
         median, p95 = within(hull_gap.gaps(other, hull_gap.split(other.skin_hulls), poses, 15))
         assert median <= MEDIAN
         assert p95 <= P95
+
+
+def test_the_gap_of_a_body_without_fingers_and_face(body):
+    """As SMPL has it: each hand is one part, and so is the head."""
+    weights = body.weights.copy()
+    for joint, gone in ((20, LEFT_HAND_JOINTS), (21, RIGHT_HAND_JOINTS), (15, FACE_JOINTS)):
+        weights[:, joint] += weights[:, gone].sum(axis=1)
+        weights[:, gone] = 0.0
+    smpl = dataclasses.replace(body, weights=weights)
+    check(smpl.skin_hulls, smpl.faces, weights)
+    assert len(smpl.skin_hulls.part) == PIECES
+    poses = list(hull_gap.bends().values())
+    found = hull_gap.gaps(smpl, hull_gap.split(smpl.skin_hulls), poses, 25)
+    median, p95 = within(found)
+    assert median <= MEDIAN
+    assert p95 <= P95
+    hands = np.isin(found.vertex, np.flatnonzero(weights[:, [20, 21]].sum(axis=1) > 0.5))
+    assert np.percentile(found.gap[hands], 95) <= P95
 
 
 def test_contacts_of_pole_and_edge_in_closed_form():

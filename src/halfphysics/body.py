@@ -272,6 +272,13 @@ class Body:
             return skin_hulls(self.faces, self.weights, self.rest_vertices, self.rest_joints)
         return skin_hulls(self.faces, self.weights, self.mean_vertices, self.mean_joints)
 
+    @cached_property
+    def skin_corners(self) -> SkinHulls:
+        """`skin_hulls` without the vertices that are inside at every pose of this very shape."""
+        from halfphysics.skin_corners import without_inner
+
+        return without_inner(self.skin_hulls, self.weights, self.rest_vertices, self.posedirs)
+
     def save_mjcf(self, path: str | os.PathLike[str]) -> None:
         """Write the 55 rigid parts as a MuJoCo model (MJCF) that stock MuJoCo opens.
 

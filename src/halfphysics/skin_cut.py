@@ -1,9 +1,10 @@
 """Which faces of a skin share a convex hull: cut by joints, then where the hulls bulge most.
 
 The bulge of a hull over a face is how far one travels from the face along its normal until one
-leaves the hull. It is looked at in a few bent poses, because hollows open and close, and counts
-only as far as it can be seen: not inside other skin, and in a crease no more than the crease is
-wide. Cuts are planes of the rest pose; each next cut is the one that takes away most of
+leaves the hull. It is looked at in a few bent poses, because hollows open and close, and counts as
+what is seen of it: how far the place where one leaves is from all skin, which is nothing inside
+other skin and little in a crease. Cuts are planes of the rest pose; each next cut is the one that
+takes away most of
 
     sum over poses, hulls and faces of area * bulge^2
 
@@ -21,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import skinning
-from halfphysics.skeleton import JOINT_INDEX, N_JOINTS
+from halfphysics.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -29,19 +30,27 @@ Ints = NDArray[np.int64]
 
 #: Pieces to cut the skin into, joints' own pieces included.
 PIECES = 90
-#: Faces that stand for a part's neighbourhood; normals of a piece that stand for its hull's; and
-#: directions of the sphere beside them. Twice as many of all change the gaps by under a tenth.
-SAMPLES, NORMALS, SPHERE = 64, 32, 64
+#: Faces that stand for a part's neighbourhood: one in 16, at least and at most.
+SAMPLES = (64, 256)
+#: Normals of a piece that stand for its hull's, and directions of the sphere beside them. Twice as
+#: many of these and of the samples change the gaps by under a tenth.
+NORMALS, SPHERE = 32, 64
 #: Places along each axis at which a cut is tried.
 LEVELS = 5
 #: A part's hulls are held against all faces whose weight of it is at least this: a hull also
 #: bulges over the faces beside it.
 BLEND = 0.2
-#: Steps [m] along a normal at which skin around is looked for; bulges over the last count as it.
-STEPS = (0.005, 0.01, 0.02, 0.04)
+#: Steps [m] along a normal at which the distance of all skin is known; past the last it stays.
+STEPS = (0.0, 0.005, 0.01, 0.02, 0.04)
+#: Area of hands counts this many times: they are small, and touch most.
+HAND_FACTOR = 5.0
 #: Directions within about this cosine of a right angle to a normal say nothing about its bulge.
 GRAZING = 0.05
 
+_HANDS = [
+    *(JOINT_INDEX["left_wrist"], *LEFT_HAND_JOINTS),
+    *(JOINT_INDEX["right_wrist"], *RIGHT_HAND_JOINTS),
+]
 _FINGERS = tuple(f"{f}{k}" for f in ("index", "middle", "pinky", "ring") for k in (1, 2, 3))
 #: Bends [rad] that open and close the hollows of a body; of the left side where there are two,
 #: the right one is the mirror image. Sitting; standing, arched; arms up, legs apart; and at rest.
@@ -127,11 +136,11 @@ def cut_faces(
 
 
 class _Samples(NamedTuple):
-    """Faces (m,) around a part: what each stands for, and how far its bulge is seen."""
+    """Faces (m,) around a part: what each stands for, and what is outside of it."""
 
     face: Ints
     area: float | Floats  # (m,) [m^2]
-    seen: Floats  # (P, m) [m]
+    slope: Floats  # (steps, P, m) of the distance from all skin on the way out, step to step
 
 
 class _Look:
@@ -154,8 +163,9 @@ class _Look:
         self.posed = posed.astype(np.float32)  # (P, V, 3)
         self.centre = ((a + b + c) / 3.0).astype(np.float32)  # (P, F, 3)
         self.normal = (normal / np.maximum(size, 1e-30)[:, :, None]).astype(np.float32)
-        self.area = (0.5 * size[0]).astype(np.float32)
         self.share = weights[faces].mean(axis=1)
+        hand = self.share[:, _HANDS].sum(axis=1)
+        self.area = (0.5 * size[0] * (1.0 + (HAND_FACTOR - 1.0) * hand)).astype(np.float32)
         self.trees = [cKDTree(centre) for centre in self.centre]
         self.samples: dict[int, _Samples] = {}
 
@@ -163,23 +173,24 @@ class _Look:
         """A piece of the part."""
         if part not in self.samples:
             near = np.flatnonzero(self.share[:, part] >= min(BLEND, self.share[piece, part].max()))
-            face = near[_spread(len(near), SAMPLES)] if len(near) > SAMPLES else near
+            count = min(max(len(near) // 16, SAMPLES[0]), SAMPLES[1])
+            face = near[_spread(len(near), count)] if len(near) > count else near
             area = self.area[face] * np.float32(len(near) / len(face))
-            self.samples[part] = _Samples(face, area, self._seen(face))
+            self.samples[part] = _Samples(face, area, self._slopes(face))
         return _Piece(self, piece, self.samples[part])
 
-    def _seen(self, face: Ints) -> Floats:
-        """Largest distance from all skin on the way out of each face, shape (P, m)."""
-        out = np.zeros((len(self.posed), len(face)), dtype=np.float32)
+    def _slopes(self, face: Ints) -> Floats:
+        """Of the distance from all skin on the way out of each face, shape (steps - 1, P, m)."""
+        away = np.zeros((len(STEPS), len(self.posed), len(face)), dtype=np.float32)
         for p, tree in enumerate(self.trees):
             outside = np.ones(len(face), dtype=bool)
-            for step in STEPS:
+            for k, step in enumerate(STEPS[1:], start=1):
                 point = self.centre[p, face] + np.float32(step) * self.normal[p, face]
                 distance, nearest = tree.query(point)
-                away = point - self.centre[p, nearest]
-                outside &= np.einsum("mi,mi->m", away, self.normal[p, nearest]) > 0.0
-                out[p, outside] = np.maximum(out[p, outside], distance[outside])
-        return out
+                offset = point - self.centre[p, nearest]
+                outside &= np.einsum("mi,mi->m", offset, self.normal[p, nearest]) > 0.0
+                away[k, p] = np.where(outside, np.minimum(distance, step), 0.0)
+        return np.diff(away, axis=0) / np.diff(STEPS).astype(np.float32)[:, None, None]
 
 
 class _Piece:
@@ -220,7 +231,10 @@ class _Piece:
         through = (support.T[:, :, None] - self.height) * self.per
         leave = (through + self.end).min(axis=0)
         enter = (through + self.begin).max(axis=0)
-        seen = np.where(enter < leave, np.clip(leave, 0.0, self.samples.seen), 0.0)
+        leave = np.where(enter < leave, leave, 0.0)
+        seen = np.zeros_like(leave)
+        for start, end, slope in zip(STEPS[:-1], STEPS[1:], self.samples.slope, strict=True):
+            seen += slope * np.clip(leave - np.float32(start), 0.0, np.float32(end - start))
         return float((self.samples.area * seen * seen).sum(dtype=np.float64))
 
     def best_cut(self) -> tuple[float, tuple[Ints, Ints] | None]:

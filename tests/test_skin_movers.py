@@ -47,7 +47,7 @@ def random_pose(seed: int) -> hp.Pose:
 def test_corners_are_the_skins_vertices(bent: bool, seed: int) -> None:
     built, pose = world(bent), random_pose(seed)
     qpos = built.targets([pose])
-    skin, hulls = body(bent).vertices(pose), body(bent).skin_hulls
+    skin, hulls = body(bent).vertices(pose), body(bent).skin_corners
     for h in range(len(hulls.part)):
         mine = vertices_of(built, h)
         assert sorted(mine) == sorted(hulls.vertex[hulls.first[h] : hulls.first[h + 1]])
@@ -59,7 +59,7 @@ def test_corners_are_the_skins_vertices(bent: bool, seed: int) -> None:
 def test_jacobians_are_the_derivatives_of_the_skin(bent: bool) -> None:
     """Every dof: the root's six, and the three of each joint, in the child's frame."""
     built, pose = world(bent), random_pose(7)
-    qpos, hulls = built.targets([pose]), body(bent).skin_hulls
+    qpos, hulls = built.targets([pose]), body(bent).skin_corners
     rng = np.random.default_rng(1)
     chosen = rng.choice(len(hulls.part), 6, replace=False)
     corners = [int(rng.integers(hulls.first[h + 1] - hulls.first[h])) for h in chosen]

@@ -231,7 +231,7 @@ class World:
             *body.skin.sparse_weights,
             np.zeros((0, 3, 0)) if body.posedirs is None else body.posedirs,
         )
-        hulls = body.skin_hulls
+        hulls = body.skin_corners
         for h, part in enumerate(hulls.part):
             vertices = hulls.vertex[hulls.first[h] : hulls.first[h + 1]]
             self.stepper.add_skin_mover(

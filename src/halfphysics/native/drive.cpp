@@ -74,9 +74,7 @@ void Drive::stay_gentle(bool comes_out, double dt, const double* qpos) {
   gentle_left_ = 0;
 }
 
-void Drive::subtract_reference(double* v) const {
-  for (int i = 0; i < nv_; i++) v[dof0_ + i] -= v_ref_[i];
-}
+void Drive::reference(double* v) const { std::copy(v_ref_.begin(), v_ref_.end(), v + dof0_); }
 
 void Drive::aim(const DriveSettings& s, const double* target, double dt, const double* qpos) {
   older_asked_ = velocity_known_;

@@ -66,8 +66,8 @@ class Drive {
   // A frame of length dt has passed: gentle as long as the person comes out of something, and then until
   // it is back at the motion's pose, but for the root's position, or for a while.
   void stay_gentle(bool comes_out, double dt, const double* qpos);
-  // Takes the motion's velocity away.
-  void subtract_reference(double* v) const;
+  // The motion's own velocity.
+  void reference(double* v) const;
 
   // Everything that outlives a frame.
   void save(std::vector<double>& out) const;

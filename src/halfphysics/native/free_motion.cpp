@@ -8,7 +8,7 @@ namespace {
 // Who comes out of something, or just has, resists as if its joints had so many times more inertia: on
 // the ways from the root to what comes out, so that it goes as a whole, and elsewhere, so that what
 // pushes a foot does not swing an arm.
-constexpr double kFirm = 3, kLock = 30;
+constexpr double kFirm = 3, kLock = 300;
 
 }  // namespace
 

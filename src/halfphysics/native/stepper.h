@@ -92,7 +92,7 @@ class Stepper {
   void substep(int k, double h);
   void attempt(double h);
   void try_step(double h);
-  // What contact adds to the speed of the fastest point of those who come out of something [m/s].
+  // By how much the fastest point of those who come out of something is faster than asked [m/s].
   double hurled();
   void solve(double h);
   // World::excess of candidate i; asks for what a plane that it forgives had hidden.

@@ -295,12 +295,12 @@ bool Stepper::bounce(double h, bool good, double& worst) {
 }
 
 double Stepper::hurled() {
-  std::vector<double> added(v_);
-  // Objects have no motion of their own to compare with.
-  for (int b : objects_)
-    for (int i = model.dof_first[b]; i < model.dof_first[b] + 6; i++) added[i] -= v_free_[i];
-  for (const Drive& d : drives_) d.subtract_reference(added.data());
-  body_twists(model, start_.kin, added.data(), twists_);
+  // What the motion asks; objects have none of their own.
+  std::vector<double> asked(v_free_);
+  for (const Drive& d : drives_) d.reference(asked.data());
+  std::vector<Twist> own;
+  body_twists(model, start_.kin, v_.data(), twists_);
+  body_twists(model, start_.kin, asked.data(), own);
   std::vector<char> tree(model.nbody, 0);
   for (const Inside& in : world.inside()) tree[model.root[world.movers[in.mover].body]] = 1;
   double fastest = 0;
@@ -311,14 +311,17 @@ double Stepper::hurled() {
     const Points p = world.place(start_, (int)i).points();
     const size_t n = p.n;
     for (size_t k = 0; k < n; k++) {
-      Vec3 v;
-      for (size_t t = 0; t < m.ties.size(); t++) {
-        const double w = m.skin ? m.weights[t * n + k] : 1;
-        if (w == 0) continue;
-        const Twist& body = twists_[m.ties[t].body];
-        v += w * (body.v + cross(body.w, p.at((int)k) - start_.kin.reference(model, m.body)));
-      }
-      fastest = std::max(fastest, norm(v));
+      auto speed = [&](const std::vector<Twist>& twists) {
+        Vec3 v;
+        for (size_t t = 0; t < m.ties.size(); t++) {
+          const double w = m.skin ? m.weights[t * n + k] : 1;
+          if (w == 0) continue;
+          const Twist& body = twists[m.ties[t].body];
+          v += w * (body.v + cross(body.w, p.at((int)k) - start_.kin.reference(model, m.body)));
+        }
+        return norm(v);
+      };
+      fastest = std::max(fastest, speed(twists_) - speed(own));
     }
   }
   return fastest;

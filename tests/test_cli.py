@@ -66,7 +66,7 @@ def test_simulate_evaluate_convert(folder, capsys):
     out, err = capsys.readouterr()
     assert (code, err) == (0, "")
     assert "12 frames at 30 fps" in out
-    assert "ball: moved 0.000 m" in out
+    assert "did not move (less than 1 mm, 1°): ball" in out
     assert "result: r.npz" in out
     result = hp.Result.load("r.npz")
     assert result.names == ("wall", GROUND, "ball", "person")
@@ -83,8 +83,10 @@ def test_simulate_evaluate_convert(folder, capsys):
     assert run("evaluate", "r.npz") == 0
     out, err = capsys.readouterr()
     assert err == ""
-    rows = dict(re.split(r"\s{2,}", line, maxsplit=1) for line in out.splitlines()[2:])
-    assert rows["MPJPE [mm]"].split() == ["-", "0.000000"]
+    said, table = out.split("\n\n")
+    assert said == result.summary()
+    assert "followed exactly" in said
+    rows = dict(re.split(r"\s{2,}", line, maxsplit=1) for line in table.splitlines()[2:])
     assert rows["skin vertices inside [%]"].split() == ["0.000", "0.000"]
 
     assert run("convert", "r.npz", "c.npz", "--to-fps", "60", "--format", "amass-smplh") == 0
@@ -156,10 +158,8 @@ def test_demo(tmp_path, capsys):
     assert "<html" in page.lower()
     result = hp.Result.load(tmp_path / "new/demo/result.npz")
     # What the table says is what the files hold.
-    said = float(re.search(r"free frames \[mm\]\s+-\s+([\d.]+)", out)[1])
-    local, _ = result.people[0].joint_errors()
-    assert said == pytest.approx(1000.0 * local[result.free_frames()].mean(), abs=1e-6)
-    assert said < 1e-3
+    assert out.count(result.summary()) == 1
+    assert "motion followed exactly there" in out
     asked, simulated = map(float, re.search(r"deepest of all \[mm\]\s+(\S+)\s+(\S+)", out).groups())
     assert asked > 30.0
     assert simulated < 2.0  # the rigid parts are clear; skin between them may be a little inside

@@ -1,6 +1,7 @@
 """Inside: which parts and objects are inside what stands, and how deep.
 
-Only what starts inside something can be there later: what starts clear stays clear.
+Only what starts inside something can be there later: what starts clear stays clear. What is beyond
+a wall as seen from the rest of the body counts as inside it.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ class Depths(Table):
         subject: Index into the names of the object that stands in the part's place (n,), -1
             where a person does.
         other: Index into the names of the static that it is inside of (n,).
-        depth: How deep (n,) [m], above 0: the way that its deepest shape has to go to be out.
+        depth: How deep (n,) [m]: the way that its deepest shape has to go to be out. 0: no way
+            out was found.
     """
 
     NAME: ClassVar[str] = "inside"
@@ -46,10 +48,13 @@ class Depths(Table):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if len(self) and self.depth.min() <= 0.0:
-            raise InputError(
-                f"inside.depth: found {self.depth.min():g}, expected numbers above 0 [m]"
-            )
+        if len(self) and self.depth.min() < 0.0:
+            raise InputError(f"inside.depth: found {self.depth.min():g}, expected 0 or more [m]")
+
+    @property
+    def no_way_out(self) -> NDArray[np.bool_]:
+        """Rows (n,) for which no way out was found: free to move until clear by itself."""
+        return self.depth == 0.0
 
     def described(self, names: Sequence[str], people: int = 1) -> list[str]:
         """Each row in words, the deepest first, such as "left_foot 34 mm inside floor".
@@ -59,7 +64,7 @@ class Depths(Table):
             people: How many there are: of several each part says whose it is.
         """
         words = []
-        for row in np.argsort(-self.depth, kind="stable"):
+        for row in np.argsort(-_deepest_first(self.depth), kind="stable"):
             person = int(self.person[row])
             if person < 0:
                 what = names[self.subject[row]]
@@ -69,7 +74,11 @@ class Depths(Table):
             millimetres = 1000.0 * self.depth[row]
             # Tenths where whole millimetres would say nothing.
             shown = f"{millimetres:.0f}" if millimetres >= 10.0 else f"{millimetres:.1f}"
-            words.append(f"{what} {shown} mm inside {names[self.other[row]]}")
+            where = f"inside {names[self.other[row]]}"
+            lost = self.no_way_out[row]
+            words.append(
+                f"{what} {where} (no way out found)" if lost else f"{what} {shown} mm {where}"
+            )
         return words
 
 
@@ -89,6 +98,11 @@ class Inside(Depths):
         return Depths(**{name: getattr(rows, name) for name in Depths.columns()})
 
 
+def _deepest_first(depth: Array) -> Array:
+    """Depths to sort by: what has no way out is deeper than all that has one."""
+    return np.where(depth == 0.0, np.inf, depth)
+
+
 def inside_of(world: World, rows: Array, frame: Ints) -> Inside:
     """The core's rows (n, 3) of shape, static and depth in terms of people, parts and names.
 
@@ -96,11 +110,9 @@ def inside_of(world: World, rows: Array, frame: Ints) -> Inside:
 
     Args:
         world: Whose stepper gave the rows.
-        rows: Shape, static and depth [m]; what has no depth is left out.
+        rows: Shape, static and depth [m], 0 where no way out was found.
         frame: The frame of every row (n,).
     """
-    deep = rows[:, 2] > 0.0
-    rows, frame = rows[deep], np.asarray(frame, dtype=np.int64)[deep]
     if not len(rows):
         return Inside.none()
     mover, static = rows[:, :2].astype(np.int64).T
@@ -116,7 +128,7 @@ def inside_of(world: World, rows: Array, frame: Ints) -> Inside:
         "depth": rows[:, 2],
     }
     keys = np.stack([columns[k] for k in ("frame", "person", "part", "subject", "other")])
-    order = np.lexsort((-columns["depth"], *keys[::-1]))
+    order = np.lexsort((-_deepest_first(rows[:, 2]), *keys[::-1]))
     keys = keys[:, order]
     new = np.append(True, (keys[:, 1:] != keys[:, :-1]).any(axis=0))
     return Inside(**{k: values[order[new]] for k, values in columns.items()})

@@ -27,8 +27,9 @@ class PartReport:
 
     Attributes:
         clearance: Distance of the part from what stands [m]; inf beyond
-            `Settings.clearance_range`, and of a part without a shape. Negative: the depth inside,
-            where the part is inside something (`Result.inside`) or meets its surface.
+            `Settings.clearance_range`, and of a part without a shape. Negative where it meets a
+            surface, by how far; and where it meets none but is inside something or beyond it
+            (`Result.inside`): the way that it has to go.
         nearest: Index into `Result.names` of what `clearance` is from, -1 where that is inf.
         contact: Whether the part carried an impulse during (t-1, t]: of what stands, of an
             object or of another person.
@@ -61,11 +62,12 @@ def part_reports(result: Result) -> tuple[PartReport, ...]:
     for index, person in enumerate(result.people):
         clearance, nearest = measured[0][index], measured[1][index]
         inside = result.inside[result.inside.person == index]
-        for frame, part, other, depth in zip(
-            inside.frame, inside.part, inside.other, inside.depth, strict=True
-        ):
-            if -depth < clearance[frame, part]:
-                clearance[frame, part], nearest[frame, part] = -depth, other
+        # Beyond the surface there is a distance from it again.
+        swallowed = clearance[inside.frame, inside.part] > 0.0
+        for row in np.flatnonzero(swallowed & ~inside.no_way_out):
+            at = inside.frame[row], inside.part[row]
+            if -inside.depth[row] < clearance[at]:
+                clearance[at], nearest[at] = -inside.depth[row], inside.other[row]
         contacts = result.contacts[result.contacts.person == index]
         force = np.zeros((len(result), N_JOINTS))
         np.add.at(force, (contacts.frame, contacts.part), contacts.strength * result.fps)

@@ -15,7 +15,7 @@ from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.inside import Depths, inside_of
 from halfphysics.motion import Motion
 from halfphysics.result import DIAGNOSTICS, ObjectTrack, PersonResult, Result, Substeps
-from halfphysics.simulator import Simulator, inside_rows, several, touches
+from halfphysics.simulator import Simulator, several, touches
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -102,9 +102,9 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
     simulator.reset([m[0] for m in motions])
     qpos, clearance = np.empty((count, world.nq)), np.empty(count)
     qpos[0], clearance[0] = stepper.qpos(), stepper.clearance()
-    inside = [inside_rows(world)]
+    inside = [stepper.inside()]
     inside_frames = [np.zeros(len(inside[0]), dtype=np.int64)]
-    _warn_of_start(world, inside_of(world, inside[0], inside_frames[0]), clearance[0])
+    _warn_of_start(world, inside_of(world, inside[0], inside_frames[0]))
     lost_time = np.zeros(count)
     substeps = [qpos[:1].copy()]
     rows, row_frames = [], []
@@ -127,9 +127,8 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
             substeps.append(got["substeps"])
             rows.append(got["touches"])
             row_frames.append(np.repeat(frames, got["touch_count"].astype(np.int64)))
-            if got.get("inside") is not None:
-                inside.append(got["inside"])
-                inside_frames.append(np.repeat(frames, got["inside_count"].astype(np.int64)))
+            inside.append(got["inside"])
+            inside_frames.append(np.repeat(frames, got["inside_count"].astype(np.int64)))
             done += len(frames)
             bar.update(len(frames))
     return Result(
@@ -155,21 +154,17 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
     )
 
 
-def _warn_of_start(world: World, inside: Depths, clearance: float) -> None:
+def _warn_of_start(world: World, inside: Depths) -> None:
     """One warning that names what starts inside what, at the line that called `simulate`."""
-    worth = inside[inside.depth > START_INSIDE]
-    if len(worth):
-        words = worth.described(world.names, len(world.people))
-        more = f" and {len(words) - _NAMED} more" if len(words) > _NAMED else ""
-        found = f"{', '.join(words[:_NAMED])}{more}"
-    elif clearance < -START_INSIDE:
-        found = f"a person {-1000.0 * clearance:.0f} mm inside something that stands"
-    else:
+    worth = inside[(inside.depth > START_INSIDE) | inside.no_way_out]
+    if not len(worth):
         return
+    words = worth.described(world.names, len(world.people))
+    more = f" and {len(words) - _NAMED} more" if len(words) > _NAMED else ""
     warnings.warn(
-        f"the start is not clear: {found}. What starts inside is pushed out, the guarantees are "
-        "for clear starts. Move the motion or the scene, or see motion.grounded(body) for feet "
-        "in a floor",
+        f"the start is not clear: {', '.join(words[:_NAMED])}{more}. What starts inside is pushed "
+        "out; that it meets nothing is guaranteed for clear starts. Move the motion or the scene, "
+        "or see motion.grounded(body) for feet in a floor",
         HalfPhysicsWarning,
         stacklevel=4,
     )

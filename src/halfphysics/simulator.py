@@ -257,14 +257,8 @@ class Simulator:
             _qpos=stepper.qpos(),
             _axes=self._axes,
             _touches=stepper.touches(),
-            _inside=inside_rows(self.world),
+            _inside=stepper.inside(),
         )
-
-
-def inside_rows(world: World) -> Array:
-    """What is inside what now: the core's rows (n, 3) of shape, static and depth [m]."""
-    stepper: Any = world.stepper
-    return stepper.inside() if hasattr(stepper, "inside") else np.zeros((0, 3))
 
 
 def touches(world: World, rows: Array) -> tuple[Touches, NDArray[np.int64]]:

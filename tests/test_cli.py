@@ -205,6 +205,10 @@ MISTAKES = {
         ["walk.npz", "--stiffness", "-3"],
         r"stiffness is -3\.0; expected .*>= 0",
     ),
+    "metres apart": (
+        ["walk.npz", "--clearance", "5"],
+        r"clearance is 5\.0; expected .* <= 0\.05 \[m\]: a body farther",
+    ),
     "option no number": (["walk.npz", "--stiffness", "x"], r"--stiffness.*'x'"),
     "choice unknown": (["walk.npz", "--root", "x"], r"'x' for argument '--root'"),
     "frames": (["walk.npz", "--frames", "a:b"], r"--frames: found 'a:b', expected START:STOP"),
@@ -267,6 +271,10 @@ def test_mistakes_of_simulate(what, mistaken, monkeypatch, capsys):
         (["convert", "walk.npz", "x.bvh"], r"found suffix '\.bvh', expected \.npz"),
         (["convert", "walk.npz", "x.npz", "--format", "amas"], "expected one of amass-smplx"),
         (["convert", "walk.npz", "x.npz", "--to-fps", "-1"], "fps: found -1"),
+        (
+            ["convert", "walk.npz", "x.npz", "--to-fps", "1e9"],
+            "found 1e.09, expected at most 10000",
+        ),
         (["convert", "walk.npz", "walk.npz"], "this is the input"),
         (["demo", "--out", "walk.npz"], r"walk\.npz: cannot make this folder"),
     ],

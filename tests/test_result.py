@@ -55,3 +55,32 @@ def test_free_frames(body):
     np.testing.assert_array_equal(free, expected)
     with pytest.raises(InputError, match="person: found 1"):
         result.free_frames(1)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("body", "body.npz", r"body: found 'body\.npz', expected a halfphysics Body"),
+        ("body", Body, "body: found <class .*expected a halfphysics Body"),
+        ("motion", None, "motion: found None, expected a halfphysics Motion"),
+        ("reference", 3, "reference: found 3, expected a halfphysics Motion"),
+    ],
+)
+def test_a_person_of_wrong_things(body, field, value, message):
+    person = make_result(body).people[0]
+    with pytest.raises(InputError, match=message):
+        dataclasses.replace(person, **{field: value})
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("people", [3], r"people\[0\]: found 3, expected a halfphysics PersonResult"),
+        ("scene", "room.yaml", "scene: found 'room.yaml', expected a halfphysics Scene"),
+        ("contacts", [], r"contacts: found \[\], expected a halfphysics Contacts"),
+        ("settings", {}, r"settings: found \{\}, expected a halfphysics Settings"),
+    ],
+)
+def test_a_result_of_wrong_things(body, field, value, message):
+    with pytest.raises(InputError, match=message):
+        dataclasses.replace(make_result(body), **{field: value})

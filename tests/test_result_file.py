@@ -235,3 +235,14 @@ def test_several_bodies_are_counted(tmp_path, body):
     make_result(body, people=2).save(tmp_path / "r.npz")
     with pytest.raises(InputError, match="found 3 bodies, expected 2"):
         Result.load(tmp_path / "r.npz", body=[body] * 3)
+
+
+def test_other_things_than_bodies_scenes_and_paths(tmp_path, body):
+    make_result(body).save(tmp_path / "r.npz")
+    for wrong in ("body.npz", 3, [None], Body):
+        with pytest.raises(InputError, match=r"^body: found .*expected a halfphysics\.Body"):
+            Result.load(tmp_path / "r.npz", body=wrong)
+    with pytest.raises(InputError, match=r"^scene: found 'room', expected a halfphysics\.Scene"):
+        Result.load(tmp_path / "r.npz", scene="room")
+    with pytest.raises(InputError, match="path: expected the path of a file"):
+        Result.load(123)

@@ -9,7 +9,7 @@ from halfphysics.errors import FileError, InputError
 from halfphysics.io import amass_smpl, amass_smplh, amass_smplx
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.motion import GENDERS, MODELS, Motion
-from halfphysics.validation import frame_rate, shown
+from halfphysics.validation import file_path, frame_rate, shown
 
 __all__ = ["FORMATS", "Format", "Options", "Source", "load_motion", "save_motion"]
 
@@ -99,4 +99,4 @@ def save_motion(motion: Motion, path: str | os.PathLike[str], *, format: str | N
     if writer.save is None:
         writable = ", ".join(name for name, known in FORMATS.items() if known.save)
         raise InputError(f"format: '{writer.name}' can only be read, expected one of {writable}")
-    writer.save(motion, Path(path))
+    writer.save(motion, file_path(path))

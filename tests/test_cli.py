@@ -16,8 +16,6 @@ import pytest
 import halfphysics as hp
 from halfphysics.cli import COMMANDS, main
 from halfphysics.cli.options import GROUND
-from halfphysics.cli.parsing import one_message
-from halfphysics.cli.table import table
 
 UPRIGHT = [np.pi / 2, 0.0, 0.0]
 FRAMES = 12
@@ -382,31 +380,3 @@ def test_ctrl_c_is_quiet_and_leaves_nothing(folder):
     out, err = process.communicate(timeout=60)
     assert (process.returncode, out, err) == (130, "", "")
     assert sorted(p.name for p in folder.iterdir()) == ["long.npz", "walk.npz"]
-
-
-# -- pieces --------------------------------------------------------------------------------
-
-
-def test_table():
-    assert table([("", "a"), ("long name", "1"), ("x", "22.5")]) == (
-        "              a\n---------  ----\nlong name     1\nx          22.5"
-    )
-
-
-def test_one_message_from_a_box():
-    box = (
-        "╭─ Unrecognized options ─────╮\n"
-        "│ \x1b[1mUnrecognized\x1b[0m options: │\n"
-        "│ --stif, 3                  │\n"
-        "│ ────────────────────────── │\n"
-        "│ Perhaps you meant:         │\n"
-        "│     --stiffness FLOAT      │\n"
-        "│         Firmness           │\n"
-        "│ ────────────────────────── │\n"
-        "│ For full helptext, run x   │\n"
-        "╰────────────────────────────╯\n"
-    )
-    assert one_message(box, "hp simulate") == (
-        "Unrecognized options: --stif, 3. Perhaps you meant: --stiffness FLOAT. "
-        "hp simulate --help explains the options"
-    )

@@ -59,6 +59,20 @@ def test_from_a_half_space_by_hand(body):
     assert (static == 0).all()
 
 
+def test_hulls_of_the_skin_by_its_vertices(body):
+    """Every vertex is in some hull of the skin, and no hull reaches farther than its vertices."""
+    scene = Scene()
+    scene.add_static("floor", Plane(offset=-0.4))
+    simulator = Simulator(scene, body=body, settings=Settings(contact="skin"))
+    motion = violent(frames=4)
+    dist, _, _ = measured(simulator, motion, 100.0)
+    parts = simulator.world.mover_part
+    assert len(parts) > len(set(parts))  # some have several
+    lowest = body.vertices(motion)[..., 2].min(axis=1) + 0.4
+    assert lowest.min() < 0.0
+    np.testing.assert_allclose(dist.min(axis=1), lowest, atol=SAME)
+
+
 def test_from_boxes_and_triangles_by_coal(body):
     """A box as a solid and as twelve triangles, each nearest where it is."""
     scene = Scene()

@@ -214,6 +214,22 @@ def test_the_nearest_part_and_thing(quiet, body, gap):
     assert moved(quiet, shift).parts().clearance.min() == pytest.approx(gap, abs=1e-9)
 
 
+def test_the_smallest_distance_is_that_of_frames_with_nobody_inside(quiet):
+    """A start inside does not hide the distance that was kept once it was over."""
+    clearance = np.full(FRAMES, np.inf)
+    clearance[:6] = -0.03, -0.01, 0.0002, 0.009, 0.004, 0.02
+    inside = inside_of({(FOOT, -1, 0): {0: 0.03, 1: 0.01, 2: 0.001}})
+    text = dataclasses.replace(quiet, clearance=clearance, inside=inside).summary()
+    assert "deepest in what stands (rigid parts): 30 mm in something, in frame 0 (0.00 s)\n" in text
+    assert (
+        "smallest distance from what stands (rigid parts, nobody inside: 57 frames): 4 mm from "
+        "something, in frame 4 (0.13 s); asked: 1 mm\n"
+    ) in text
+    clearance[:] = -0.03
+    text = dataclasses.replace(quiet, clearance=clearance, inside=inside).summary()
+    assert "smallest distance" not in text
+
+
 def test_lost_time_and_the_solver(quiet):
     lost, residual = np.zeros(FRAMES), np.zeros(FRAMES)
     lost[[3, 30]] = 0.001, 0.0113

@@ -189,35 +189,48 @@ def _objects(result: Result) -> list[str]:
 
 
 def _nearest(result: Result) -> list[str]:
-    """The smallest distance of people from statics, and of what from what."""
+    """The deepest in what stands, and the smallest distance in frames with nobody inside."""
     if len(result.names) == len(result.objects) + len(result.people):
         return []
     shape = "rigid parts" if result.settings.contact == "parts" else "skin"
-    smallest = float(result.clearance.min())
-    if not np.isfinite(smallest):
+    clear = result.clearance >= 0.0
+    clear[result.inside.frame[result.inside.person >= 0]] = False
+    lines = []
+    if (result.clearance < 0.0).any():
+        frame = int(result.clearance.argmin())
+        part, thing = _closest(result, frame)
+        lines.append(
+            f"deepest in what stands ({shape}): {part}{_length(-result.clearance[frame])} in "
+            f"{thing}, in {_when(result, frame)}"
+        )
+    if not clear.any():
+        return lines
+    distance = np.where(clear, result.clearance, np.inf)
+    frame = int(distance.argmin())
+    when = "" if clear.all() else f", nobody inside: {int(clear.sum())} frames"
+    if not np.isfinite(distance[frame]):
         reach = _length(result.settings.clearance_range)
-        return [f"no static within {reach} of the body ({shape}) at any frame"]
-    frame = int(result.clearance.argmin())
+        return [*lines, f"no static within {reach} of the body ({shape}{when}) at any frame"]
+    part, thing = _closest(result, frame)
+    return [
+        *lines,
+        f"smallest distance from what stands ({shape}{when}): {part}{_length(distance[frame])} "
+        f"from {thing}, in {_when(result, frame)}; asked: {_length(result.settings.clearance)}",
+    ]
+
+
+def _closest(result: Result, frame: int) -> tuple[str, str]:
+    """The part (a blank after it) and the static that a frame's clearance is between."""
     try:
         measured, nearest = clearances(result, slice(frame, frame + 1))
-        person, _, part = np.unravel_index(measured.argmin(), measured.shape)
-        other = int(nearest[person, 0, part])
     except HalfPhysicsError:  # the scene is not whole any more: the number is known all the same
-        other = -1
-    part_of = thing = ""
-    if other >= 0:
-        whose = f"{result.people[person].name}'s " if len(result.people) > 1 else ""
-        part_of, thing = f"{whose}{JOINT_NAMES[part]} ", result.names[other]
-    if smallest < 0.0:
-        return [
-            f"deepest in what stands ({shape}): {part_of}{_length(-smallest)} in "
-            f"{thing or 'something'}, in {_when(result, frame)}"
-        ]
-    return [
-        f"smallest distance from what stands ({shape}): {part_of}{_length(smallest)} from "
-        f"{thing or 'something'}, in {_when(result, frame)}; asked: "
-        f"{_length(result.settings.clearance)}"
-    ]
+        return "", "something"
+    person, _, part = np.unravel_index(measured.argmin(), measured.shape)
+    other = int(nearest[person, 0, part])
+    if other < 0:
+        return "", "something"
+    whose = f"{result.people[person].name}'s " if len(result.people) > 1 else ""
+    return f"{whose}{JOINT_NAMES[part]} ", result.names[other]
 
 
 def _cost(result: Result) -> str:

@@ -1,10 +1,12 @@
 // Python face of the stepper. Arrays are copied in once; frames run without the GIL.
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 
 #include "module.h"
@@ -20,6 +22,7 @@ using Rows3 = f64<nb::shape<-1, 3>>;
 using Rows4 = f64<nb::shape<-1, 4>>;
 using Faces = i32<nb::shape<-1, 3>>;
 using Square = f64<nb::shape<-1, -1>>;
+using Indices = nb::ndarray<int32_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
 
 std::vector<Vec3> vectors(const Rows3& a) {
   std::vector<Vec3> out(a.shape(0));
@@ -356,6 +359,23 @@ void bind_physics(nb::module_& m) {
              nb::gil_scoped_release release;
              return s.clearance();
            })
+      // Of poses (T, nq): distances (T, movers); `nearest` (T, movers) is filled with statics.
+      .def("clearances",
+           [](Stepper& s, Square qpos, double range, std::optional<Indices> nearest) {
+             const size_t poses = qpos.shape(0), n = s.world.movers.size();
+             need((int)qpos.shape(1) == s.model.nq, "clearances: bad shape of qpos");
+             need(!nearest || (nearest->shape(0) == poses && nearest->shape(1) == n),
+                  "clearances: bad shape of nearest");
+             std::vector<double> dist(poses * n);
+             std::vector<int> others(nearest ? 0 : poses * n);
+             {
+               nb::gil_scoped_release release;
+               s.clearances(qpos.data(), poses, range, dist.data(),
+                            nearest ? nearest->data() : others.data());
+             }
+             return array({poses, n}, dist);
+           },
+           nb::arg("qpos"), nb::arg("range"), nb::arg("nearest") = nb::none())
       .def("touches",
            [](Stepper& s) {
              std::vector<double> out;

@@ -155,6 +155,9 @@ class World {
   double gap_at(Poses& start, Poses& end, const Contact& c) const;
   // Smallest distance of a person's parts from the statics, up to `range`, inf beyond.
   double clearance(const Model& m, Poses& p, double range) const;
+  // The same of every mover, and the static that it is from (-1: none within `range`); NaN for
+  // objects. Looks at all pairs: slower, but nothing has to be known of them.
+  void clearances(Poses& p, double range, double* dist, int* nearest) const;
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);

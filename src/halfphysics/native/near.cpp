@@ -1,6 +1,5 @@
 // Who is near whom: what need not be looked at in a substep, or in a whole frame.
 #include <cmath>
-#include <limits>
 
 #include "collide.h"
 
@@ -158,44 +157,6 @@ void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& swe
     if (e.dist > r || passes()) continue;
     busy[mine] = 1;
   }
-}
-
-double World::clearance(const Model& m, Poses& p, double range) const {
-  double best = range;
-  auto measure = [&](int i, const Static& S, const std::vector<Plane>& near) {
-    const Poses::Ball ball = p.ball(movers[i]);
-    if (S.kind == Static::Kind::HalfSpace) {
-      if (dot(S.n, ball.center) - ball.radius - S.offset < best)
-        best = std::min(best, place(p, i).lowest(S.n) - S.offset);
-      return;
-    }
-    Box3 box;
-    box.add(ball.center);
-    box.grow(ball.radius + std::max(best, 0.0));
-    if (S.kind == Static::Kind::Hull) {
-      if (box.meets(S.placed.box))
-        best = std::min(best, separate(place(p, i), S.placed, std::max(best, 0.0)).dist);
-    } else if (box.meets(S.tree->box())) {
-      best = std::min(best, S.tree->distance(place(p, i), std::max(best, 1e-9), near));
-    }
-  };
-  bool listed = has_list_;
-  for (size_t i = 0; i < movers.size() && listed; i++)
-    listed = movers[i].person < 0 || odometer_[i] - listed_[i] + range <= range_[i];
-  if (listed) {
-    for (const Near& e : near_) {
-      if (movers[e.mover].person < 0 || e.other_static < 0 || far(e, best)) continue;
-      if (best >= 0 && behind_planes(e, place(p, e.mover), best)) continue;
-      measure(e.mover, statics[e.other_static], e.planes);
-    }
-  } else {
-    for (int i = 0; i < (int)movers.size(); i++)
-      if (movers[i].person >= 0)
-        for (const Static& S : statics)
-          if (!pairing(movers[i].name, S.name).ignore) measure(i, S, {});
-  }
-  (void)m;
-  return best < range ? best : std::numeric_limits<double>::infinity();
 }
 
 // Caches are saved too: what is found first among equals depends on them, to rounding.

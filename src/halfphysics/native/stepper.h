@@ -50,6 +50,10 @@ class Stepper {
   const std::vector<Touch>& touches() const { return touches_; }
   const Diagnostics& diagnostics() const { return diagnostics_; }
   double clearance();  // of the present pose
+  // Of any poses (poses x nq): distance and nearest static of every mover (poses x movers), see
+  // World::clearances. The simulation goes on as if nobody had asked.
+  void clearances(const double* qpos, size_t poses, double range, double* dist,
+                  int* nearest) const;
 
   std::vector<double> save();
   void load(const std::vector<double>& state);

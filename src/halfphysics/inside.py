@@ -1,4 +1,4 @@
-"""Inside: which parts and objects are inside what stands, and how deep.
+"""Inside: which parts and objects are inside what, and how deep.
 
 Only what starts inside something can be there later: what starts clear stays clear. What is beyond
 a wall as seen from the rest of the body counts as inside it.
@@ -32,7 +32,7 @@ class Depths(Table):
         part: Index into `JOINT_NAMES` (n,); -1 where `person` is.
         subject: Index into the names of the object that stands in the part's place (n,), -1
             where a person does.
-        other: Index into the names of the static that it is inside of (n,).
+        other: Index into the names of the static, or of the object, that it is inside of (n,).
         depth: How deep (n,) [m]: the way that its deepest shape has to go to be out. 0: no way
             out was found.
     """
@@ -104,18 +104,21 @@ def _deepest_first(depth: Array) -> Array:
 
 
 def inside_of(world: World, rows: Array, frame: Ints) -> Inside:
-    """The core's rows (n, 3) of shape, static and depth in terms of people, parts and names.
+    """The core's rows in terms of people, parts and names.
 
-    Several shapes of one part in one static are one row: the deepest counts.
+    Several shapes of one part in one thing are one row: the deepest counts.
 
     Args:
         world: Whose stepper gave the rows.
-        rows: Shape, static and depth [m], 0 where no way out was found.
+        rows: Shape, static or -1, other shape or -1, and depth [m], 0 where no way out was found:
+            (n, 4).
         frame: The frame of every row (n,).
     """
     if not len(rows):
         return Inside.none()
-    mover, static = rows[:, :2].astype(np.int64).T
+    mover, static, mover2 = rows[:, :3].astype(np.int64).T
+    # One more entry for index -1: a row has either a static or a second shape.
+    static_name, mover_name = np.append(world.static_name, -1), np.append(world.mover_name, -1)
     first_person = len(world.names) - len(world.people)
     name = world.mover_name[mover]
     human = name >= first_person
@@ -124,11 +127,11 @@ def inside_of(world: World, rows: Array, frame: Ints) -> Inside:
         "person": np.where(human, name - first_person, -1),
         "part": world.mover_part[mover],
         "subject": np.where(human, -1, name),
-        "other": world.static_name[static],
-        "depth": rows[:, 2],
+        "other": np.where(static >= 0, static_name[static], mover_name[mover2]),
+        "depth": rows[:, 3],
     }
     keys = np.stack([columns[k] for k in ("frame", "person", "part", "subject", "other")])
-    order = np.lexsort((-_deepest_first(rows[:, 2]), *keys[::-1]))
+    order = np.lexsort((-_deepest_first(rows[:, 3]), *keys[::-1]))
     keys = keys[:, order]
     new = np.append(True, (keys[:, 1:] != keys[:, :-1]).any(axis=0))
     return Inside(**{k: values[order[new]] for k, values in columns.items()})

@@ -18,7 +18,7 @@ from halfphysics.io.npz import write_npz
 from halfphysics.metrics import penetration
 from halfphysics.result import Result
 from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Plane
+from halfphysics.shapes import Box, Plane, Sphere
 from halfphysics.simulation import simulate
 from halfphysics.simulator import Simulator
 from halfphysics.skeleton import JOINT_INDEX
@@ -83,7 +83,9 @@ def test_a_result_refuses_rows_beyond_it(body):
 
 
 def test_several_shapes_of_a_part_are_one_row_and_the_deepest_counts():
-    """Statics 0, 1 are called 1, 2 (after a thing of no shape); 5 is a person, 4 an object."""
+    """Statics 0, 1 are called 1, 2 (after a thing of no shape); 5 is a person, 4 an object, which
+    two shapes of the person are inside of.
+    """
     world = SimpleNamespace(
         names=("a", "floor", "wall", "b", "box", "person"),
         people=[None],
@@ -93,16 +95,18 @@ def test_several_shapes_of_a_part_are_one_row_and_the_deepest_counts():
     )
     rows = np.array(
         [
-            [3, 1, 0.05],
-            [0, 0, 0.01],
-            [1, 0, 0.03],
-            [1, 1, 0.02],
-            [2, 0, 0.001],
-            [2, 0, 0.0],  # no way out: nothing is deeper
-            [1, 0, 0.015],
+            [3, 1, -1, 0.05],
+            [0, 0, -1, 0.01],
+            [1, 0, -1, 0.03],
+            [1, 1, -1, 0.02],
+            [2, 0, -1, 0.001],
+            [2, 0, -1, 0.0],  # no way out: nothing is deeper
+            [1, -1, 3, 0.004],
+            [0, -1, 3, 0.006],
+            [1, 0, -1, 0.015],
         ]
     )
-    inside = inside_of(world, rows, np.array([3, 3, 3, 3, 3, 3, 4]))
+    inside = inside_of(world, rows, np.array([3, 3, 3, 3, 3, 3, 3, 3, 4]))
     found = {
         (int(f), int(p), int(part), int(s), int(o)): float(d)
         for f, p, part, s, o, d in zip(
@@ -120,12 +124,13 @@ def test_several_shapes_of_a_part_are_one_row_and_the_deepest_counts():
         (3, -1, -1, 4, 2): 0.05,
         (3, 0, FOOT, -1, 1): 0.03,
         (3, 0, FOOT, -1, 2): 0.02,
+        (3, 0, FOOT, -1, 4): 0.006,
         (3, 0, ANKLE, -1, 1): 0.0,
         (4, 0, FOOT, -1, 1): 0.015,
     }
     assert (np.diff(inside.frame) >= 0).all()
     assert inside.no_way_out.sum() == 1
-    assert len(inside_of(world, np.zeros((0, 3)), np.zeros(0, dtype=int))) == 0
+    assert len(inside_of(world, np.zeros((0, 4)), np.zeros(0, dtype=int))) == 0
 
 
 def test_in_words_deepest_first():
@@ -219,6 +224,24 @@ def test_an_object_that_overlaps_is_named(body):
     assert [result.names[i] for i in (*start.subject, *start.other)] == ["box", "floor"]
     assert 0.0 <= start.depth[0] - 0.02 <= OUTSIDE
     assert result.inside.frame.max() < 0.5 * result.fps
+
+
+def test_a_part_that_starts_in_an_object_is_named(body):
+    """A ball about a hand, in a scene without statics: no clearance, but a depth."""
+    motion = along_x(0.0, 31, start=0.0)
+    hand = body.joints(motion)[0, JOINT_INDEX["left_middle2"]]
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    scene.add_object("ball", Sphere(0.03), mass=0.2, position=hand)
+    with pytest.warns(HalfPhysicsWarning, match=r"not clear: left_\w+ .*inside ball") as said:
+        result = simulate(motion, scene, body=body)
+    assert len(said) == 1
+    start = result.inside.at(0)
+    assert {result.names[i] for i in start.other} == {"ball"}
+    assert JOINT_INDEX["left_middle2"] in start.part
+    assert (start.subject == -1).all()
+    # From what stands nothing is any distance, whatever is inside an object.
+    assert np.isinf(result.parts().clearance).all()
+    assert re.search(r"started inside: left_\w+ .* inside ball", result.summary())
 
 
 def test_a_clear_start_says_nothing(body):

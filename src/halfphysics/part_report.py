@@ -58,10 +58,11 @@ class PartReport:
 def part_reports(result: Result) -> tuple[PartReport, ...]:
     """The work behind `Result.parts`: one report a person."""
     measured = clearances(result)
+    statics = len(result.names) - len(result.objects) - len(result.people)
     reports = []
     for index, person in enumerate(result.people):
         clearance, nearest = measured[0][index], measured[1][index]
-        inside = result.inside[result.inside.person == index]
+        inside = result.inside[(result.inside.person == index) & (result.inside.other < statics)]
         # Beyond the surface there is a distance from it again.
         swallowed = clearance[inside.frame, inside.part] > 0.0
         for row in np.flatnonzero(swallowed & ~inside.no_way_out):

@@ -190,11 +190,13 @@ def _objects(result: Result) -> list[str]:
 
 def _nearest(result: Result) -> list[str]:
     """The deepest in what stands, and the smallest distance in frames with nobody inside."""
-    if len(result.names) == len(result.objects) + len(result.people):
+    statics = len(result.names) - len(result.objects) - len(result.people)
+    if not statics:
         return []
     shape = "rigid parts" if result.settings.contact == "parts" else "skin"
     clear = result.clearance >= 0.0
-    clear[result.inside.frame[result.inside.person >= 0]] = False
+    inside = result.inside[(result.inside.person >= 0) & (result.inside.other < statics)]
+    clear[inside.frame] = False
     lines = []
     if (result.clearance < 0.0).any():
         frame = int(result.clearance.argmin())

@@ -159,8 +159,8 @@ class Result:
         settings: How it was simulated.
         substeps: Every committed pose, with ``Settings(record="substeps")``, else None.
         diagnostics: Name -> number of every frame (T,), see `DIAGNOSTICS`; empty where unknown.
-        inside: Which parts and objects were inside what, when and how deep; empty where
-            everything started clear.
+        inside: Which parts were inside statics or objects, and which objects inside statics,
+            when and how deep; empty where everything started clear.
 
     Raises:
         InputError: Parts that do not belong together, or of a wrong type.

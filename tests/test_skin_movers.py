@@ -105,7 +105,9 @@ def test_a_skin_with_blend_shapes_is_held_exactly(drive_time: float | None) -> N
     hands = bent.joints(motion[0])[hp.JOINT_NAMES.index("left_wrist")]
     scene = hp.Scene()
     scene.add_static("floor", hp.Plane(offset=lowest - 0.01))
-    scene.add_static("table", hp.Box((3.0, 3.0, 0.02)), position=(hands[0] + 1.2, 0.0, hands[2] - 0.15))
+    scene.add_static(
+        "table", hp.Box((3.0, 3.0, 0.02)), position=(hands[0] + 1.2, 0.0, hands[2] - 0.15)
+    )
     assert hp.metrics.penetration(motion, bent, scene).depth_max_mm > 5.0
     settings = hp.Settings(contact="skin", drive_time=drive_time, record="substeps")
     result = hp.simulate(motion, scene, body=bent, settings=settings)

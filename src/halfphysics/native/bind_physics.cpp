@@ -8,6 +8,7 @@
 #include <cstring>
 #include <optional>
 #include <stdexcept>
+#include <string>
 
 #include "module.h"
 #include "stepper.h"
@@ -135,37 +136,47 @@ void inside_rows(const World& world, std::vector<double>& out) {
 }
 
 nb::dict contact_rows(const std::vector<Contact>& contacts) {
-  std::vector<double> n, t, u, xa, xb, imp, dist, target, shift, mu, bounce, a, b;
+  std::vector<double> n, t, u, imp, dist, target, shift, mu, bounce;
   for (const Contact& c : contacts) {
     push(n, c.n);
     push(t, c.t);
     push(u, c.s);
-    push(xa, c.at_a);
-    push(xb, c.at_b);
     push(imp, c.impulse);
     dist.push_back(c.dist);
     target.push_back(c.target);
     shift.push_back(c.shift);
     mu.push_back(c.friction);
     bounce.push_back(c.bounce);
-    a.push_back(c.a.count ? c.a.body[0] : 0);
-    b.push_back(c.b.count ? c.b.body[0] : 0);
   }
   size_t k = contacts.size();
   nb::dict d;
   d["normal"] = array({k, 3}, n);
   d["tangent"] = array({k, 3}, t);
   d["binormal"] = array({k, 3}, u);
-  d["point_a"] = array({k, 3}, xa);
-  d["point_b"] = array({k, 3}, xb);
   d["impulse"] = array({k, 3}, imp);
   d["dist"] = array(dist);
   d["target"] = array(target);
   d["shift"] = array(shift);
   d["friction"] = array(mu);
   d["bounce"] = array(bounce);
-  d["body_a"] = array(a);
-  d["body_b"] = array(b);
+  // Of both sides: the bodies that carry the point, 0: none more; its place on each, and their weights.
+  for (const bool second : {false, true}) {
+    std::vector<double> body, point, weight;
+    for (const Contact& c : contacts) {
+      const Endpoint& e = second ? c.b : c.a;
+      for (int i = 0; i < Endpoint::kMost; i++) {
+        const bool there = i < e.count;
+        body.push_back(there ? e.body[i] : 0);
+        weight.push_back(there ? e.weight[i] : 0);
+        push(point, there ? e.point[i] : Vec3{});
+      }
+    }
+    const size_t most = Endpoint::kMost;
+    const char* side = second ? "b" : "a";
+    d[(std::string("bodies_") + side).c_str()] = array({k, most}, body);
+    d[(std::string("weights_") + side).c_str()] = array({k, most}, weight);
+    d[(std::string("points_") + side).c_str()] = array({k, most, 3}, point);
+  }
   return d;
 }
 

@@ -283,7 +283,12 @@ void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
 
 double Stepper::clearance() {
   start_pose();
-  return world.clearance(model, start_, clearance_range);
+  double smallest = world.clearance(model, start_, clearance_range);
+  // Who is inside a mesh may be far from all of its triangles.
+  for (const Inside& in : world.inside())
+    if (in.other_static >= 0 && world.movers[in.mover].person >= 0)
+      smallest = std::min(smallest, -in.depth());
+  return smallest;
 }
 
 std::vector<double> Stepper::save() {

@@ -111,7 +111,7 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness, contact):
     # dozens of points of a limp body pressed flat is given up now and then.
     normal, friction = np.array(violation).T * dt / settings.tolerance
     assert normal.max() <= 5.0
-    assert np.quantile(friction, 0.8) <= 1.0
+    assert np.quantile(friction, 0.8) <= (1.0 if stiffness > 0.0 else 3.0)
     if stiffness > 0.0:
         assert friction.max() <= 20.0
 

@@ -256,8 +256,8 @@ def stiff_diagonal(model: Any, M: Array, drive: ReferenceDrive) -> Array:
 def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> Array:
     """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s).
 
-    Each side is a weighted sum of points on several bodies: one of a rigid part, those that a vertex
-    of the skin hangs on (without what pose blend shapes add).
+    Each side is a weighted sum of points on several bodies: one of a rigid part, those that a
+    vertex of the skin hangs on (without what pose blend shapes add).
     """
     rows = []
     axes = dof_axes(model, qpos, body_frames(model, qpos))

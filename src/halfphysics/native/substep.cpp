@@ -429,6 +429,8 @@ void Stepper::substep(int k, double h) {
     if (contacts_.empty()) trace.contacts.clear();
     trace.h = h, trace.k = k;
   }
+  const bool tracing = keep_trace;
+  keep_trace = false;  // of the whole step only
   diagnostics_.contacts = std::max(diagnostics_.contacts, (int)contacts_.size());
   std::vector<double> share;
   if (!good_) share = shares(h);
@@ -439,6 +441,7 @@ void Stepper::substep(int k, double h) {
     if (lost > 0) diagnostics_.shortened++;
     diagnostics_.lost_time += lost;
   }
+  keep_trace = tracing;
   diagnostics_.residual = std::max(diagnostics_.residual, -worst_);
   warm_.swap(next_warm_);
   qvel_ = v_free_;

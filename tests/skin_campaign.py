@@ -39,8 +39,6 @@ STIFFNESS = (0.0, 1.0, 10.0)
 DRIVES = (None, 0.02)
 #: How many times as fast as written.
 PACES = (1.0, 3.0)
-#: The last frames have come this near to what they press against [m], or the body was held back.
-REACHED = 0.004
 #: All skin vertices stay this far at the default clearance, sitting and grasping [m].
 SEATED = 0.0006
 
@@ -216,6 +214,30 @@ def run(case, data=None, contact="skin", body=None, **changes):
 
 def _mm(x):
     return None if np.isinf(x) else 1e3 * float(x)
+
+
+def first_contact(case, contact="skin"):
+    """Distance of the skin [m] at the end of the first frame with a contact; None: no contact."""
+    made = build(case.name, somebody(case.who), case.kind, case.fps, case.seed, pace=case.pace)
+    settings = Settings(
+        contact=contact,
+        substeps=case.substeps,
+        stiffness=case.stiffness,
+        drive_time=case.drive,
+    )
+    body = somebody(case.who)
+    simulator = Simulator(made.scene, body=body, settings=settings, fps=case.fps)
+    simulator.reset(made.motion[0])
+    for t in range(1, len(made.motion)):
+        frame = simulator.step(made.motion[t])
+        if len(frame.contacts.part):
+            pose = frame.pose
+            twice = made.motion.with_frames(
+                np.repeat(pose.translation[None], 2, axis=0),
+                np.repeat(pose.rotations[None], 2, axis=0),
+            )
+            return SkinJudge(body, made.scene, samples=1).judge_motion(twice, poses=1).gap
+    return None
 
 
 def complaints(row):

@@ -50,7 +50,7 @@ class SkinVerdict:
         depths: Deepest vertex or sample at every pose looked at for that, else 0.
         shares: Share of vertices inside likewise.
         cut: Poses at which a triangle of the skin meets a surface.
-        crossed: (thing, part, pose) where the way to a pose meets a thing.
+        crossed: (thing, part, pose) where the way from a clear place to a clear place is blocked.
         coal: Poses at which coal has them meet.
         checked: How many poses were looked at for depth, and by coal.
     """
@@ -339,11 +339,14 @@ class SkinJudge:
         met = piece.met_by(np.concatenate([starts, ends], axis=1))
         if not len(met):
             return
-        if len(piece.met_by(ends[met])):
+        cut = piece.met_by(ends[met])
+        if len(cut):
             verdict.cut.add(t)
-        # Where one has crossed its neighbours are not looked at as patiently.
+        # Those that are cut at an end prove nothing more.
+        met = np.delete(met, np.union1d(cut, piece.met_by(starts[met])).astype(int))
+        # Where one has crossed others are not looked at as patiently.
         few = met[:: max(1, len(met) // PATIENCE)]
-        if not len(self._blocked(piece, starts[few], ends[few], HALVES)):
+        if not verdict.crossed and not len(self._blocked(piece, starts[few], ends[few], HALVES)):
             met = met[self._blocked(piece, starts[met], ends[met], HALVES)]
         for part in self.skin.part[self.skin.faces[which[met], 0]]:
             verdict.crossed.append((thing.name, JOINT_NAMES[part], t))

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from furniture import KINDS
+from posture_bumps import PLACES
 from postures import CLEAR, build
 from skin_campaign import (
-    REACHED,
     SEATED,
     WHO,
     Case,
@@ -24,6 +24,7 @@ from skin_campaign import (
     campaign,
     complaints,
     contacts,
+    first_contact,
     run,
     somebody,
     summary,
@@ -51,7 +52,7 @@ TRIVIAL = 0.002
 SAMPLE = (
     Case("sit_chair", "meshes"),
     Case("sit_back", "primitives", drive=None),
-    Case("sit_sofa", "merged", stiffness=10.0),
+    Case("sit_sofa", "merged", 30.0, 1, stiffness=10.0),
     Case("sit_stool_corner", "sheets", stiffness=0.0),
     Case("deep_squat", "primitives", 60.0, 4, seed=1),
     Case("lie_supine", "meshes", 30.0, 1),
@@ -62,7 +63,7 @@ SAMPLE = (
     Case("elbows_on_table", "meshes", seed=3),
     Case("hand_on_table", "sheets"),
     Case("grip_pole_2cm", "primitives"),
-    Case("grip_pole_5cm", "meshes", 120.0, 2),
+    Case("grip_pole_5cm", "meshes", 60.0, 4),
     Case("grip_plate", "primitives", drive=None),
     Case("poke_corner", "merged", 30.0, 1, pace=3.0),
     Case("fist_on_edge", "primitives", stiffness=10.0),
@@ -73,8 +74,18 @@ SAMPLE = (
     Case("crotch-pole5cm", "meshes", drive=None),
     Case("knee-edge90", "merged", 30.0, 1, stiffness=0.0),
     Case("neck-board", "sheets", pace=3.0),
-    Case("hip_crease-edge30", "primitives", seed=len(WHO) - 1),
+    Case("hip_crease-edge30", "primitives", 30.0, 4, seed=len(WHO) - 1),
 )
+#: What they press against has a plane side where they do.
+FLAT = [
+    c
+    for c in SAMPLE
+    if c.name in ("sit_chair", "sit_back", "sit_sofa", "lie_side", "crouch", "hand_on_table")
+]
+#: With 1 mm of clearance [m].
+TOUCHING = 0.002
+#: Median and 95 % of the distance at first contact [m], with 1 mm of clearance.
+VISIBLE = (0.0015, 0.006)
 SITTING = [c for c in SAMPLE if c.name.startswith(("sit", "grip"))]
 
 
@@ -162,25 +173,43 @@ def test_sitting_and_grasping_keep_the_distance(case):
 
 
 @needs_skin
+@pytest.mark.parametrize("case", FLAT, ids=ids(FLAT))
+def test_flat_things_are_touched(case):
+    """Hulls of the skin touch a plane with the skin itself: nothing is held off."""
+    assert row_of(case, "skin")["gap_mm"] <= 1e3 * TOUCHING
+
+
+@needs_skin
 @pytest.mark.parametrize("case", SAMPLE, ids=ids(SAMPLE))
-def test_it_comes_near_to_what_it_is_pressed_against(case):
-    """Nothing is held off either, nor does any time get lost."""
-    row = row_of(case, "skin")
-    assert row["gap_mm"] <= 1e3 * REACHED
-    assert row["lost"] == 0.0
+def test_no_time_is_lost(case):
+    assert row_of(case, "skin")["lost"] == 0.0
+
+
+@needs_skin
+@pytest.mark.parametrize("tool", ["pole2cm", "edge90"])
+def test_the_visible_gap_is_small(tool):
+    """Where hulls bridge the hollows of the skin, what is thin does not get to it."""
+    gaps = [first_contact(Case(f"{place}-{tool}", fps=60.0, substeps=4)) for place in PLACES]
+    assert None not in gaps
+    assert np.median(gaps) <= VISIBLE[0]
+    assert np.percentile(gaps, 95) <= VISIBLE[1]
 
 
 @needs_skin
 def test_throws_stay_out():
-    some = [c for c in all_cases(None, kinds=("throw",)) if c.speed == 2.0 and c.substeps == 8]
+    some = [c for c in all_cases(None, kinds=("throw",)) if c.speed == 5.0 and c.substeps == 4]
     rows = [run(c) for c in some[:3]]
     assert not [text for row in rows for text in complaints(row)]
 
 
 @needs_skin
 def test_real_clips_stay_out(shared_data):
-    some = [c for c in all_cases(shared_data, kinds=("room",)) if c.speed == 2.0][:1]
-    rows = [run(c, shared_data) for c in some]
+    quick = [
+        c
+        for c in all_cases(shared_data, kinds=("room",))
+        if c.speed == 4.0 and c.fps * c.substeps == 120.0
+    ]
+    rows = [run(c, shared_data) for c in quick[:1]]
     assert not [text for row in rows for text in complaints(row)]
 
 

@@ -57,11 +57,12 @@ PARAMETERS = {
     "Simulator.get_state": "self",
     "Simulator.set_state": "self state",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "
-    "diagnostics",
+    "diagnostics inside",
     "Result.save": "self path",
     "Result.load": "path * scene body",
     "Result.summary": "self",
     "Result.free_frames": "self person settle",
+    "Result.parts": "self person",
     "metrics.mpjpe": "a b body",
     "metrics.mpjpe_global": "a b body",
     "metrics.penetration": "motion body scene * objects threads progress",

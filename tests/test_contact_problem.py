@@ -190,7 +190,7 @@ def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, share
         M = own.scale(1.0 / 240.0) * (M + np.diag(reference.stiff_diagonal(model, M, own)))
         problem = reference.contact_problem(model, qpos, trace["v_free"], M, 1.0 / 240.0, points)
         A = symmetric(problem.A)
-        pairs = np.array(100 * points["body_a"] + points["body_b"], dtype=np.int32)
+        pairs = np.array(100 * points["bodies_a"][:, 0] + points["bodies_b"][:, 0], dtype=np.int32)
         p, _, residual, normal = solve(A, problem.b, problem.friction, pairs)
         left = contact_residual(A, problem.b, problem.friction, p)
         assert residual == pytest.approx(left.max(), rel=1e-6, abs=1e-3 * TOLERANCE)

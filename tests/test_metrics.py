@@ -201,6 +201,37 @@ def test_bad_tracks_and_threads(cloud: Cloud) -> None:
             metrics.penetration(_line(3), cloud, scene, threads=threads)
 
 
+NO_BODIES = [None, "body.npz", 3, Cloud, lambda motion: motion]
+
+
+@pytest.mark.parametrize("wrong", NO_BODIES, ids=str)
+def test_what_is_no_body_is_said(wrong: Any) -> None:
+    for measure in (
+        lambda: metrics.mpjpe(_line(3), _line(3), wrong),
+        lambda: metrics.mpjpe_global(_line(3), _line(3), wrong),
+        lambda: metrics.penetration(_line(3), wrong, Scene()),
+    ):
+        with pytest.raises(InputError, match=r"body: expected a halfphysics\.Body.*found "):
+            measure()
+
+
+def test_what_is_no_motion_scene_or_track_is_said(cloud: Cloud) -> None:
+    for wrong in (None, "walk.npz", np.zeros((3, 3)), Drift):
+        with pytest.raises(InputError, match=r"b: expected a halfphysics\.Motion, found"):
+            metrics.mpjpe(_line(3), wrong, cloud)
+        with pytest.raises(InputError, match=r"motion: expected a .*Motion or Pose, found"):
+            metrics.penetration(wrong, cloud, Scene())
+    for wrong in (None, "room.yaml", {}, Scene):
+        with pytest.raises(InputError, match=r"scene: expected a halfphysics\.Scene, found"):
+            metrics.penetration(_line(3), cloud, wrong)  # type: ignore[arg-type]
+    scene = Scene()
+    scene.add_object("ball", Sphere(0.1), mass=1)
+    with pytest.raises(InputError, match="objects: expected names and tracks"):
+        metrics.penetration(_line(3), cloud, scene, objects=["ball"])  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="objects: 'ball': expected a track with position"):
+        metrics.penetration(_line(3), cloud, scene, objects={"ball": np.zeros((3, 3))})
+
+
 def _subdivided(path: Path, least: int) -> Scene:
     trimesh = pytest.importorskip("trimesh")
     mesh = trimesh.load(path, force="mesh")

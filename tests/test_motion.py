@@ -275,5 +275,57 @@ def test_grounded_touches_the_height_asked():
     same = motion.grounded(body).translation - motion.translation
     assert np.ptp(same, axis=0).max() < 1e-12  # moved, not bent
     assert not same[:, :2].any()
-    with pytest.raises(InputError, match="percentile: found 101"):
+    with pytest.raises(InputError, match=r"percentile: .* from 0 to 100, found 101"):
         motion.grounded(body, percentile=101)
+
+
+@pytest.mark.parametrize("wrong", [None, "body.npz", Body, Body.default], ids=str)
+def test_grounding_takes_a_body(wrong):
+    with pytest.raises(InputError, match=r"body: expected a halfphysics\.Body.*found "):
+        random_motion(3).grounded(wrong)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"z": "up"}, r"z: expected a number \[m\], found 'up'"),
+        ({"z": np.nan}, "z: expected a number"),
+        ({"percentile": "half"}, "percentile: expected a number from 0 to 100, found 'half'"),
+    ],
+)
+def test_grounding_takes_numbers(options, message):
+    with pytest.raises(InputError, match=message):
+        random_motion(3).grounded(Body.default(), **options)
+
+
+@pytest.mark.parametrize("path", [123, None, b"walk.npz", ["walk.npz"], "walk\0.npz"])
+def test_a_path_is_text(path):
+    for use in (Motion.load, random_motion(3).save):
+        with pytest.raises(InputError, match=r"path: expected the path of a file, .* found"):
+            use(path)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"fps": "fast"}, "fps: found 'fast', expected a positive number"),
+        ({"fps": np.inf}, "fps: found inf"),
+        ({"frames": 5}, r"frames: found 5, expected \(start, stop\)"),
+        ({"frames": "0:5"}, r"frames: found '0:5', expected \(start, stop\)"),
+        ({"frames": (0.0, 5)}, r"frames: found \(0\.0, 5\)"),
+    ],
+)
+def test_options_of_load_that_are_impossible(tmp_path, options, message):
+    random_motion(3).save(tmp_path / "m.npz")
+    with pytest.raises(InputError, match=message):
+        Motion.load(tmp_path / "m.npz", **options)
+
+
+def test_rates_that_would_fill_the_memory():
+    motion = random_motion(3)
+    assert len(motion.resample(10_000.0)) > 100
+    for fps in (10_001, 1e12):
+        with pytest.raises(InputError, match="expected at most 10000 frames per second"):
+            motion.resample(fps)
+    with pytest.raises(InputError, match="fps: found 'x', expected a positive number"):
+        motion.resample("x")

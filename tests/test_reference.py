@@ -54,9 +54,10 @@ def test_free_trajectories_are_equal(body, drive):
         np.testing.assert_allclose(stepper.qpos(), qpos, atol=TRAJECTORY)
 
 
+@pytest.mark.parametrize("contact", ["skin", "parts"])
 @pytest.mark.parametrize("stiffness", [0.0, 1.0])
 @pytest.mark.parametrize("drive", DRIVES)
-def test_velocities_with_contact_are_equal(body, drive, stiffness):
+def test_velocities_with_contact_are_equal(body, drive, stiffness, contact):
     """A wall, the floor under the feet, a ball in the way: every fifth substep computed twice.
 
     The reference takes the state and the contact points of the core and computes the drive, M,
@@ -67,7 +68,7 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness):
     scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
     scene.add_static("floor", Plane(), friction=0.5)
     scene.add_object("ball", Sphere(0.1), mass=0.5, position=(0.25, 0.2, 1.0), velocity=(-1, 0, 0))
-    settings = Settings(drive_time=DRIVES[drive], stiffness=stiffness, tolerance=1e-6, substeps=1)
+    settings = Settings(contact=contact, drive_time=DRIVES[drive], stiffness=stiffness, substeps=1)
     dt = 1.0 / 240.0
     motion = motion.resample(240.0)
     simulator = Simulator(scene, body=body, settings=settings, fps=240)

@@ -240,7 +240,7 @@ def test_root_recovers(body):
 
 def test_a_start_inside_something_is_said(body):
     motion = along_x(0.0, 3, start=0.45)
-    with pytest.warns(HalfPhysicsWarning, match="starts .* mm inside") as said:
+    with pytest.warns(HalfPhysicsWarning, match=r"start is not clear: .* mm inside") as said:
         simulate(motion, wall(), body=body)
     assert said[0].filename == __file__
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from halfphysics.errors import InputError
-from halfphysics.validation import number, quaternion, shown, vector
+from halfphysics.validation import file_path, frame_rate, number, quaternion, shown, vector
 
 
 def test_numbers_of_any_kind() -> None:
@@ -50,3 +51,17 @@ def test_quaternions_become_unit_once(value: list[float]) -> None:
 
 def test_long_values_are_cut() -> None:
     assert len(shown(list(range(1000)))) == 80
+
+
+def test_paths() -> None:
+    assert file_path("a/b.npz") == file_path(Path("a/b.npz")) == Path("a/b.npz")
+    for value in (None, 3, b"a", ["a"], "a\0b"):
+        with pytest.raises(InputError, match=r"path: expected the path of a file.*found "):
+            file_path(value)
+
+
+def test_frame_rates() -> None:
+    assert frame_rate(np.float32(30)) == 30.0
+    for value in (None, "fast", 0, -1.0, np.inf, np.nan):
+        with pytest.raises(InputError, match=r"fps: found .*positive number, such as 60\.0"):
+            frame_rate(value, "60.0")

@@ -23,6 +23,7 @@ from halfphysics.skeleton import N_JOINTS
 if TYPE_CHECKING:
     from halfphysics.motion import Motion
     from halfphysics.pose import Pose
+    from halfphysics.skin_hulls import SkinHulls
     from halfphysics.variant import Variant
 
 Array = NDArray[np.float64]
@@ -54,6 +55,9 @@ class Body:
         hands_components: Their principal components, shape (2, 45, 45), or None.
         source: (path, sha256) of the model file, or None for the default body.
         template_source: (path, sha256) of a per-subject template, or None.
+        mean_vertices: Skin of the model's mean shape at rest [m], shape (V, 3), or None: what must
+            not depend on the shape is made from it.
+        mean_joints: Joints of the mean shape [m], shape (55, 3), or None.
     """
 
     betas: Array
@@ -68,6 +72,8 @@ class Body:
     hands_components: Array | None = None
     source: Source | None = None
     template_source: Source | None = None
+    mean_vertices: Array | None = None
+    mean_joints: Array | None = None
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
@@ -155,6 +161,7 @@ class Body:
         """
         full = space.betas(betas, stacklevel=stacklevel + 1)
         vertices, joints = space.shaped(full)
+        mean_vertices, mean_joints = space.shaped(np.zeros(0))
         return cls(
             betas=full,
             gender=space.gender,
@@ -168,6 +175,8 @@ class Body:
             hands_components=space.hands_components,
             source=space.source,
             template_source=space.template_source,
+            mean_vertices=mean_vertices,
+            mean_joints=mean_joints,
         )
 
     @property
@@ -250,6 +259,25 @@ class Body:
         from halfphysics.variant import build_variant
 
         return build_variant(self)
+
+    @cached_property
+    def skin_hulls(self) -> SkinHulls:
+        """Vertex sets of whole faces, whose hulls cover the skin at every pose.
+
+        The same for all shapes and statures of a model.
+        """
+        from halfphysics.skin_hulls import skin_hulls
+
+        if self.mean_vertices is None or self.mean_joints is None:
+            return skin_hulls(self.faces, self.weights, self.rest_vertices, self.rest_joints)
+        return skin_hulls(self.faces, self.weights, self.mean_vertices, self.mean_joints)
+
+    @cached_property
+    def skin_corners(self) -> SkinHulls:
+        """`skin_hulls` without the vertices that are inside at every pose of this very shape."""
+        from halfphysics.skin_corners import without_inner
+
+        return without_inner(self.skin_hulls, self.weights, self.rest_vertices, self.posedirs)
 
     def save_mjcf(self, path: str | os.PathLike[str]) -> None:
         """Write the 55 rigid parts as a MuJoCo model (MJCF) that stock MuJoCo opens.

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations
+from halfphysics import rotations, validation
 from halfphysics.errors import InputError
 from halfphysics.scene import Scene
 from halfphysics.shape_base import Shape
-from halfphysics.validation import number
+from halfphysics.validation import number, shown
 
 Array = NDArray[np.float64]
 
@@ -42,6 +42,9 @@ def mpjpe_global(a: Any, b: Any, body: Any) -> float:
 
 
 def _joints(a: Any, b: Any, body: Any) -> tuple[Array, Array]:
+    _check_motion("a", a)
+    _check_motion("b", b)
+    validation.body(body, "joints")
     if len(a) != len(b):
         raise InputError(
             f"motions of one length are compared, found {len(a)} and {len(b)} frames; "
@@ -53,6 +56,13 @@ def _joints(a: Any, b: Any, body: Any) -> tuple[Array, Array]:
             "resample one: motion.resample(fps)"
         )
     return body.joints(a), body.joints(b)
+
+
+def _check_motion(name: str, motion: Any, *, pose: bool = False) -> None:
+    wanted = ("rotations", "translation") if pose else ("rotations", "translation", "fps")
+    if isinstance(motion, type) or not all(hasattr(motion, field) for field in wanted):
+        kind = "halfphysics.Motion or Pose" if pose else "halfphysics.Motion"
+        raise InputError(f"{name}: expected a {kind}, found {shown(motion)}")
 
 
 def _mean_error(p: Array, q: Array) -> float:
@@ -107,8 +117,12 @@ def penetration(
         progress: Show a progress bar.
 
     Raises:
-        InputError: Tracks of unknown objects or another length.
+        InputError: Something of a wrong type; tracks of unknown objects or another length.
     """
+    _check_motion("motion", motion, pose=True)
+    validation.body(body, "vertices")
+    if not isinstance(scene, Scene):
+        raise InputError(f"scene: expected a halfphysics.Scene, found {shown(scene)}")
     if int(number(threads, "threads", least=1)) != threads:
         raise InputError(f"threads: expected a whole number, found {threads:g}")
     frames = np.asarray(motion.rotations).shape[0] if np.ndim(motion.rotations) == 3 else 1
@@ -161,11 +175,20 @@ def _depth(shape: Shape, points: Array, position: Array, turn: Array, threads: i
 def _tracks(
     scene: Scene, objects: Mapping[str, Any], frames: int
 ) -> dict[str, tuple[Array, Array]]:
+    if not isinstance(objects, Mapping):
+        raise InputError(
+            f"objects: expected names and tracks, as in result.objects, found {shown(objects)}"
+        )
     tracks = {}
     for name, track in objects.items():
         if name not in scene.objects:
             known = ", ".join(scene.objects) or "none"
             raise InputError(f"objects: the scene has no object {name!r}; it has: {known}")
+        if not (hasattr(track, "position") and hasattr(track, "quaternion")):
+            raise InputError(
+                f"objects: {name!r}: expected a track with position and quaternion, as in "
+                f"result.objects, found {shown(track)}"
+            )
         position = np.asarray(track.position, dtype=np.float64)
         quaternion = np.asarray(track.quaternion, dtype=np.float64)
         if position.shape != (frames, 3) or quaternion.shape != (frames, 4):

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics import rotations as rot
+from halfphysics import validation
 from halfphysics.axes import axes_of, turned
 from halfphysics.errors import InputError
 from halfphysics.origin import SAME_TIME, Origin, neighbours
 from halfphysics.pose import Pose, checked, checked_axes, flat_rotations
+from halfphysics.validation import frame_rate, number
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -24,6 +26,9 @@ GENDERS = ("neutral", "male", "female")
 MODELS = ("smplx", "smplh", "smpl")
 #: Fastest root a person can have [m/s]; beyond it the unit or the file is wrong.
 MAX_SPEED = 50.0
+#: Fastest rate that a motion is resampled to [1/s]: beyond it a minute takes gigabytes, and no
+#: camera, no muscle and no substep needs it.
+MAX_FPS = 10_000.0
 # Frames skinned at once when a whole clip is looked at: bounds the memory.
 _CHUNK = 64
 
@@ -76,12 +81,7 @@ class Motion:
                 f"motion: found {frames} frame(s), expected at least 2: velocities need a next "
                 "frame. Repeat the frame to hold a pose, or index with motion[i] for a Pose"
             )
-        try:
-            fps = float(self.fps)
-        except (TypeError, ValueError):
-            fps = np.nan
-        if not (np.isfinite(fps) and fps > 0.0):
-            raise InputError(f"fps: found {self.fps!r}, expected a positive number, such as 30.0")
+        fps = frame_rate(self.fps)
         speed = np.linalg.norm(np.diff(translation, axis=0), axis=1) * fps
         if speed.max() > MAX_SPEED:
             i = int(np.argmax(speed))
@@ -182,11 +182,11 @@ class Motion:
         frame does not fall on the new grid the clip ends at the last grid time before it.
 
         Raises:
-            InputError: `fps` is not positive or leaves fewer than two frames.
+            InputError: `fps` is not positive, over 10,000, or leaves fewer than two frames.
         """
-        fps = float(fps)
-        if not (np.isfinite(fps) and fps > 0.0):
-            raise InputError(f"fps: found {fps!r}, expected a positive number, such as 60.0")
+        fps = frame_rate(fps, "60.0")
+        if fps > MAX_FPS:
+            raise InputError(f"fps: found {fps:g}, expected at most {MAX_FPS:g} frames per second")
         count = int(np.floor((len(self) - 1) * fps / self.fps + SAME_TIME)) + 1
         if count < 2:
             raise InputError(
@@ -216,14 +216,18 @@ class Motion:
         `z` and the floor disturbs nothing that the clip did not ask for. Where single noisy
         frames would lift the rest, `percentile` takes that percentile of the per-frame lowest
         heights instead (50: the median frame).
+
+        Raises:
+            InputError: Something that is no body, or an impossible height or percentile.
         """
-        if not 0.0 <= percentile <= 100.0:
-            raise InputError(f"percentile: found {percentile!r}, expected 0 to 100")
+        validation.body(body, "vertices")
+        z = number(z, "z", unit="m")
+        percentile = number(percentile, "percentile", least=0.0, most=100.0)
         lowest = np.empty(len(self))
         for start in range(0, len(self), _CHUNK):
             frames = range(start, min(start + _CHUNK, len(self)))
             lowest[start : frames.stop] = body.vertices(self, frames=frames)[..., 2].min(axis=1)
-        shift = float(z) - float(np.percentile(lowest, percentile))
+        shift = z - float(np.percentile(lowest, percentile))
         return self.with_frames(self.translation + np.array([0.0, 0.0, shift]), self.rotations)
 
     # -- the names of the smplx package ----------------------------------------------------

@@ -254,14 +254,22 @@ def stiff_diagonal(model: Any, M: Array, drive: ReferenceDrive) -> Array:
 
 
 def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> Array:
-    """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s)."""
+    """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s).
+
+    Each side is a weighted sum of points on several bodies: one of a rigid part, those that a vertex
+    of the skin hangs on (without what pose blend shapes add).
+    """
     rows = []
     axes = dof_axes(model, qpos, body_frames(model, qpos))
     for i in range(len(contacts["dist"])):
         frame = np.stack([contacts[name][i] for name in ("normal", "tangent", "binormal")])
-        ends = ((contacts[f"body_{s}"][i], contacts[f"point_{s}"][i]) for s in "ab")
-        Ja, Jb = (jacobian(model, qpos, int(b), x, axes)[0] for b, x in ends)
-        rows.append(frame @ (Ja - Jb))
+        moves = np.zeros((3, model.nv))
+        for side, sign in (("a", 1.0), ("b", -1.0)):
+            columns = (contacts[f"{name}_{side}"][i] for name in ("bodies", "weights", "points"))
+            for b, weight, x in zip(*columns, strict=True):
+                if weight > 0.0:
+                    moves += sign * weight * jacobian(model, qpos, int(b), x, axes)[0]
+        rows.append(frame @ moves)
     return np.concatenate(rows) if rows else np.zeros((0, model.nv))
 
 

@@ -7,24 +7,29 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.contacts import Contacts
 from halfphysics.errors import InputError
+from halfphysics.inside import Inside
 from halfphysics.motion import Motion
 from halfphysics.pose import checked
 from halfphysics.settings import Settings
+from halfphysics.skeleton import N_JOINTS
+from halfphysics.validation import shown
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.part_report import PartReport
     from halfphysics.scene import Scene
 
 Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 
@@ -79,76 +84,6 @@ class ObjectTrack:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Contacts:
-    """Who touched what, where and how hard: columns of one length n, ordered by frame.
-
-    A row is one pair that touched during (t-1, t]. Where two people touch, each has a row.
-
-    Attributes:
-        frame: The frame t (n,).
-        person: Index into `Result.people` (n,); -1 where an object touches a static or object.
-        part: Index into `JOINT_NAMES` (n,); -1 where `person` is.
-        other: Index into `Result.names` of what was touched (n,).
-        position: Where, in the world (n, 3) [m].
-        normal: Unit vector from the other into the part (n, 3).
-        impulse: On the part, summed over (t-1, t] (n, 3) [N s].
-        subject: Index into `Result.names` of the object that stands in the part's place (n,),
-            -1 where a person does.
-        other_part: Index into `JOINT_NAMES` of the other's part (n,) where the other is a person,
-            else -1.
-    """
-
-    frame: Ints
-    person: Ints
-    part: Ints
-    other: Ints
-    position: Array
-    normal: Array
-    impulse: Array
-    subject: Ints
-    other_part: Ints
-
-    def __post_init__(self) -> None:
-        n = len(np.atleast_1d(self.frame))
-        for column in fields(self):
-            value = getattr(self, column.name)
-            name = f"contacts.{column.name}"
-            array: NDArray[Any] = (
-                checked(name, value, (None, 3), "(n, 3)")
-                if column.name in VECTORS
-                else _whole(name, value)
-            )
-            if len(array) != n:
-                raise InputError(
-                    f"contacts.{column.name}: found {len(array)} rows and {n} in contacts.frame; "
-                    "expected the same number"
-                )
-            _set(self, column.name, array)
-
-    def __len__(self) -> int:
-        return len(self.frame)
-
-    def __getitem__(self, rows: Any) -> Contacts:
-        """The rows that a slice, a mask (n,) or indices choose."""
-        if isinstance(rows, int | np.integer):
-            rows = [rows]
-        return Contacts(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
-
-    @staticmethod
-    def none() -> Contacts:
-        """No contacts at all."""
-        columns: dict[str, Any] = {
-            f.name: np.zeros((0, 3)) if f.name in VECTORS else np.zeros(0, dtype=np.int64)
-            for f in fields(Contacts)
-        }
-        return Contacts(**columns)
-
-
-#: Columns of `Contacts` that are vectors; the others are whole numbers.
-VECTORS = frozenset({"position", "normal", "impulse"})
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class PersonResult:
     """One person of a result.
 
@@ -166,6 +101,11 @@ class PersonResult:
     body: Deferred[Body] = Deferred()
 
     def __post_init__(self) -> None:
+        from halfphysics.body import Body
+
+        _typed("motion", self.motion, Motion)
+        _typed("reference", self.reference, Motion)
+        _deferred("body", vars(self)["_body"], Body)
         if len(self.motion) != len(self.reference):
             raise InputError(
                 f"person {self.name!r}: the motion has {len(self.motion)} frames and the "
@@ -219,9 +159,11 @@ class Result:
         settings: How it was simulated.
         substeps: Every committed pose, with ``Settings(record="substeps")``, else None.
         diagnostics: Name -> number of every frame (T,), see `DIAGNOSTICS`; empty where unknown.
+        inside: Which parts were inside statics or objects, and which objects inside statics,
+            when and how deep; empty where everything started clear.
 
     Raises:
-        InputError: Parts that do not belong together.
+        InputError: Parts that do not belong together, or of a wrong type.
     """
 
     people: tuple[PersonResult, ...]
@@ -234,9 +176,18 @@ class Result:
     settings: Settings
     substeps: Substeps | None = None
     diagnostics: Mapping[str, Array] = field(default_factory=dict)
+    inside: Inside = field(default_factory=Inside.none)
 
     def __post_init__(self) -> None:
+        from halfphysics.scene import Scene
+
         _set(self, "people", tuple(self.people))
+        for index, person in enumerate(self.people):
+            _typed(f"people[{index}]", person, PersonResult)
+        _deferred("scene", vars(self)["_scene"], Scene)
+        _typed("contacts", self.contacts, Contacts)
+        _typed("inside", self.inside, Inside)
+        _typed("settings", self.settings, Settings)
         _set(self, "names", tuple(self.names))
         _set(self, "objects", MappingProxyType(dict(self.objects)))
         if not self.people:
@@ -268,20 +219,16 @@ class Result:
             raise InputError(
                 f"names: found {', '.join(self.names)}; expected statics, then {expected}"
             )
-        c = self.contacts
-        for name, values, low, high in (
-            ("frame", c.frame, 0, frames),
-            ("person", c.person, -1, len(self.people)),
-            ("part", c.part, -1, 55),
-            ("other", c.other, 0, len(self.names)),
-            ("subject", c.subject, -1, len(self.names)),
-            ("other_part", c.other_part, -1, 55),
-        ):
-            if len(values) and not (values.min() >= low and values.max() < high):
-                raise InputError(
-                    f"contacts.{name}: found {values.min()} to {values.max()}, expected "
-                    f"{low} to {high - 1}"
-                )
+        limits = {
+            "frame": (0, frames),
+            "person": (-1, len(self.people)),
+            "part": (-1, N_JOINTS),
+            "other": (0, len(self.names)),
+            "subject": (-1, len(self.names)),
+            "other_part": (-1, N_JOINTS),
+        }
+        self.contacts.check_within(limits)
+        self.inside.check_within(limits)
 
     def __len__(self) -> int:
         """Number of frames."""
@@ -313,11 +260,7 @@ class Result:
 
         After a contact the deviation decays over a few `Settings.drive_time`; `settle` covers it.
         """
-        if not 0 <= person < len(self.people):
-            raise InputError(
-                f"person: found {person}, expected 0 to {len(self.people) - 1} "
-                f"({len(self.people)} in this result)"
-            )
+        self._check_person(person)
         touched = np.zeros(len(self), dtype=bool)
         hurt = self.contacts.person == person
         touched[self.contacts.frame[hurt & self.contacts.impulse.any(axis=1)]] = True
@@ -325,8 +268,41 @@ class Result:
         last = np.where(touched, np.arange(len(self)), -reach - 1)
         return np.arange(len(self)) - np.maximum.accumulate(last) > reach
 
+    def parts(self, person: int = 0) -> PartReport:
+        """Clearance, contact, force and displacement of every part in every frame.
+
+        Worked out when first asked for, for everybody at once, from the poses at the frames.
+
+        Raises:
+            InputError: There is no such person.
+            FileError: In a result from a file: a body or a mesh of the scene has gone. Put it
+                back, or pass scene= or body= to `Result.load`.
+        """
+        self._check_person(person)
+        return self._parts[person]
+
+    @cached_property
+    def _parts(self) -> tuple[PartReport, ...]:
+        from halfphysics.part_report import part_reports
+
+        return part_reports(self)
+
+    def _check_person(self, person: int) -> None:
+        whole = isinstance(person, int | np.integer) and not isinstance(person, bool)
+        if not (whole and 0 <= person < len(self.people)):
+            raise InputError(
+                f"person: found {shown(person)}, expected 0 to {len(self.people) - 1} "
+                f"({len(self.people)} in this result)"
+            )
+
     def summary(self) -> str:
-        """A few lines of text: what moved where, what touched what and how hard."""
+        """The result in words and numbers, 10 to 20 lines to be read by a person.
+
+        How exactly the motion was followed, what touched what and how hard, how far from the
+        motion the body got, what was inside what at the start, what moved, the smallest
+        distance, lost time. Forces are impulses of a frame divided by its length. What a result
+        from a file does not know any more (a body or a mesh that has gone) is said.
+        """
         from halfphysics.report import summary
 
         return summary(self)
@@ -373,12 +349,12 @@ def _set(instance: Any, name: str, value: Any) -> None:
     object.__setattr__(instance, name, value)
 
 
-def _whole(name: str, value: Any) -> Ints:
-    array = np.asarray(value)
-    if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
-        raise InputError(
-            f"{name}: found shape {array.shape} of {array.dtype}, expected whole numbers (n,)"
-        )
-    result = array.astype(np.int64)
-    result.setflags(write=False)
-    return result
+def _typed(name: str, value: Any, kind: type) -> None:
+    if not isinstance(value, kind):
+        raise InputError(f"{name}: found {shown(value)}, expected a halfphysics {kind.__name__}")
+
+
+def _deferred(name: str, held: Any, kind: type) -> None:
+    """Refuse what is neither a value of a kind nor a `Record` of one."""
+    if not hasattr(held, "make"):
+        _typed(name, held, kind)

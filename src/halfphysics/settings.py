@@ -8,6 +8,10 @@ from typing import Any, Literal
 
 from .errors import InputError
 
+#: Largest clearance that can be asked for [m]: fifty times the default. Hands that keep more from
+#: what they hold (twice, for the two sides of a rod) hold nothing of the size of a hand.
+MAX_CLEARANCE = 0.05
+
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
@@ -26,11 +30,11 @@ class Settings:
     root_speed: float = 1.0
     """Fastest speed of that return [m/s]."""
     clearance: float = 0.001
-    """Distance kept between the body and everything else [m]; less than 2e-5 counts as 2e-5."""
+    """Distance kept between the body and all else [m]; at most 0.05, under 2e-5 counts as 2e-5."""
     clearance_range: float = 0.05
     """Distances up to this are reported exactly in `Result.clearance` [m], inf beyond."""
-    contact: Literal["parts"] = "parts"
-    """What touches: the 55 rigid convex parts (the only choice in this version)."""
+    contact: Literal["skin", "parts"] = "skin"
+    """What of a person touches: hulls of the skin itself, or the 55 rigid parts (faster)."""
     self_contact: Literal[False] = False
     """Contact of a person with itself (not in this version)."""
     depenetration_speed: float = 0.5
@@ -51,11 +55,19 @@ class Settings:
             if not ok:
                 raise InputError(f"Settings.{name} is {getattr(self, name)!r}; expected {expected}")
 
-        def number(name: str, *, above: float | None = None, least: float | None = None) -> None:
+        def number(
+            name: str,
+            *,
+            above: float | None = None,
+            least: float | None = None,
+            most: float = math.inf,
+            why: str = "",
+        ) -> None:
             value = getattr(self, name)
             real = isinstance(value, int | float) and not isinstance(value, bool)
             limit = f"> {above}" if above is not None else f">= {least}"
-            good = real and math.isfinite(value)
+            limit += f" and <= {most}{why}" if most < math.inf else ""
+            good = real and math.isfinite(value) and value <= most
             if good and above is not None:
                 good = value > above
             if good and least is not None:
@@ -78,9 +90,14 @@ class Settings:
         number("recovery_rate", above=0.0)
         choice("root", "stay", "recover")
         number("root_speed", above=0.0)
-        number("clearance", least=0.0)
+        number(
+            "clearance",
+            least=0.0,
+            most=MAX_CLEARANCE,
+            why=" [m]: a body farther from all it touches would stand, sit and grasp in the air",
+        )
         number("clearance_range", least=0.0)
-        check("contact", self.contact == "parts", "'parts': the skin is not in this version")
+        choice("contact", "skin", "parts")
         check("self_contact", self.self_contact is False, "False: this version has no self-contact")
         check("strength", self.strength is None, "None: this version has no torque limits")
         number("depenetration_speed", least=0.0)

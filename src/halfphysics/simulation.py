@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.body import check_match
+from halfphysics.contacts import Contacts
 from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.inside import Depths, inside_of
 from halfphysics.motion import Motion
-from halfphysics.result import DIAGNOSTICS, Contacts, ObjectTrack, PersonResult, Result, Substeps
+from halfphysics.result import DIAGNOSTICS, ObjectTrack, PersonResult, Result, Substeps
 from halfphysics.simulator import Simulator, several, touches
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ _SLICE = 0.1
 
 #: A start deeper inside than this is worth a word [m].
 START_INSIDE = 1e-3
+_NAMED = 5  # this many of them are named
 
 
 def simulate(
@@ -99,14 +102,9 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
     simulator.reset([m[0] for m in motions])
     qpos, clearance = np.empty((count, world.nq)), np.empty(count)
     qpos[0], clearance[0] = stepper.qpos(), stepper.clearance()
-    if clearance[0] < -START_INSIDE:
-        warnings.warn(
-            f"a person starts {-1000.0 * clearance[0]:.0f} mm inside something that stands: the "
-            "guarantees are for clear starts. Move the motion or the scene, or see "
-            "motion.grounded(body) for feet in a floor",
-            HalfPhysicsWarning,
-            stacklevel=3,
-        )
+    inside = [stepper.inside()]
+    inside_frames = [np.zeros(len(inside[0]), dtype=np.int64)]
+    _warn_of_start(world, inside_of(world, inside[0], inside_frames[0]))
     lost_time = np.zeros(count)
     substeps = [qpos[:1].copy()]
     rows, row_frames = [], []
@@ -129,6 +127,8 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
             substeps.append(got["substeps"])
             rows.append(got["touches"])
             row_frames.append(np.repeat(frames, got["touch_count"].astype(np.int64)))
+            inside.append(got["inside"])
+            inside_frames.append(np.repeat(frames, got["inside_count"].astype(np.int64)))
             done += len(frames)
             bar.update(len(frames))
     return Result(
@@ -150,6 +150,23 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
         settings=simulator.settings,
         substeps=_substeps(simulator, motions, np.concatenate(substeps)),
         diagnostics=dict(zip(DIAGNOSTICS, numbers.T, strict=True)),
+        inside=inside_of(world, np.concatenate(inside), np.concatenate(inside_frames)),
+    )
+
+
+def _warn_of_start(world: World, inside: Depths) -> None:
+    """One warning that names what starts inside what, at the line that called `simulate`."""
+    worth = inside[(inside.depth > START_INSIDE) | inside.no_way_out]
+    if not len(worth):
+        return
+    words = worth.described(world.names, len(world.people))
+    more = f" and {len(words) - _NAMED} more" if len(words) > _NAMED else ""
+    warnings.warn(
+        f"the start is not clear: {', '.join(words[:_NAMED])}{more}. What starts inside is pushed "
+        "out; that it meets nothing is guaranteed for clear starts. Move the motion or the scene, "
+        "or see motion.grounded(body) for feet in a floor",
+        HalfPhysicsWarning,
+        stacklevel=4,
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
+from halfphysics.inside import Depths, inside_of
 from halfphysics.pose import Pose
 from halfphysics.settings import Settings
 
@@ -53,12 +54,14 @@ class Touches:
 class Frame:
     """The state after one `Simulator.step`.
 
-    Poses, objects and contacts are worked out when first read: stepping pays for none of them.
+    Poses, objects, contacts and what is inside are worked out when first read: stepping pays for
+    none of them.
 
     Attributes:
         poses: The people's corrected poses.
         objects: Name -> (position (3,) [m], quaternion (4,)).
         contacts: What touched during the frame.
+        inside: Which parts and objects are inside what, and how deep.
         clearance: Smallest distance of the people from the statics [m]; inf beyond
             `Settings.clearance_range`, negative where they penetrate.
         lost_time: Time by which blocked steps were shortened [s].
@@ -75,6 +78,7 @@ class Frame:
     _qpos: Array
     _axes: tuple[Array, ...]
     _touches: Array
+    _inside: Array
 
     @cached_property
     def poses(self) -> tuple[Pose, ...]:
@@ -89,6 +93,10 @@ class Frame:
     def contacts(self) -> Touches:
         return touches(self._world, self._touches)[0]
 
+    @cached_property
+    def inside(self) -> Depths:
+        return inside_of(self._world, self._inside, np.zeros(len(self._inside), dtype=int)).at(0)
+
     @property
     def pose(self) -> Pose:
         """The first person's pose."""
@@ -96,7 +104,12 @@ class Frame:
 
     def __getstate__(self) -> dict[str, Any]:
         """For copies and other processes: everything worked out, the simulator left behind."""
-        done = {"poses": self.poses, "objects": self.objects, "contacts": self.contacts}
+        done = {
+            "poses": self.poses,
+            "objects": self.objects,
+            "contacts": self.contacts,
+            "inside": self.inside,
+        }
         return done | {name: v for name, v in vars(self).items() if not name.startswith("_")}
 
     def __repr__(self) -> str:
@@ -244,6 +257,7 @@ class Simulator:
             _qpos=stepper.qpos(),
             _axes=self._axes,
             _touches=stepper.touches(),
+            _inside=stepper.inside(),
         )
 
 

@@ -6,6 +6,9 @@ Each raises `InputError` naming what the value is for, what was found and what i
 from __future__ import annotations
 
 import numbers
+import os
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +81,39 @@ def quaternion(value: object, what: str) -> NDArray[np.float64]:
     unit = raw if exact else scaled / length
     unit.setflags(write=False)
     return unit
+
+
+def frame_rate(value: object, example: str = "30.0") -> float:
+    """`value` as frames per second."""
+    try:
+        fps = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        fps = np.nan
+    if not (np.isfinite(fps) and fps > 0.0):
+        raise InputError(
+            f"fps: found {shown(value)}, expected a positive number, such as {example}"
+        )
+    return fps
+
+
+def file_path(value: object) -> Path:
+    """`value` as a path, if it is one."""
+    try:
+        text = os.fspath(value)  # type: ignore[call-overload]
+    except TypeError:
+        text = None
+    if not isinstance(text, str) or "\0" in text:
+        raise InputError(f"path: expected the path of a file, text or a Path, found {shown(value)}")
+    return Path(text)
+
+
+def body(value: Any, method: str) -> Any:
+    """`value` if it has a body's `method`; a class or a function that makes bodies is none."""
+    if isinstance(value, type) or not callable(getattr(value, method, None)):
+        raise InputError(
+            f"body: expected a halfphysics.Body, such as Body.default(), found {shown(value)}"
+        )
+    return value
 
 
 def shown(value: object) -> str:

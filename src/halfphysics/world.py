@@ -20,7 +20,7 @@ from halfphysics.colliders import convex_collider, part_collider
 from halfphysics.errors import InputError
 from halfphysics.fingerprint import fingerprint
 from halfphysics.person_model import addresses, principal
-from halfphysics.skeleton import N_JOINTS
+from halfphysics.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -176,25 +176,13 @@ class World:
 
     def _add_movers(self, model: Any) -> None:
         name_of = {name: i for i, name in enumerate(self.names)}
-        names, parts = [], []
+        names: list[int] = []
+        parts: list[int] = []
         for index, person in enumerate(self.people):
-            for part in person.body.variant.parts:
-                if len(part.vertices) == 0:
-                    continue
-                collider = part_collider(part)
-                body = model.body(f"{person.name}/{part.name}").id
-                self.stepper.add_mover(
-                    body,
-                    name_of[person.name],
-                    index,
-                    part.index,
-                    collider.vertices,
-                    collider.normals,
-                    collider.radius,
-                    collider.rim,
-                )
-                names.append(name_of[person.name])
-                parts.append(part.index)
+            add = self._add_skin if self.settings.contact == "skin" else self._add_parts
+            mine = add(model, index, person, name_of[person.name])
+            names += [name_of[person.name]] * len(mine)
+            parts += mine
         for thing in self.scene.objects.values():
             collider = convex_collider(thing.shape).moved(np.eye(3), -np.array(thing.com))
             self.stepper.add_mover(
@@ -211,6 +199,45 @@ class World:
             parts.append(-1)
         self.mover_name = np.array(names, dtype=np.int64)
         self.mover_part = np.array(parts, dtype=np.int64)
+
+    def _add_parts(self, model: Any, index: int, person: Person, name: int) -> list[int]:
+        """The rigid parts of a person as movers; their joints."""
+        joints = []
+        for part in person.body.variant.parts:
+            if len(part.vertices) == 0:
+                continue
+            collider = part_collider(part)
+            self.stepper.add_mover(
+                model.body(f"{person.name}/{part.name}").id,
+                name,
+                index,
+                part.index,
+                collider.vertices,
+                collider.normals,
+                collider.radius,
+                collider.rim,
+            )
+            joints.append(part.index)
+        return joints
+
+    def _add_skin(self, model: Any, index: int, person: Person, name: int) -> list[int]:
+        """The hulls of a person's skin as movers; the joints they belong to."""
+        body = person.body
+        skin = self.stepper.add_skin(
+            np.array([model.body(f"{person.name}/{j}").id for j in JOINT_NAMES], dtype=np.int32),
+            np.ascontiguousarray(PARENTS, dtype=np.int32),
+            np.ascontiguousarray(body.rest_joints),
+            np.ascontiguousarray(body.rest_vertices),
+            *body.skin.sparse_weights,
+            np.zeros((0, 3, 0)) if body.posedirs is None else body.posedirs,
+        )
+        hulls = body.skin_corners
+        for h, part in enumerate(hulls.part):
+            vertices = hulls.vertex[hulls.first[h] : hulls.first[h + 1]]
+            self.stepper.add_skin_mover(
+                skin, name, index, int(part), np.ascontiguousarray(vertices, dtype=np.int32)
+            )
+        return [int(part) for part in hulls.part]
 
     def _add_statics(self) -> None:
         from halfphysics.shapes import Mesh, Plane

@@ -22,7 +22,8 @@ class Command:
     """Measure a result against what was asked, or a motion against a scene or a reference.
 
     Penetration counts all skinned vertices; MPJPE is the mean error over 55 joints with the
-    pelvis subtracted, MPJPE-g without. Of a result, scene, body and reference are known.
+    pelvis subtracted, MPJPE-g without. Of a result, scene, body and reference are known, and its
+    summary is printed first.
     """
 
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RESULT_OR_MOTION")]
@@ -71,6 +72,8 @@ class Command:
             reference = Motion.load(self.reference)
             people[0] = dataclasses.replace(people[0], reference=reference)
         result = dataclasses.replace(result, people=tuple(people))
+        print(result.summary())
+        print()
         for index, person in enumerate(people):
             if len(people) > 1:
                 print(f"{person.name}:")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from halfphysics import metrics
 from halfphysics.cli.table import table
 
@@ -16,11 +14,11 @@ if TYPE_CHECKING:
     from halfphysics.result import Result
     from halfphysics.scene import Scene
 
-_NONE = "-"
-
 
 def of_result(result: Result, person: int, *, progress: bool) -> str:
-    """Before and after, for one person of a result."""
+    """The skin in the scene before and after, for one person of a result; the rest of it is said
+    by `Result.summary`.
+    """
     who = result.people[person]
     before, after = (
         metrics.penetration(
@@ -28,19 +26,7 @@ def of_result(result: Result, person: int, *, progress: bool) -> str:
         )
         for motion in (who.reference, who.motion)
     )
-    local, everywhere = who.joint_errors()
-    free = result.free_frames(person)
-    rows = [
-        ("", "asked", "simulated"),
-        *_penetration(before, after),
-        (f"MPJPE in the {int(free.sum())} free frames [mm]", _NONE, _mean_mm(local[free])),
-        ("MPJPE [mm]", _NONE, _mean_mm(local)),
-        ("MPJPE-g [mm]", _NONE, _mean_mm(everywhere)),
-    ]
-    nearest = float(result.clearance.min())
-    shown = f"{1000.0 * nearest:.3f}" if np.isfinite(nearest) else "beyond reach"
-    rows.append(("nearest rigid part to what stands [mm]", _NONE, shown))
-    return table(rows)
+    return table([("", "asked", "simulated"), *_penetration(before, after)])
 
 
 def of_motion(
@@ -72,7 +58,3 @@ def _penetration(before: PenetrationReport, after: PenetrationReport) -> list[tu
         ),
         ("deepest of all [mm]", f"{before.depth_max_mm:.2f}", f"{after.depth_max_mm:.2f}"),
     ]
-
-
-def _mean_mm(errors: np.ndarray) -> str:
-    return f"{1000.0 * errors.mean():.6f}" if errors.size else _NONE

@@ -9,6 +9,7 @@ from halfphysics.errors import FileError, InputError
 from halfphysics.io import amass_smpl, amass_smplh, amass_smplx
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.motion import GENDERS, MODELS, Motion
+from halfphysics.validation import file_path, frame_rate, shown
 
 __all__ = ["FORMATS", "Format", "Options", "Source", "load_motion", "save_motion"]
 
@@ -45,8 +46,8 @@ def load_motion(
         raise InputError(f"up: found {up!r}, expected 'z' or 'y'")
     if hands not in (None, "flat", "mean"):
         raise InputError(f"hands: found {hands!r}, expected 'flat' or 'mean'")
-    if fps is not None and not 0.0 < float(fps) < float("inf"):
-        raise InputError(f"fps: found {fps!r}, expected a positive number, such as 30.0")
+    if fps is not None:
+        fps = frame_rate(fps)
     if model is not None and str(model) not in MODELS and not Path(model).exists():
         raise InputError(
             f"model: found '{model}', expected one of {', '.join(MODELS)} or the path of a "
@@ -54,6 +55,11 @@ def load_motion(
         )
     if gender is not None and gender not in GENDERS:
         raise InputError(f"gender: found {gender!r}, expected one of {', '.join(GENDERS)}")
+    pair = isinstance(frames, list | tuple) and len(frames) == 2
+    if frames is not None and not (pair and all(isinstance(i, int | None) for i in frames)):
+        raise InputError(
+            f"frames: found {shown(frames)}, expected (start, stop), whole numbers or None"
+        )
     source = Source(path)
     options = Options(
         fps=fps,
@@ -93,4 +99,4 @@ def save_motion(motion: Motion, path: str | os.PathLike[str], *, format: str | N
     if writer.save is None:
         writable = ", ".join(name for name, known in FORMATS.items() if known.save)
         raise InputError(f"format: '{writer.name}' can only be read, expected one of {writable}")
-    writer.save(motion, Path(path))
+    writer.save(motion, file_path(path))

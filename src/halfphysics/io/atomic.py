@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from halfphysics.errors import FileError
+from halfphysics.validation import file_path
 
 
 @contextlib.contextmanager
@@ -22,7 +23,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[Any]]:
     Raises:
         FileError: The folder is missing, `path` is a folder, or writing fails.
     """
-    path = Path(path)
+    path = file_path(path)
     if not path.parent.is_dir():
         raise FileError(
             f"{path}: cannot write, the folder {path.parent} does not exist. Create it first"

@@ -25,6 +25,7 @@ from halfphysics.skeleton import (
     SMPL_JOINTS,
     SMPLH_JOINTS,
 )
+from halfphysics.validation import file_path
 
 Array = NDArray[np.float64]
 
@@ -129,7 +130,7 @@ def _find(path: str | os.PathLike[str] | None, gender: str | None, model: str | 
             )
         where = Path(default)
     else:
-        where = Path(path)
+        where = file_path(path)
         if not where.exists() and default and (Path(default) / where).exists():
             where = Path(default) / where
     if where.is_file():

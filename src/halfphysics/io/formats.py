@@ -11,6 +11,7 @@ from pathlib import Path
 from halfphysics.errors import FileError
 from halfphysics.io.npz import Npz
 from halfphysics.motion import Motion
+from halfphysics.validation import file_path
 
 _HEAD = 4096
 
@@ -23,7 +24,7 @@ class Source:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = file_path(path)
         if not self.path.exists():
             near = self._near()
             raise FileError(f"{self.path}: no such file.{near}")

@@ -12,19 +12,23 @@ import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.axes import turned
+from halfphysics.columns import Table
+from halfphysics.contacts import Contacts
 from halfphysics.errors import FileError, InputError
+from halfphysics.inside import Inside
 from halfphysics.io import amass_smpl, amass_smplh, amass_smplx, load_motion
 from halfphysics.io.npz import Npz, write_npz
 from halfphysics.motion import Motion
 from halfphysics.records import BodyRecord, SceneRecord, checked_document
-from halfphysics.result import Contacts, ObjectTrack, PersonResult, Result, Substeps
+from halfphysics.result import ObjectTrack, PersonResult, Result, Substeps
 from halfphysics.settings import Settings
+from halfphysics.validation import file_path, shown
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -32,11 +36,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Fields = dict[str, NDArray[Any]]
+T = TypeVar("T", bound=Table)
 
 #: Version of the layout; a reader refuses newer ones.
 VERSION = 1
 VERSION_KEY = "meta/format_version"
 OBJECT = "object/"
+CONTACT = "contact/"
+INSIDE = "inside/"
 SUBSTEPS = "meta/substeps/"
 DIAGNOSTICS = "meta/diagnostics/"
 _LAYOUTS = {
@@ -46,7 +53,7 @@ _LAYOUTS = {
 }
 # Rounding of turning a motion to the axes of its file and back [m, rad].
 _SAME = 1e-9
-_CONTACTS = tuple(f.name for f in dataclasses.fields(Contacts))
+_CLEAR = Inside.none()  # files without rows, as those of old
 
 
 def is_result(path: str | os.PathLike[str]) -> bool:
@@ -66,8 +73,9 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
 
     fields: Fields = dict(_on_top(result.motion))
     fields |= _track_fields("", result.objects)
-    for column in _CONTACTS:
-        fields[f"contact/{column}"] = getattr(result.contacts, column)
+    fields |= _columns(CONTACT, result.contacts)
+    if len(result.inside):
+        fields |= _columns(INSIDE, result.inside)
     people = []
     for index, person in enumerate(result.people):
         prefix = _prefix(index)
@@ -118,7 +126,9 @@ def load_result(
     body: Body | tuple[Body, ...] | list[Body] | None = None,
 ) -> Result:
     """The work behind `Result.load`; see there."""
-    path = Path(path)
+    path = file_path(path)
+    if scene is not None:
+        _check_scene(scene)
     if not path.is_file():
         kind = "this is a folder" if path.is_dir() else "no such file"
         raise FileError(f"{path}: {kind}, expected a result file (Result.save writes one)")
@@ -139,17 +149,44 @@ def load_result(
             "newer halfphysics may read it"
         )
     try:
-        return _read(npz, scene, body)
+        people = _parsed(npz, "meta/people")
+        if not isinstance(people, list) or not people:
+            raise InputError("field 'meta/people': found no people, expected at least one")
+    except InputError as error:
+        raise FileError(f"{path}: {error}") from None
+    bodies = None if body is None else _given(body, len(people))
+    try:
+        return _read(npz, people, scene, bodies)
     except InputError as error:
         raise FileError(f"{path}: {error}") from None
 
 
-def _read(npz: Npz, scene: Scene | None, body: Any) -> Result:
+def _check_scene(scene: Any) -> None:
+    from halfphysics.scene import Scene
+
+    if not isinstance(scene, Scene):
+        raise InputError(f"scene: found {shown(scene)}, expected a halfphysics.Scene")
+
+
+def _given(body: Any, people: int) -> list[Body]:
+    """The bodies that the caller of `Result.load` passed, one a person."""
+    from halfphysics.body import Body
+
+    bodies = list(body) if isinstance(body, list | tuple) else [body] * people
+    for one in bodies:
+        if not isinstance(one, Body):
+            raise InputError(
+                f"body: found {shown(one)}, expected a halfphysics.Body, such as Body.default()"
+            )
+    if len(bodies) != people:
+        raise InputError(f"body: found {len(bodies)} bodies, expected {people}")
+    return bodies
+
+
+def _read(npz: Npz, people_data: list[Any], scene: Scene | None, bodies: Any) -> Result:
     path = npz.path
-    people_data = _parsed(npz, "meta/people")
-    if not isinstance(people_data, list) or not people_data:
-        raise InputError("field 'meta/people': found no people, expected at least one")
-    bodies = _bodies(path, people_data, body)
+    if bodies is None:
+        bodies = _bodies(path, people_data)
     fps = _scalar(npz, "meta/fps")
     people = tuple(
         _person(npz, index, data, fps, bodies[index]) for index, data in enumerate(people_data)
@@ -165,7 +202,7 @@ def _read(npz: Npz, scene: Scene | None, body: Any) -> Result:
         objects=_tracks(npz, OBJECT),
         scene=SceneRecord(document, str(path)) if scene is None else scene,
         names=tuple(str(name) for name in names),
-        contacts=Contacts(**{name: _field(npz, f"contact/{name}") for name in _CONTACTS}),
+        contacts=_table(npz, CONTACT, Contacts),
         clearance=_field(npz, "meta/clearance"),
         lost_time=_field(npz, "meta/lost_time"),
         settings=_settings(_parsed(npz, "meta/settings")),
@@ -175,27 +212,23 @@ def _read(npz: Npz, scene: Scene | None, body: Any) -> Result:
             for key in npz
             if key.startswith(DIAGNOSTICS)
         },
+        inside=_table(npz, INSIDE, Inside) if any(k.startswith(INSIDE) for k in npz) else _CLEAR,
     )
 
 
-def _bodies(path: Path, people: list[Any], given: Any) -> list[Any]:
-    if given is None:
-        keys = ("model", "gender", "betas", "stature", "source", "template_source")
-        return [
-            BodyRecord(
-                checked_document(
-                    person.get("body") if isinstance(person, dict) else None,
-                    f"field 'meta/people', body of person {index}",
-                    keys,
-                ),
-                str(path),
-            )
-            for index, person in enumerate(people)
-        ]
-    bodies = list(given) if isinstance(given, list | tuple) else [given] * len(people)
-    if len(bodies) != len(people):
-        raise InputError(f"body: found {len(bodies)} bodies, expected {len(people)}")
-    return bodies
+def _bodies(path: Path, people: list[Any]) -> list[BodyRecord]:
+    keys = ("model", "gender", "betas", "stature", "source", "template_source")
+    return [
+        BodyRecord(
+            checked_document(
+                person.get("body") if isinstance(person, dict) else None,
+                f"field 'meta/people', body of person {index}",
+                keys,
+            ),
+            str(path),
+        )
+        for index, person in enumerate(people)
+    ]
 
 
 def _person(npz: Npz, index: int, data: Any, fps: float, body: Any) -> PersonResult:
@@ -256,6 +289,14 @@ def _substeps(npz: Npz, people: tuple[PersonResult, ...]) -> Substeps | None:
         for index, person in enumerate(people)
     ]
     return Substeps(motions=tuple(motions), objects=_tracks(npz, SUBSTEPS + OBJECT))
+
+
+def _columns(prefix: str, table: Table) -> Fields:
+    return {f"{prefix}{name}": getattr(table, name) for name in table.columns()}
+
+
+def _table(npz: Npz, prefix: str, kind: type[T]) -> T:
+    return kind(**{name: _field(npz, f"{prefix}{name}") for name in kind.columns()})
 
 
 def _track_fields(prefix: str, tracks: Mapping[str, ObjectTrack]) -> Fields:

@@ -17,7 +17,7 @@ from halfphysics.io.atomic import atomic_write
 from halfphysics.io.tree import Entry, plain_tree, read_tree
 from halfphysics.scene import OBJECT_FRICTION, STATIC_FRICTION, Object, Scene, Static
 from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, MeshSource, Plane, Shape, Sphere
-from halfphysics.validation import shown
+from halfphysics.validation import file_path, shown
 
 #: Written into files; a reader of another version refuses with both numbers.
 VERSION = 1
@@ -43,7 +43,7 @@ Read = Callable[[Entry], Any]
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
     """The work behind `Scene.load`; see there."""
-    path = Path(path)
+    path = file_path(path)
     if path.suffix.lower() not in _SUFFIXES:
         raise FileError(
             f"{path}: found suffix {path.suffix!r}, expected a scene file {', '.join(_SUFFIXES)}"
@@ -262,7 +262,7 @@ _READ: dict[str, Read] = {
 
 def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     """The work behind `Scene.save`; see there."""
-    path = Path(path)
+    path = file_path(path)
     if path.suffix.lower() not in _SUFFIXES:
         raise InputError(f"{path}: found suffix {path.suffix!r}, expected {', '.join(_SUFFIXES)}")
     document = scene_document(scene, path.parent)

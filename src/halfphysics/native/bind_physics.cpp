@@ -1,11 +1,14 @@
 // Python face of the stepper. Arrays are copied in once; frames run without the GIL.
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
 #include "module.h"
 #include "stepper.h"
@@ -20,6 +23,7 @@ using Rows3 = f64<nb::shape<-1, 3>>;
 using Rows4 = f64<nb::shape<-1, 4>>;
 using Faces = i32<nb::shape<-1, 3>>;
 using Square = f64<nb::shape<-1, -1>>;
+using Indices = nb::ndarray<int32_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
 
 std::vector<Vec3> vectors(const Rows3& a) {
   std::vector<Vec3> out(a.shape(0));
@@ -117,38 +121,62 @@ void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
   }
 }
 
+void pose_of(Stepper& s, const Doubles& qpos, Poses& p) {
+  need((int)qpos.shape(0) == s.model.nq, "bad length of qpos");
+  p.kin.resize(s.model);
+  p.kin.update(s.model, qpos.data());
+  p.kin.update_dofs(s.model, qpos.data());
+  s.world.start_poses(p);
+}
+
+void inside_rows(const World& world, std::vector<double>& out) {
+  for (const Inside& in : world.inside())
+    out.insert(out.end(), {(double)in.mover, (double)in.other_static, (double)in.other_mover,
+                           in.depth()});
+}
+
 nb::dict contact_rows(const std::vector<Contact>& contacts) {
-  std::vector<double> n, t, u, xa, xb, imp, dist, target, shift, mu, bounce, a, b;
+  std::vector<double> n, t, u, imp, dist, target, shift, mu, bounce;
   for (const Contact& c : contacts) {
     push(n, c.n);
     push(t, c.t);
     push(u, c.s);
-    push(xa, c.a.count ? c.a.point[0] : c.position);
-    push(xb, c.b.count ? c.b.point[0] : c.position);
     push(imp, c.impulse);
     dist.push_back(c.dist);
     target.push_back(c.target);
     shift.push_back(c.shift);
     mu.push_back(c.friction);
     bounce.push_back(c.bounce);
-    a.push_back(c.a.count ? c.a.body[0] : 0);
-    b.push_back(c.b.count ? c.b.body[0] : 0);
   }
   size_t k = contacts.size();
   nb::dict d;
   d["normal"] = array({k, 3}, n);
   d["tangent"] = array({k, 3}, t);
   d["binormal"] = array({k, 3}, u);
-  d["point_a"] = array({k, 3}, xa);
-  d["point_b"] = array({k, 3}, xb);
   d["impulse"] = array({k, 3}, imp);
   d["dist"] = array(dist);
   d["target"] = array(target);
   d["shift"] = array(shift);
   d["friction"] = array(mu);
   d["bounce"] = array(bounce);
-  d["body_a"] = array(a);
-  d["body_b"] = array(b);
+  // Of both sides: the bodies that carry the point, 0: none more; its place on each, and their weights.
+  for (const bool second : {false, true}) {
+    std::vector<double> body, point, weight;
+    for (const Contact& c : contacts) {
+      const Endpoint& e = second ? c.b : c.a;
+      for (int i = 0; i < Endpoint::kMost; i++) {
+        const bool there = i < e.count;
+        body.push_back(there ? e.body[i] : 0);
+        weight.push_back(there ? e.weight[i] : 0);
+        push(point, there ? e.point[i] : Vec3{});
+      }
+    }
+    const size_t most = Endpoint::kMost;
+    const char* side = second ? "b" : "a";
+    d[(std::string("bodies_") + side).c_str()] = array({k, most}, body);
+    d[(std::string("weights_") + side).c_str()] = array({k, most}, weight);
+    d[(std::string("points_") + side).c_str()] = array({k, most, 3}, point);
+  }
   return d;
 }
 
@@ -179,6 +207,43 @@ void bind_physics(nb::module_& m) {
              Mover v;
              v.body = body, v.name = name, v.person = person, v.part = part;
              v.shape = convex(vertices, radius, rim, vectors(normals));
+             s.world.movers.push_back(std::move(v));
+           })
+      .def("add_skin",
+           // bend: (vertices, 3, features), or of no vertices: no pose blend shapes.
+           [](Stepper& s, Ints body, Ints parent, Rows3 joint, Rows3 rest, Ints first, Ints at,
+              Doubles weight, f64<nb::ndim<3>> bend) {
+             auto skin = std::make_shared<Skin>();
+             skin->body = list<int>(body), skin->parent = list<int>(parent);
+             skin->joint = vectors(joint), skin->rest = vectors(rest);
+             skin->first = list<int>(first), skin->at = list<int>(at);
+             skin->weight = list<double>(weight);
+             const size_t n = rest.shape(0), joints = joint.shape(0);
+             need(body.shape(0) == joints && parent.shape(0) == joints && first.shape(0) == n + 1 &&
+                      at.shape(0) == weight.shape(0) && (size_t)skin->first[n] == at.shape(0),
+                  "add_skin: arrays that do not fit together");
+             for (int b : skin->body) {
+               need(b > 0 && b < s.model.nbody, "add_skin: no such body");
+               skin->dof.push_back(s.model.dof_first[b]);
+             }
+             for (int j : skin->at) need(j >= 0 && (size_t)j < joints, "add_skin: no such joint");
+             need(bend.shape(0) == 0 || (bend.shape(0) == n && bend.shape(1) == 3 &&
+                                         bend.shape(2) == (size_t)skin->features()),
+                  "add_skin: bend has the wrong shape");
+             skin->bend.assign(bend.data(), bend.data() + bend.size());
+             s.skins.push_back(std::move(skin));
+             return (int)s.skins.size() - 1;
+           })
+      .def("add_skin_mover",
+           [](Stepper& s, int skin, int name, int person, int part, Ints vertices) {
+             Mover v;
+             v.skin = s.skins.at(skin);
+             v.name = name, v.person = person, v.part = part;
+             v.vertex = list<int>(vertices);
+             need(!v.vertex.empty(), "add_skin_mover: a hull needs at least one vertex");
+             for (int i : v.vertex)
+               need(i >= 0 && (size_t)i < v.skin->rest.size(), "add_skin_mover: no such vertex");
+             v.finish();
              s.world.movers.push_back(std::move(v));
            })
       .def("add_half_space",
@@ -256,7 +321,8 @@ void bind_physics(nb::module_& m) {
              int want = 0;
              for (int p = 0; p < s.person_count(); p++) want += s.person_qpos_count(p);
              need((int)targets.shape(1) == want && targets.shape(0) > 0, "run: bad shape of targets");
-             std::vector<double> qpos, poses, clearance, lost, touches, counts, numbers;
+             std::vector<double> qpos, poses, clearance, lost, touches, counts, numbers, inside,
+                 inside_counts;
              size_t done = 0;
              {
                nb::gil_scoped_release release;
@@ -276,6 +342,8 @@ void bind_physics(nb::module_& m) {
                                  (double)g.sweeps, (double)g.shortened, g.residual});
                  counts.push_back((double)s.touches().size());
                  touch_rows(s.touches(), touches);
+                 inside_counts.push_back((double)s.world.inside().size());
+                 inside_rows(s.world, inside);
                  done++;
                } while (done < targets.shape(0) && spent() < seconds);
              }
@@ -288,6 +356,8 @@ void bind_physics(nb::module_& m) {
              d["diagnostics"] = array({done, 6}, numbers);
              d["touch_count"] = array(counts);
              d["touches"] = array({touches.size() / 12, 12}, touches);
+             d["inside_count"] = array(inside_counts);
+             d["inside"] = array({inside.size() / 4, 4}, inside);
              d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
              return d;
            })
@@ -300,6 +370,23 @@ void bind_physics(nb::module_& m) {
              nb::gil_scoped_release release;
              return s.clearance();
            })
+      // Of poses (T, nq): distances (T, movers); `nearest` (T, movers) is filled with statics.
+      .def("clearances",
+           [](Stepper& s, Square qpos, double range, std::optional<Indices> nearest) {
+             const size_t poses = qpos.shape(0), n = s.world.movers.size();
+             need((int)qpos.shape(1) == s.model.nq, "clearances: bad shape of qpos");
+             need(!nearest || (nearest->shape(0) == poses && nearest->shape(1) == n),
+                  "clearances: bad shape of nearest");
+             std::vector<double> dist(poses * n);
+             std::vector<int> others(nearest ? 0 : poses * n);
+             {
+               nb::gil_scoped_release release;
+               s.clearances(qpos.data(), poses, range, dist.data(),
+                            nearest ? nearest->data() : others.data());
+             }
+             return array({poses, n}, dist);
+           },
+           nb::arg("qpos"), nb::arg("range"), nb::arg("nearest") = nb::none())
       .def("touches",
            [](Stepper& s) {
              std::vector<double> out;
@@ -318,6 +405,13 @@ void bind_physics(nb::module_& m) {
              out["residual"] = d.residual;
              out["lost_time"] = d.lost_time;
              return out;
+           })
+      // Who started inside something and is not out yet: mover, static, other mover, depth [m].
+      .def("inside",
+           [](Stepper& s) {
+             std::vector<double> out;
+             inside_rows(s.world, out);
+             return array({out.size() / 4, 4}, out);
            })
       .def("save", [](Stepper& s) { return array(s.save()); })
       .def("load", [](Stepper& s, Doubles state) { s.load(list<double>(state)); })
@@ -366,6 +460,41 @@ void bind_physics(nb::module_& m) {
                  M[i * n + j] = M[j * n + i] = inertia.M[mod.row_start[i] + a];
                }
              return array({n, n}, M);
+           })
+      // Vertices of the skin that are a mover's corners; none: it is rigid.
+      .def("mover_vertices",
+           [](Stepper& s, int mover) {
+             const std::vector<int>& v = s.world.movers.at(mover).vertex;
+             return array(std::vector<double>(v.begin(), v.end()));
+           })
+      // Of a mover at a pose: its corners (n, 3), and the Jacobian (3, nv) of one of them.
+      .def("mover_points",
+           [](Stepper& s, Doubles qpos, int mover) {
+             Poses p;
+             pose_of(s, qpos, p);
+             const Points at = s.world.place(p, mover).points();
+             std::vector<double> x;
+             for (int i = 0; i < at.n; i++) push(x, at.at(i));
+             return array({(size_t)at.n, 3}, x);
+           })
+      .def("mover_jacobian",
+           [](Stepper& s, Doubles qpos, int mover, int corner) {
+             Poses p;
+             pose_of(s, qpos, p);
+             const Mover& m = s.world.movers.at(mover);
+             const Placed& at = s.world.place(p, mover);
+             const Endpoint e = p.endpoint(m, at, p.material(m, at, at.points().at(corner)));
+             const size_t n = s.model.nv;
+             std::vector<double> J(3 * n), v(n, 0);
+             std::vector<Twist> twists;
+             for (size_t i = 0; i < n; i++) {
+               v[i] = 1;
+               body_twists(s.model, p.kin, v.data(), twists);
+               const Vec3 x = endpoint_velocity(s.model, p.kin, twists, v.data(), e);
+               for (int k = 0; k < 3; k++) J[k * n + i] = x[k];
+               v[i] = 0;
+             }
+             return array({3, n}, J);
            })
       .def("inertia_solve",
            [](Stepper& s, Doubles qpos, Doubles x) {

@@ -29,14 +29,11 @@ void World::start_poses(Poses& p) const {
   p.stamp = ++stamps_;
   p.placed.resize(movers.size());
   p.fresh.assign(movers.size(), 0);
+  p.bends.clear();
 }
 
 const Placed& World::place(Poses& p, int i) const {
-  if (!p.fresh[i]) {
-    const Mover& m = movers[i];
-    p.placed[i].place(m.shape, p.kin.xmat[m.body], p.kin.xpos[m.body]);
-    p.fresh[i] = 1;
-  }
+  if (!p.fresh[i]) p.place(movers, i);
   return p.placed[i];
 }
 
@@ -47,9 +44,10 @@ bool World::may_touch(const Model& m, int a, int b) const {
 }
 
 void World::demand(Candidate& c, double h) {
-  double clear = settings.clearance;
+  // What comes out is held at a distance that leaves it room.
+  double clear = c.inside >= 0 ? kLeastGap : settings.clearance;
   auto it = pairs_.find(key(c));
-  if (it != pairs_.end()) {
+  if (it != pairs_.end() && c.inside < 0) {
     if (c.dist >= clear) {
       pairs_.erase(it);
     } else {
@@ -100,6 +98,11 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
   for (Near& e : near_) {
     if (!takes_part(e)) continue;
     double r = reach[e.mover] + (e.other_mover >= 0 ? reach[e.other_mover] : 0.0);
+    if (any_inside())
+      if (Inside* in = inside_of(e)) {
+        gather_inside(start, e, *in, r, h, out);
+        continue;
+      }
     if (far(e, r)) continue;
     Candidate c;
     c.mover = e.mover;
@@ -155,7 +158,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
     }
     bool overlaps = false;
     for (const Plane& p : e.planes) overlaps |= p.overlaps;
-    if (overlaps) continue;  // started inside this mesh: nothing holds it until it is out
+    if (overlaps) continue;  // only a solver that failed can have let it in
     for (const Plane& p : e.planes) {
       if (p.dist > r) continue;
       c.n = p.n;
@@ -170,29 +173,63 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
 
 void World::reset(const Model& m, Poses& start) {
   pairs_.clear();
+  inside_.clear();
+  growth = 1;
   std::vector<double> reach(movers.size(), settings.clearance);
   std::vector<Candidate> near;
   list(m, start, reach);
+  std::vector<Overlap> overlaps;
+  for (Near& e : near_) {
+    bool inside = false;
+    if (e.other_mover >= 0) {
+      const Mover &A = movers[e.mover], &B = movers[e.other_mover];
+      if (A.person < 0 || B.person >= 0) continue;  // of things that overlap: see fixed_exit
+      if (separate(place(start, e.mover), place(start, e.other_mover)).dist < -kTouch)
+        overlaps.push_back({e.mover, -1, e.other_mover});
+      continue;
+    }
+    look(m, start, e, settings.clearance);
+    if (statics[e.other_static].kind == Static::Kind::Mesh)
+      for (const Plane& p : e.planes) inside |= p.overlaps;
+    else
+      inside = e.dist < -kTouch;
+    if (inside) overlaps.push_back({e.mover, e.other_static, -1});
+  }
+  if (!overlaps.empty()) {
+    find_inside(m, start, overlaps);
+    has_list_ = false;  // who is cut off is listed too
+    list(m, start, reach);
+  }
   gather(m, start, reach, 1.0, near);
   for (const Candidate& c : near) {
     // What touches, to within rounding of files, rests there; what is deeper inside comes out.
     if (c.dist < -kTouch && c.other_mover >= 0 && movers[c.mover].person >= 0 &&
         movers[c.other_mover].person >= 0)
       pairs_[key(c)].through = true;
-    if (c.dist < -kTouch || c.dist >= settings.clearance) continue;
+    if (c.inside >= 0 || c.dist < -kTouch || c.dist >= settings.clearance) continue;
     double own = std::max(c.dist, 0.0);
     auto [it, added] = pairs_.insert({key(c), {own, false, {}, false}});
     if (!added) it->second.clearance = std::min(it->second.clearance, own);
   }
 }
 
+// By how much the arcs of a mover's points bulge out of the hull of its start and end vertices, as
+// seen by what turns by `back` meanwhile: r angle^2 / 8.
+double World::bulge(int mover, const Poses& start, const Poses& end, const Mat3& back) const {
+  const Mover& M = movers[mover];
+  return M.most_of([&](const Mover::Tie& t) {
+    const Mat3 turn = back * (end.kin.xmat[t.body] * transposed(start.kin.xmat[t.body]));
+    const double cosine = 0.5 * (turn.m[0] + turn.m[4] + turn.m[8] - 1),
+                 angle = std::acos(std::min(1.0, std::max(-1.0, cosine)));
+    return t.reach * angle * angle / 8;
+  });
+}
+
 // Is the hull of the mover's start and end vertices, relative to the other, disjoint from it by
-// the clearance? Then the plane between them says nothing. The margin covers the arcs of the
-// vertices, which bulge out of the hull by at most r angle^2 / 8.
+// the clearance? Then the plane between them says nothing.
 bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,
                         Poses& end) const {
   if (c.dist < settings.clearance) return false;
-  Mat3 turn = a1.R * transposed(a0.R);
   const bool disc = a0.shape->rim > 0;
   Points p0 = a0.points(), p1 = a1.points();
   int n = p0.n * (disc ? kRimSides : 1);
@@ -205,22 +242,19 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
     int b = movers[c.other_mover].body;
     back = start.kin.xmat[b] * transposed(end.kin.xmat[b]);
     shift = start.kin.xpos[b] - back * end.kin.xpos[b];
-    turn = back * turn;
   }
   // A disc is the polygon around it here.
   auto corner = [&](const Placed& s, Points p, int i) {
     return disc ? p.at(i / kRimSides) + rim_corner(s, i % kRimSides) : p.at(i);
   };
   for (int i = 0; i < n; i++) {
-    Vec3 p = corner(a0, p0, i), q = corner(a1, p1, i);
+    Vec3 p = corner(a0, p0, i) + c.from, q = corner(a1, p1, i) + c.shift();
     if (c.other_mover >= 0) q = back * q + shift;
     x[i] = p.x, y[i] = p.y, z[i] = p.z;
     x[n + i] = q.x, y[n + i] = q.y, z[n + i] = q.z;
   }
   const Support swept{{x, y, z, 2 * n}};
-  double cosine = 0.5 * (turn.m[0] + turn.m[4] + turn.m[8] - 1);
-  double angle = std::acos(std::min(1.0, std::max(-1.0, cosine)));
-  double margin = a0.shape->bound * angle * angle / 8 + a0.shape->radius + settings.clearance;
+  double margin = bulge(c.mover, start, end, back) + a0.shape->radius + settings.clearance;
   Vec3 pa, pb;
   if (c.other_static >= 0 && c.triangle >= 0) {
     Vec3 v[3];
@@ -251,16 +285,14 @@ bool World::mesh_clear(const Candidate& c, Poses& start, Poses& end) const {
   swept.xyz.resize(6 * (size_t)n);
   for (int k = 0; k < 3; k++)
     for (int i = 0; i < n; i++) {
-      swept.xyz[(size_t)k * 2 * n + i] = a0.xyz[(size_t)k * n + i];
-      swept.xyz[(size_t)k * 2 * n + n + i] = a1.xyz[(size_t)k * n + i];
+      swept.xyz[(size_t)k * 2 * n + i] = a0.xyz[(size_t)k * n + i] + c.from[k];
+      swept.xyz[(size_t)k * 2 * n + n + i] = a1.xyz[(size_t)k * n + i] + c.shift()[k];
     }
-  swept.center = 0.5 * (a0.center + a1.center);
-  swept.box = a0.box;
-  swept.box.add(a1.box.lo), swept.box.add(a1.box.hi);
-  const Mat3 turn = a1.R * transposed(a0.R);
-  const double cosine = 0.5 * (turn.m[0] + turn.m[4] + turn.m[8] - 1),
-               angle = std::acos(std::min(1.0, std::max(-1.0, cosine))),
-               margin = a0.shape->bound * angle * angle / 8 + a0.shape->radius + settings.clearance;
+  swept.center = 0.5 * (a0.center + c.from + a1.center + c.shift());
+  swept.box = {};
+  for (Vec3 p : {a0.box.lo + c.from, a0.box.hi + c.from, a1.box.lo + c.shift(), a1.box.hi + c.shift()})
+    swept.box.add(p);
+  const double margin = bulge(c.mover, start, end, {}) + a0.shape->radius + settings.clearance;
   const bool clear = statics[c.other_static].tree->distance(swept, margin) >= margin;
   ways_.push_back({c.mover, c.other_static, clear});
   return clear;
@@ -273,15 +305,18 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
       c.other_static >= 0 && statics[c.other_static].kind == Static::Kind::HalfSpace;
   double gap;
   if (c.other_static >= 0) {
-    gap = a1.lowest(c.n) - c.offset;
+    gap = a1.lowest(c.n) + dot(c.n, c.shift()) - c.offset;
     if (half_space || gap >= c.target) return gap - c.target;
   } else {
     const Placed& b1 = place(end, c.other_mover);
-    gap = separate_along(a1, b1, c.n).dist;
+    Placed moved;
+    if (c.inside >= 0) moved = displaced(a1, c.shift());
+    const Placed& a = c.inside >= 0 ? moved : a1;
+    gap = separate_along(a, b1, c.n).dist;
     if (gap >= c.target || c.dist < 0) return gap - c.target;
     // The plane between two things turns as they do: where their nearest sides are still the
     // same, what counts is their distance at the end.
-    Separation s = separate(a1, b1, 1e300, false, c.n);
+    Separation s = separate(a, b1, 1e300, false, c.n);
     if (s.dist > 0 && dot(s.n, c.n) > 0.5) return s.dist - c.target;
   }
   if (swept_clear(place(start, c.mover), a1, c, start, end)) {
@@ -303,7 +338,8 @@ void World::search_behind(Poses& start, const std::vector<double>& reach, double
   for (const Candidate& k : all)
     if (k.mover == c.mover && k.other_static == c.other_static && !k.searched)
       planes.push_back({k.n, k.offset, k.dist, k.triangle, false});
-  statics[c.other_static].tree->planes(place(start, c.mover), reach[c.mover], planes, without);
+  statics[c.other_static].tree->planes(displaced(place(start, c.mover), c.from), reach[c.mover], planes,
+                                       without);
   c.searched = c.forgiven = false;
   for (const Plane& p : planes) {
     bool known = false;
@@ -325,6 +361,11 @@ void World::save(std::vector<double>& out) const {
     out.insert(out.end(), {(double)(k >> 32), (double)(k & 0xffffffff), s.clearance,
                            s.inside ? 1.0 : 0.0, s.exit.x, s.exit.y, s.exit.z,
                            s.through ? 1.0 : 0.0});
+  out.push_back((double)inside_.size());
+  for (const Inside& i : inside_)
+    out.insert(out.end(), {(double)i.mover, (double)i.other_static, (double)i.other_mover, i.exit.x,
+                           i.exit.y, i.exit.z, i.out, i.lost ? 1.0 : 0.0});
+  out.push_back(growth);
   save_near(out);
 }
 
@@ -333,6 +374,10 @@ const double* World::load(const double* in) {
   for (int n = (int)*in++; n > 0; n--, in += 8)
     pairs_[((int64_t)in[0] << 32) | (int64_t)in[1]] = {in[2], in[3] != 0, load3(in + 4),
                                                        in[7] != 0};
+  inside_.clear();
+  for (int n = (int)*in++; n > 0; n--, in += 8)
+    inside_.push_back({(int)in[0], (int)in[1], (int)in[2], load3(in + 3), in[6], in[6], in[7] != 0});
+  growth = *in++;
   return load_near(in);
 }
 

@@ -7,19 +7,11 @@
 
 #include "bvh.h"
 #include "convex.h"
+#include "mover.h"
 #include "solver.h"
 #include "tree.h"
 
 namespace hp {
-
-// A convex shape carried by a body: a part of a person, or an object.
-struct Mover {
-  Convex shape;
-  int body = 0;
-  int name = 0;    // index into the names
-  int person = -1;  // -1: an object
-  int part = -1;    // joint index, -1: an object
-};
 
 struct Static {
   enum class Kind { HalfSpace, Hull, Mesh } kind = Kind::HalfSpace;
@@ -60,6 +52,24 @@ struct Candidate {
   int triangle = -1;
   bool forgiven = false;  // the plane may be crossed: the thing behind it is not there
   bool searched = false;  // what its plane had hidden has been asked for
+  // A mover that started inside is not where it is held to be: displaced by `from` at the start of
+  // the substep and, where it makes `share` of that, by so much of the way to `to` at its end.
+  int inside = -1;  // index of the pair
+  Vec3 from, to;
+  double share = 1;
+  Vec3 shift() const { return from + share * (to - from); }
+};
+
+// A mover that started inside a static or, a part of a person, inside a thing. Displaced by `exit` it is
+// clear of it, and on the right side; what is kept clear is the mover displaced by a part (1 - out) of
+// that, and `out` only grows. docs/design.md, "Starting inside".
+struct Inside {
+  int mover = 0, other_static = -1, other_mover = -1;  // one of the two
+  Vec3 exit;
+  double out = 0;   // 1: it has come out
+  double next = 0;  // what it will be at the end of the substep
+  bool lost = false;  // no way out was found: nothing holds it until it is clear
+  double depth() const { return (1 - out) * norm(exit); }
 };
 
 // Where all demands cannot be met, clearances give way down to this [m].
@@ -70,26 +80,19 @@ struct ContactSettings {
   int max_sweeps = 50;
 };
 
-// Poses of all movers.
-struct Poses {
-  unsigned stamp = 0;  // another one, another pose
-  Kinematics kin;
-  std::vector<Placed> placed;
-  std::vector<char> fresh;
-};
-
 // A contact point that carried something in the substep before.
 struct Remembered {
   int64_t key;
   int feature;
-  Vec3 local, normal, impulse;  // the point in the mover's frame; in the world
-  Vec3 other;                   // in the other mover's frame: the point opposite
+  Material point, other;  // on the mover; on the other mover: the point opposite
+  Vec3 normal, impulse;   // in the world
   bool used;
 };
 
 // How movers get from one pose to another, without contact [m].
 struct Sweep {
   std::vector<double> way;    // no point of the mover goes farther
+  std::vector<double> straight;  // the part of `way` that its end pose alone tells
   std::vector<double> bulge;  // nor strays farther from the straight line between its ends
 };
 
@@ -110,8 +113,8 @@ class World {
 
   // Everybody is somewhere else now: nothing is known of distances.
   void forget();
-  // The movers of active trees have gone from one pose to another.
-  void travel(const Poses& from, const Poses& to);
+  // The movers of active trees have gone from one pose to another, no farther than `way`.
+  void travel(const std::vector<double>& way);
   // Lists all pairs that can come within `way[mover]` of each other, and some that cannot, unless
   // the list that there is says so already.
   void list(const Model& m, const Poses& p, const std::vector<double>& way);
@@ -119,6 +122,14 @@ class World {
   void find_busy(const Model& m, Poses& start, Poses& end, const Sweep& sweep,
                  std::vector<char>& busy);
   double travelled(int mover) const { return odometer_[mover]; }
+
+  // Who started inside something and is not out yet.
+  const std::vector<Inside>& inside() const { return inside_; }
+  bool any_inside() const { return !inside_.empty(); }
+  // How fast they come out in the next substep, as a share of what is asked.
+  double growth = 1;
+  // The substep has been made, by the trees' shares of it (per body; empty: whole).
+  void come_out(const std::vector<double>& share);
 
   void start_poses(Poses& p) const;
   const Placed& place(Poses& p, int mover) const;
@@ -141,9 +152,12 @@ class World {
                     const Candidate& c, int index, int pass,
                     std::vector<Contact>& contacts) const;
   // The gap that a contact's own points have at the end pose.
-  double gap_at(const Poses& start, const Poses& end, const Contact& c) const;
+  double gap_at(Poses& start, Poses& end, const Contact& c) const;
   // Smallest distance of a person's parts from the statics, up to `range`, inf beyond.
   double clearance(const Model& m, Poses& p, double range) const;
+  // The same of every mover, and the static that it is from (-1: none within `range`); NaN for
+  // objects. Looks at all pairs: slower, but nothing has to be known of them.
+  void clearances(Poses& p, double range, double* dist, int* nearest) const;
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
@@ -151,7 +165,7 @@ class World {
  private:
   struct PairState {
     double clearance = 0;  // its own: it started nearer
-    bool inside = false;
+    bool inside = false;   // of two movers
     Vec3 exit;             // direction out, where inside
     bool through = false;  // two people who start in one place pass through until they are out
   };
@@ -159,14 +173,17 @@ class World {
     return ((int64_t)c.mover << 32) | (int64_t)(c.other_static >= 0 ? 2 * c.other_static
                                                                     : 2 * c.other_mover + 1);
   }
+  static Candidate unpacked(int64_t key) {
+    Candidate c;
+    c.mover = (int)(key >> 32);
+    const int other = (int)(key & 0xffffffff);
+    (other % 2 == 0 ? c.other_static : c.other_mover) = other / 2;
+    return c;
+  }
   template <typename Make>
   void add_rim_contacts(const Placed& a0, const Placed& a1, const Candidate& c, int index,
                         Make make, std::vector<Contact>& contacts) const;
   bool may_touch(const Model& m, int a, int b) const;
-  Vec3 center(const Poses& p, int mover) const {
-    const Mover& M = movers[mover];
-    return p.kin.xpos[M.body] + p.kin.xmat[M.body] * M.shape.center;
-  }
   double way_of(const Near& e) const {
     return odometer_[e.mover] + (e.other_mover >= 0 ? odometer_[e.other_mover] : 0.0);
   }
@@ -177,14 +194,28 @@ class World {
   void look(const Model& m, Poses& p, Near& e, double r);
   bool takes_part(const Near& e) const;
   void demand(Candidate& c, double h);
+  // Starting inside (inside.cpp).
+  struct Overlap {
+    int mover, other_static, other_mover;
+  };
+  struct Obstacle;
+  void find_inside(const Model& m, Poses& start, const std::vector<Overlap>& overlaps);
+  void way_out(const Model& m, Poses& start, const Obstacle& o, const std::vector<int>& group,
+               const std::vector<char>& moves, const std::vector<char>& stays);
+  void gather_inside(Poses& start, Near& e, Inside& in, double reach, double h,
+                     std::vector<Candidate>& out);
+  Inside* inside_of(const Near& e);
+  bool is_inside(int mover, int other_static) const;
+  bool clear_of(Poses& start, int mover, const Obstacle& o, Vec3 shift, double range) const;
+  double bulge(int mover, const Poses& start, const Poses& end, const Mat3& back) const;
   bool swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,
                    Poses& end) const;
 
   std::map<int64_t, PairState> pairs_;
+  std::vector<Inside> inside_;
   std::vector<Near> near_;
   std::vector<double> odometer_, listed_, range_;  // per mover [m]
   bool has_list_ = false;
-  std::vector<Plane> planes_;
   // Of mesh_clear(), for the end pose that has this stamp.
   struct Way {
     int mover, other_static;

@@ -1,6 +1,7 @@
 // Where two that would come too near touch: contact points, and their gaps at the end pose.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "collide.h"
 
@@ -17,39 +18,32 @@ constexpr double kSpread2 = 5e-3 * 5e-3;     // of the first points, where there
 // turned; up to the second what it turns by costs nothing.
 constexpr double kSameRim = 0.5, kSettledRim = 1e-4;
 
-// Where a point carried by a body at the end pose was at the start.
-Vec3 carried_back(const Poses& start, const Poses& end, int body, Vec3 x) {
-  if (body == 0) return x;
-  return start.kin.xpos[body] + start.kin.xmat[body] * mul_t(end.kin.xmat[body], x - end.kin.xpos[body]);
-}
-
-Vec3 carried(const Poses& start, const Poses& end, int body, Vec3 x) {
-  return body == 0 ? x : carried_back(end, start, body, x);
-}
-
 }  // namespace
 
-double World::gap_at(const Poses& start, const Poses& end, const Contact& c) const {
+double World::gap_at(Poses& start, Poses& end, const Contact& c) const {
+  const Candidate k = unpacked(c.key);
   if (norm2(c.rim) > 0) {
     // On a disc against something that stands: the point of its rim that lies in that direction,
     // whatever material that is, so that what rolls or tips is measured where it touches.
-    const Convex& shape = movers[c.key >> 32].shape;
-    const int b = c.a.body[0];
+    const Mover& M = movers[k.mover];
+    const Convex& shape = M.shape;
+    const int b = M.body;
     auto on_rim = [&](const Poses& p) {
       return Support{{}, p.kin.xmat[b] * shape.axis, shape.rim}.on_rim(c.rim);
     };
-    Vec3 from = on_rim(start), center = c.a.point[0] - from;
-    return c.dist + dot(c.n, carried(start, end, b, center) + on_rim(end) - center - from);
+    Vec3 from = on_rim(start), center = c.at_a - from;
+    const Material hub{-1, mul_t(start.kin.xmat[b], center - start.kin.xpos[b])};
+    return c.dist - c.closing +
+           dot(c.n, end.position(M, place(end, k.mover), hub) + on_rim(end) - center - from);
   }
-  auto moved = [&](const Endpoint& e, double arm) {
-    Vec3 way;
-    for (int i = 0; i < e.count; i++) {
-      Vec3 x = e.point[i] + arm * c.n;
-      way += e.weight[i] * (carried(start, end, e.body[i], x) - x);
-    }
-    return way;
+  auto moved = [&](int mover, const Endpoint& e, const Material& point) {
+    if (e.count == 0) return Vec3{};  // stands
+    const Mover& M = movers[mover];
+    return end.position(M, place(end, mover), point) - start.position(M, place(start, mover), point);
   };
-  return c.dist + dot(c.n, moved(c.a, c.arm_a) - moved(c.b, -c.arm_b));
+  Vec3 way = moved(k.mover, c.a, c.gap_a);
+  if (k.other_mover >= 0) way -= moved(k.other_mover, c.b, c.gap_b);
+  return c.dist - c.closing + dot(c.n, way);
 }
 
 // Points on the rims of a mover's discs that would end too near what stands: the deepest, and four
@@ -75,7 +69,7 @@ void World::add_rim_contacts(const Placed& a0, const Placed& a1, const Candidate
       // The four are for a disc that lies flat; on its edge some would be nowhere in particular.
       if (k > 0 && std::fabs(dot(toward[k], s1.axis)) > 0.5) continue;
       Vec3 out = s1.on_rim(toward[k]);
-      double gap = dot(c.n, s1.points.at(v) + out) - r - c.offset;
+      double gap = dot(c.n, s1.points.at(v) + c.shift() + out) - r - c.offset;
       if (gap < c.target && norm2(out) > 0) worst.push_back({gap, 5 * v + k, toward[k]});
     }
   }
@@ -97,7 +91,7 @@ void World::add_rim_contacts(const Placed& a0, const Placed& a1, const Candidate
     for (Vec3 o : chosen) near |= norm2(o - x) < kSpread2;
     if (near && already == 0) continue;
     chosen.push_back(x);
-    make(c.n, dot(c.n, x) - c.offset, x, x, w.feature);
+    make(c.n, dot(c.n, x + c.from) - c.offset, x, x, w.feature);
     contacts.back().rim = toward;
     if (same >= 0) {
       contacts.back().impulse = contacts[same].impulse;
@@ -119,26 +113,32 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
   const Pairing& pair = pairing(M.name, other_name);
   // A contact of the points xa and xb, whose gap along n is `dist`; rounded surfaces end `round`
   // before the points that they are round about.
-  auto make = [&](Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature) {
+  auto make = [&](Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature, double back = 0) {
     Contact k;
     k.n = n;
     tangents(n, k.t, k.s);
     k.dist = dist;
     k.target = c.target;
+    k.closing = dot(n, c.from - c.to);
+    k.shift = k.closing;
     k.position = 0.5 * (xa + xb);
-    // Who stands is as good as the world.
-    k.a = Endpoint::rigid(active[M.body] ? M.body : 0, xa);
-    k.a.point[0] = xa;
-    // Round sides are measured at what they are round about.
-    k.arm_a = a0.reach(n);
-    if (c.other_mover >= 0) {
-      const int body = movers[c.other_mover].body;
-      k.b = Endpoint::rigid(active[body] ? body : 0, xb);
-      k.b.point[0] = xb;
-      k.arm_b = place(start, c.other_mover).reach(n);
-    }
-    k.friction = pair.friction;
-    k.restitution = pair.restitution;
+    k.at_a = xa, k.at_b = xb;
+    // Who stands is as good as the world. Round sides are measured at what they are round about.
+    auto end_of = [&](int mover, Vec3 x, Vec3 counts, Material& gap) {
+      const Mover& own = movers[mover];
+      const Placed& at = place(start, mover);
+      const bool corner = own.skin && c.other_static >= 0;  // of a skin: one of its vertices
+      const Material point = corner ? Material{feature, {}} : start.material(own, at, x);
+      gap = corner ? point : start.material(own, at, counts);
+      Endpoint e = active[own.body] ? start.endpoint(own, at, point) : Endpoint{};
+      return e;
+    };
+    k.a = end_of(c.mover, xa, xa + (a0.reach(n) + back) * n, k.gap_a);
+    if (c.other_mover >= 0)
+      k.b = end_of(c.other_mover, xb, xb - (place(start, c.other_mover).reach(n) + back) * n, k.gap_b);
+    // What comes out of something slides out.
+    k.friction = c.inside < 0 ? pair.friction : 0;
+    k.restitution = c.inside < 0 ? pair.restitution : 0;
     k.pair = index;
     k.key = key(c);
     k.feature = feature;
@@ -148,9 +148,7 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
   // momentum of the two is kept too.
   auto make_opposite = [&](Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature) {
     Vec3 x = 0.5 * (xa + xb);
-    make(n, dist, x, x, feature);
-    contacts.back().arm_a += 0.5 * dist;
-    contacts.back().arm_b += 0.5 * dist;
+    make(n, dist, x, x, feature, 0.5 * dist);
   };
   int already = 0;
   for (const Contact& k : contacts) already += k.pair == index;
@@ -165,14 +163,19 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
     double r = M.shape.radius;
     std::vector<std::pair<double, int>> worst;
     for (int v = 0; v < p1.n; v++) {
-      double gap = dot(c.n, p1.at(v)) - r - c.offset;
+      double gap = dot(c.n, p1.at(v) + c.shift()) - r - c.offset;
       if (gap < c.target) worst.push_back({gap, v});
     }
-    std::sort(worst.begin(), worst.end());
+    // A few of many: not worth sorting.
+    auto later = std::greater<std::pair<double, int>>();
+    std::make_heap(worst.begin(), worst.end(), later);
     int added = 0;
     std::vector<Vec3> chosen;
-    for (auto [gap, v] : worst) {
+    while (!worst.empty()) {
       if (added == 4 || already + added == kMostPoints) break;
+      std::pop_heap(worst.begin(), worst.end(), later);
+      const int v = worst.back().second;
+      worst.pop_back();
       Vec3 x = p0.at(v);
       bool skip = false;
       for (const Contact& k : contacts) skip |= k.pair == index && k.feature == v;
@@ -182,22 +185,41 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
       chosen.push_back(x);
       added++;
       Vec3 surface = x - r * c.n;
-      make(c.n, dot(c.n, surface) - c.offset, surface, surface, v);
+      make(c.n, dot(c.n, surface + c.from) - c.offset, surface, surface, v);
     }
     return;
   }
   const Placed& b0 = place(start, c.other_mover);
+  if (c.inside >= 0) {
+    // The nearest points of the displaced mover and the thing, at the start or, later, at the end; they
+    // act where the mover is.
+    if (already == kMostPoints) return;
+    Poses& at = already == 0 ? start : end;
+    const Vec3 shift = already == 0 ? c.from : c.shift();
+    const Separation s =
+        separate(displaced(place(at, c.mover), shift), place(at, c.other_mover), 1e300, true, c.n);
+    const bool settle = already > 0 && (pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < 0.5);
+    const Vec3 n = settle ? c.n : s.n;
+    auto start_of = [&](int mover, Vec3 x) {
+      const Mover& own = movers[mover];
+      return start.position(own, place(start, mover), at.material(own, place(at, mover), x));
+    };
+    const Vec3 xa = start_of(c.mover, s.pa - shift), xb = start_of(c.other_mover, s.pb);
+    for (const Contact& k : contacts)
+      if (k.pair == index && norm2(k.at_a - xa) < kSamePoint2 && dot(k.n, n) > 0.9999) return;
+    make(n, dot(n, xa + c.from - xb), xa, xa, 5 + already);
+    contacts.back().gap_b = start.material(movers[c.other_mover], b0, xb);
+    return;
+  }
   if (already == 0) {
     Vec3 pa[4], pb[4];
     bool nearest = false;
     const size_t first = contacts.size();
     // What carried something is likely to do so again: the same two points, as long as they face
     // each other.
-    const int A = M.body, B = movers[c.other_mover].body;
     for (const Remembered& w : remembered) {
       if (w.key != key(c) || dot(w.normal, c.n) < 0.99) continue;
-      Vec3 xa = start.kin.xpos[A] + start.kin.xmat[A] * w.local,
-           xb = start.kin.xpos[B] + start.kin.xmat[B] * w.other;
+      Vec3 xa = start.position(M, a0, w.point), xb = start.position(movers[c.other_mover], b0, w.other);
       double gap = dot(c.n, xa - xb);
       if (norm2(xa - xb - gap * c.n) > kSamePoint2 || gap < c.dist - kFlat) continue;
       make_opposite(c.n, std::max(c.dist, gap), xa, xb, w.feature);
@@ -235,19 +257,22 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
   }
   // The same material points at the start, and how far apart they were along the end's normal:
   // a better line for the contact that stands there, or one more.
-  Vec3 xa = carried_back(start, end, M.body, s.pa),
-       xb = carried_back(start, end, movers[c.other_mover].body, s.pb);
+  auto before = [&](int mover, Vec3 x) {
+    const Mover& own = movers[mover];
+    return start.position(own, place(start, mover), end.material(own, place(end, mover), x));
+  };
+  Vec3 xa = before(c.mover, s.pa), xb = before(c.other_mover, s.pb);
   double dist = dot(s.n, xa - xb);
   bool round = a1.shape->radius > 0 && a1.points().n == 1 && b1.shape->radius > 0 && b1.points().n == 1;
   Contact* same = nullptr;
   for (Contact& k : contacts)
-    if (k.pair == index && (round || (norm2(k.a.point[0] - xa) < kSamePoint2 &&
-                                      norm2(k.b.point[0] - xb) < kSamePoint2)))
+    if (k.pair == index && (round || (norm2(k.at_a - xa) < kSamePoint2 &&
+                                      norm2(k.at_b - xb) < kSamePoint2)))
       same = &k;
   if (same && settle && dot(same->n, s.n) > 1 - 1e-9) return;  // only its shift is missing
   if (!same && already == kMostPoints) return;
-  Contact before = same ? *same : Contact{};
-  int at = same ? (int)(same - contacts.data()) : -1, feature = same ? before.feature : 5 + already;
+  const Contact old = same ? *same : Contact{};
+  int at = same ? (int)(same - contacts.data()) : -1, feature = same ? old.feature : 5 + already;
   if (settle)
     make(s.n, dist, xa, xb, feature);
   else
@@ -255,7 +280,7 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
   if (at < 0) return;
   contacts[at] = contacts.back();
   contacts.pop_back();
-  contacts[at].impulse = before.impulse;
+  contacts[at].impulse = old.impulse;
 }
 
 }  // namespace hp

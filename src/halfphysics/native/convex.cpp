@@ -50,6 +50,17 @@ void Placed::place(const Convex& c, const Mat3& rot, Vec3 pos) {
   box.hi += side;
 }
 
+Placed displaced(const Placed& a, Vec3 shift) {
+  Placed b(a);
+  if (norm2(shift) == 0) return b;
+  const size_t n = a.shape->vertices.size();
+  for (size_t k = 0; k < 3; k++)
+    for (size_t i = 0; i < n; i++) b.xyz[k * n + i] += shift[(int)k];
+  b.center += shift;
+  b.box.lo += shift, b.box.hi += shift;
+  return b;
+}
+
 double Placed::lowest(Vec3 n) const {
   Points p = points();
   return dot(n, p.at(p.support(-n))) - reach(n);

@@ -53,7 +53,8 @@ struct Convex {
 // The shape at one pose.
 struct Placed {
   const Convex* shape = nullptr;
-  std::vector<double> xyz;  // x..., y..., z...
+  std::vector<double> xyz;   // x..., y..., z...
+  std::vector<double> rest;  // of a skin with pose blend shapes: the same before it is posed
   Vec3 center;
   Mat3 R;
   Vec3 axis;  // of the disc, world
@@ -79,6 +80,9 @@ struct Placed {
 // they touch or overlap. Stops early with a lower bound once that exceeds `beyond`; pa - pb is then the
 // unit direction, from b to a, that proves it.
 double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond = 1e300);
+
+// The shape, moved by a shift.
+Placed displaced(const Placed& a, Vec3 shift);
 
 struct Separation {
   double dist = 0;  // negative: depth along n

@@ -8,6 +8,10 @@ namespace {
 
 constexpr double kRootTime = 0.3;  // time constant of root recovery [s]
 // What is left of a contact is dropped when it is this small: angles [rad], velocities [m/s, rad/s].
+// Who came out of something is back where all joints are this near to the motion's [rad]; it goes gently
+// for so long at most [s].
+constexpr double kBack = 0.01, kGentle = 0.5;
+constexpr double kLeastReach = 0.02;  // of a joint [m]
 constexpr double kSettledAngle = 1e-11, kSettledSpeed = 1e-9;
 
 Vec3 difference(const double* from, const double* to) {
@@ -49,8 +53,28 @@ void Drive::reset(const double* target, double* qvel) {
   for (auto* v : {&v_ref_, &deviation_, &v_drive_}) v->assign(nv_, 0);
   for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = 0;
   exact_ = true;
+  gentle_left_ = 0;
   velocity_known_ = older_asked_ = true;
 }
+
+void Drive::go_gently(double speed, const std::vector<double>& reach) {
+  if (gentle_left_ == 0) gentle_left_ = kGentle;
+  gentle_rate_.clear();
+  for (const Ball& b : balls_) gentle_rate_.push_back(speed / std::max(reach[b.body], kLeastReach));
+}
+
+void Drive::stay_gentle(bool comes_out, double dt, const double* qpos) {
+  if (comes_out) {
+    gentle_left_ = kGentle;
+    return;
+  }
+  gentle_left_ = std::max(0.0, gentle_left_ - dt);
+  for (const Ball& b : balls_)
+    if (norm(difference(&target_[b.qpos], qpos + qpos0_ + b.qpos)) > kBack) return;
+  gentle_left_ = 0;
+}
+
+void Drive::reference(double* v) const { std::copy(v_ref_.begin(), v_ref_.end(), v + dof0_); }
 
 void Drive::aim(const DriveSettings& s, const double* target, double dt, const double* qpos) {
   older_asked_ = velocity_known_;
@@ -142,8 +166,15 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   if (s.time_constant > 0) return;
   q_start_.assign(q, q + nq_);
   store3(v_drive_.data(), root_velocity_);
-  for (const Ball& b : balls_)
-    store3(&v_drive_[b.dof], rate * difference(q + b.qpos, &target_[b.qpos]));
+  for (size_t i = 0; i < balls_.size(); i++) {
+    const Ball& b = balls_[i];
+    Vec3 w = rate * difference(q + b.qpos, &target_[b.qpos]);
+    if (gentle()) {
+      const Vec3 asked = load3(&v_ref_[b.dof]);
+      w = asked + capped(w - asked, gentle_rate_[i]);
+    }
+    store3(&v_drive_[b.dof], w);
+  }
   for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = v_drive_[i];
 }
 
@@ -170,9 +201,11 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
   if (s.time_constant > 0) {
     double tau = s.time_constant, sc = scale(s, h), limit = 2 * s.recovery_rate * tau;
     for (int i = 0; i < 3; i++) v[i] = v_ref_[i] + deviation_[i] / sc;
-    for (const Ball& b : balls_) {
+    for (size_t i = 0; i < balls_.size(); i++) {
+      const Ball& b = balls_[i];
       Quat ref = load4(&previous_[b.qpos]) * exp_quat((k * h) * load3(&v_ref_[b.dof]));
-      Vec3 xi = capped(log_quat(conjugate(ref) * load4(q + b.qpos)), limit);
+      const double most = gentle() ? std::min(limit, 2 * gentle_rate_[i] * tau) : limit;
+      Vec3 xi = capped(log_quat(conjugate(ref) * load4(q + b.qpos)), most);
       Vec3 e = load3(&deviation_[b.dof]) - (h / (tau * tau)) * xi;
       store3(v + b.dof, load3(&v_ref_[b.dof]) + (1 / sc) * e);
     }
@@ -204,7 +237,7 @@ void Drive::end_substep(const double* qvel) {
 
 void Drive::save(std::vector<double>& out) const {
   for (const auto* v : {&target_, &v_ref_, &deviation_}) out.insert(out.end(), v->begin(), v->end());
-  out.push_back(exact_ ? 1 : 0);
+  out.insert(out.end(), {exact_ ? 1.0 : 0.0, gentle_left_});
 }
 
 const double* Drive::load(const double* in) {
@@ -214,6 +247,7 @@ const double* Drive::load(const double* in) {
   }
   previous_ = q_start_ = target_;
   exact_ = *in++ != 0;
+  gentle_left_ = *in++;
   velocity_known_ = older_asked_ = true;
   return in;
 }

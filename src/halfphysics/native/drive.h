@@ -59,6 +59,16 @@ class Drive {
   // Root offset from the reference at the last target [m].
   const std::vector<double>& target() const { return target_; }
 
+  // Goes back to the motion gently, so that no point goes faster than `speed` on any joint's account;
+  // `reach` says (per body) how far from a joint any point that it moves is.
+  void go_gently(double speed, const std::vector<double>& reach);
+  bool gentle() const { return gentle_left_ > 0; }
+  // A frame of length dt has passed: gentle as long as the person comes out of something, and then until
+  // it is back at the motion's pose, but for the root's position, or for a while.
+  void stay_gentle(bool comes_out, double dt, const double* qpos);
+  // The motion's own velocity.
+  void reference(double* v) const;
+
   // Everything that outlives a frame.
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
@@ -75,6 +85,8 @@ class Drive {
   std::vector<double> q_start_, v_drive_;   // Algorithm 1: pose and velocity at the frame's start
   double dt_ = 0;
   Vec3 root_velocity_;
+  double gentle_left_ = 0;  // [s]
+  std::vector<double> gentle_rate_;  // per ball [rad/s]
   bool exact_ = false;  // the pose is the target's, bit for bit, but for the root's position
   bool velocity_known_ = true;
   // Of the frame before, while its velocity has not been asked for.

@@ -3,6 +3,23 @@
 
 namespace hp {
 
+namespace {
+
+// Who comes out of something, or just has, resists as if its joints had so many times more inertia: on
+// the ways from the root to what comes out, so that it goes as a whole, and elsewhere, so that what
+// pushes a foot does not swing an arm.
+constexpr double kFirm = 3, kLock = 300;
+
+}  // namespace
+
+void Stepper::stiffen() {
+  for (const Drive& d : drives_) {
+    if (!d.gentle() || !world.active[d.body(0)]) continue;
+    for (int i = d.first_dof() + 6; i < d.first_dof() + d.dof_count(); i++)
+      extra_[i] += (way_out_[model.dof_body[i]] ? kFirm : kLock) * inertia_.diagonal(model, i);
+  }
+}
+
 void Stepper::build_inertia(double h) {
   if (inertia_ready_) return;
   inertia_.compose(model, start_.kin, world.active.data());
@@ -13,7 +30,10 @@ void Stepper::build_inertia(double h) {
     double s = d.scale(drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
   }
+  const std::vector<double> drive = extra_;
+  stiffen();
   inertia_.factor(model, scale_, extra_, world.active.data());
+  extra_ = drive;
   inertia_ready_ = true;
 }
 

@@ -1,6 +1,5 @@
 // Who is near whom: what need not be looked at in a substep, or in a whole frame.
 #include <cmath>
-#include <limits>
 
 #include "collide.h"
 
@@ -22,15 +21,9 @@ void World::forget() {
   range_.assign(movers.size(), 0);
 }
 
-void World::travel(const Poses& from, const Poses& to) {
-  for (int i = 0; i < (int)movers.size(); i++) {
-    int b = movers[i].body;
-    if (!active[b]) continue;
-    const Quat &p = from.kin.xquat[b], &q = to.kin.xquat[b];
-    double cosine = std::fabs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z);
-    double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));  // of half the turn
-    odometer_[i] += norm(center(to, i) - center(from, i)) + 2 * sine * movers[i].shape.bound;
-  }
+void World::travel(const std::vector<double>& way) {
+  for (size_t i = 0; i < movers.size(); i++)
+    if (active[movers[i].body]) odometer_[i] += way[i];
 }
 
 void World::list(const Model& m, const Poses& p, const std::vector<double>& way) {
@@ -40,14 +33,14 @@ void World::list(const Model& m, const Poses& p, const std::vector<double>& way)
   if (good) return;
   has_list_ = true;
   listed_ = odometer_;
-  std::vector<Vec3> at(n);
+  std::vector<Poses::Ball> ball(n);
   std::vector<Box3> box(n);
   std::vector<Box3> tree(m.nbody);
   for (int i = 0; i < n; i++) {
     range_[i] = 2 * way[i] + kMargin;
-    at[i] = center(p, i);
-    box[i].add(at[i]);
-    box[i].grow(movers[i].shape.bound + range_[i]);
+    ball[i] = p.ball(movers[i]);
+    box[i].add(ball[i].center);
+    box[i].grow(ball[i].radius + range_[i]);
     Box3& t = tree[m.root[movers[i].body]];
     t.add(box[i].lo), t.add(box[i].hi);
   }
@@ -70,8 +63,10 @@ void World::list(const Model& m, const Poses& p, const std::vector<double>& way)
     const Mover& M = movers[i];
     for (int j = 0; j < (int)statics.size(); j++) {
       const Static& S = statics[j];
-      if (S.kind == Static::Kind::HalfSpace) {
-        if (dot(S.n, at[i]) - M.shape.bound - S.offset > range_[i]) continue;
+      if (is_inside(i, j)) {
+        // Listed wherever it is.
+      } else if (S.kind == Static::Kind::HalfSpace) {
+        if (dot(S.n, ball[i].center) - ball[i].radius - S.offset > range_[i]) continue;
       } else {
         const Box3& other = S.kind == Static::Kind::Hull ? S.placed.box : S.tree->box();
         if (!tree[m.root[M.body]].meets(other) || !box[i].meets(other)) continue;
@@ -126,6 +121,10 @@ void World::look(const Model&, Poses& p, Near& e, double r) {
 
 void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& sweep,
                       std::vector<char>& busy) {
+  for (const Inside& in : inside_) {
+    busy[m.root[movers[in.mover].body]] = 1;
+    if (in.other_mover >= 0) busy[m.root[movers[in.other_mover].body]] = 1;
+  }
   for (Near& e : near_) {
     const Mover& M = movers[e.mover];
     const int mine = m.root[M.body];
@@ -158,44 +157,6 @@ void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& swe
     if (e.dist > r || passes()) continue;
     busy[mine] = 1;
   }
-}
-
-double World::clearance(const Model& m, Poses& p, double range) const {
-  double best = range;
-  auto measure = [&](int i, const Static& S, const std::vector<Plane>& near) {
-    const Mover& M = movers[i];
-    if (S.kind == Static::Kind::HalfSpace) {
-      if (dot(S.n, center(p, i)) - M.shape.bound - S.offset < best)
-        best = std::min(best, place(p, i).lowest(S.n) - S.offset);
-      return;
-    }
-    Box3 box;
-    box.add(center(p, i));
-    box.grow(M.shape.bound + std::max(best, 0.0));
-    if (S.kind == Static::Kind::Hull) {
-      if (box.meets(S.placed.box))
-        best = std::min(best, separate(place(p, i), S.placed, std::max(best, 0.0)).dist);
-    } else if (box.meets(S.tree->box())) {
-      best = std::min(best, S.tree->distance(place(p, i), std::max(best, 1e-9), near));
-    }
-  };
-  bool listed = has_list_;
-  for (size_t i = 0; i < movers.size() && listed; i++)
-    listed = movers[i].person < 0 || odometer_[i] - listed_[i] + range <= range_[i];
-  if (listed) {
-    for (const Near& e : near_) {
-      if (movers[e.mover].person < 0 || e.other_static < 0 || far(e, best)) continue;
-      if (best >= 0 && behind_planes(e, place(p, e.mover), best)) continue;
-      measure(e.mover, statics[e.other_static], e.planes);
-    }
-  } else {
-    for (int i = 0; i < (int)movers.size(); i++)
-      if (movers[i].person >= 0)
-        for (const Static& S : statics)
-          if (!pairing(movers[i].name, S.name).ignore) measure(i, S, {});
-  }
-  (void)m;
-  return best < range ? best : std::numeric_limits<double>::infinity();
 }
 
 // Caches are saved too: what is found first among equals depends on them, to rounding.

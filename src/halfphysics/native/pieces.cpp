@@ -18,20 +18,22 @@ constexpr double kBeyond = 1e-4;
 // Which share of the step of length h each tree can make, by island; empty if all can make all of
 // it. Leaves the end pose at those shares.
 std::vector<double> Stepper::shares(double h) {
+  std::vector<double> good(model.nbody, 0), bad(model.nbody, 1), at(model.nbody, 1);
   auto check = [&]() {
     std::vector<char> ok(model.nbody, 1);
+    for (Candidate& c : candidates_) c.share = at[world.movers[c.mover].body];
     for (size_t i = 0; i < candidates_.size(); i++)
       if (excess(i, h) + candidates_[i].target < candidates_[i].hard) ok[island(candidates_[i])] = 0;
     // Planes hold for what was asked only.
+    ways(world.movers, start_, end_, world.active, way_);
     for (size_t i = 0; i < reach_.size(); i++)
-      if (world.active[world.movers[i].body] && way(i) + kBeyond > reach_[i])
+      if (world.active[world.movers[i].body] && way_[i] + kBeyond > reach_[i])
         ok[island_[tree((int)i)]] = 0;
     return ok;
   };
   find_islands();
   std::vector<char> ok = check(), hurt(model.nbody, 0);
   bool any = false;
-  std::vector<double> good(model.nbody, 0), bad(model.nbody, 1), at(model.nbody, 1);
   for (int b = 1; b < model.nbody; b++)
     if (world.active[b] && !ok[island_[model.root[b]]]) hurt[b] = 1, any = true;
   if (!any) return {};
@@ -60,7 +62,9 @@ void Stepper::commit(double h, const std::vector<double>& share) {
     pose_at(moved_, h, end_, q_end_);
   }
   remember(share);
-  world.travel(start_, end_);
+  ways(world.movers, start_, end_, world.active, way_);
+  world.travel(way_);
+  world.come_out(share);
   std::swap(start_, end_);
   qpos_ = q_end_;
   if (record_) record_->insert(record_->end(), qpos_.begin(), qpos_.end());

@@ -73,6 +73,44 @@ HP_CLONES void transform(const double* v, int n, const double* R, const double* 
   }
 }
 
+HP_CLONES void blend(const double* v, int stride, int n, const double* R, const double* p,
+                     const double* w, double* out) {
+  const double *x = v, *y = v + stride, *z = v + 2 * (size_t)stride;
+  for (int k = 0; k < 3; k++) {
+    const double a = R[3 * k], b = R[3 * k + 1], c = R[3 * k + 2], q = p[k];
+    double* o = out + (size_t)k * stride;
+    int i = 0;
+    for (; i + 4 <= n; i += 4)
+      *(V*)(o + i) += *(const V*)(w + i) *
+                      (q + (a * *(const V*)(x + i) + b * *(const V*)(y + i) + c * *(const V*)(z + i)));
+    for (; i < n; i++) o[i] += w[i] * (q + (a * x[i] + b * y[i] + c * z[i]));
+  }
+}
+
+HP_CLONES void limits(const double* v, int n, double& lo, double& hi) {
+  lo = 1e300, hi = -1e300;
+  int i = 0;
+  if (n >= 8) {
+    V low = {1e300, 1e300, 1e300, 1e300}, high = -low;
+    for (; i + 4 <= n; i += 4) {
+      const V s = *(const V*)(v + i);
+      low = s < low ? s : low;
+      high = s > high ? s : high;
+    }
+    for (int l = 0; l < 4; l++) lo = std::min(lo, low[l]), hi = std::max(hi, high[l]);
+  }
+  for (; i < n; i++) lo = std::min(lo, v[i]), hi = std::max(hi, v[i]);
+}
+
+HP_CLONES double inner(const double* x, const double* y, int n) {
+  V sum = {0, 0, 0, 0};
+  int i = 0;
+  for (; i + 4 <= n; i += 4) sum += *(const V*)(x + i) * *(const V*)(y + i);
+  double s = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  for (; i < n; i++) s += x[i] * y[i];
+  return s;
+}
+
 HP_CLONES void add_scaled(double* y, double a, const double* x, int n) {
   int i = 0;
   for (; i + 4 <= n; i += 4) *(V*)(y + i) += a * *(const V*)(x + i);
@@ -99,6 +137,30 @@ HP_CLONES void meet(const double* x, const int* at, const double* y, int n, doub
 }
 
 #else
+
+void blend(const double* v, int stride, int n, const double* R, const double* p, const double* w,
+           double* out) {
+  const double *x = v, *y = v + stride, *z = v + 2 * (size_t)stride;
+  for (int k = 0; k < 3; k++)
+    for (int i = 0; i < n; i++)
+      out[(size_t)k * stride + i] +=
+          w[i] * (p[k] + (R[3 * k] * x[i] + R[3 * k + 1] * y[i] + R[3 * k + 2] * z[i]));
+}
+
+void limits(const double* v, int n, double& lo, double& hi) {
+  lo = 1e300, hi = -1e300;
+  for (int i = 0; i < n; i++) lo = std::min(lo, v[i]), hi = std::max(hi, v[i]);
+}
+
+double inner(const double* x, const double* y, int n) {
+  double sum[4] = {0, 0, 0, 0};
+  int i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (int k = 0; k < 4; k++) sum[k] += x[i + k] * y[i + k];
+  double s = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  for (; i < n; i++) s += x[i] * y[i];
+  return s;
+}
 
 void meet(const double* x, const int* at, const double* y, int n, double* s) {
   for (int i = 0; i < 12; i++) s[i] = 0;

@@ -12,6 +12,13 @@ int farthest(const double* x, const double* y, const double* z, int n, double dx
 // the smallest and largest coordinates.
 void transform(const double* v, int n, const double* R, const double* p, double* out, double* lo,
                double* hi);
+// out += w (p + R v) for n points with weights w; coordinates are `stride` apart in `v` and `out`.
+void blend(const double* v, int stride, int n, const double* R, const double* p, const double* w,
+           double* out);
+// Smallest and largest of n numbers.
+void limits(const double* v, int n, double& lo, double& hi);
+// Sum of x[i] y[i]: in four sums, which are added up at the end.
+double inner(const double* x, const double* y, int n);
 // y += a x, over n numbers.
 void add_scaled(double* y, double a, const double* x, int n);
 // y += a x0 + b x1 + c x2, in this order for each number.

@@ -19,12 +19,14 @@ constexpr double kFine = 1e-5;
 }  // namespace
 
 Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Twist>& twists,
-                       const Endpoint& e) {
+                       const double* qvel, const Endpoint& e) {
   Vec3 v;
   for (int i = 0; i < e.count; i++) {
     const Twist& t = twists[e.body[i]];
     v += e.weight[i] * (t.v + cross(t.w, e.point[i] - k.reference(m, e.body[i])));
   }
+  if (e.bends)
+    for (const Endpoint::Bend& b : *e.bends) v += qvel[b.dof] * b.rate;
   return v;
 }
 
@@ -52,6 +54,41 @@ void ContactSolver::half_solve(const Model& m, const Kinematics& k, const Inerti
     for (int e = 0; e < 6; e++) y[6 * a + e] *= inertia.root_D[dof[a]];
 }
 
+// Several bodies of one tree share dofs.
+void ContactSolver::add_to_row(int dof, double n, double t, double s) {
+  int& at = slot_[dof];
+  if (at < 0) {
+    at = (int)dof_.size();
+    dof_.push_back(dof);
+    y_.insert(y_.end(), {n, t, s, 0.0});
+  } else {
+    y_[4 * at] += n, y_[4 * at + 1] += t, y_[4 * at + 2] += s;
+  }
+}
+
+// The same for what blend shapes do: joints anywhere in the tree, so that every row of the factor
+// takes part.
+void ContactSolver::add_bends(const Model& m, const Inertia& inertia, const Endpoint& e, double sign,
+                              const Vec3 axis[3]) {
+  bend_.resize(3 * (size_t)m.nv, 0.0);
+  int last = 0;
+  for (const Endpoint::Bend& b : *e.bends) {
+    for (int q = 0; q < 3; q++) bend_[3 * b.dof + q] = sign * dot(axis[q], b.rate);
+    last = std::max(last, b.dof);
+  }
+  for (int i = last; i >= 0; i--) {
+    double* x = &bend_[3 * (size_t)i];
+    if (x[0] == 0 && x[1] == 0 && x[2] == 0) continue;
+    const int* chain = &m.chain[m.row_start[i]];
+    const double* L = &inertia.L[m.row_start[i]];
+    for (int a = 0; a + 1 < m.row_size[i]; a++)
+      for (int q = 0; q < 3; q++) bend_[3 * (size_t)chain[a] + q] -= L[a] * x[q];
+    const double d = inertia.root_D[i];
+    add_to_row(i, d * x[0], d * x[1], d * x[2]);
+    x[0] = x[1] = x[2] = 0;
+  }
+}
+
 // One more contact takes part: its row of Y, and of A with all rows that there are.
 void ContactSolver::join(const Model& m, const Kinematics& k, const Inertia& inertia,
                          const Contact& c, int contact) {
@@ -76,21 +113,13 @@ void ContactSolver::join(const Model& m, const Kinematics& k, const Inertia& ine
         Vec3 yw = load3(y), yv = load3(y + 3);
         double v[3];
         for (int q = 0; q < 3; q++) v[q] = dot(moment[q], yw) + weight * dot(axis[q], yv);
-        // Several bodies of one tree share dofs.
-        int at = -1;
-        if (side > 0 || l > 0)
-          for (int i = row.first; i < (int)dof_.size() && at < 0; i++)
-            if (dof_[i] == dof[a]) at = i;
-        if (at < 0) {
-          dof_.push_back(dof[a]);
-          y_.insert(y_.end(), {v[0], v[1], v[2], 0.0});
-        } else {
-          for (int q = 0; q < 3; q++) y_[4 * at + q] += v[q];
-        }
+        add_to_row(dof[a], v[0], v[1], v[2]);
       }
     }
+    if (e.bends) add_bends(m, inertia, e, side == 0 ? 1 : -1, axis);
   }
   row.count = (int)dof_.size() - row.first;
+  for (int i = row.first; i < (int)dof_.size(); i++) slot_[dof_[i]] = -1;
 
   const int n = (int)rows_.size();
   const size_t stride = problem_.stride();
@@ -160,8 +189,8 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
   };
   auto violation = [&](int i) {
     const Contact& c = contacts[i];
-    return demand_[3 * i] + dot(c.n, endpoint_velocity(m, k, response_, c.a) -
-                                         endpoint_velocity(m, k, response_, c.b));
+    return demand_[3 * i] + dot(c.n, endpoint_velocity(m, k, response_, dv_.data(), c.a) -
+                                         endpoint_velocity(m, k, response_, dv_.data(), c.b));
   };
   // Those that carried something before, and whatever is violated in spite of them.
   for (int l = 0; l < n; l++)
@@ -217,12 +246,14 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   body_y_.clear();
   joined_.assign(n, 0);
   scatter_.resize(4 * (size_t)m.nv, 0.0);
+  slot_.assign(m.nv, -1);
   dv_.resize(m.nv);
   demand_.resize(3 * (size_t)n);
   body_twists(m, k, v_free, twists_);
   for (int i = 0; i < n; i++) {
     const Contact& c = contacts[i];
-    Vec3 u = endpoint_velocity(m, k, twists_, c.a) - endpoint_velocity(m, k, twists_, c.b);
+    Vec3 u = endpoint_velocity(m, k, twists_, v_free, c.a) -
+             endpoint_velocity(m, k, twists_, v_free, c.b);
     demand_[3 * i] = dot(c.n, u) - std::max((c.target - c.dist + c.shift) / h, c.bounce);
     demand_[3 * i + 1] = dot(c.t, u);
     demand_[3 * i + 2] = dot(c.s, u);

@@ -1,6 +1,7 @@
 // From contacts between bodies to contact space, A = J M^-1 J^T, and back to velocities.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "contact_problem.h"
@@ -8,13 +9,20 @@
 
 namespace hp {
 
-// A point that moves with a weighted sum of bodies; a rigid part has one entry.
+// A point that moves with a weighted sum of bodies; a rigid part has one entry, a skinned vertex
+// several.
 struct Endpoint {
-  static constexpr int kMost = 4;
+  static constexpr int kMost = 8;
+  // What a joint's velocity does to the point besides: pose blend shapes.
+  struct Bend {
+    int dof;
+    Vec3 rate;  // of the point, world
+  };
   int count = 0;
   int body[kMost];
   double weight[kMost];
   Vec3 point[kMost];  // world position of the point carried by each body
+  std::shared_ptr<const std::vector<Bend>> bends;  // often none
 
   static Endpoint rigid(int body, Vec3 p) {
     Endpoint e;
@@ -26,17 +34,25 @@ struct Endpoint {
   }
 };
 
+// A point of a surface, to be found again at another pose: `local` in its body's frame, or, of a skin,
+// off the vertex that it moves with, before that is posed.
+struct Material {
+  int vertex = -1;
+  Vec3 local;
+};
+
+// `twists` are those that the velocities `qvel` make.
 Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Twist>& twists,
-                       const Endpoint& e);
+                       const double* qvel, const Endpoint& e);
 
 // One contact point between a and b: the rows n, t, s of the relative velocity v_a - v_b.
 struct Contact {
   Endpoint a, b;
   Vec3 n, t, s;
-  Vec3 position;
-  // The points whose gap counts lie this far from `position`, along n on a and against it on b:
-  // the surface points, and for rounded shapes the points they are round about.
-  double arm_a = 0, arm_b = 0;
+  Vec3 position, at_a, at_b;
+  // The points whose gap counts: on the surfaces, or what those are round about.
+  Material gap_a, gap_b;
+  double closing = 0;  // what the gap loses by the growth of what came out of something [m]
   Vec3 rim;           // on a disc: direction from its centre, unit; else zero
   double dist = 0;    // gap at the start of the substep [m]
   double target = 0;  // smallest gap allowed at its end [m]
@@ -71,6 +87,9 @@ class ContactSolver {
   };
 
   void half_solve(const Model& m, const Kinematics& k, const Inertia& inertia, int body);
+  void add_bends(const Model& m, const Inertia& inertia, const Endpoint& e, double sign,
+                 const Vec3 axis[3]);
+  void add_to_row(int dof, double n, double t, double s);
   void island(const Model& m, const Kinematics& k, const Inertia& inertia, const int* ids, int n,
               std::vector<Contact>& contacts, double tolerance, int max_sweeps,
               SolveReport& report);
@@ -89,7 +108,8 @@ class ContactSolver {
   // of the island
   ContactProblem problem_;
   std::vector<Row> rows_;
-  std::vector<int> dof_;
+  std::vector<int> dof_, slot_;  // slot_: where a dof is in the row under way, -1: nowhere
+  std::vector<double> bend_;     // nv x 3, zero between uses
   std::vector<double> y_;        // three per entry of dof_, and a zero
   std::vector<double> scatter_;  // nv x 4, zero between uses
   struct Waiting {

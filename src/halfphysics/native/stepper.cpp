@@ -12,6 +12,8 @@ constexpr double kStray = 0.03;
 // A thing that turns farther than this in a substep makes it in parts, as many as it takes to turn
 // less than a quarter of that in each, within bounds [rad].
 constexpr double kTurn = 1.0;
+// Who came out of something goes back to the motion no faster than this [m/s].
+constexpr double kGentle = 0.7;
 constexpr int kMostParts = 32;
 
 }  // namespace
@@ -32,8 +34,16 @@ void Stepper::finish(const std::vector<int>& person_roots) {
       objects_.push_back(b);
   for (Mover& m : world.movers) {
     if (m.body <= 0 || m.body >= model.nbody) throw std::invalid_argument("bad body of a shape");
-    m.shape.finish();
+    m.finish();
   }
+  way_out_.assign(model.nbody, 0);
+  joint_reach_.assign(model.nbody, 0);
+  for (const Mover& m : world.movers)
+    for (const Mover::Tie& t : m.ties) {
+      double far = norm(t.anchor) + t.reach;
+      for (int b = t.body; b > 0; far += norm(model.pos[b]), b = model.parent[b])
+        joint_reach_[b] = std::max(joint_reach_[b], far);
+    }
   qpos_.assign(model.nq, 0);
   for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_})
     v->assign(model.nv, 0);
@@ -54,6 +64,18 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   pose_known_ = false;
   start_pose();
   world.reset(model, start_);
+  way_out_.assign(model.nbody, 0);
+  for (const Inside& in : world.inside())
+    for (const Mover::Tie& t : world.movers[in.mover].ties)
+      for (int b = t.body; b > 0 && !way_out_[b]; b = model.parent[b]) way_out_[b] = 1;
+  for (Drive& d : drives_)
+    if (comes_out(d)) d.go_gently(kGentle, joint_reach_);
+}
+
+bool Stepper::comes_out(const Drive& d) const {
+  for (const Inside& in : world.inside())
+    if (tree(in.mover) == d.body(0)) return true;
+  return false;
 }
 
 void Stepper::start_pose() {
@@ -96,17 +118,24 @@ void Stepper::sweep_of(const Drive& d, double dt, const std::vector<char>& busy)
   for (size_t i = 0; i < world.movers.size(); i++) {
     const Mover& m = world.movers[i];
     if (model.root[m.body] != model.root[d.body(0)]) continue;
-    int b = m.body;
-    double reach = norm(m.shape.center) + m.shape.bound;
-    double bulge = 0.125 * dt * dt *
-                   (speed_bound_[b] + (spin_bound_[b] * spin_bound_[b] + turn_bound_[b]) * reach);
-    const Quat &p = start_.kin.xquat[b], &q = end_.kin.xquat[b];
-    double cosine = std::fabs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z);
-    double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-    Vec3 from = start_.kin.xpos[b] + start_.kin.xmat[b] * m.shape.center,
-         to = end_.kin.xpos[b] + end_.kin.xmat[b] * m.shape.center;
-    sweep_.bulge[i] = bulge;
-    sweep_.way[i] = norm(to - from) + 2 * sine * m.shape.bound + bulge;
+    double bulge = m.most_of([&](const Mover::Tie& t) {
+      const int b = t.body;
+      return speed_bound_[b] +
+             (spin_bound_[b] * spin_bound_[b] + turn_bound_[b]) * (norm(t.anchor) + t.reach);
+    });
+    if (!m.stretches.empty()) {
+      // Blend shapes move the points in frames that turn.
+      double speed = 0, rate = 0, spin = 0;
+      for (const Mover::Stretch& s : m.stretches) {
+        const int b = m.skin->body[s.joint];
+        const double w = spin_bound_[b] - spin_bound_[model.parent[b]];
+        speed += std::sqrt(2.0) * s.most * w, rate += std::sqrt(2.0) * s.most * w * w;
+      }
+      for (const Mover::Tie& t : m.ties) spin = std::max(spin, spin_bound_[t.body]);
+      bulge += rate + 2 * spin * speed;
+    }
+    sweep_.bulge[i] = 0.125 * dt * dt * bulge;
+    sweep_.way[i] = sweep_.straight[i] + sweep_.bulge[i];
   }
 }
 
@@ -145,6 +174,7 @@ void Stepper::find_busy(double dt, std::vector<char>& busy) {
     sweep_.way[i] = 1.5 * dt * speed_bound(world.movers[i], twists_) + fall + kStray;
     assumed_[i] = world.travelled((int)i) + sweep_.way[i];
   }
+  ways(world.movers, start_, end_, world.active, sweep_.straight);
   for (const Drive& d : drives_) sweep_of(d, dt, busy);
   world.active.assign(model.nbody, 1);
   world.list(model, start_, sweep_.way);
@@ -197,6 +227,8 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   } else if (poses) {
     for (int k = 0; k < n; k++) poses->insert(poses->end(), qpos_.begin(), qpos_.end());
   }
+  for (Drive& d : drives_)
+    if (d.gentle()) d.stay_gentle(comes_out(d), dt, qpos_.data());
   // Whom nothing touched has arrived, stepped through or not: the same bits either way.
   for (size_t i = 0; i < drives_.size(); i++) {
     Drive& d = drives_[i];
@@ -219,9 +251,10 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
     for (int b = 1; b < model.nbody; b++) world.active[b] = !busy_[model.root[b]];
     end_.kin.update(model, qpos_.data());
     world.start_poses(end_);
-    world.travel(followed_, end_);
+    ways(world.movers, followed_, end_, world.active, way_);
+    world.travel(way_);
   } else {
-    world.travel(start_, end_);
+    world.travel(sweep_.straight);
   }
   std::swap(start_, end_);
   world.active.assign(model.nbody, 1);
@@ -250,7 +283,12 @@ void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
 
 double Stepper::clearance() {
   start_pose();
-  return world.clearance(model, start_, clearance_range);
+  double smallest = world.clearance(model, start_, clearance_range);
+  // Who is inside a mesh may be far from all of its triangles.
+  for (const Inside& in : world.inside())
+    if (in.other_static >= 0 && world.movers[in.mover].person >= 0)
+      smallest = std::min(smallest, -in.depth());
+  return smallest;
 }
 
 std::vector<double> Stepper::save() {
@@ -259,10 +297,13 @@ std::vector<double> Stepper::save() {
   out.insert(out.end(), qvel_.begin(), qvel_.end());
   for (const Drive& d : drives_) d.save(out);
   world.save(out);
+  out.insert(out.end(), way_out_.begin(), way_out_.end());
   out.push_back((double)warm_.size());
   for (const Remembered& w : warm_) {
-    out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature});
-    for (Vec3 v : {w.local, w.normal, w.impulse, w.other}) out.insert(out.end(), {v.x, v.y, v.z});
+    out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature,
+                           (double)w.point.vertex, (double)w.other.vertex});
+    for (Vec3 v : {w.point.local, w.other.local, w.normal, w.impulse})
+      out.insert(out.end(), {v.x, v.y, v.z});
   }
   out.push_back((double)out.size());  // so that what was cut off is seen
   return out;
@@ -284,10 +325,14 @@ void Stepper::restore(const std::vector<double>& state) {
   in += model.nv;
   for (Drive& d : drives_) in = d.load(in);
   in = world.load(in);
+  way_out_.assign(in, in + model.nbody);
+  in += model.nbody;
+  for (Drive& d : drives_)
+    if (d.gentle()) d.go_gently(kGentle, joint_reach_);
   warm_.clear();
-  for (int n = (int)*in++; n > 0; n--, in += 15)
-    warm_.push_back({((int64_t)in[0] << 32) | (int64_t)in[1], (int)in[2], load3(in + 3),
-                     load3(in + 6), load3(in + 9), load3(in + 12), false});
+  for (int n = (int)*in++; n > 0; n--, in += 17)
+    warm_.push_back({((int64_t)in[0] << 32) | (int64_t)in[1], (int)in[2], {(int)in[3], load3(in + 5)},
+                     {(int)in[4], load3(in + 8)}, load3(in + 11), load3(in + 14), false});
   start_pose();
 }
 

@@ -31,6 +31,7 @@ class Stepper {
   DriveSettings drive_settings;
   Vec3 gravity{0, 0, -9.81};
   double clearance_range = 0.05;
+  std::vector<std::shared_ptr<const Skin>> skins;
 
   // After model and world are filled in.
   void finish(const std::vector<int>& person_roots);
@@ -49,6 +50,10 @@ class Stepper {
   const std::vector<Touch>& touches() const { return touches_; }
   const Diagnostics& diagnostics() const { return diagnostics_; }
   double clearance();  // of the present pose
+  // Of any poses (poses x nq): distance and nearest static of every mover (poses x movers), see
+  // World::clearances. The simulation goes on as if nobody had asked.
+  void clearances(const double* qpos, size_t poses, double range, double* dist,
+                  int* nearest) const;
 
   std::vector<double> save();
   void load(const std::vector<double>& state);
@@ -71,6 +76,7 @@ class Stepper {
 
  private:
   void start_pose();
+  bool comes_out(const Drive& d) const;  // of something that the person started inside
   // Marks the trees that have to be stepped through; the others' end of frame is in q_free_.
   void find_busy(double dt, std::vector<char>& busy);
   void sweep_of(const Drive& d, double dt, const std::vector<char>& busy);
@@ -84,23 +90,27 @@ class Stepper {
   void free_velocity(int k, double h);
   void object_velocity(double h);
   void build_inertia(double h);
+  void stiffen();
 
   // With it (substep.cpp).
   void substep(int k, double h);
   void attempt(double h);
+  void try_step(double h);
+  // By how much the fastest point of those who come out of something is faster than asked [m/s].
+  double hurled();
   void solve(double h);
   // World::excess of candidate i; asks for what a plane that it forgives had hidden.
   double excess(size_t i, double h);
   double allowed(const Candidate& c) const;
   bool verify(double h, int pass, double& worst);
-  double approach(const Contact& c, const std::vector<Twist>& twists) const;
+  double approach(const Contact& c, const std::vector<Twist>& twists,
+                  const std::vector<double>& v) const;
   void drop_idle();
   bool give_way();
   void relax();
   bool bounce(double h, bool good, double& worst);
   void find_islands();
   int island(const Candidate& c) const;
-  double way(size_t mover) const;
 
   // A step in pieces (pieces.cpp).
   std::vector<double> shares(double h);
@@ -117,6 +127,8 @@ class Stepper {
   bool pose_known_ = false;  // start_ is the pose of qpos_
   Sweep sweep_;
   std::vector<double> q_free_, angular_, spin_bound_, turn_bound_, speed_bound_;
+  std::vector<char> way_out_;  // per body: between a root and what started inside something
+  std::vector<double> joint_reach_;  // per body: how far any point that its joint moves is [m]
   std::vector<char> busy_, settled_, disturbed_;  // busy and disturbed: per body
   std::vector<double> q_start_, fastest_;
   std::vector<double>* record_ = nullptr;  // of the frame under way
@@ -129,7 +141,7 @@ class Stepper {
   Inertia inertia_;
   bool inertia_ready_ = false;
   std::vector<Twist> twists_, moving_;
-  std::vector<double> reach_;
+  std::vector<double> reach_, way_;
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;
   // Of an attempt at a step.

@@ -33,15 +33,27 @@ constexpr double kNarrow = 5e-5, kFiner = 0.1;
 constexpr double kMostWork = 1e8, kRowWork = 60;
 constexpr size_t kMostContacts = 250;
 constexpr double kFar = 1e300;
+// Nobody is thrown by what comes out of something faster than this [m/s]; it then comes out more slowly,
+// by so many tries, and gains speed again by this factor a substep.
+constexpr double kHurl = 0.9, kRegain = 1.3;
+constexpr int kSlower = 3;
 constexpr double kWarmRadius2 = 0.02 * 0.02;
 
 }  // namespace
 
 double Stepper::speed_bound(const Mover& m, const std::vector<Twist>& t) const {
-  const Twist& w = t[m.body];
-  Vec3 center = start_.kin.xpos[m.body] + start_.kin.xmat[m.body] * m.shape.center;
-  Vec3 v = w.v + cross(w.w, center - start_.kin.reference(model, m.body));
-  return norm(v) + norm(w.w) * m.shape.bound;
+  double fastest = m.most_of([&](const Mover::Tie& tie) {
+    const Twist& w = t[tie.body];
+    const Vec3 at = start_.kin.xpos[tie.body] + start_.kin.xmat[tie.body] * tie.anchor;
+    return norm(w.v + cross(w.w, at - start_.kin.reference(model, tie.body))) + norm(w.w) * tie.reach;
+  });
+  for (const Mover::Stretch& s : m.stretches) {
+    // The change of a rotation matrix is sqrt(2) times the angular velocity.
+    const Skin& skin = *m.skin;
+    fastest += std::sqrt(2.0) * s.most *
+               norm(t[skin.body[s.joint]].w - t[skin.body[skin.parent[s.joint]]].w);
+  }
+  return fastest;
 }
 
 void Stepper::pose_at(const std::vector<double>& v, double h, Poses& out,
@@ -53,13 +65,12 @@ void Stepper::pose_at(const std::vector<double>& v, double h, Poses& out,
 }
 
 void Stepper::warm_start(Contact& c) {
-  const Mover& m = world.movers[candidates_[c.pair].mover];
-  Vec3 local = mul_t(start_.kin.xmat[m.body], c.position - start_.kin.xpos[m.body]);
+  const int mover = candidates_[c.pair].mover;
   double best = kWarmRadius2;
   Remembered* found = nullptr;
   for (Remembered& w : warm_) {
     if (w.used || w.key != c.key || dot(w.normal, c.n) < 0.8) continue;
-    double d = norm2(w.local - local);
+    double d = norm2(start_.position(world.movers[mover], world.place(start_, mover), w.point) - c.position);
     if (d < best) best = d, found = &w;
   }
   if (!found) return;
@@ -103,17 +114,16 @@ void Stepper::remember(const std::vector<double>& share) {
     if (!share.empty() && share[island(k)] < 0) continue;
     disturbed_[tree(k.mover)] = 1;
     if (k.other_mover >= 0) disturbed_[tree(k.other_mover)] = 1;
-    const Mover& m = world.movers[k.mover];
-    Vec3 local = mul_t(start_.kin.xmat[m.body], c.position - start_.kin.xpos[m.body]);
-    Vec3 other;
-    if (k.other_mover >= 0) {
-      // The two points that face each other, `dist` apart about the one they act on.
-      const int b = world.movers[k.other_mover].body;
-      const Vec3 half = 0.5 * c.dist * c.n;
-      local = mul_t(start_.kin.xmat[m.body], c.position + half - start_.kin.xpos[m.body]);
-      other = mul_t(start_.kin.xmat[b], c.position - half - start_.kin.xpos[b]);
-    }
-    next_warm_.push_back({c.key, c.feature, local, c.n, c.impulse, other, false});
+    auto material = [&](int mover, Vec3 x) -> Material {
+      if (world.movers[mover].skin && k.other_static >= 0) return c.gap_a;  // a vertex
+      return start_.material(world.movers[mover], world.place(start_, mover), x);
+    };
+    // Of two that move: the points that face each other, `dist` apart about the one they act on.
+    const Vec3 half = k.other_mover >= 0 ? 0.5 * c.dist * c.n : Vec3{};
+    Material other;
+    if (k.other_mover >= 0) other = material(k.other_mover, c.position - half);
+    next_warm_.push_back(
+        {c.key, c.feature, material(k.mover, c.position + half), other, c.n, c.impulse, false});
     Touch* t = nullptr;
     for (Touch& o : touches_)
       if (o.mover == k.mover && o.other_static == k.other_static &&
@@ -182,7 +192,7 @@ bool Stepper::verify(double h, int pass, double& worst) {
     Contact& c = contacts_[i];
     if (pass > 0) {
       const bool thing = world.movers[candidates_[c.pair].mover].person < 0;
-      c.shift = std::min(c.dist + h * approach(c, twists_) - world.gap_at(start_, end_, c),
+      c.shift = std::min(c.dist + h * approach(c, twists_, v_) - world.gap_at(start_, end_, c),
                          std::max(0.0, c.dist - c.target) + h * (thing ? kThingsPush : kPush));
     }
     if (i >= old) warm_start(c);
@@ -190,9 +200,10 @@ bool Stepper::verify(double h, int pass, double& worst) {
   return false;
 }
 
-double Stepper::approach(const Contact& c, const std::vector<Twist>& twists) const {
-  return dot(c.n, endpoint_velocity(model, start_.kin, twists, c.a) -
-                      endpoint_velocity(model, start_.kin, twists, c.b));
+double Stepper::approach(const Contact& c, const std::vector<Twist>& twists,
+                         const std::vector<double>& v) const {
+  return dot(c.n, endpoint_velocity(model, start_.kin, twists, v.data(), c.a) -
+                      endpoint_velocity(model, start_.kin, twists, v.data(), c.b));
 }
 
 // Points that carry nothing and would end where they may make room for those that are needed.
@@ -230,17 +241,6 @@ void Stepper::relax() {
   for (Contact& c : contacts_) c.target = candidates_[c.pair].target;
 }
 
-// No point of the mover goes farther between the poses [m].
-double Stepper::way(size_t i) const {
-  const Mover& m = world.movers[i];
-  const Quat &p = start_.kin.xquat[m.body], &q = end_.kin.xquat[m.body];
-  double cosine = std::fabs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z);
-  double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));  // of half the turn
-  Vec3 from = start_.kin.xpos[m.body] + start_.kin.xmat[m.body] * m.shape.center,
-       to = end_.kin.xpos[m.body] + end_.kin.xmat[m.body] * m.shape.center;
-  return norm(to - from) + 2 * sine * m.shape.bound;
-}
-
 void Stepper::solve(double h) {
   const auto begin = std::chrono::steady_clock::now();
   build_inertia(step_);
@@ -275,10 +275,10 @@ bool Stepper::bounce(double h, bool good, double& worst) {
   bool any = false;
   for (Contact& c : contacts_) {
     if (c.restitution <= 0 || dot(c.impulse, c.n) <= 0) continue;
-    double arriving = approach(c, arrived);
+    double arriving = approach(c, arrived, before);
     if (arriving > -kBounceSpeed) continue;
-    double turned = approach(c, spun);
-    double pull = std::max(0.0, arriving - turned - approach(c, twists_));
+    double turned = approach(c, spun, spin_);
+    double pull = std::max(0.0, arriving - turned - approach(c, twists_, v_free_));
     double height = 2 * pull * std::max(0.0, c.dist - c.target) / h;
     double met = arriving - 0.5 * pull;
     double back = c.restitution * c.restitution * (met * met + height) - height;
@@ -294,9 +294,60 @@ bool Stepper::bounce(double h, bool good, double& worst) {
   return false;
 }
 
+double Stepper::hurled() {
+  // What the motion asks; objects have none of their own.
+  std::vector<double> asked(v_free_);
+  for (const Drive& d : drives_) d.reference(asked.data());
+  std::vector<Twist> own;
+  body_twists(model, start_.kin, v_.data(), twists_);
+  body_twists(model, start_.kin, asked.data(), own);
+  std::vector<char> tree(model.nbody, 0);
+  for (const Inside& in : world.inside()) tree[model.root[world.movers[in.mover].body]] = 1;
+  double fastest = 0;
+  for (size_t i = 0; i < world.movers.size(); i++) {
+    const Mover& m = world.movers[i];
+    if (!tree[model.root[m.body]] || !world.active[m.body]) continue;
+    if (speed_bound(m, twists_) <= fastest) continue;
+    const Points p = world.place(start_, (int)i).points();
+    const size_t n = p.n;
+    for (size_t k = 0; k < n; k++) {
+      auto speed = [&](const std::vector<Twist>& twists) {
+        Vec3 v;
+        for (size_t t = 0; t < m.ties.size(); t++) {
+          const double w = m.skin ? m.weights[t * n + k] : 1;
+          if (w == 0) continue;
+          const Twist& body = twists[m.ties[t].body];
+          v += w * (body.v + cross(body.w, p.at((int)k) - start_.kin.reference(model, m.body)));
+        }
+        return norm(v);
+      };
+      fastest = std::max(fastest, speed(twists_) - speed(own));
+    }
+  }
+  return fastest;
+}
+
+// A step of length h. Whoever comes out of something does so more slowly where that would throw
+// somebody or does not go with what else is asked; not at all, if need be.
+void Stepper::attempt(double h) {
+  if (!world.any_inside()) return try_step(h);
+  world.growth = std::min(1.0, kRegain * world.growth);
+  for (int k = 0; k < kSlower; k++) {
+    try_step(h);
+    const double speed = hurled();
+    if (good_ && speed <= kHurl) return;
+    const double slower = speed > kHurl ? 0.9 * kHurl / speed : 0.3;
+    world.growth *= std::max(0.1, slower);
+  }
+  const double kept = world.growth;
+  world.growth = 0;
+  try_step(h);
+  world.growth = kept;
+}
+
 // Solves for a step of length h from the start pose: velocities v_, their pose end_, whether all is
 // well with it.
-void Stepper::attempt(double h) {
+void Stepper::try_step(double h) {
   const double clear = world.settings.clearance;
   work_ = 0;
   gave_way_.assign(model.nbody, 0);
@@ -351,9 +402,10 @@ void Stepper::attempt(double h) {
     if (!good_) return;  // made shorter it stays within reach
     // Planes hold only for what was asked: ask again, from the start pose, for what moved more.
     bool beyond = false;
+    ways(world.movers, start_, end_, world.active, way_);
     for (size_t i = 0; i < reach_.size(); i++) {
       if (!world.active[world.movers[i].body]) continue;
-      double least = way(i) + clear;
+      double least = way_[i] + clear;
       if (least <= reach_[i]) continue;
       beyond = true;
       if (query + 1 < kQueries) reach_[i] = 1.25 * least + kSlackReach;

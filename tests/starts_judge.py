@@ -1,0 +1,343 @@
+"""Judges a run that started inside, from outside: depths by `coal`, kinematics by the body's own.
+
+What is asked of every substep until all is out, and after:
+
+- *deeper*: depth does not grow. Three readings of depth: of each pair of a hull and a solid by
+  EPA (`pair`); the largest of these (`worst`); and how far the hulls that a solid holds have to
+  be shifted, along the direction that was shortest at the start, until they are out on the root's
+  side (`way`). Only the last is what comes out monotonously: a forearm that slides back through a
+  thin wall, or rounds an edge, must pass poses of larger EPA depth.
+- *out*: from when on no hull meets a solid, and nothing is beyond a wall.
+- *fast*: how much faster than in the motion itself a skin vertex gets [m/s].
+- *free*: how far a joint that is on the way to nothing held is from its target [rad].
+- *fresh*: depth of pairs that were clear at the start.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import coal
+import numpy as np
+from coal_scene import coal_shape
+from starts_solids import EXACT, REQUEST, Hulls, groups_at, near_poses, paths_of
+
+from halfphysics import rotations as rot
+from halfphysics.motion import Motion
+from halfphysics.skeleton import JOINT_NAMES
+
+#: Joints whose part comes nearer than this to a solid are not free [m].
+TOUCHING = 0.01
+#: Eyes and jaw: light, on short arms, they lag behind an accelerated trunk by the drive's inertia.
+FACE = (22, 23, 24)
+
+
+@dataclass
+class Verdict:
+    """All lengths in metres, times in seconds, angles in radians."""
+
+    depth: float = 0.0  # at the start, the deepest way
+    held: int = 0  # hulls inside or beyond at the start
+    out: float = np.inf  # time
+    skin_out: float = np.inf  # time from which no skin vertex is inside a solid
+    again: float = 0.0  # EPA depth after the first time out
+    deeper_pair: float = 0.0  # largest growth in a substep
+    deeper_worst: float = 0.0
+    deeper_way: float = 0.0
+    fresh: float = 0.0
+    fresh_where: str = ""
+    fast: float = 0.0  # m/s, until out
+    fast_after: float = 0.0
+    free: float = 0.0
+    free_joint: str = ""
+    face: float = 0.0
+    root: float = 0.0
+    root_end: float = 0.0
+    end_gap: float = np.inf  # of what was held, at the last pose
+    ways: np.ndarray | None = None  # of the deepest group, every pose
+
+
+class StartJudge:
+    """Looks at one run."""
+
+    def __init__(self, simulator, solids):
+        self.world = simulator.world
+        self.body = simulator.bodies[0]
+        self.contact = simulator.settings.contact
+        self.hulls = Hulls(self.body, self.contact)
+        self.solids = solids
+        self.dt = simulator.dt
+        self.count = simulator.settings.substeps_for(self.dt)
+
+    def judge(self, motion, frames, until=0.0, touched=()):
+        """`frames` of `Simulator.step` after the reset to motion[0], substeps recorded.
+
+        `until`: things are out only then [s]; `touched`: hulls that things have touched.
+        """
+        start = self.world.start([motion[0]])[0]
+        poses = np.concatenate([start[None], *(f.substeps for f in frames)])
+        actual = Motion(*self.world.people[0].pose(poses, motion.axes), self.count / self.dt)
+        posed = self.hulls.at(actual)
+        v = Verdict()
+        groups = groups_at(posed, 0, self.solids)
+        held = {h for g in groups for h in (*g.inside, *g.beyond)}
+        v.held = len(held)
+        v.depth = max((g.depth for g in groups), default=0.0)
+        depths = self._depths(posed)
+        self._measure_depths(v, posed, groups, depths)
+        self._measure_skin(v, posed, groups)
+        self.inside |= np.arange(len(poses)) * self.dt / self.count < until
+        asked = self._asked(motion, len(frames))
+        self._measure_speed(v, posed.skin, asked)
+        touched = self._near(posed) | held | set(touched)
+        self._measure_joints(v, motion, actual, touched)
+        offset = actual.translation - asked.translation
+        offset = np.linalg.norm(offset, axis=1)
+        v.root, v.root_end = float(offset.max()), float(offset[-1])
+        last = len(poses) - 1
+        v.end_gap = min(
+            (self._gap(posed, h, last, g) for g in groups for h in g.inside), default=np.inf
+        )
+        return v
+
+    @staticmethod
+    def _gap(posed, h, k, group):
+        solid = group.solid
+        if solid.near is None:
+            return posed.distance(h, k, solid)
+        n, o = solid.normals[solid.near], solid.offsets[solid.near]
+        return float((posed.points[h][k] @ n).min() - o)
+
+    # -- depth -----------------------------------------------------------------------------
+
+    def _depths(self, posed):
+        """EPA depth of every pair that ever meets, (h, solid) -> (T,)."""
+        out = {}
+        for s, solid in enumerate(self.solids):
+            for h in range(len(self.hulls)):
+                near = near_poses(posed, h, solid)
+                if not near.any():
+                    continue
+                depth = np.zeros(len(near))
+                near[near] = solid.separation(posed.points[h][near]) < -EXACT
+                for k in np.flatnonzero(near):
+                    depth[k] = posed.depth(h, int(k), solid)
+                if depth.max() > EXACT:
+                    out[h, s] = depth
+        return out
+
+    def _measure_depths(self, v, posed, groups, depths):
+        count = len(posed.joints)
+        worst = np.zeros(count)
+        held = {(h, self.solids.index(g.solid)) for g in groups for h in (*g.inside, *g.beyond)}
+        for (h, s), depth in depths.items():
+            if (h, s) in held:
+                v.deeper_pair = max(v.deeper_pair, float(np.diff(depth).max(initial=0.0)))
+            elif depth.max() > v.fresh:
+                v.fresh = float(depth.max())
+                v.fresh_where = f"{JOINT_NAMES[self.hulls.joint[h]]}/{self.solids[s].name}"
+            worst = np.maximum(worst, depth)
+        v.deeper_worst = float(np.diff(worst).max(initial=0.0))
+        inside = worst > EXACT
+        for g in groups:
+            way = np.zeros(count)
+            for h in (*g.inside, *g.beyond):
+                # Nothing is looked at in vain: only where the hull is still ahead of the face.
+                along = (posed.points[h] @ g.solid.normals[g.side]).min(axis=1)
+                for k in np.flatnonzero(along < g.solid.offsets[g.side]):
+                    way[k] = max(way[k], posed.way_out(h, int(k), g.solid, g.side))
+            way[way <= EXACT] = 0.0
+            inside_now = np.array([
+                any(depths[h, self.solids.index(g.solid)][k] > EXACT
+                    for h in (*g.inside, *g.beyond) if (h, self.solids.index(g.solid)) in depths)
+                for k in range(count)
+            ])  # fmt: skip
+            if g.solid.near is not None or g.beyond:
+                inside |= way > EXACT
+            # Out by another way than the shortest: over an edge, say.
+            way[~inside_now & (g.solid.near is None) & (not g.beyond)] = 0.0
+            v.deeper_way = max(v.deeper_way, float(np.diff(way).max(initial=0.0)))
+            if v.ways is None or way[0] > v.ways[0]:
+                v.ways = way
+        self.inside = inside
+        clear = np.flatnonzero(~inside)
+        h = self.dt / self.count
+        if len(clear):
+            v.out = float(clear[0] * h)
+            v.again = float(worst[clear[0] :].max())
+        posed.forget()
+
+    def _measure_skin(self, v, posed, groups):
+        """When the last skin vertex has left the solids that held somebody."""
+        last = -1
+        for g in groups:
+            normals, offsets = g.solid.normals, g.solid.offsets
+            if g.solid.near is not None:
+                normals, offsets = normals[[g.solid.near]], offsets[[g.solid.near]]
+            for k in range(len(posed.skin) - 1, last, -1):
+                x = posed.skin[k]
+                for n, o in zip(normals, offsets, strict=True):
+                    x = x[x @ n < o - EXACT]
+                if len(x):
+                    last = k
+                    break
+        if last + 1 < len(posed.skin):
+            v.skin_out = float((last + 1) * self.dt / self.count)
+
+    # -- motion ----------------------------------------------------------------------------
+
+    def _asked(self, motion, frames):
+        """What the motion asks for at every substep: root straight, joints by the shortest arc."""
+        n = self.count
+        turns = rot.exp(motion.rotations[: frames + 1])
+        path, out = [motion.translation[:1]], [turns[:1]]
+        for k in range(1, n + 1):
+            share = k / n
+            x = motion.translation[: frames + 1]
+            path.append((1 - share) * x[:-1] + share * x[1:])
+            out.append(rot.slerp(turns[:-1], turns[1:], np.full(turns[1:].shape[:2], share)))
+        path = np.concatenate([path[0], np.stack(path[1:], axis=1).reshape(-1, 3)])
+        out = np.concatenate([out[0], np.stack(out[1:], axis=1).reshape(-1, 55, 4)])
+        return Motion(path, rot.log(out), n / self.dt)
+
+    def _measure_speed(self, v, skin, asked):
+        rate = self.count / self.dt
+        wanted = self.body.vertices(asked)
+        fast = np.array([
+            (_lengths(skin[k + 1] - skin[k]) - _lengths(wanted[k + 1] - wanted[k])).max()
+            for k in range(len(skin) - 1)
+        ]) * rate  # fmt: skip
+        moving = self.inside[:-1]
+        v.fast = float(fast[moving].max(initial=0.0))
+        v.fast_after = float(fast[~moving].max(initial=0.0))
+
+    def _near(self, posed):
+        """Hulls that ever come near a solid."""
+        out = set()
+        for solid in self.solids:
+            for h in range(len(self.hulls)):
+                if (solid.separation(posed.points[h]) < TOUCHING).any():
+                    out.add(h)
+        return out
+
+    def _measure_joints(self, v, motion, actual, touched):
+        free = ~paths_of({int(self.hulls.joint[h]) for h in touched})
+        free[0] = False
+        n = self.count
+        at = rot.exp(actual.rotations[n::n])
+        wanted = rot.exp(motion.rotations[1 : len(at) + 1])
+        off = np.linalg.norm(rot.log(rot.multiply(rot.conjugate(wanted), at)), axis=2).max(axis=0)
+        face = np.zeros(55, dtype=bool)
+        face[list(FACE)] = True
+        v.face = float(off[free & face].max(initial=0.0))
+        free &= ~face
+        if free.any():
+            worst = int(np.flatnonzero(free)[off[free].argmax()])
+            v.free, v.free_joint = float(off[worst]), JOINT_NAMES[worst]
+
+
+def _lengths(x):
+    return np.sqrt(np.einsum("ij,ij->i", x, x))
+
+
+class ObjectJudge:
+    """Things that start overlapping: their depth in statics, each other and the person."""
+
+    def __init__(self, simulator, solids):
+        self.simulator = simulator
+        self.world = simulator.world
+        self.solids = solids
+        self.hulls = Hulls(simulator.bodies[0], simulator.settings.contact)
+        self.shapes = {
+            t.name: coal_shape(self.world.scene.objects[t.name].shape, solid=True)
+            for t in self.world.things
+        }
+
+    def judge(self, motion, frames):
+        """Dictionary: depth at the start, time out, growth of depth, thrown [m/s], depth
+        after that, and which hulls were touched."""
+        simulator = self.simulator
+        dt = simulator.dt / simulator.settings.substeps_for(simulator.dt)
+        start = self.world.start([motion[0]])[0]
+        poses = np.concatenate([start[None], *(f.substeps for f in frames)])
+        actual = Motion(*self.world.people[0].pose(poses, motion.axes), 1.0 / dt)
+        posed = self.hulls.at(actual)
+        tracks = {t.name: t.pose(poses) for t in self.world.things}
+        depths, self.touched = {}, set()
+        names = list(tracks)
+        for i, name in enumerate(names):
+            for solid in self.solids:
+                depths[name, solid.name] = self._against(name, tracks, solid)
+            for other in names[i + 1 :]:
+                depths[name, other] = self._between(name, other, tracks)
+            for h in range(len(self.hulls)):
+                joint = JOINT_NAMES[self.hulls.joint[h]]
+                depths[name, f"{joint}#{h}"] = self._with(name, tracks, posed, h)
+        depths = {key: d for key, d in depths.items() if d.max() > EXACT}
+        inside = {key: d for key, d in depths.items() if d[0] > EXACT}
+        worst = np.max([d for d in depths.values()] or [np.zeros(len(poses))], axis=0)
+        clear = np.flatnonzero(worst <= EXACT)
+        gravity = np.linalg.norm(self.world.scene.gravity)
+        thrown = 0.0
+        for name, (x, q) in tracks.items():
+            com = x + rot.rotate(q, np.array(self.world.scene.objects[name].com))
+            speed2 = np.sum(np.diff(com, axis=0) ** 2, axis=1) / dt**2
+            fallen = np.maximum(0.0, com[0, 2] - com[1:, 2])
+            own = np.linalg.norm(self.world.scene.objects[name].velocity)
+            thrown = max(
+                thrown, np.sqrt(np.maximum(0.0, speed2 - 2 * gravity * fallen)).max() - own
+            )
+        fresh = {key: d.max() for key, d in depths.items() if d[0] <= EXACT}
+        return {
+            "touched": tuple(self.touched),
+            "depth": max((d[0] for d in inside.values()), default=0.0),
+            "out": float(clear[0] * dt) if len(clear) else np.inf,
+            "again": float(worst[clear[0] :].max()) if len(clear) else np.inf,
+            "deeper": max((np.diff(d).max() for d in inside.values()), default=0.0),
+            "fresh": max(fresh.values(), default=0.0),
+            "thrown": float(thrown),
+        }
+
+    def _against(self, name, tracks, solid):
+        x, q = tracks[name]
+        turns = rot.to_matrix(q)
+        out = np.zeros(len(x))
+        for k in range(len(x)):
+            place = coal.Transform3s(turns[k], x[k])
+            other, at = solid.geometry, solid.place
+            if other is None:
+                n = solid.normals[0]
+                other, at = coal.Halfspace(n, float(solid.offsets[0])), coal.Transform3s()
+            result = coal.DistanceResult()
+            out[k] = -coal.distance(self.shapes[name], place, other, at, REQUEST, result)
+        return np.maximum(0.0, out)
+
+    def _between(self, name, other, tracks):
+        turns = [rot.to_matrix(tracks[n][1]) for n in (name, other)]
+        out = np.zeros(len(turns[0]))
+        for k in range(len(out)):
+            a, b = (
+                coal.Transform3s(r[k], tracks[n][0][k])
+                for r, n in zip(turns, (name, other), strict=True)
+            )
+            result = coal.DistanceResult()
+            out[k] = -coal.distance(self.shapes[name], a, self.shapes[other], b, REQUEST, result)
+        return np.maximum(0.0, out)
+
+    def _with(self, name, tracks, posed, h):
+        x, q = tracks[name]
+        turns = rot.to_matrix(q)
+        box = self.shapes[name].computeLocalAABB() or self.shapes[name].aabb_local
+        radius = float(np.linalg.norm(np.maximum(np.abs(box.min_), np.abs(box.max_))))
+        near = ((posed.low[:, h] < x + radius) & (posed.high[:, h] > x - radius)).all(axis=1)
+        out = np.zeros(len(x))
+        for k in np.flatnonzero(near):
+            shape, turn, at = posed.shape(h, int(k))
+            result = coal.DistanceResult()
+            out[k] = -coal.distance(
+                self.shapes[name], coal.Transform3s(turns[k], x[k]),
+                shape, coal.Transform3s(turn, at), REQUEST, result,
+            )  # fmt: skip
+        if near.any() and out[near].max() > -TOUCHING:
+            self.touched.add(h)
+        return np.maximum(0.0, out)

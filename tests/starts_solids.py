@@ -1,0 +1,315 @@
+"""What a start inside is measured by: convex solids, and the convex hulls of a person.
+
+Depths are those of `coal` (EPA), or exact along a direction; kinematics are the body's own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import coal
+import numpy as np
+from coal_scene import coal_hull
+
+from halfphysics.skeleton import N_JOINTS, PARENTS
+
+#: Less than this is no penetration: what EPA and the substep's own solve are good to [m].
+EXACT = 1e-6
+#: Steps of the search for the end of an overlap, and where it stops [m].
+ADVANCES, ARRIVED = 60, 1e-8
+
+
+def _request():
+    request = coal.DistanceRequest()
+    request.enable_signed_distance = True
+    request.gjk_tolerance = request.epa_tolerance = 1e-9
+    request.gjk_max_iterations = request.epa_max_iterations = 1000
+    return request
+
+
+REQUEST = _request()
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A convex piece of a static: a box, or (half None) all that is under a plane.
+
+    Attributes:
+        name: For reports.
+        turn: Its axes in the world (3, 3), columns; a plane's normal is the third.
+        centre: Of the box, or a point of the plane (3,) [m].
+        half: Half extents (3,) [m].
+        near: Of a thin wall: its face (0 to 5: +x, -x, +y ...) on the root's side. Whatever is
+            beyond that face is inside.
+    """
+
+    name: str
+    turn: np.ndarray
+    centre: np.ndarray
+    half: np.ndarray | None = None
+    near: int | None = None
+
+    @cached_property
+    def normals(self):
+        """Outward normals of its faces (m, 3)."""
+        if self.half is None:
+            return self.turn[:, 2][None]
+        return np.stack([self.turn[:, 0], -self.turn[:, 0], self.turn[:, 1], -self.turn[:, 1],
+                         self.turn[:, 2], -self.turn[:, 2]])  # fmt: skip
+
+    @cached_property
+    def offsets(self):
+        """The solid is where normals . x < offsets (m,)."""
+        half = np.zeros(1) if self.half is None else np.repeat(self.half, 2)
+        return self.normals @ self.centre + half
+
+    @cached_property
+    def geometry(self):
+        return None if self.half is None else coal.Box(*(2.0 * self.half))
+
+    @cached_property
+    def place(self):
+        return coal.Transform3s(self.turn, self.centre)
+
+    @property
+    def sides(self):
+        """Faces through which one may leave."""
+        return range(len(self.normals)) if self.near is None else [self.near]
+
+    def separation(self, points):
+        """Largest distance of points (..., n, 3) together from one of the faces' planes (...):
+        positive only where the hull of the points is clear."""
+        along = np.einsum("...ni,mi->...mn", points, self.normals).min(axis=-1)
+        return (along - self.offsets).max(axis=-1)
+
+    def crossed(self, a, b):
+        """Does the line from a to b meet the solid?"""
+        low, high = 0.0, 1.0
+        for n, o in zip(self.normals, self.offsets, strict=True):
+            at, speed = n @ a - o, n @ (b - a)
+            if abs(speed) < 1e-12:
+                if at > 0.0:
+                    return False
+            elif speed < 0.0:
+                low = max(low, -at / speed)
+            else:
+                high = min(high, -at / speed)
+        return low < high
+
+    def moved(self, turn, shift):
+        """The same solid under a rotation (3, 3), then a shift (3,)."""
+        return Solid(self.name, turn @ self.turn, turn @ self.centre + shift, self.half, self.near)
+
+
+def box(name, low, high, near=None):
+    """An axis-parallel box between two corners."""
+    low, high = np.asarray(low, float), np.asarray(high, float)
+    return Solid(name, np.eye(3), 0.5 * (low + high), 0.5 * (high - low), near)
+
+
+def ground(name="floor", z=0.0):
+    """All that is under a height."""
+    return Solid(name, np.eye(3), np.array([0.0, 0.0, z]))
+
+
+class Hulls:
+    """The convex pieces that a person is made of: rigid parts, or sets of skin vertices."""
+
+    def __init__(self, body, contact):
+        self.body, self.contact = body, contact
+        if contact == "parts":
+            parts = [p for p in body.variant.parts if len(p.vertices) >= 4]
+            self.joint = np.array([p.index for p in parts])
+            self.local = [np.asarray(p.vertices, float) for p in parts]
+            self.shapes = [coal_hull(p) for p in self.local]
+        else:
+            sets = body.skin_hulls
+            first = np.asarray(sets.first)
+            self.joint = np.asarray(sets.part)
+            self.index = np.split(np.asarray(sets.vertex), first[1 : len(self.joint)])
+
+    def __len__(self):
+        return len(self.joint)
+
+    def at(self, motion):
+        """All hulls along a motion of T poses."""
+        return Posed(self, motion)
+
+
+class Posed:
+    """Hulls at T poses.
+
+    Attributes:
+        joints: (T, 55, 3) [m]. skin: all skin vertices (T, V, 3).
+        points: Per hull its points (T, n, 3). low, high: its box (T, H, 3).
+    """
+
+    def __init__(self, hulls, motion):
+        self.hulls = hulls
+        self.joints, quats = hulls.body.joint_frames(motion)
+        self.skin = hulls.body.vertices(motion)
+        if hulls.contact == "parts":
+            from halfphysics import rotations as rot
+
+            turns = self.turns = rot.to_matrix(quats)
+            self.points = [
+                np.einsum("tij,nj->tni", turns[:, j], p) + self.joints[:, j, None]
+                for j, p in zip(hulls.joint, hulls.local, strict=True)
+            ]
+        else:
+            self.points = [self.skin[:, i] for i in hulls.index]
+        self.low = np.stack([p.min(axis=1) for p in self.points], axis=1)
+        self.high = np.stack([p.max(axis=1) for p in self.points], axis=1)
+        self._known = {}
+
+    def shape(self, h, k):
+        """Hull h at pose k: its geometry, and where that is."""
+        if self.hulls.contact == "parts":
+            j = self.hulls.joint[h]
+            return self.hulls.shapes[h], self.turns[k, j], self.joints[k, j]
+        if (h, k) not in self._known:
+            middle = self.points[h][k].mean(axis=0)
+            self._known[h, k] = coal_hull(self.points[h][k] - middle), np.eye(3), middle
+        return self._known[h, k]
+
+    def forget(self):
+        self._known.clear()
+
+    def depth(self, h, k, solid, shift=0.0):
+        """EPA depth of hull h at pose k, moved by `shift` (3,), in a solid; 0 where clear."""
+        points = self.points[h][k] + shift
+        apart = solid.separation(points)
+        if apart >= 0.0 or solid.half is None:
+            return max(0.0, -apart)
+        return max(0.0, -self.distance(h, k, solid, shift))
+
+    def distance(self, h, k, solid, shift=0.0):
+        """Signed distance of a hull from a solid."""
+        if solid.half is None:
+            return solid.separation(self.points[h][k] + shift)
+        shape, turn, x = self.shape(h, k)
+        place = coal.Transform3s(turn, x + shift)
+        result = coal.DistanceResult()
+        return coal.distance(shape, place, solid.geometry, solid.place, REQUEST, result)
+
+    def way_out(self, h, k, solid, side):
+        """How far hull h has to go along the normal of face `side` until it is out for good [m]."""
+        n, o = solid.normals[side], solid.offsets[side]
+        most = o - (self.points[h][k] @ n).min()
+        if most <= 0.0 or solid.near is not None or solid.half is None:
+            return max(0.0, most)
+        # Passing by the solid's other sides?
+        points = self.points[h][k]
+        across = [f for f in range(6) if f // 2 != side // 2]
+        if any((points @ solid.normals[f]).min() >= solid.offsets[f] for f in across):
+            return 0.0
+        r = most
+        for _ in range(ADVANCES):
+            gap = self.distance(h, k, solid, r * n)
+            if gap <= ARRIVED:
+                break
+            r -= gap
+            if r <= 0.0:
+                return 0.0
+        return r
+
+
+def path(joint):
+    """Joints from the root to `joint`, both counted."""
+    out = [int(joint)]
+    while PARENTS[out[-1]] >= 0:
+        out.append(int(PARENTS[out[-1]]))
+    return out[::-1]
+
+
+def paths_of(joints):
+    """Which joints (55,) are on the way from the root to one of these."""
+    out = np.zeros(N_JOINTS, dtype=bool)
+    for j in joints:
+        out[path(j)] = True
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """The hulls that a solid holds at the start.
+
+    Attributes:
+        solid: Which.
+        inside: Hulls that meet it.
+        beyond: Hulls that are clear of it, but whose bones from the root go through it.
+        side: The face of the solid through which all of them get out by the smallest shift that
+            puts them on the root's side.
+        depth: That shift [m].
+    """
+
+    solid: Solid
+    inside: tuple[int, ...]
+    beyond: tuple[int, ...]
+    side: int
+    depth: float
+
+
+def groups_at(posed, k, solids):
+    """The groups of one pose, none where all is clear."""
+    out = []
+    for solid in solids:
+        low, high = _bounds(solid)
+        near = np.flatnonzero(((posed.low[k] < high) & (posed.high[k] > low)).all(axis=1))
+        if solid.near is not None:
+            inside = [h for h in range(len(posed.points)) if _beyond(posed, h, k, solid)]
+        else:
+            inside = [int(h) for h in near if posed.depth(h, k, solid) > EXACT]
+        if not inside:
+            continue
+        joints = posed.joints[k]
+        beyond, before = [], []
+        if solid.near is None and solid.separation(joints[:1]) > 0.0:
+            for h, j in enumerate(posed.hulls.joint):
+                bones = path(j)
+                met = [a for a, b in pairwise(bones)
+                       if solid.crossed(joints[a], joints[b])]  # fmt: skip
+                if met:
+                    before.append(joints[met[0]])
+                    if h not in inside:
+                        beyond.append(h)
+        above = solid.offsets - EXACT
+        sides = [s for s in solid.sides if all(solid.normals[s] @ x > above[s] for x in before)]
+        depth = {s: max(posed.way_out(h, k, solid, s) for h in (*inside, *beyond))
+                 for s in sides or solid.sides}  # fmt: skip
+        order = sorted(depth, key=depth.__getitem__)
+        free = (s for s in order if _lands(posed, k, solids, solid, inside, s, depth[s]))
+        side = next(free, order[0])
+        out.append(Group(solid, tuple(inside), tuple(beyond), side, depth[side]))
+    return out
+
+
+def _beyond(posed, h, k, solid):
+    n, o = solid.normals[solid.near], solid.offsets[solid.near]
+    return (posed.points[h][k] @ n).min() < o - EXACT
+
+
+def _lands(posed, k, solids, solid, inside, side, way):
+    """Does a way out of one solid lead no deeper into another?"""
+    shift = (way + EXACT) * solid.normals[side]
+    return all(
+        posed.depth(h, k, other, shift) <= posed.depth(h, k, other) + EXACT
+        for other in solids
+        if other is not solid
+        for h in inside
+    )
+
+
+def _bounds(solid):
+    if solid.half is None:
+        return np.full(3, -np.inf), np.full(3, np.inf)
+    reach = np.abs(solid.turn) @ solid.half
+    return solid.centre - reach, solid.centre + reach
+
+
+def near_poses(posed, h, solid):
+    """Poses (T,) at which the box of hull h meets that of the solid."""
+    low, high = _bounds(solid)
+    return ((posed.low[:, h] < high) & (posed.high[:, h] > low)).all(axis=1)

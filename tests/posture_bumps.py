@@ -113,13 +113,16 @@ def hip_table_corner(rig):
 
 @_case
 def shoulder_door_frame(rig):
-    """Through a door that is too narrow by a shoulder."""
+    """Through an opening that is too narrow by a shoulder."""
     end = rig.key(both_shoulder=(0.0, 0.0, -1.3))
     at = rig.reach(end, AHEAD, "left_shoulder")
     y = at[1] - 0.02
-    frame = box("frame", (0.0, y, -0.2), (0.12, y + 0.1, 2.2), "-x", "-y")
-    wall = box("wall", (0.02, y + 0.1, -0.2), (0.1, y + 1.0, 2.2), "-x")
-    return _walked_into(rig, end, [frame, wall], AHEAD, ("left_shoulder",), UP)
+    low, high = at[2] - 0.35, at[2] + 0.6  # a hatch: feet are ahead of shoulders
+    frame = box("frame", (0.0, y, low), (0.12, y + 0.1, high), "-x", "-y")
+    wall = box("wall", (0.02, y + 0.1, low), (0.1, y + 1.0, high), "-x")
+    return _walked_into(
+        rig, end, [frame, wall], AHEAD, ("left_shoulder", "left_collar", "spine2"), UP
+    )
 
 
 @_case

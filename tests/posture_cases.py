@@ -1,8 +1,8 @@
 """The cases of `postures`: what body does what to which furniture.
 
-A case takes a `Rig` and gives (first key, last key, pieces, parts that must press, direction to rub
-along). Furniture is put where the last key's skin is `rig.depth` inside of it. Hands are in
-`posture_hands`, bumps in `posture_bumps`.
+A case takes a `Rig` and gives (first key, last key, pieces, parts, one of which must press, and the
+direction to rub along). Furniture is put where the last key's skin is `rig.depth` inside of it.
+Hands are in `posture_hands`, bumps in `posture_bumps`.
 """
 
 from __future__ import annotations
@@ -208,7 +208,7 @@ def crouch(rig):
         end = rig.facing(end, f"{side}_wrist", flat_hand(side))
     start = end.moved(0.0, 0.0, 0.12 + rig.depth)
     ground = floor(rig.low(end) + rig.depth)
-    return start, end, [ground], (), AHEAD
+    return start, end, [ground], ("left_foot", "right_foot"), AHEAD
 
 
 @_case
@@ -220,16 +220,17 @@ def crouch_wall(rig):
     low = rig.low(end)
     wall = box("wall", (back - 0.3, -1.0, low - 0.1), (back + rig.depth, 1.0, low + 1.5), "+x")
     start = end.moved(0.12 + rig.depth, 0.0, 0.03)
-    return start, end, [wall, _ground(rig, end)], (), UP
+    return start, end, [wall, _ground(rig, end)], ("pelvis",), UP
 
 
 @_case
 def kneel(rig):
     """Knees and shins to the floor."""
-    legs = {"both_hip": (-0.1, 0.0, 0.06), "both_knee": (1.5, 0.0, 0.0), "both_ankle": (0.6, 0, 0)}
+    legs = {"both_hip": (-0.1, 0.0, 0.06), "both_knee": (1.6, 0.0, 0.0), "both_ankle": (1.3, 0, 0)}
     end = rig.key(leaning(0.1), **legs, **HANGING)
     start = rig.key(leaning(0.2), (0, 0, 1.2), **{**legs, "both_hip": (-0.4, 0, 0.06)}, **HANGING)
-    return start, end, [floor(rig.low(end) + rig.depth)], ("left_knee", "right_knee"), AHEAD
+    ground = max(rig.low(end, "left_knee"), rig.low(end, "right_knee")) + 0.7 * rig.depth
+    return start, end, [floor(ground)], ("left_knee", "right_knee"), AHEAD
 
 
 @_case

@@ -10,6 +10,7 @@ from halfphysics.scenarios.legs import WORLD_FROM_REST, about
 
 UP, DOWN, AHEAD, LEFT = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 HANDS = {}
+FINGERTIPS = ("left_index3", "left_middle3", "left_ring3")
 
 
 def _case(make):
@@ -36,7 +37,7 @@ def _leaning_arms(rig, raised):
 def elbows_on_table(rig):
     end = _leaning_arms(rig, 0.0)
     start = _leaning_arms(rig, 0.35).moved(0, 0, 0.05)
-    top = rig.low(end, "both_elbow") + 0.7 * rig.depth
+    top = max(rig.low(end, "left_elbow"), rig.low(end, "right_elbow")) + 0.5 * rig.depth
     front = rig.joint(end, "left_elbow")[0] - 0.02
     pieces = table(top, front, front + 0.7, 0.6, -0.6)
     return start, end, pieces, ("left_elbow", "right_elbow"), LEFT
@@ -50,7 +51,7 @@ def elbow_point(rig):
     for side in ("left", "right"):
         end = rig.facing(end, f"{side}_elbow", _upright_arm(side))
     pieces = rig.advanced(end, [_plate(rig, end, "both_elbow", "both_shoulder")], DOWN)
-    return end.moved(0, 0, 0.1 + rig.depth), end, pieces, ("left_elbow",), AHEAD
+    return end.moved(0, 0, 0.1 + rig.depth), end, pieces, ("left_elbow", "right_elbow"), AHEAD
 
 
 def _upright_arm(side):
@@ -94,7 +95,7 @@ def _grip(rig, thing, open_=0.1, closed=1.35):
     while True:  # what passes beside a finger has farther to go
         pieces = rig.advanced(start, [thing(at)], DOWN, depth=-away)
         if deepest(pieces[0], rig.skin(start)) < -CLEAR:
-            return start, end, pieces, ("left_middle2", "left_index2"), LEFT
+            return start, end, pieces, FINGERTIPS, LEFT
         away += 0.5 * CLEAR
 
 
@@ -123,7 +124,7 @@ def _poke(rig, key, thing, direction, *parts):
     at = rig.reach(key, direction, *parts)
     pieces = rig.advanced(key, [thing(at)], direction)
     u = np.asarray(direction, float)
-    return key.moved(*(-(0.1 + rig.depth) * u)), key, pieces, parts[:1], tuple(np.roll(u, 1))
+    return key.moved(*(-(0.1 + rig.depth) * u)), key, pieces, parts, tuple(np.roll(u, 1))
 
 
 @_case
@@ -157,7 +158,13 @@ def fingers_on_rods(rig):
         for k in range(4)
     ]
     pieces = rig.advanced(key, rods, DOWN)
-    return key.moved(0, 0, 0.1 + rig.depth), key, pieces, (), AHEAD
+    return (
+        key.moved(0, 0, 0.1 + rig.depth),
+        key,
+        pieces,
+        ("left_wrist", "left_index1", "left_middle2"),
+        AHEAD,
+    )
 
 
 @_case
@@ -167,4 +174,14 @@ def fist_on_edge(rig):
     def edge(at):
         return wedge("edge", at, LEFT, UP, 90.0)
 
-    return _poke(rig, key, edge, DOWN, "left_middle2", "left_index2", "left_ring2", "left_middle1")
+    return _poke(
+        rig,
+        key,
+        edge,
+        DOWN,
+        "left_thumb3",
+        "left_middle2",
+        "left_index2",
+        "left_ring2",
+        "left_middle1",
+    )

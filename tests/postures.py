@@ -28,7 +28,7 @@ DEPTHS = (0.03, 0.06)
 #: A start is clear by this [m]: more than the clearance.
 CLEAR = 0.003
 #: By how much joints differ from the case as written [rad], except for seed 0.
-JITTER, FINGER_JITTER = 0.06, 0.15
+JITTER, FINGER_JITTER = 0.03, 0.15
 FINGERS = ("index", "middle", "ring", "pinky")
 
 
@@ -51,7 +51,7 @@ class Key:
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """A case, built: what moves, among what, and which parts of the skin must press."""
+    """A case, built: what moves, among what, and parts of which at least one must press."""
 
     name: str
     kind: str

@@ -50,7 +50,7 @@ class SkinVerdict:
         depths: Deepest vertex or sample at every pose looked at for that, else 0.
         shares: Share of vertices inside likewise.
         cut: Poses at which a triangle of the skin meets a surface.
-        crossed: (thing, part, pose) where the way to a pose meets a thing.
+        crossed: (thing, part, pose) where the way from a clear place to a clear place is blocked.
         coal: Poses at which coal has them meet.
         checked: How many poses were looked at for depth, and by coal.
     """
@@ -184,14 +184,17 @@ class SkinJudge:
             for piece in obstacles_of(s.shape)
         ]
 
-    def judge_motion(self, motion, objects=None, *, continuous=False, every=1, coal_every=1):
+    def judge_motion(
+        self, motion, objects=None, *, poses=None, continuous=False, every=1, coal_every=1
+    ):
         """A motion's poses; with `continuous`, its ways from each to the next too.
 
         objects: name -> (positions (T, 3), quaternions (T, 4)) of the scene's objects.
+        poses: only so many of the first.
         every, coal_every: look for depth, and ask coal, at each so manieth pose (and the last).
         """
         things = [*self.statics, *self._objects(objects or {})]
-        count = len(motion)
+        count = len(motion) if poses is None else poses
         verdict = SkinVerdict(
             poses=count, gaps=np.full(count, np.inf), depths=np.zeros(count), shares=np.zeros(count)
         )
@@ -201,7 +204,7 @@ class SkinJudge:
             skins = self.skin.vertices(
                 motion.translation[part], motion.rotations[part], motion.axes
             )
-            for k, skin in enumerate(skins):
+            for k, skin in enumerate(skins[: count - first]):
                 t = first + k
                 last = t == count - 1
                 self._pose(
@@ -273,6 +276,8 @@ class SkinJudge:
                     inside[deep[deep < len(skin)]] = True
             if t == 0:
                 self._swallowed(thing, skin, verdict)
+            if thing.piece.plane and thing.piece.clear_of(thing.local(skin, t)):
+                continue  # and the way from a clear pose to a clear pose is clear
             met = np.flatnonzero(_meets(low, high, below, above))
             if len(met):
                 corners = skin[self.skin.faces[met]]
@@ -334,11 +339,14 @@ class SkinJudge:
         met = piece.met_by(np.concatenate([starts, ends], axis=1))
         if not len(met):
             return
-        if len(piece.met_by(ends[met])):
+        cut = piece.met_by(ends[met])
+        if len(cut):
             verdict.cut.add(t)
-        # Where one has crossed its neighbours are not looked at as patiently.
+        # Those that are cut at an end prove nothing more.
+        met = np.delete(met, np.union1d(cut, piece.met_by(starts[met])).astype(int))
+        # Where one has crossed others are not looked at as patiently.
         few = met[:: max(1, len(met) // PATIENCE)]
-        if not len(self._blocked(piece, starts[few], ends[few], HALVES)):
+        if not verdict.crossed and not len(self._blocked(piece, starts[few], ends[few], HALVES)):
             met = met[self._blocked(piece, starts[met], ends[met], HALVES)]
         for part in self.skin.part[self.skin.faces[which[met], 0]]:
             verdict.crossed.append((thing.name, JOINT_NAMES[part], t))

@@ -91,6 +91,10 @@ class Primitive:
         """How deep points (n, 3) are inside, (n,) [m]: 0 outside."""
         return np.maximum(-signed_distance(self.shape, points), 0.0)
 
+    def clear_of(self, points):
+        """Whether all of the points are outside."""
+        return bool((signed_distance(self.shape, points) > 0.0).all())
+
     def met_by(self, corners):
         """Which (k,) hulls of `corners` (k, m, 3) meet it, for any reason."""
         k, m = corners.shape[:2]

@@ -198,7 +198,6 @@ def test_things_of_any_kind_are_seen(body, name, kind):
     judge = SkinJudge(body, with_it(shape, **pose))
     verdict = judge.judge_motion(motion, continuous=True)
     assert verdict.cut == verdict.coal == {1}
-    assert {pose for _, _, pose in verdict.crossed} == {1, 2}
     assert np.count_nonzero(verdict.depths) == 1
     assert verdict.depth > 0.03
     assert judge.penetration(motion)[1] > 30.0

@@ -10,6 +10,8 @@ import numpy as np
 
 #: Items that go down the tree together: bounds the memory.
 CHUNK = 8192
+#: Levels of the tree that tell whether a point is anywhere near.
+ROUGH = 9
 #: Rays go along this axis: oblique, so that they meet no edge of anything that people build.
 RAY = np.array([0.2367, -0.1713, 0.9563])
 
@@ -38,22 +40,24 @@ class Boxes:
             pairs = below.reshape(-1, 2, low.shape[1]), above.reshape(-1, 2, low.shape[1])
             self.levels.insert(0, (pairs[0].min(axis=1), pairs[1].max(axis=1)))
 
-    def pairs(self, items, meets):
+    def pairs(self, items, meets, levels=None):
         """(item, box) of all pairs that meet.
 
         items: how many there are; meets(i, low, high): whether items `i` (k,) meet boxes (k, d).
+        levels: go so far down only: (item, box of that level).
         """
+        down = self.levels[:levels]
         found = [np.zeros((2, 0), dtype=np.int64)]
         for first in range(0, items, CHUNK):
             item = np.arange(first, min(first + CHUNK, items))
             node = np.zeros(len(item), dtype=np.int64)
-            for k, (low, high) in enumerate(self.levels):
+            for k, (low, high) in enumerate(down):
                 if k:
                     item = np.repeat(item, 2)
                     node = (2 * node[:, None] + [0, 1]).ravel()
                 keep = meets(item, low[node], high[node])
                 item, node = item[keep], node[keep]
-            found.append(np.stack([item, self.order[node]]))
+            found.append(np.stack([item, node if levels else self.order[node]]))
         return np.concatenate(found, axis=1)
 
 
@@ -74,19 +78,29 @@ class Soup:
 
     def near(self, low, high):
         """Pairs (item, triangle) whose boxes meet; items have boxes `low`, `high` (n, 3)."""
-        return self._boxes.pairs(
-            len(low),
-            lambda i, a, b: (low[i] <= b).all(axis=1) & (high[i] >= a).all(axis=1),
-        )
+
+        def meets(i, below, above):
+            out = np.ones(len(i), dtype=bool)
+            for k in range(3):  # numpy is slow along short rows
+                out &= (low[i, k] <= above[:, k]) & (high[i, k] >= below[:, k])
+            return out
+
+        return self._boxes.pairs(len(low), meets)
 
     def smallest(self, points, most=np.inf):
         """The smallest distance of any of the points (n, 3), and whose; (inf, -1) beyond `most`."""
-        if not len(points):
+        square = most * most
+        item, _ = self._boxes.pairs(
+            len(points), lambda i, low, high: _beside(points[i], low, high) <= square, ROUGH
+        )
+        near = np.unique(item)
+        if not len(near):
             return np.inf, -1
         # No farther than the best that a walk straight down the tree comes upon.
-        d = self._within(points, np.full(len(points), min(self._bound(points).min(), most)))
+        p = points[near]
+        d = self._within(p, np.full(len(p), min(self._bound(p).min(), most)))
         i = int(d.argmin())
-        return (float(d[i]), i) if np.isfinite(d[i]) else (np.inf, -1)
+        return (float(d[i]), int(near[i])) if np.isfinite(d[i]) else (np.inf, -1)
 
     def distances(self, points):
         """Distances (n,) of points (n, 3)."""
@@ -124,9 +138,9 @@ class Soup:
         p = points @ self._turn
 
         def meets(i, low, high):
-            q = p[i]
-            beside = (q[:, :2] < low[:, :2]) | (q[:, :2] > high[:, :2])
-            return ~beside.any(axis=1) & (q[:, 2] <= high[:, 2])
+            x, y, z = p[i].T
+            under = (x >= low[:, 0]) & (x <= high[:, 0]) & (z <= high[:, 2])
+            return under & (y >= low[:, 1]) & (y <= high[:, 1])
 
         item, which = self._shadows.pairs(len(p), meets)
         a, b, c = np.moveaxis(self._seen[which] - p[item, None], 1, 0)
@@ -144,7 +158,8 @@ class Soup:
 def _beside(points, low, high):
     """Squared distances of points from boxes, pair by pair; inf from empty ones."""
     away = np.maximum(np.maximum(low - points, points - high), 0.0)
-    return (away * away).sum(axis=-1)
+    away *= away
+    return away[..., 0] + away[..., 1] + away[..., 2]
 
 
 def to_triangles(points, triangles):

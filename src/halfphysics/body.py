@@ -94,6 +94,8 @@ class Body:
         Raises:
             InputError: Impossible betas, or a stature outside 0.4 to 2.8 m.
         """
+        if cls is Body and betas is None and stature is None:
+            return _mean()  # frozen: one will do, and what is worked out of it is worked out once
         body = cls.shaped(_free(), betas, stacklevel=3)
         if stature is None:
             return body
@@ -361,6 +363,11 @@ def check_match(motion: Motion, body: Body, allow_mismatch: bool = False) -> Non
         f"betas=motion.betas, gender='{motion.gender}', model='{motion.model}')), use "
         "Body.default(), or keep this body and its shape with allow_mismatch=True"
     )
+
+
+@cache
+def _mean() -> Body:
+    return Body.shaped(_free(), None)
 
 
 @cache

@@ -171,7 +171,19 @@ void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::
     }
     return true;
   };
+  // Nobody is to come out of one thing into another.
+  auto into_another = [&](Vec3 shift) {
+    for (int i : group)
+      for (const Static& s : statics) {
+        if (&s == o.fixed || pairing(movers[i].name, s.name).ignore) continue;
+        Obstacle other;
+        other.fixed = &s;
+        if (clear_of(start, i, other, {}, kTouch) && !clear_of(start, i, other, shift, kTouch)) return true;
+      }
+    return false;
+  };
   size_t last = 0;  // who was in the way last is so again
+  bool anywhere = false;
   auto fits = [&](Vec3 shift) {
     for (size_t k = 0; k < group.size(); k++) {
       const size_t i = (last + k) % group.size();
@@ -179,7 +191,7 @@ void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::
       last = i;
       return false;
     }
-    return right_side(shift);
+    return right_side(shift) && (anywhere || !into_another(shift));
   };
   std::vector<Vec3> ways;
   if (o.is(Static::Kind::HalfSpace)) {
@@ -205,17 +217,21 @@ void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::
       add_way(ways, {(double)(k % 3 - 1), (double)(k / 3 % 3 - 1), (double)(k / 9 - 1)});
   double best = kFarthest;
   Vec3 exit;
-  for (Vec3 w : ways) {
-    double bad = 0, good = -1;
-    for (double t = kStride; t < best + kStride && good < 0; t += kStride)
-      (fits(t * w) ? good : bad) = t;
-    if (good < 0 || bad >= best) continue;
-    for (int k = 0; k < kBisections; k++) {
-      const double t = 0.5 * (good + bad);
-      (fits(t * w) ? good : bad) = t;
+  auto search = [&]() {
+    for (Vec3 w : ways) {
+      double bad = 0, good = -1;
+      for (double t = kStride; t < best + kStride && good < 0; t += kStride)
+        (fits(t * w) ? good : bad) = t;
+      if (good < 0 || bad >= best) continue;
+      for (int k = 0; k < kBisections; k++) {
+        const double t = 0.5 * (good + bad);
+        (fits(t * w) ? good : bad) = t;
+      }
+      if (good < best) best = good, exit = good * w;
     }
-    if (good < best) best = good, exit = good * w;
-  }
+  };
+  search();
+  if (norm2(exit) == 0) anywhere = true, search();
   for (int i : group) {
     Inside in;
     in.mover = i, in.other_static = o.other_static, in.other_mover = o.other_mover;

@@ -44,6 +44,7 @@ class Verdict:
     deeper_pair: float = 0.0  # largest growth in a substep
     deeper_worst: float = 0.0
     deeper_way: float = 0.0
+    deepest_way: float = 0.0  # over the depth at the start
     fresh: float = 0.0
     fresh_where: str = ""
     fast: float = 0.0  # m/s, until out
@@ -119,9 +120,12 @@ class StartJudge:
                 if not near.any():
                     continue
                 depth = np.zeros(len(near))
-                near[near] = solid.separation(posed.points[h][near]) < -EXACT
+                points = posed.points[h]
+                near[near] = solid.separation(points[near]) < -EXACT
+                still = np.zeros(len(near), dtype=bool)  # where it was at the pose before, exactly
+                still[1:] = (points[1:] == points[:-1]).all(axis=(1, 2))
                 for k in np.flatnonzero(near):
-                    depth[k] = posed.depth(h, int(k), solid)
+                    depth[k] = depth[k - 1] if still[k] else posed.depth(h, int(k), solid)
                 if depth.max() > EXACT:
                     out[h, s] = depth
         return out
@@ -144,8 +148,12 @@ class StartJudge:
             for h in (*g.inside, *g.beyond):
                 # Nothing is looked at in vain: only where the hull is still ahead of the face.
                 along = (posed.points[h] @ g.solid.normals[g.side]).min(axis=1)
+                own = np.zeros(count)
+                still = np.zeros(count, dtype=bool)
+                still[1:] = (posed.points[h][1:] == posed.points[h][:-1]).all(axis=(1, 2))
                 for k in np.flatnonzero(along < g.solid.offsets[g.side]):
-                    way[k] = max(way[k], posed.way_out(h, int(k), g.solid, g.side))
+                    own[k] = own[k - 1] if still[k] else posed.way_out(h, int(k), g.solid, g.side)
+                way = np.maximum(way, own)
             way[way <= EXACT] = 0.0
             inside_now = np.array([
                 any(depths[h, self.solids.index(g.solid)][k] > EXACT
@@ -157,6 +165,7 @@ class StartJudge:
             # Out by another way than the shortest: over an edge, say.
             way[~inside_now & (g.solid.near is None) & (not g.beyond)] = 0.0
             v.deeper_way = max(v.deeper_way, float(np.diff(way).max(initial=0.0)))
+            v.deepest_way = max(v.deepest_way, float(way.max() - way[0]))
             if v.ways is None or way[0] > v.ways[0]:
                 v.ways = way
         self.inside = inside
@@ -216,7 +225,8 @@ class StartJudge:
         out = set()
         for solid in self.solids:
             for h in range(len(self.hulls)):
-                if (solid.separation(posed.points[h]) < TOUCHING).any():
+                near = near_poses(posed, h, solid, TOUCHING)
+                if near.any() and (solid.separation(posed.points[h][near]) < TOUCHING).any():
                     out.add(h)
         return out
 

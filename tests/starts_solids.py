@@ -81,22 +81,16 @@ class Solid:
     def separation(self, points):
         """Largest distance of points (..., n, 3) together from one of the faces' planes (...):
         positive only where the hull of the points is clear."""
-        along = np.einsum("...ni,mi->...mn", points, self.normals).min(axis=-1)
-        return (along - self.offsets).max(axis=-1)
+        return ((points @ self.normals.T).min(axis=-2) - self.offsets).max(axis=-1)
 
     def crossed(self, a, b):
-        """Does the line from a to b meet the solid?"""
-        low, high = 0.0, 1.0
-        for n, o in zip(self.normals, self.offsets, strict=True):
-            at, speed = n @ a - o, n @ (b - a)
-            if abs(speed) < 1e-12:
-                if at > 0.0:
-                    return False
-            elif speed < 0.0:
-                low = max(low, -at / speed)
-            else:
-                high = min(high, -at / speed)
-        return low < high
+        """Which of the lines from a to b (n, 3) meet the solid (n,)."""
+        at, speed = a @ self.normals.T - self.offsets, (b - a) @ self.normals.T
+        level = np.abs(speed) < 1e-12
+        when = -at / np.where(level, 1.0, speed)
+        low = np.where(level | (speed > 0.0), 0.0, when).max(axis=1)
+        high = np.where(level | (speed < 0.0), 1.0, when).min(axis=1)
+        return (np.maximum(low, 0.0) < np.minimum(high, 1.0)) & ~(level & (at > 0.0)).any(axis=1)
 
     def moved(self, turn, shift):
         """The same solid under a rotation (3, 3), then a shift (3,)."""
@@ -171,7 +165,7 @@ class Posed:
             return self.hulls.shapes[h], self.turns[k, j], self.joints[k, j]
         if (h, k) not in self._known:
             middle = self.points[h][k].mean(axis=0)
-            self._known[h, k] = coal_hull(self.points[h][k] - middle), np.eye(3), middle
+            self._known[h, k] = _quick_hull(self.points[h][k] - middle), np.eye(3), middle
         return self._known[h, k]
 
     def forget(self):
@@ -214,6 +208,13 @@ class Posed:
             if r <= 0.0:
                 return 0.0
         return r
+
+
+def _quick_hull(points):
+    """As `coal_hull`, by coal's own qhull: skin hulls are made anew at every pose."""
+    corners = coal.StdVec_Vec3s()
+    corners.extend(list(points))
+    return coal.Convex.convexHull(corners, True, "")
 
 
 def path(joint):
@@ -267,10 +268,9 @@ def groups_at(posed, k, solids):
         joints = posed.joints[k]
         beyond, before = [], []
         if solid.near is None and solid.separation(joints[:1]) > 0.0:
+            cut = solid.crossed(joints[np.maximum(PARENTS, 0)], joints)
             for h, j in enumerate(posed.hulls.joint):
-                bones = path(j)
-                met = [a for a, b in pairwise(bones)
-                       if solid.crossed(joints[a], joints[b])]  # fmt: skip
+                met = [a for a, b in pairwise(path(j)) if cut[b]]
                 if met:
                     before.append(joints[met[0]])
                     if h not in inside:
@@ -309,7 +309,7 @@ def _bounds(solid):
     return solid.centre - reach, solid.centre + reach
 
 
-def near_poses(posed, h, solid):
-    """Poses (T,) at which the box of hull h meets that of the solid."""
+def near_poses(posed, h, solid, reach=0.0):
+    """Poses (T,) at which the box of hull h comes within `reach` of that of the solid."""
     low, high = _bounds(solid)
-    return ((posed.low[:, h] < high) & (posed.high[:, h] > low)).all(axis=1)
+    return ((posed.low[:, h] < high + reach) & (posed.high[:, h] > low - reach)).all(axis=1)

@@ -8,14 +8,15 @@ each, as one connected mesh, or as a piece of one whole-room mesh.
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
-from starts_furniture import furniture_for
+from starts_furniture import STRAIGHT, furniture_for
+from starts_groups import groups_at
 from starts_meshes import box_mesh, finely, furniture, sheet_mesh, union_mesh
 from starts_poses import POSES, path_of, wave
-from starts_solids import Hulls, Solid, ground, groups_at
+from starts_solids import Hulls, Solid, ground
 
 from halfphysics import rotations as rot
 from halfphysics.body import Body
@@ -126,17 +127,18 @@ def _try(case, contact, data, rng):
     points = body().vertices(first, frames=0)
     shift = np.array([-points[:, 0].max(), -points[:, 1].mean(), -points[:, 2].min()])
     posed = hulls(contact).at(Motion(np.tile(shift, (2, 1)), first.rotations, 30.0))
-    solids = furniture_for(case.kind, form, posed, rng)
+    one = case.kind if form in STRAIGHT else ""
+    solids = [replace(s, static=one) for s in furniture_for(case.kind, form, posed, rng)]
     at = _push(posed, solids, np.array(way), want)
     if at is None:
         return None
     start = shift + at * np.array(way)
-    posed = _shifted(posed, at * np.array(way))
+    posed = posed.moved(at * np.array(way))
     if case.kind != "floor":
         # The floor under all that; in a third of the cases the feet are in it too.
         lowest = posed.low[0, :, 2].min()
         sunk = rng.uniform(0.01, 0.05) if rng.random() < 0.33 else -rng.uniform(0.002, 0.03)
-        solids = [*solids, ground(z=lowest + sunk)]
+        solids = [*solids, replace(ground(z=lowest + sunk), static=one)]
     groups = groups_at(posed, 0, solids)
     depth = max((g.depth for g in groups), default=0.0)
     if not 0.5 * low <= depth <= 0.11:
@@ -170,7 +172,7 @@ def _push(posed, solids, way, want):
     """How far to push along `way` until the deepest group is `want` deep; None: never."""
 
     def depth(at):
-        return max((g.depth for g in groups_at(_shifted(posed, at * way), 0, solids)), default=0.0)
+        return max((g.depth for g in groups_at(posed.moved(at * way), 0, solids)), default=0.0)
 
     # From where all is clear on the near side, until the first touch and on.
     at, before = -0.6, -0.6
@@ -190,17 +192,6 @@ def _push(posed, solids, way, want):
     return at if abs(depth(at) - want) < 0.01 else None
 
 
-def _shifted(posed, shift):
-    """One pose, moved."""
-    out = object.__new__(type(posed))
-    out.__dict__.update(posed.__dict__)
-    out.joints, out.skin = posed.joints + shift, posed.skin + shift
-    out.points = [p + shift for p in posed.points]
-    out.low, out.high = posed.low + shift, posed.high + shift
-    out._known = {key: (shape, turn, x + shift) for key, (shape, turn, x) in posed._known.items()}
-    return out
-
-
 # -- the scene -------------------------------------------------------------------------------
 
 
@@ -210,8 +201,7 @@ def _scene(solids, form, kind, turn, aside, rng, data):
     where = {"position": aside, "quaternion": turn}
     boxes = [s for s in solids if s.half is not None]
     floors = [s for s in solids if s.half is None]
-    straight = all(np.allclose(np.abs(s.turn).max(axis=0), 1.0) for s in boxes)
-    if form in ("merged", "room") and straight:
+    if form in STRAIGHT:
         # What is a plane to the judge is a large slab.
         spans = [(s.centre - np.abs(s.turn) @ s.half, s.centre + np.abs(s.turn) @ s.half)
                  for s in boxes]  # fmt: skip
@@ -301,7 +291,7 @@ def _target(target, rotations, start, clip, groups, posed, rng):
     path = np.tile(start, (frames, 1))
     turns = np.tile(rotations, (frames, 1, 1))
     joints = posed.hulls.joint
-    held = {int(joints[h]) for g in groups for h in (*g.inside, *g.beyond)}
+    held = {int(joints[h]) for g in groups for h in g.hulls}
     if target == "wave":
         turns = wave(turns, held, rng)
     elif target == "limb":

@@ -89,6 +89,7 @@ def run(case, contact, data):
         "fast_after": v.fast_after,
         "free_deg": float(np.rad2deg(v.free)),
         "free": v.free_joint,
+        "free_after_deg": float(np.rad2deg(v.free_after)),
         "face_deg": float(np.rad2deg(v.face)),
         "root_mm": 1e3 * v.root,
         "root_end_mm": 1e3 * v.root_end,
@@ -103,8 +104,8 @@ def run(case, contact, data):
             "out": _number(o["out"]),
             "again_mm": _number(1e3 * o["again"]),
             "pair_mm": 1e3 * o["deeper"],
-            "worst_mm": 0.0,
-            "way_mm": 1e3 * o["deeper"],
+            "worst_mm": 1e3 * o["deeper_worst"],
+            "way_mm": 1e3 * o["deeper_worst"],
             "fresh_mm": max(row["fresh_mm"], 1e3 * o["fresh"]),
             "thrown": o["thrown"],
         }

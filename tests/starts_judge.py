@@ -9,7 +9,7 @@ What is asked of every substep until all is out, and after:
   thin wall, or rounds an edge, must pass poses of larger EPA depth.
 - *out*: from when on no hull meets a solid, and nothing is beyond a wall.
 - *fast*: how much faster than in the motion itself a skin vertex gets [m/s].
-- *free*: how far a joint that is on the way to nothing held is from its target [rad].
+- *free*: how far a joint that is on the way to nothing held is from its target [rad], until then.
 - *fresh*: depth of pairs that were clear at the start.
 """
 
@@ -20,7 +20,8 @@ from dataclasses import dataclass
 import coal
 import numpy as np
 from coal_scene import coal_shape
-from starts_solids import EXACT, REQUEST, Hulls, groups_at, near_poses, paths_of
+from starts_groups import groups_at, paths_of
+from starts_solids import EXACT, REQUEST, Hulls, near_poses
 
 from halfphysics import rotations as rot
 from halfphysics.motion import Motion
@@ -28,6 +29,10 @@ from halfphysics.skeleton import JOINT_NAMES
 
 #: Joints whose part comes nearer than this to a solid are not free [m].
 TOUCHING = 0.01
+#: The drive takes this long to forget what was done to a joint [s].
+FADING = 0.1
+#: A way out that is taken is at most so many times as long as the shortest that is found.
+LONGER = 1.5
 #: Eyes and jaw: light, on short arms, they lag behind an accelerated trunk by the drive's inertia.
 FACE = (22, 23, 24)
 
@@ -51,6 +56,7 @@ class Verdict:
     fast_after: float = 0.0
     free: float = 0.0
     free_joint: str = ""
+    free_after: float = 0.0  # from a moment after all is out
     face: float = 0.0
     root: float = 0.0
     root_end: float = 0.0
@@ -81,7 +87,7 @@ class StartJudge:
         posed = self.hulls.at(actual)
         v = Verdict()
         groups = groups_at(posed, 0, self.solids)
-        held = {h for g in groups for h in (*g.inside, *g.beyond)}
+        held = {h for g in groups for h in g.hulls}
         v.held = len(held)
         v.depth = max((g.depth for g in groups), default=0.0)
         depths = self._depths(posed)
@@ -96,14 +102,12 @@ class StartJudge:
         offset = np.linalg.norm(offset, axis=1)
         v.root, v.root_end = float(offset.max()), float(offset[-1])
         last = len(poses) - 1
-        v.end_gap = min(
-            (self._gap(posed, h, last, g) for g in groups for h in g.inside), default=np.inf
-        )
+        gaps = [self._gap(posed, h, last, s) for g in groups for s in g.solids for h in g.inside]
+        v.end_gap = min(gaps, default=np.inf)
         return v
 
     @staticmethod
-    def _gap(posed, h, k, group):
-        solid = group.solid
+    def _gap(posed, h, k, solid):
         if solid.near is None:
             return posed.distance(h, k, solid)
         n, o = solid.normals[solid.near], solid.offsets[solid.near]
@@ -133,7 +137,8 @@ class StartJudge:
     def _measure_depths(self, v, posed, groups, depths):
         count = len(posed.joints)
         worst = np.zeros(count)
-        held = {(h, self.solids.index(g.solid)) for g in groups for h in (*g.inside, *g.beyond)}
+        place = {id(s): i for i, s in enumerate(self.solids)}
+        held = {(h, place[id(s)]) for g in groups for h in g.hulls for s in g.solids}
         for (h, s), depth in depths.items():
             if (h, s) in held:
                 v.deeper_pair = max(v.deeper_pair, float(np.diff(depth).max(initial=0.0)))
@@ -144,27 +149,15 @@ class StartJudge:
         v.deeper_worst = float(np.diff(worst).max(initial=0.0))
         inside = worst > EXACT
         for g in groups:
-            way = np.zeros(count)
-            for h in (*g.inside, *g.beyond):
-                # Nothing is looked at in vain: only where the hull is still ahead of the face.
-                along = (posed.points[h] @ g.solid.normals[g.side]).min(axis=1)
-                own = np.zeros(count)
-                still = np.zeros(count, dtype=bool)
-                still[1:] = (posed.points[h][1:] == posed.points[h][:-1]).all(axis=(1, 2))
-                for k in np.flatnonzero(along < g.solid.offsets[g.side]):
-                    own[k] = own[k - 1] if still[k] else posed.way_out(h, int(k), g.solid, g.side)
-                way = np.maximum(way, own)
-            way[way <= EXACT] = 0.0
-            inside_now = np.array([
-                any(depths[h, self.solids.index(g.solid)][k] > EXACT
-                    for h in (*g.inside, *g.beyond) if (h, self.solids.index(g.solid)) in depths)
-                for k in range(count)
-            ])  # fmt: skip
-            if g.solid.near is not None or g.beyond:
-                inside |= way > EXACT
-            # Out by another way than the shortest: over an edge, say.
-            way[~inside_now & (g.solid.near is None) & (not g.beyond)] = 0.0
-            v.deeper_way = max(v.deeper_way, float(np.diff(way).max(initial=0.0)))
+            mine = [depths[h, place[id(s)]] for h in g.hulls for s in g.solids
+                    if (h, place[id(s)]) in depths]  # fmt: skip
+            meets = np.max([np.zeros(count), *mine], axis=0) > EXACT
+            way, meets = self._ways(posed, g, g.way, meets)
+            inside |= meets
+            rise = float(np.diff(way).max(initial=0.0))
+            if rise > EXACT:
+                rise = min(rise, *self._other_ways(posed, g, meets))
+            v.deeper_way = max(v.deeper_way, rise)
             v.deepest_way = max(v.deepest_way, float(way.max() - way[0]))
             if v.ways is None or way[0] > v.ways[0]:
                 v.ways = way
@@ -176,13 +169,49 @@ class StartJudge:
             v.again = float(worst[clear[0] :].max())
         posed.forget()
 
+    @staticmethod
+    def _ways(posed, g, n, meets):
+        """Depth of a group along a way at every pose (T,), and where it meets or is beyond."""
+        count, meets = len(meets), meets.copy()
+        wall = any(s.near is not None for s in g.solids)
+        points = [posed.points[h] for h in g.hulls]
+        still = np.zeros(count, dtype=bool)
+        still[1:] = np.all([(p[1:] == p[:-1]).all(axis=(1, 2)) for p in points], axis=0)
+        way = np.zeros(count)
+        for k in range(count):
+            if still[k]:
+                way[k], meets[k] = way[k - 1], meets[k - 1]
+            elif wall or meets[k] or g.through(posed, k):
+                way[k] = g.depth_at(posed, k, n)
+                meets[k] = meets[k] or way[k] > EXACT
+        way[way <= EXACT] = 0.0
+        return way, meets
+
+    def _other_ways(self, posed, g, meets):
+        """Largest growth of depth in a substep, along each other direction that leads out.
+
+        Of several ways of much the same length any may be taken; so may that which was taken.
+        """
+        last = min(int(np.flatnonzero(meets)[-1]) + 1, len(meets) - 1)
+        taken = np.mean([(posed.points[h][last] - posed.points[h][0]).mean(axis=0)
+                         for h in g.hulls], axis=0)  # fmt: skip
+        ways = list(g.ways)
+        if np.linalg.norm(taken) > EXACT:
+            ways.append(taken / np.linalg.norm(taken))
+        out = [np.inf]
+        for n in ways:
+            if g.depth_at(posed, 0, n) <= LONGER * g.depth:
+                way, _ = self._ways(posed, g, n, meets)
+                out.append(float(np.diff(way).max(initial=0.0)))
+        return out
+
     def _measure_skin(self, v, posed, groups):
         """When the last skin vertex has left the solids that held somebody."""
         last = -1
-        for g in groups:
-            normals, offsets = g.solid.normals, g.solid.offsets
-            if g.solid.near is not None:
-                normals, offsets = normals[[g.solid.near]], offsets[[g.solid.near]]
+        for solid in {id(s): s for g in groups for s in g.solids}.values():
+            normals, offsets = solid.normals, solid.offsets
+            if solid.near is not None:
+                normals, offsets = normals[[solid.near]], offsets[[solid.near]]
             for k in range(len(posed.skin) - 1, last, -1):
                 x = posed.skin[k]
                 for n, o in zip(normals, offsets, strict=True):
@@ -233,14 +262,20 @@ class StartJudge:
     def _measure_joints(self, v, motion, actual, touched):
         free = ~paths_of({int(self.hulls.joint[h]) for h in touched})
         free[0] = False
+        face = np.zeros(55, dtype=bool)
+        face[list(FACE)] = True
         n = self.count
         at = rot.exp(actual.rotations[n::n])
         wanted = rot.exp(motion.rotations[1 : len(at) + 1])
-        off = np.linalg.norm(rot.log(rot.multiply(rot.conjugate(wanted), at)), axis=2).max(axis=0)
-        face = np.zeros(55, dtype=bool)
-        face[list(FACE)] = True
-        v.face = float(off[free & face].max(initial=0.0))
+        off = np.linalg.norm(rot.log(rot.multiply(rot.conjugate(wanted), at)), axis=2)
+        # What comes after is another story: walking on into a wall, say.
+        inside = np.flatnonzero(self.inside)
+        last = (inside[-1] if len(inside) else 0) / n + FADING / self.dt
+        during = np.arange(1, len(at) + 1) <= last
+        v.face = float(off[during][:, free & face].max(initial=0.0))
         free &= ~face
+        v.free_after = float(off[~during][:, free].max(initial=0.0))
+        off = off[during].max(axis=0, initial=0.0)
         if free.any():
             worst = int(np.flatnonzero(free)[off[free].argmax()])
             v.free, v.free_joint = float(off[worst]), JOINT_NAMES[worst]
@@ -303,6 +338,7 @@ class ObjectJudge:
             "depth": max((d[0] for d in inside.values()), default=0.0),
             "out": float(clear[0] * dt) if len(clear) else np.inf,
             "again": float(worst[clear[0] :].max()) if len(clear) else np.inf,
+            "deeper_worst": max(float(np.diff(worst).max()), 0.0) if inside else 0.0,
             "deeper": max((np.diff(d).max() for d in inside.values()), default=0.0),
             "fresh": max(fresh.values(), default=0.0),
             "thrown": float(thrown),

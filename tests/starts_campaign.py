@@ -23,8 +23,9 @@ import numpy as np
 import starts
 import starts_things
 from starts import Case
-from starts_judge import ObjectJudge, StartJudge
+from starts_judge import StartJudge
 from starts_solids import EXACT
+from starts_things_judge import ObjectJudge
 
 from halfphysics.simulator import Simulator
 
@@ -104,8 +105,8 @@ def run(case, contact, data):
             "out": _number(o["out"]),
             "again_mm": _number(1e3 * o["again"]),
             "pair_mm": 1e3 * o["deeper"],
-            "worst_mm": 1e3 * o["deeper_worst"],
-            "way_mm": 1e3 * o["deeper_worst"],
+            "worst_mm": 1e3 * o["deeper"],
+            "way_mm": 1e3 * o["deeper_way"],
             "fresh_mm": max(row["fresh_mm"], 1e3 * o["fresh"]),
             "thrown": o["thrown"],
         }

@@ -17,11 +17,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import coal
 import numpy as np
-from coal_scene import coal_shape
 from starts_groups import groups_at, paths_of
-from starts_solids import EXACT, REQUEST, Hulls, near_poses
+from starts_solids import EXACT, Hulls, near_poses
 
 from halfphysics import rotations as rot
 from halfphysics.motion import Motion
@@ -283,107 +281,3 @@ class StartJudge:
 
 def _lengths(x):
     return np.sqrt(np.einsum("ij,ij->i", x, x))
-
-
-class ObjectJudge:
-    """Things that start overlapping: their depth in statics, each other and the person."""
-
-    def __init__(self, simulator, solids):
-        self.simulator = simulator
-        self.world = simulator.world
-        self.solids = solids
-        self.hulls = Hulls(simulator.bodies[0], simulator.settings.contact)
-        self.shapes = {
-            t.name: coal_shape(self.world.scene.objects[t.name].shape, solid=True)
-            for t in self.world.things
-        }
-
-    def judge(self, motion, frames):
-        """Dictionary: depth at the start, time out, growth of depth, thrown [m/s], depth
-        after that, and which hulls were touched."""
-        simulator = self.simulator
-        dt = simulator.dt / simulator.settings.substeps_for(simulator.dt)
-        start = self.world.start([motion[0]])[0]
-        poses = np.concatenate([start[None], *(f.substeps for f in frames)])
-        actual = Motion(*self.world.people[0].pose(poses, motion.axes), 1.0 / dt)
-        posed = self.hulls.at(actual)
-        tracks = {t.name: t.pose(poses) for t in self.world.things}
-        depths, self.touched = {}, set()
-        names = list(tracks)
-        for i, name in enumerate(names):
-            for solid in self.solids:
-                depths[name, solid.name] = self._against(name, tracks, solid)
-            for other in names[i + 1 :]:
-                depths[name, other] = self._between(name, other, tracks)
-            for h in range(len(self.hulls)):
-                joint = JOINT_NAMES[self.hulls.joint[h]]
-                depths[name, f"{joint}#{h}"] = self._with(name, tracks, posed, h)
-        depths = {key: d for key, d in depths.items() if d.max() > EXACT}
-        inside = {key: d for key, d in depths.items() if d[0] > EXACT}
-        worst = np.max([d for d in depths.values()] or [np.zeros(len(poses))], axis=0)
-        clear = np.flatnonzero(worst <= EXACT)
-        gravity = np.linalg.norm(self.world.scene.gravity)
-        thrown = 0.0
-        for name, (x, q) in tracks.items():
-            com = x + rot.rotate(q, np.array(self.world.scene.objects[name].com))
-            speed2 = np.sum(np.diff(com, axis=0) ** 2, axis=1) / dt**2
-            fallen = np.maximum(0.0, com[0, 2] - com[1:, 2])
-            own = np.linalg.norm(self.world.scene.objects[name].velocity)
-            thrown = max(
-                thrown, np.sqrt(np.maximum(0.0, speed2 - 2 * gravity * fallen)).max() - own
-            )
-        fresh = {key: d.max() for key, d in depths.items() if d[0] <= EXACT}
-        return {
-            "touched": tuple(self.touched),
-            "depth": max((d[0] for d in inside.values()), default=0.0),
-            "out": float(clear[0] * dt) if len(clear) else np.inf,
-            "again": float(worst[clear[0] :].max()) if len(clear) else np.inf,
-            "deeper_worst": max(float(np.diff(worst).max()), 0.0) if inside else 0.0,
-            "deeper": max((np.diff(d).max() for d in inside.values()), default=0.0),
-            "fresh": max(fresh.values(), default=0.0),
-            "thrown": float(thrown),
-        }
-
-    def _against(self, name, tracks, solid):
-        x, q = tracks[name]
-        turns = rot.to_matrix(q)
-        out = np.zeros(len(x))
-        for k in range(len(x)):
-            place = coal.Transform3s(turns[k], x[k])
-            other, at = solid.geometry, solid.place
-            if other is None:
-                n = solid.normals[0]
-                other, at = coal.Halfspace(n, float(solid.offsets[0])), coal.Transform3s()
-            result = coal.DistanceResult()
-            out[k] = -coal.distance(self.shapes[name], place, other, at, REQUEST, result)
-        return np.maximum(0.0, out)
-
-    def _between(self, name, other, tracks):
-        turns = [rot.to_matrix(tracks[n][1]) for n in (name, other)]
-        out = np.zeros(len(turns[0]))
-        for k in range(len(out)):
-            a, b = (
-                coal.Transform3s(r[k], tracks[n][0][k])
-                for r, n in zip(turns, (name, other), strict=True)
-            )
-            result = coal.DistanceResult()
-            out[k] = -coal.distance(self.shapes[name], a, self.shapes[other], b, REQUEST, result)
-        return np.maximum(0.0, out)
-
-    def _with(self, name, tracks, posed, h):
-        x, q = tracks[name]
-        turns = rot.to_matrix(q)
-        box = self.shapes[name].computeLocalAABB() or self.shapes[name].aabb_local
-        radius = float(np.linalg.norm(np.maximum(np.abs(box.min_), np.abs(box.max_))))
-        near = ((posed.low[:, h] < x + radius) & (posed.high[:, h] > x - radius)).all(axis=1)
-        out = np.zeros(len(x))
-        for k in np.flatnonzero(near):
-            shape, turn, at = posed.shape(h, int(k))
-            result = coal.DistanceResult()
-            out[k] = -coal.distance(
-                self.shapes[name], coal.Transform3s(turns[k], x[k]),
-                shape, coal.Transform3s(turn, at), REQUEST, result,
-            )  # fmt: skip
-        if near.any() and out[near].max() > -TOUCHING:
-            self.touched.add(h)
-        return np.maximum(0.0, out)

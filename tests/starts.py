@@ -8,12 +8,15 @@ each, as one connected mesh, or as a piece of one whole-room mesh.
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
+from starts_furniture import STRAIGHT, furniture_for
+from starts_groups import groups_at
+from starts_meshes import box_mesh, finely, furniture, sheet_mesh, union_mesh
 from starts_poses import POSES, path_of, wave
-from starts_solids import Hulls, Solid, box, ground, groups_at
+from starts_solids import Hulls, Solid, ground
 
 from halfphysics import rotations as rot
 from halfphysics.body import Body
@@ -38,6 +41,8 @@ KINDS = {
 }
 FORMS = ("primitives", "meshes", "merged", "room")
 TARGETS = ("still", "wave", "limb", "walk", "clip")
+#: How often; real clips stand, so they are for two kinds only.
+SHARES = ((0.3, 0.25, 0.15, 0.3, 0.0), (0.2, 0.15, 0.15, 0.15, 0.35))
 #: Frame rates and substeps: the default three times in four.
 STEPS = ((30.0, None),) * 6 + ((60.0, None), (120.0, 2))
 SECONDS = 1.4
@@ -111,9 +116,8 @@ def _try(case, contact, data, rng):
     want = rng.uniform(low, high)
     form = rng.choice(FORMS)
     rotations = POSES[pose](rng)
-    target = rng.choice(TARGETS, p=(0.3, 0.25, 0.15, 0.2, 0.1))
-    if target == "clip" and (data is None or case.kind not in ("floor", "sofa_side")):
-        target = "walk"
+    clips = data is not None and case.kind in ("floor", "sofa_side")
+    target = rng.choice(TARGETS, p=SHARES[clips])
     clip = None
     if target == "clip":
         clip = _clip(data, rng)
@@ -123,17 +127,18 @@ def _try(case, contact, data, rng):
     points = body().vertices(first, frames=0)
     shift = np.array([-points[:, 0].max(), -points[:, 1].mean(), -points[:, 2].min()])
     posed = hulls(contact).at(Motion(np.tile(shift, (2, 1)), first.rotations, 30.0))
-    solids = _furniture(case.kind, form, posed, rng)
+    one = case.kind if form in STRAIGHT else ""
+    solids = [replace(s, static=one) for s in furniture_for(case.kind, form, posed, rng)]
     at = _push(posed, solids, np.array(way), want)
     if at is None:
         return None
     start = shift + at * np.array(way)
-    posed = _shifted(posed, at * np.array(way))
+    posed = posed.moved(at * np.array(way))
     if case.kind != "floor":
         # The floor under all that; in a third of the cases the feet are in it too.
         lowest = posed.low[0, :, 2].min()
         sunk = rng.uniform(0.01, 0.05) if rng.random() < 0.33 else -rng.uniform(0.002, 0.03)
-        solids = [*solids, ground(z=lowest + sunk)]
+        solids = [*solids, replace(ground(z=lowest + sunk), static=one)]
     groups = groups_at(posed, 0, solids)
     depth = max((g.depth for g in groups), default=0.0)
     if not 0.5 * low <= depth <= 0.11:
@@ -141,7 +146,7 @@ def _try(case, contact, data, rng):
     motion = _target(target, rotations, start, clip, groups, posed, rng)
     turn = rot.exp([0.0, 0.0, rng.uniform(-np.pi, np.pi)])
     aside = np.array([*rng.uniform(-3.0, 3.0, size=2), 0.0])
-    scene = _scene(solids, form, case.kind, turn, aside, rng)
+    scene = _scene(solids, form, case.kind, turn, aside, rng, data)
     fps, count = STEPS[rng.integers(len(STEPS))]
     settings = Settings(
         substeps=count,
@@ -167,7 +172,7 @@ def _push(posed, solids, way, want):
     """How far to push along `way` until the deepest group is `want` deep; None: never."""
 
     def depth(at):
-        return max((g.depth for g in groups_at(_shifted(posed, at * way), 0, solids)), default=0.0)
+        return max((g.depth for g in groups_at(posed.moved(at * way), 0, solids)), default=0.0)
 
     # From where all is clear on the near side, until the first touch and on.
     at, before = -0.6, -0.6
@@ -187,138 +192,16 @@ def _push(posed, solids, way, want):
     return at if abs(depth(at) - want) < 0.01 else None
 
 
-def _shifted(posed, shift):
-    """One pose, moved."""
-    out = object.__new__(type(posed))
-    out.__dict__.update(posed.__dict__)
-    out.joints, out.skin = posed.joints + shift, posed.skin + shift
-    out.points = [p + shift for p in posed.points]
-    out.low, out.high = posed.low + shift, posed.high + shift
-    out._known = {key: (shape, turn, x + shift) for key, (shape, turn, x) in posed._known.items()}
-    return out
-
-
-# -- what stands there -----------------------------------------------------------------------
-
-
-def _furniture(kind, form, posed, rng):
-    """Boxes whose front is at x = 0 and whose ground is at z = 0, in front of a body there."""
-    u = rng.uniform
-    y = 0.1 * rng.normal()
-    if kind == "floor":
-        return [ground()]
-    if kind.startswith("wall"):
-        lean = rot.to_matrix(rot.exp(0.15 * rng.normal(size=3) * (form in FORMS[:2])))
-        return [box("wall", (0.0, -2.0, -2.0), (0.01, 2.0, 2.0), near=1).moved(lean, (0, 0, 1.0))]
-    if kind == "sofa_side":
-        if rng.random() < 0.3:  # beside an armrest
-            out = _sofa(rng, y)
-            quarter = rot.to_matrix(rot.exp([0.0, 0.0, np.pi / 2]))
-            left = min(s.centre[1] - s.half[1] for s in out)
-            return [s.moved(np.eye(3), (-0.4, -left, 0.0)).moved(quarter.T, (0.0, 0.0, 0.0))
-                    for s in out]  # fmt: skip
-        return _sofa(rng, y)
-    lying = posed.joints[0, 15, 2] < posed.joints[0, 0, 2] + 0.3
-    if kind == "sofa_seat" or (kind == "root" and not lying):
-        # It faces +x too; its back rest behind the back, its front under the thighs.
-        about = np.diag([-1.0, -1.0, 1.0])
-        out = [s.moved(about, (0.0, 0.0, 0.0)) for s in _sofa(rng, y)]
-        deep = 2.0 * out[0].half[0]
-        front = posed.joints[0, 0, 0] + u(0.2, 0.4)
-        front = min(front, posed.skin[0, :, 0].min() + deep - 0.18 + u(-0.15, 0.04))
-        return [s.moved(np.eye(3), (front, 0.0, 0.0)) for s in out]
-    if kind == "root":
-        lie = posed.joints[0, 0]
-        size, top = (1.1, u(0.5, 0.8)), u(0.3, 0.5)
-        z = posed.low[0, :, 2].min() - 0.3
-        low = lie[:2] - size
-        high = lie[:2] + size
-        return [
-            box("base", (*low, z - top), (*high, z - 0.2)),
-            box("mattress", (*low, z - 0.2), (*high, z)),
-            box("head", (low[0] - 0.06, low[1], z - top), (low[0], high[1], z + 0.4)),
-        ]
-    if kind == "shelf":
-        return _shelf(rng, y)
-    return _table(kind, posed, rng)
-
-
-def _sofa(rng, y):
-    u = rng.uniform
-    deep, wide, seat, cushion = u(0.6, 0.9), u(1.4, 2.0), u(0.38, 0.46), u(0.12, 0.18)
-    arm, back = u(0.12, 0.2), u(0.7, 0.9)
-    left, right = y - 0.5 * wide, y + 0.5 * wide
-    n = rng.integers(1, 4)
-    edges = np.linspace(left, right, n + 1)
-    out = [box("base", (0.0, left, 0.05), (deep, right, seat - cushion))]
-    out += [
-        box(f"cushion{i}", (0.0, edges[i], seat - cushion), (deep - 0.18, edges[i + 1], seat))
-        for i in range(n)
-    ]
-    out.append(box("back", (deep - 0.18, left, seat - cushion), (deep, right, back)))
-    out.append(box("arm0", (0.0, left - arm, 0.05), (deep, left, seat + 0.2)))
-    out.append(box("arm1", (0.0, right, 0.05), (deep, right + arm, seat + 0.2)))
-    return out
-
-
-def _shelf(rng, y):
-    u = rng.uniform
-    wide, deep, tall, thick = u(0.8, 1.2), u(0.25, 0.35), u(1.8, 2.1), u(0.018, 0.03)
-    left, right = y - 0.5 * wide, y + 0.5 * wide
-    out = [
-        box("side0", (0.0, left - thick, 0.0), (deep, left, tall)),
-        box("side1", (0.0, right, 0.0), (deep, right + thick, tall)),
-        box("rear", (deep - 0.01, left, 0.0), (deep, right, tall)),
-    ]
-    z, level = u(0.05, 0.1), 0
-    while z < tall - 0.2:
-        out.append(box(f"board{level}", (0.0, left, z), (deep - 0.01, right, z + thick)))
-        step = u(0.25, 0.38)
-        if rng.random() < 0.7:  # books
-            a = left + u(0.0, 0.3 * wide)
-            low = np.array([u(0.02, 0.08), a, z + thick])
-            high = np.array([deep - 0.01, a + u(0.3, 0.6) * wide, z + thick + u(0.16, 0.22)])
-            out.append(box(f"books{level}", low, high))
-        z, level = z + step, level + 1
-    return out
-
-
-def _table(kind, posed, rng):
-    u = rng.uniform
-    top, thick, deep, wide = u(0.70, 0.78), u(0.025, 0.05), u(0.7, 0.9), u(1.2, 1.6)
-    y = 0.1 * rng.normal()
-    low = np.array([0.0, y - 0.5 * wide])
-    high = np.array([deep, y + 0.5 * wide])
-    z = 0.0
-    if kind == "table_hip":  # the edge at the height of the hips
-        z = posed.joints[0, 0, 2] + u(-0.12, 0.05) - top
-    else:  # pushed from above: the edge in front of the body's trunk
-        x = (0.1 if kind == "table_hand" else -0.05) + posed.joints[0, 0, 0] + u(0.05, 0.15)
-        low[0], high[0] = x, x + deep
-        hands = [20, 21] if kind == "table_hand" else [9]
-        z = posed.joints[0, hands, 2].min() - 0.45 - top
-    out = [box("top", (*low, z + top - thick), (*high, z + top))]
-    for i, (x, yy) in enumerate(
-        [(low[0] + 0.04, low[1] + 0.04), (low[0] + 0.04, high[1] - 0.1),
-         (high[0] - 0.1, low[1] + 0.04), (high[0] - 0.1, high[1] - 0.1)]
-    ):  # fmt: skip
-        out.append(box(f"leg{i}", (x, yy, z), (x + 0.06, yy + 0.06, z + top - thick)))
-    return out
-
-
 # -- the scene -------------------------------------------------------------------------------
 
 
-def _scene(solids, form, kind, turn, aside, rng):
+def _scene(solids, form, kind, turn, aside, rng, data):
     """The solids as statics; in a "room" all of it is one mesh, with walls and more around."""
-    from starts_meshes import box_mesh, finely, union_mesh
-
     scene = Scene()
     where = {"position": aside, "quaternion": turn}
     boxes = [s for s in solids if s.half is not None]
     floors = [s for s in solids if s.half is None]
-    straight = all(np.allclose(np.abs(s.turn).max(axis=0), 1.0) for s in boxes)
-    if form in ("merged", "room") and straight:
+    if form in STRAIGHT:
         # What is a plane to the judge is a large slab.
         spans = [(s.centre - np.abs(s.turn) @ s.half, s.centre + np.abs(s.turn) @ s.half)
                  for s in boxes]  # fmt: skip
@@ -334,8 +217,12 @@ def _scene(solids, form, kind, turn, aside, rng):
                     (np.array([2.5, 2.5, z]), np.array([3.9, 3.1, z + 1.9])),
                 ]
         mesh = finely(union_mesh(spans), rng.integers(0, 3) + (2 if form == "room" else 0))
+        if form == "room" and data is not None:
+            mesh = furniture(mesh, data / "meshes", floors[0].centre[2], rng)
         scene.add_static("room" if form == "room" else kind, mesh, **where)
         return scene
+    # Floors and walls come as open sheets too: nothing says what is behind them but the root.
+    sheet = form == "meshes" and (kind == "floor" or kind.startswith("wall")) and rng.random() < 0.4
     for s in boxes:
         place = {
             "position": rot.rotate(turn, s.centre) + aside,
@@ -343,6 +230,9 @@ def _scene(solids, form, kind, turn, aside, rng):
         }
         if form == "primitives":
             scene.add_static(s.name, Box(tuple(2.0 * s.half)), **place)
+        elif sheet:
+            mesh = sheet_mesh(2.0, 2.0).apply_transform(_facing(s))
+            scene.add_static(s.name, finely(mesh, rng.integers(0, 5)), **where)
         else:
             scene.add_static(s.name, finely(box_mesh(-s.half, s.half), rng.integers(0, 4)), **place)
     for s in floors:
@@ -356,9 +246,19 @@ def _scene(solids, form, kind, turn, aside, rng):
             )  # fmt: skip
         else:
             slab = box_mesh((-6.0, -6.0, -0.3), (6.0, 6.0, 0.0))
+            slab = sheet_mesh(6.0, 6.0) if sheet else slab
             scene.add_static(s.name, finely(slab, rng.integers(0, 5)),
                              position=height + aside, quaternion=turn)  # fmt: skip
     return scene
+
+
+def _facing(wall):
+    """Takes a sheet in the x-y plane, its normal +z, to the near face of a wall (4, 4)."""
+    n = wall.normals[wall.near]
+    out = np.eye(4)
+    out[:3, :3] = np.stack([wall.turn[:, 2], np.cross(n, wall.turn[:, 2]), n], axis=1)
+    out[:3, 3] = wall.centre + wall.half[wall.near // 2] * n
+    return out
 
 
 # -- what the motion asks --------------------------------------------------------------------
@@ -391,7 +291,7 @@ def _target(target, rotations, start, clip, groups, posed, rng):
     path = np.tile(start, (frames, 1))
     turns = np.tile(rotations, (frames, 1, 1))
     joints = posed.hulls.joint
-    held = {int(joints[h]) for g in groups for h in (*g.inside, *g.beyond)}
+    held = {int(joints[h]) for g in groups for h in g.hulls}
     if target == "wave":
         turns = wave(turns, held, rng)
     elif target == "limb":

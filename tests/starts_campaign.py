@@ -23,8 +23,9 @@ import numpy as np
 import starts
 import starts_things
 from starts import Case
-from starts_judge import ObjectJudge, StartJudge
+from starts_judge import StartJudge
 from starts_solids import EXACT
+from starts_things_judge import ObjectJudge
 
 from halfphysics.simulator import Simulator
 
@@ -82,12 +83,14 @@ def run(case, contact, data):
         "pair_mm": 1e3 * v.deeper_pair,
         "worst_mm": 1e3 * v.deeper_worst,
         "way_mm": 1e3 * v.deeper_way,
+        "over_mm": 1e3 * v.deepest_way,
         "fresh_mm": 1e3 * v.fresh,
         "fresh": v.fresh_where,
         "fast": v.fast,
         "fast_after": v.fast_after,
         "free_deg": float(np.rad2deg(v.free)),
         "free": v.free_joint,
+        "free_after_deg": float(np.rad2deg(v.free_after)),
         "face_deg": float(np.rad2deg(v.face)),
         "root_mm": 1e3 * v.root,
         "root_end_mm": 1e3 * v.root_end,
@@ -102,8 +105,8 @@ def run(case, contact, data):
             "out": _number(o["out"]),
             "again_mm": _number(1e3 * o["again"]),
             "pair_mm": 1e3 * o["deeper"],
-            "worst_mm": 0.0,
-            "way_mm": 1e3 * o["deeper"],
+            "worst_mm": 1e3 * o["deeper"],
+            "way_mm": 1e3 * o["deeper_way"],
             "fresh_mm": max(row["fresh_mm"], 1e3 * o["fresh"]),
             "thrown": o["thrown"],
         }
@@ -159,13 +162,15 @@ def summary(rows):
     """A table: per kind, and per form and target of all."""
     groups = {}
     for r in rows:
+        drive = "alg1" if r["drive"] is None else "tau"
+        setting = f"{drive} l{r['stiffness']:g} {r['root']}"
         for key in (("kind", r["kind"]), ("form", r["form"]), ("target", r["target"]),
-                    ("all", "")):  # fmt: skip
+                    ("set", setting), ("all", "")):  # fmt: skip
             groups.setdefault(key, []).append(r)
     head = (
         f"{'':20s}{'cases':>6s}{'good':>6s}{'<0.5s':>7s}{'<1s':>6s}{'never':>6s}{'again':>6s}"
-        f"{'deeper: way':>12s}{'mm':>7s}{'worst':>6s}{'pair':>6s}{'fresh':>6s}{'fast':>6s}"
-        f"{'max':>7s}"
+        f"{'deeper: way':>12s}{'mm':>7s}{'ever':>6s}{'worst':>6s}{'pair':>6s}{'fresh':>6s}"
+        f"{'fast':>6s}{'max':>7s}"
         f"{'free>1':>7s}{'max':>6s}{'gap>2':>6s}{'root mm':>8s}{'lost':>5s}{'f/s p5':>7s}"
     )
     lines = [head]
@@ -173,7 +178,7 @@ def summary(rows):
     def over(rs, key, limit):
         return sum(r[key] is not None and r[key] > limit for r in rs)
 
-    order = {k: i for i, k in enumerate(("kind", "form", "target", "all"))}
+    order = {k: i for i, k in enumerate(("kind", "form", "target", "set", "all"))}
     for (what, name), rs in sorted(groups.items(), key=lambda g: (order[g[0][0]], g[0][1])):
         outs = np.array([np.inf if r["out"] is None else r["out"] for r in rs])
         tiny = 1e3 * EXACT
@@ -183,6 +188,7 @@ def summary(rows):
             f"{100 * (outs <= SOON).mean():6.0f}%{100 * (outs <= LATEST).mean():5.0f}%"
             f"{np.isinf(outs).sum():6d}{over(rs, 'again_mm', tiny):6d}"
             f"{over(rs, 'way_mm', tiny):12d}{max(r['way_mm'] for r in rs):7.2f}"
+            f"{over(rs, 'over_mm', tiny):6d}"
             f"{over(rs, 'worst_mm', tiny):6d}{over(rs, 'pair_mm', tiny):6d}"
             f"{over(rs, 'fresh_mm', tiny):6d}{sum(f > FASTER for f in fast):6d}{max(fast):7.2f}"
             f"{over(rs, 'free_deg', np.rad2deg(FREE)):7d}{max(r['free_deg'] for r in rs):6.1f}"

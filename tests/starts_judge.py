@@ -9,7 +9,7 @@ What is asked of every substep until all is out, and after:
   thin wall, or rounds an edge, must pass poses of larger EPA depth.
 - *out*: from when on no hull meets a solid, and nothing is beyond a wall.
 - *fast*: how much faster than in the motion itself a skin vertex gets [m/s].
-- *free*: how far a joint that is on the way to nothing held is from its target [rad].
+- *free*: how far a joint that is on the way to nothing held is from its target [rad], until then.
 - *fresh*: depth of pairs that were clear at the start.
 """
 
@@ -17,10 +17,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import coal
 import numpy as np
-from coal_scene import coal_shape
-from starts_solids import EXACT, REQUEST, Hulls, groups_at, near_poses, paths_of
+from starts_groups import groups_at, paths_of
+from starts_solids import EXACT, Hulls, near_poses
 
 from halfphysics import rotations as rot
 from halfphysics.motion import Motion
@@ -28,6 +27,10 @@ from halfphysics.skeleton import JOINT_NAMES
 
 #: Joints whose part comes nearer than this to a solid are not free [m].
 TOUCHING = 0.01
+#: The drive takes this long to forget what was done to a joint [s].
+FADING = 0.1
+#: A way out that is taken is at most so many times as long as the shortest that is found.
+LONGER = 1.5
 #: Eyes and jaw: light, on short arms, they lag behind an accelerated trunk by the drive's inertia.
 FACE = (22, 23, 24)
 
@@ -44,12 +47,14 @@ class Verdict:
     deeper_pair: float = 0.0  # largest growth in a substep
     deeper_worst: float = 0.0
     deeper_way: float = 0.0
+    deepest_way: float = 0.0  # over the depth at the start
     fresh: float = 0.0
     fresh_where: str = ""
     fast: float = 0.0  # m/s, until out
     fast_after: float = 0.0
     free: float = 0.0
     free_joint: str = ""
+    free_after: float = 0.0  # from a moment after all is out
     face: float = 0.0
     root: float = 0.0
     root_end: float = 0.0
@@ -80,7 +85,7 @@ class StartJudge:
         posed = self.hulls.at(actual)
         v = Verdict()
         groups = groups_at(posed, 0, self.solids)
-        held = {h for g in groups for h in (*g.inside, *g.beyond)}
+        held = {h for g in groups for h in g.hulls}
         v.held = len(held)
         v.depth = max((g.depth for g in groups), default=0.0)
         depths = self._depths(posed)
@@ -95,14 +100,12 @@ class StartJudge:
         offset = np.linalg.norm(offset, axis=1)
         v.root, v.root_end = float(offset.max()), float(offset[-1])
         last = len(poses) - 1
-        v.end_gap = min(
-            (self._gap(posed, h, last, g) for g in groups for h in g.inside), default=np.inf
-        )
+        gaps = [self._gap(posed, h, last, s) for g in groups for s in g.solids for h in g.inside]
+        v.end_gap = min(gaps, default=np.inf)
         return v
 
     @staticmethod
-    def _gap(posed, h, k, group):
-        solid = group.solid
+    def _gap(posed, h, k, solid):
         if solid.near is None:
             return posed.distance(h, k, solid)
         n, o = solid.normals[solid.near], solid.offsets[solid.near]
@@ -119,9 +122,12 @@ class StartJudge:
                 if not near.any():
                     continue
                 depth = np.zeros(len(near))
-                near[near] = solid.separation(posed.points[h][near]) < -EXACT
+                points = posed.points[h]
+                near[near] = solid.separation(points[near]) < -EXACT
+                still = np.zeros(len(near), dtype=bool)  # where it was at the pose before, exactly
+                still[1:] = (points[1:] == points[:-1]).all(axis=(1, 2))
                 for k in np.flatnonzero(near):
-                    depth[k] = posed.depth(h, int(k), solid)
+                    depth[k] = depth[k - 1] if still[k] else posed.depth(h, int(k), solid)
                 if depth.max() > EXACT:
                     out[h, s] = depth
         return out
@@ -129,7 +135,8 @@ class StartJudge:
     def _measure_depths(self, v, posed, groups, depths):
         count = len(posed.joints)
         worst = np.zeros(count)
-        held = {(h, self.solids.index(g.solid)) for g in groups for h in (*g.inside, *g.beyond)}
+        place = {id(s): i for i, s in enumerate(self.solids)}
+        held = {(h, place[id(s)]) for g in groups for h in g.hulls for s in g.solids}
         for (h, s), depth in depths.items():
             if (h, s) in held:
                 v.deeper_pair = max(v.deeper_pair, float(np.diff(depth).max(initial=0.0)))
@@ -140,23 +147,16 @@ class StartJudge:
         v.deeper_worst = float(np.diff(worst).max(initial=0.0))
         inside = worst > EXACT
         for g in groups:
-            way = np.zeros(count)
-            for h in (*g.inside, *g.beyond):
-                # Nothing is looked at in vain: only where the hull is still ahead of the face.
-                along = (posed.points[h] @ g.solid.normals[g.side]).min(axis=1)
-                for k in np.flatnonzero(along < g.solid.offsets[g.side]):
-                    way[k] = max(way[k], posed.way_out(h, int(k), g.solid, g.side))
-            way[way <= EXACT] = 0.0
-            inside_now = np.array([
-                any(depths[h, self.solids.index(g.solid)][k] > EXACT
-                    for h in (*g.inside, *g.beyond) if (h, self.solids.index(g.solid)) in depths)
-                for k in range(count)
-            ])  # fmt: skip
-            if g.solid.near is not None or g.beyond:
-                inside |= way > EXACT
-            # Out by another way than the shortest: over an edge, say.
-            way[~inside_now & (g.solid.near is None) & (not g.beyond)] = 0.0
-            v.deeper_way = max(v.deeper_way, float(np.diff(way).max(initial=0.0)))
+            mine = [depths[h, place[id(s)]] for h in g.hulls for s in g.solids
+                    if (h, place[id(s)]) in depths]  # fmt: skip
+            meets = np.max([np.zeros(count), *mine], axis=0) > EXACT
+            way, meets = self._ways(posed, g, g.way, meets)
+            inside |= meets
+            rise = float(np.diff(way).max(initial=0.0))
+            if rise > EXACT:
+                rise = min(rise, *self._other_ways(posed, g, meets))
+            v.deeper_way = max(v.deeper_way, rise)
+            v.deepest_way = max(v.deepest_way, float(way.max() - way[0]))
             if v.ways is None or way[0] > v.ways[0]:
                 v.ways = way
         self.inside = inside
@@ -167,13 +167,49 @@ class StartJudge:
             v.again = float(worst[clear[0] :].max())
         posed.forget()
 
+    @staticmethod
+    def _ways(posed, g, n, meets):
+        """Depth of a group along a way at every pose (T,), and where it meets or is beyond."""
+        count, meets = len(meets), meets.copy()
+        wall = any(s.near is not None for s in g.solids)
+        points = [posed.points[h] for h in g.hulls]
+        still = np.zeros(count, dtype=bool)
+        still[1:] = np.all([(p[1:] == p[:-1]).all(axis=(1, 2)) for p in points], axis=0)
+        way = np.zeros(count)
+        for k in range(count):
+            if still[k]:
+                way[k], meets[k] = way[k - 1], meets[k - 1]
+            elif wall or meets[k] or g.through(posed, k):
+                way[k] = g.depth_at(posed, k, n)
+                meets[k] = meets[k] or way[k] > EXACT
+        way[way <= EXACT] = 0.0
+        return way, meets
+
+    def _other_ways(self, posed, g, meets):
+        """Largest growth of depth in a substep, along each other direction that leads out.
+
+        Of several ways of much the same length any may be taken; so may that which was taken.
+        """
+        last = min(int(np.flatnonzero(meets)[-1]) + 1, len(meets) - 1)
+        taken = np.mean([(posed.points[h][last] - posed.points[h][0]).mean(axis=0)
+                         for h in g.hulls], axis=0)  # fmt: skip
+        ways = list(g.ways)
+        if np.linalg.norm(taken) > EXACT:
+            ways.append(taken / np.linalg.norm(taken))
+        out = [np.inf]
+        for n in ways:
+            if g.depth_at(posed, 0, n) <= LONGER * g.depth:
+                way, _ = self._ways(posed, g, n, meets)
+                out.append(float(np.diff(way).max(initial=0.0)))
+        return out
+
     def _measure_skin(self, v, posed, groups):
         """When the last skin vertex has left the solids that held somebody."""
         last = -1
-        for g in groups:
-            normals, offsets = g.solid.normals, g.solid.offsets
-            if g.solid.near is not None:
-                normals, offsets = normals[[g.solid.near]], offsets[[g.solid.near]]
+        for solid in {id(s): s for g in groups for s in g.solids}.values():
+            normals, offsets = solid.normals, solid.offsets
+            if solid.near is not None:
+                normals, offsets = normals[[solid.near]], offsets[[solid.near]]
             for k in range(len(posed.skin) - 1, last, -1):
                 x = posed.skin[k]
                 for n, o in zip(normals, offsets, strict=True):
@@ -216,21 +252,28 @@ class StartJudge:
         out = set()
         for solid in self.solids:
             for h in range(len(self.hulls)):
-                if (solid.separation(posed.points[h]) < TOUCHING).any():
+                near = near_poses(posed, h, solid, TOUCHING)
+                if near.any() and (solid.separation(posed.points[h][near]) < TOUCHING).any():
                     out.add(h)
         return out
 
     def _measure_joints(self, v, motion, actual, touched):
         free = ~paths_of({int(self.hulls.joint[h]) for h in touched})
         free[0] = False
+        face = np.zeros(55, dtype=bool)
+        face[list(FACE)] = True
         n = self.count
         at = rot.exp(actual.rotations[n::n])
         wanted = rot.exp(motion.rotations[1 : len(at) + 1])
-        off = np.linalg.norm(rot.log(rot.multiply(rot.conjugate(wanted), at)), axis=2).max(axis=0)
-        face = np.zeros(55, dtype=bool)
-        face[list(FACE)] = True
-        v.face = float(off[free & face].max(initial=0.0))
+        off = np.linalg.norm(rot.log(rot.multiply(rot.conjugate(wanted), at)), axis=2)
+        # What comes after is another story: walking on into a wall, say.
+        inside = np.flatnonzero(self.inside)
+        last = (inside[-1] if len(inside) else 0) / n + FADING / self.dt
+        during = np.arange(1, len(at) + 1) <= last
+        v.face = float(off[during][:, free & face].max(initial=0.0))
         free &= ~face
+        v.free_after = float(off[~during][:, free].max(initial=0.0))
+        off = off[during].max(axis=0, initial=0.0)
         if free.any():
             worst = int(np.flatnonzero(free)[off[free].argmax()])
             v.free, v.free_joint = float(off[worst]), JOINT_NAMES[worst]
@@ -238,106 +281,3 @@ class StartJudge:
 
 def _lengths(x):
     return np.sqrt(np.einsum("ij,ij->i", x, x))
-
-
-class ObjectJudge:
-    """Things that start overlapping: their depth in statics, each other and the person."""
-
-    def __init__(self, simulator, solids):
-        self.simulator = simulator
-        self.world = simulator.world
-        self.solids = solids
-        self.hulls = Hulls(simulator.bodies[0], simulator.settings.contact)
-        self.shapes = {
-            t.name: coal_shape(self.world.scene.objects[t.name].shape, solid=True)
-            for t in self.world.things
-        }
-
-    def judge(self, motion, frames):
-        """Dictionary: depth at the start, time out, growth of depth, thrown [m/s], depth
-        after that, and which hulls were touched."""
-        simulator = self.simulator
-        dt = simulator.dt / simulator.settings.substeps_for(simulator.dt)
-        start = self.world.start([motion[0]])[0]
-        poses = np.concatenate([start[None], *(f.substeps for f in frames)])
-        actual = Motion(*self.world.people[0].pose(poses, motion.axes), 1.0 / dt)
-        posed = self.hulls.at(actual)
-        tracks = {t.name: t.pose(poses) for t in self.world.things}
-        depths, self.touched = {}, set()
-        names = list(tracks)
-        for i, name in enumerate(names):
-            for solid in self.solids:
-                depths[name, solid.name] = self._against(name, tracks, solid)
-            for other in names[i + 1 :]:
-                depths[name, other] = self._between(name, other, tracks)
-            for h in range(len(self.hulls)):
-                joint = JOINT_NAMES[self.hulls.joint[h]]
-                depths[name, f"{joint}#{h}"] = self._with(name, tracks, posed, h)
-        depths = {key: d for key, d in depths.items() if d.max() > EXACT}
-        inside = {key: d for key, d in depths.items() if d[0] > EXACT}
-        worst = np.max([d for d in depths.values()] or [np.zeros(len(poses))], axis=0)
-        clear = np.flatnonzero(worst <= EXACT)
-        gravity = np.linalg.norm(self.world.scene.gravity)
-        thrown = 0.0
-        for name, (x, q) in tracks.items():
-            com = x + rot.rotate(q, np.array(self.world.scene.objects[name].com))
-            speed2 = np.sum(np.diff(com, axis=0) ** 2, axis=1) / dt**2
-            fallen = np.maximum(0.0, com[0, 2] - com[1:, 2])
-            own = np.linalg.norm(self.world.scene.objects[name].velocity)
-            thrown = max(
-                thrown, np.sqrt(np.maximum(0.0, speed2 - 2 * gravity * fallen)).max() - own
-            )
-        fresh = {key: d.max() for key, d in depths.items() if d[0] <= EXACT}
-        return {
-            "touched": tuple(self.touched),
-            "depth": max((d[0] for d in inside.values()), default=0.0),
-            "out": float(clear[0] * dt) if len(clear) else np.inf,
-            "again": float(worst[clear[0] :].max()) if len(clear) else np.inf,
-            "deeper": max((np.diff(d).max() for d in inside.values()), default=0.0),
-            "fresh": max(fresh.values(), default=0.0),
-            "thrown": float(thrown),
-        }
-
-    def _against(self, name, tracks, solid):
-        x, q = tracks[name]
-        turns = rot.to_matrix(q)
-        out = np.zeros(len(x))
-        for k in range(len(x)):
-            place = coal.Transform3s(turns[k], x[k])
-            other, at = solid.geometry, solid.place
-            if other is None:
-                n = solid.normals[0]
-                other, at = coal.Halfspace(n, float(solid.offsets[0])), coal.Transform3s()
-            result = coal.DistanceResult()
-            out[k] = -coal.distance(self.shapes[name], place, other, at, REQUEST, result)
-        return np.maximum(0.0, out)
-
-    def _between(self, name, other, tracks):
-        turns = [rot.to_matrix(tracks[n][1]) for n in (name, other)]
-        out = np.zeros(len(turns[0]))
-        for k in range(len(out)):
-            a, b = (
-                coal.Transform3s(r[k], tracks[n][0][k])
-                for r, n in zip(turns, (name, other), strict=True)
-            )
-            result = coal.DistanceResult()
-            out[k] = -coal.distance(self.shapes[name], a, self.shapes[other], b, REQUEST, result)
-        return np.maximum(0.0, out)
-
-    def _with(self, name, tracks, posed, h):
-        x, q = tracks[name]
-        turns = rot.to_matrix(q)
-        box = self.shapes[name].computeLocalAABB() or self.shapes[name].aabb_local
-        radius = float(np.linalg.norm(np.maximum(np.abs(box.min_), np.abs(box.max_))))
-        near = ((posed.low[:, h] < x + radius) & (posed.high[:, h] > x - radius)).all(axis=1)
-        out = np.zeros(len(x))
-        for k in np.flatnonzero(near):
-            shape, turn, at = posed.shape(h, int(k))
-            result = coal.DistanceResult()
-            out[k] = -coal.distance(
-                self.shapes[name], coal.Transform3s(turns[k], x[k]),
-                shape, coal.Transform3s(turn, at), REQUEST, result,
-            )  # fmt: skip
-        if near.any() and out[near].max() > -TOUCHING:
-            self.touched.add(h)
-        return np.maximum(0.0, out)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
+from rooms import PIECES, SCALE
 
 
 def box_mesh(low, high):
@@ -47,6 +48,26 @@ def union_mesh(boxes):
             faces += [[ring[0], ring[1], ring[2]], [ring[0], ring[2], ring[3]]]
     vertices = np.array([[grid[a][i[a]] for a in range(3)] for i in corners])
     return trimesh.Trimesh(vertices, faces, process=False)
+
+
+def sheet_mesh(x, y):
+    """An open rectangle about the origin, seen from +z: two triangles."""
+    corners = [(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0)]
+    return trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False)
+
+
+def furniture(mesh, folder, z, rng, pieces=3):
+    """The same mesh with real pieces of furniture, standing at height z, 2.3 to 3.2 m off."""
+    out = [mesh]
+    for _ in range(pieces):
+        file, height = PIECES[rng.integers(len(PIECES))]
+        piece = trimesh.load(folder / f"{file}.obj", force="mesh", process=False)
+        piece = trimesh.Trimesh(SCALE * piece.vertices[:, [0, 2, 1]] * (1, -1, 1), piece.faces,
+                                process=False)  # fmt: skip
+        angle, away = rng.uniform(-np.pi, np.pi), rng.uniform(2.3, 3.2)
+        piece.apply_translation([away * np.cos(angle), away * np.sin(angle), z + height])
+        out.append(piece)
+    return trimesh.util.concatenate(out)
 
 
 def finely(mesh, times):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from people import FACING_X
-from starts_solids import paths_of
+from starts_groups import paths_of
 
 from halfphysics import rotations as rot
 from halfphysics.skeleton import JOINT_INDEX as J

@@ -5,15 +5,14 @@ Depths are those of `coal` (EPA), or exact along a direction; kinematics are the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import coal
 import numpy as np
 from coal_scene import coal_hull
 
-from halfphysics.skeleton import N_JOINTS, PARENTS
+from halfphysics import rotations as rot
 
 #: Less than this is no penetration: what EPA and the substep's own solve are good to [m].
 EXACT = 1e-6
@@ -43,6 +42,7 @@ class Solid:
         half: Half extents (3,) [m].
         near: Of a thin wall: its face (0 to 5: +x, -x, +y ...) on the root's side. Whatever is
             beyond that face is inside.
+        static: Of which static it is a piece; pieces of one are left together.
     """
 
     name: str
@@ -50,6 +50,7 @@ class Solid:
     centre: np.ndarray
     half: np.ndarray | None = None
     near: int | None = None
+    static: str = ""
 
     @cached_property
     def normals(self):
@@ -73,34 +74,23 @@ class Solid:
     def place(self):
         return coal.Transform3s(self.turn, self.centre)
 
-    @property
-    def sides(self):
-        """Faces through which one may leave."""
-        return range(len(self.normals)) if self.near is None else [self.near]
-
     def separation(self, points):
         """Largest distance of points (..., n, 3) together from one of the faces' planes (...):
         positive only where the hull of the points is clear."""
-        along = np.einsum("...ni,mi->...mn", points, self.normals).min(axis=-1)
-        return (along - self.offsets).max(axis=-1)
+        return ((points @ self.normals.T).min(axis=-2) - self.offsets).max(axis=-1)
 
     def crossed(self, a, b):
-        """Does the line from a to b meet the solid?"""
-        low, high = 0.0, 1.0
-        for n, o in zip(self.normals, self.offsets, strict=True):
-            at, speed = n @ a - o, n @ (b - a)
-            if abs(speed) < 1e-12:
-                if at > 0.0:
-                    return False
-            elif speed < 0.0:
-                low = max(low, -at / speed)
-            else:
-                high = min(high, -at / speed)
-        return low < high
+        """Which of the lines from a to b (n, 3) meet the solid (n,)."""
+        at, speed = a @ self.normals.T - self.offsets, (b - a) @ self.normals.T
+        level = np.abs(speed) < 1e-12
+        when = -at / np.where(level, 1.0, speed)
+        low = np.where(level | (speed > 0.0), 0.0, when).max(axis=1)
+        high = np.where(level | (speed < 0.0), 1.0, when).min(axis=1)
+        return (np.maximum(low, 0.0) < np.minimum(high, 1.0)) & ~(level & (at > 0.0)).any(axis=1)
 
     def moved(self, turn, shift):
         """The same solid under a rotation (3, 3), then a shift (3,)."""
-        return Solid(self.name, turn @ self.turn, turn @ self.centre + shift, self.half, self.near)
+        return replace(self, turn=turn @ self.turn, centre=turn @ self.centre + shift)
 
 
 def box(name, low, high, near=None):
@@ -151,8 +141,6 @@ class Posed:
         self.joints, quats = hulls.body.joint_frames(motion)
         self.skin = hulls.body.vertices(motion)
         if hulls.contact == "parts":
-            from halfphysics import rotations as rot
-
             turns = self.turns = rot.to_matrix(quats)
             self.points = [
                 np.einsum("tij,nj->tni", turns[:, j], p) + self.joints[:, j, None]
@@ -162,7 +150,7 @@ class Posed:
             self.points = [self.skin[:, i] for i in hulls.index]
         self.low = np.stack([p.min(axis=1) for p in self.points], axis=1)
         self.high = np.stack([p.max(axis=1) for p in self.points], axis=1)
-        self._known = {}
+        self._known, self._faces = {}, {}
 
     def shape(self, h, k):
         """Hull h at pose k: its geometry, and where that is."""
@@ -171,8 +159,20 @@ class Posed:
             return self.hulls.shapes[h], self.turns[k, j], self.joints[k, j]
         if (h, k) not in self._known:
             middle = self.points[h][k].mean(axis=0)
-            self._known[h, k] = coal_hull(self.points[h][k] - middle), np.eye(3), middle
+            self._known[h, k] = _quick_hull(self.points[h][k] - middle), np.eye(3), middle
         return self._known[h, k]
+
+    def moved(self, shift):
+        """The same poses, moved (3,)."""
+        out = object.__new__(Posed)
+        out.hulls = self.hulls
+        out.__dict__.update({k: self.__dict__[k] for k in ("turns",) if k in self.__dict__})
+        out.joints, out.skin = self.joints + shift, self.skin + shift
+        out.points = [p + shift for p in self.points]
+        out.low, out.high = self.low + shift, self.high + shift
+        out._known = {key: (s, turn, x + shift) for key, (s, turn, x) in self._known.items()}
+        out._faces = {}
+        return out
 
     def forget(self):
         self._known.clear()
@@ -194,122 +194,65 @@ class Posed:
         result = coal.DistanceResult()
         return coal.distance(shape, place, solid.geometry, solid.place, REQUEST, result)
 
-    def way_out(self, h, k, solid, side):
-        """How far hull h has to go along the normal of face `side` until it is out for good [m]."""
-        n, o = solid.normals[side], solid.offsets[side]
-        most = o - (self.points[h][k] @ n).min()
-        if most <= 0.0 or solid.near is not None or solid.half is None:
-            return max(0.0, most)
-        # Passing by the solid's other sides?
-        points = self.points[h][k]
-        across = [f for f in range(6) if f // 2 != side // 2]
-        if any((points @ solid.normals[f]).min() >= solid.offsets[f] for f in across):
+    def lowest(self, h, solid):
+        """How far hull h reaches down each face normal of a solid (T, m)."""
+        key = h, id(solid)
+        if key not in self._faces:
+            self._faces[key] = (self.points[h] @ solid.normals.T).min(axis=1)
+        return self._faces[key]
+
+    def way_out(self, h, k, solid, n):
+        """How far hull h has to go along n (3,) until it is out of a solid for good [m]."""
+        apart = self.lowest(h, solid)[k] - solid.offsets
+        if solid.near is not None:
+            apart = apart[solid.near : solid.near + 1]
+        if len(apart) == 1:
+            along = n @ solid.normals[solid.near or 0]
+            if apart[0] >= 0.0:
+                return 0.0
+            return -apart[0] / along if along > 1e-6 else np.inf
+        along = solid.normals @ n
+        # What is on the outer side of a face that it does not come nearer to never meets it.
+        if ((apart >= 0.0) & (along >= -1e-12)).any():
             return 0.0
-        r = most
+        # Clear when it is past the farthest that the solid reaches along n.
+        reach = n @ solid.centre + np.abs(n @ solid.turn) @ solid.half
+        r = reach - (self.points[h][k] @ n).min()
         for _ in range(ADVANCES):
-            gap = self.distance(h, k, solid, r * n)
+            if r <= 0.0:
+                return 0.0
+            gap = max((apart + r * along).max(), 0.0)
+            gap = gap if gap > ARRIVED else self.distance(h, k, solid, r * n)
             if gap <= ARRIVED:
                 break
             r -= gap
-            if r <= 0.0:
-                return 0.0
-        return r
+        return max(r, 0.0)
 
-
-def path(joint):
-    """Joints from the root to `joint`, both counted."""
-    out = [int(joint)]
-    while PARENTS[out[-1]] >= 0:
-        out.append(int(PARENTS[out[-1]]))
-    return out[::-1]
-
-
-def paths_of(joints):
-    """Which joints (55,) are on the way from the root to one of these."""
-    out = np.zeros(N_JOINTS, dtype=bool)
-    for j in joints:
-        out[path(j)] = True
-    return out
-
-
-@dataclass(frozen=True, eq=False)
-class Group:
-    """The hulls that a solid holds at the start.
-
-    Attributes:
-        solid: Which.
-        inside: Hulls that meet it.
-        beyond: Hulls that are clear of it, but whose bones from the root go through it.
-        side: The face of the solid through which all of them get out by the smallest shift that
-            puts them on the root's side.
-        depth: That shift [m].
-    """
-
-    solid: Solid
-    inside: tuple[int, ...]
-    beyond: tuple[int, ...]
-    side: int
-    depth: float
-
-
-def groups_at(posed, k, solids):
-    """The groups of one pose, none where all is clear."""
-    out = []
-    for solid in solids:
-        low, high = _bounds(solid)
-        near = np.flatnonzero(((posed.low[k] < high) & (posed.high[k] > low)).all(axis=1))
+    def meets(self, h, k, solid, shift):
+        """Is hull h at pose k, moved by `shift`, in the solid (beyond the wall)?"""
+        apart = self.lowest(h, solid)[k] + solid.normals @ shift - solid.offsets
         if solid.near is not None:
-            inside = [h for h in range(len(posed.points)) if _beyond(posed, h, k, solid)]
-        else:
-            inside = [int(h) for h in near if posed.depth(h, k, solid) > EXACT]
-        if not inside:
-            continue
-        joints = posed.joints[k]
-        beyond, before = [], []
-        if solid.near is None and solid.separation(joints[:1]) > 0.0:
-            for h, j in enumerate(posed.hulls.joint):
-                bones = path(j)
-                met = [a for a, b in pairwise(bones)
-                       if solid.crossed(joints[a], joints[b])]  # fmt: skip
-                if met:
-                    before.append(joints[met[0]])
-                    if h not in inside:
-                        beyond.append(h)
-        above = solid.offsets - EXACT
-        sides = [s for s in solid.sides if all(solid.normals[s] @ x > above[s] for x in before)]
-        depth = {s: max(posed.way_out(h, k, solid, s) for h in (*inside, *beyond))
-                 for s in sides or solid.sides}  # fmt: skip
-        order = sorted(depth, key=depth.__getitem__)
-        free = (s for s in order if _lands(posed, k, solids, solid, inside, s, depth[s]))
-        side = next(free, order[0])
-        out.append(Group(solid, tuple(inside), tuple(beyond), side, depth[side]))
-    return out
+            return bool(apart[solid.near] < -ARRIVED)
+        if apart.max() >= -ARRIVED:
+            return False
+        return solid.half is None or self.distance(h, k, solid, shift) < -ARRIVED
 
 
-def _beyond(posed, h, k, solid):
-    n, o = solid.normals[solid.near], solid.offsets[solid.near]
-    return (posed.points[h][k] @ n).min() < o - EXACT
+def _quick_hull(points):
+    """As `coal_hull`, by coal's own qhull: skin hulls are made anew at every pose."""
+    corners = coal.StdVec_Vec3s()
+    corners.extend(list(points))
+    return coal.Convex.convexHull(corners, True, "Qt")
 
 
-def _lands(posed, k, solids, solid, inside, side, way):
-    """Does a way out of one solid lead no deeper into another?"""
-    shift = (way + EXACT) * solid.normals[side]
-    return all(
-        posed.depth(h, k, other, shift) <= posed.depth(h, k, other) + EXACT
-        for other in solids
-        if other is not solid
-        for h in inside
-    )
-
-
-def _bounds(solid):
+def bounds(solid):
     if solid.half is None:
         return np.full(3, -np.inf), np.full(3, np.inf)
     reach = np.abs(solid.turn) @ solid.half
     return solid.centre - reach, solid.centre + reach
 
 
-def near_poses(posed, h, solid):
-    """Poses (T,) at which the box of hull h meets that of the solid."""
-    low, high = _bounds(solid)
-    return ((posed.low[:, h] < high) & (posed.high[:, h] > low)).all(axis=1)
+def near_poses(posed, h, solid, reach=0.0):
+    """Poses (T,) at which the box of hull h comes within `reach` of that of the solid."""
+    low, high = bounds(solid)
+    return ((posed.low[:, h] < high + reach) & (posed.high[:, h] > low - reach)).all(axis=1)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import coal
 import numpy as np
+from coal_scene import coal_shape
 from starts import SECONDS, Case, Start, body, hulls
 from starts_meshes import box_mesh, finely
 from starts_poses import POSES, wave
-from starts_solids import box, ground
+from starts_solids import REQUEST, box, ground
 
 from halfphysics import rotations as rot
 from halfphysics.motion import Motion
@@ -18,6 +20,29 @@ from halfphysics.skeleton import JOINT_INDEX
 KINDS = ("thing_floor", "thing_wall", "thing_thing", "thing_hand", "thing_leg")
 #: How deep [m].
 DEPTHS = (0.01, 0.03)
+
+
+def _pushed(posed, shape, at, out, deep):
+    """Where a shape that touches somebody at `at` has to be to be so deep in one of the hulls."""
+    geometry = coal_shape(shape, solid=True)
+
+    def depth(way):
+        place = coal.Transform3s(np.eye(3), at - way * out)
+        found = []
+        for h in range(len(posed.points)):
+            mine, turn, x = posed.shape(h, 0)
+            result = coal.DistanceResult()
+            there = coal.Transform3s(turn, x)
+            found.append(-coal.distance(geometry, place, mine, there, REQUEST, result))
+        return max(found)
+
+    low, high = -0.2, 0.0
+    while depth(high) < deep:
+        high += 0.01
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if depth(middle) < deep else (low, middle)
+    return at - high * out
 
 
 def build(case: Case, contact: str, data=None) -> Start:
@@ -97,10 +122,10 @@ def build(case: Case, contact: str, data=None) -> Start:
         )  # fmt: skip
         mine = mine[hand | (mine[:, 2] < 2 * half[2])]
         touch = mine[(mine @ out).argmax()]
-        reach = -(shape.triangles()[0] @ out).min()
-        at = touch + (reach - deep) * out
+        at = touch - (shape.triangles()[0] @ out).min() * out
         if case.kind == "thing_leg":
             at[2] = half[2] + 0.001
+        at = _pushed(posed, shape, at, out, deep)
         scene.add_object("thing", shape, mass=mass, position=at)
     frames = int(SECONDS * 30.0) + 1
     turns = wave(np.tile(rotations, (frames, 1, 1)), held, rng)

@@ -49,7 +49,6 @@ def contact():
     return "skin"
 
 
-@pytest.mark.xfail(strict=False, reason=NOT_YET)
 @pytest.mark.parametrize("kind", KINDS)
 def test_out_of_it_steadily_and_soon(kind):
     rows = [run(Case(kind, SEED + i), contact(), None) for i in range(MANY)]

@@ -196,7 +196,6 @@ def alley(width):
     ]
 
 
-@pytest.mark.xfail(strict=False, reason="starts inside two things at once are not solved yet")
 @pytest.mark.parametrize(("kind", "narrow"), [("boxes", 0.06), ("merged", 0.06), ("boxes", 0.16)])
 def test_a_body_between_walls_too_near_to_each_other(body, hulls, kind, narrow):
     """The shoulders are 3 to 8 cm in either wall: at most they turn and are out."""
@@ -334,7 +333,6 @@ def test_a_hand_in_a_corner_for_ten_seconds(body, hulls, kind):
     assert np.abs(np.diff(last, 2, axis=0)).max() <= TREMBLE
 
 
-@pytest.mark.xfail(strict=False, reason="starts inside two things at once are not solved yet")
 @pytest.mark.parametrize("kind", ["boxes", "merged"])
 def test_a_thing_between_statics_that_leave_no_room(body, hulls, kind):
     """A box 1 cm inside three things that overlap each other: it may stay, or leave slowly."""

@@ -56,6 +56,10 @@ struct World::Obstacle {
 
   const Placed& hull() const { return thing ? *thing : fixed->placed; }
   bool is(Static::Kind kind) const { return fixed && fixed->kind == kind; }
+  bool meets(const Box3& box) const {
+    if (is(Static::Kind::Mesh)) return box.meets(fixed->tree->box());
+    return is(Static::Kind::HalfSpace) || box.meets(hull().box);
+  }
   bool clear(const Placed& a, double range) const {
     if (is(Static::Kind::HalfSpace)) return a.lowest(fixed->n) - fixed->offset >= range;
     if (is(Static::Kind::Mesh)) return fixed->tree->distance(a, 2 * range) >= range;
@@ -175,15 +179,23 @@ void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::
     }
     return true;
   };
-  // Nobody is to come out of one thing into another.
+  // Nobody is to come out of one thing into another, nor to take there what hangs between it and the root.
+  std::vector<char> between(m.nbody, 0);
+  for (int i : group)
+    for (int b = movers[i].body; b > 0; b = m.parent[b]) between[b] = 1;
+  std::vector<std::pair<int, Obstacle>> free;  // who is clear of what
+  for (int i = 0; i < (int)movers.size() && person; i++)
+    for (const Static& s : statics) {
+      if (!between[movers[i].body] || pairing(movers[i].name, s.name).ignore) continue;
+      Obstacle other;
+      other.fixed = &s;
+      Box3 near = place(start, i).box;
+      near.grow(kFarthest);
+      if (other.meets(near) && clear_of(start, i, other, {}, kTouch)) free.push_back({i, other});
+    }
   auto into_another = [&](Vec3 shift) {
-    for (int i : group)
-      for (const Static& s : statics) {
-        if (&s == o.fixed || pairing(movers[i].name, s.name).ignore) continue;
-        Obstacle other;
-        other.fixed = &s;
-        if (clear_of(start, i, other, {}, kTouch) && !clear_of(start, i, other, shift, kTouch)) return true;
-      }
+    for (const auto& [i, other] : free)
+      if (!clear_of(start, i, other, shift, kTouch)) return true;
     return false;
   };
   size_t last = 0;  // who was in the way last is so again
@@ -299,7 +311,7 @@ void World::gather_inside(Poses& start, Near& e, Inside& in, double reach, doubl
       most = std::min(most, (std::max(0.0, p.dist - kLeastGap) + pace) / closing);
   }
   in.pace = ease * settings.depenetration_speed * h;
-  if (growth > 0) in.next = std::min(1.0, in.out + most);
+  in.next = std::min(1.0, in.out + most);
   Candidate c;
   c.mover = e.mover;
   c.other_static = e.other_static;

@@ -21,6 +21,7 @@ constexpr double kLook = 0.02;     // faces this near show ways out [m]
 constexpr double kAhead = 5e-3;    // planes are asked for this much farther than is needed [m]
 constexpr double kEase = 0.01, kLeastPace = 0.1;  // from this depth on slower, but not than this share [m]
 constexpr int kBisections = 7, kMostWays = 80;
+constexpr double kGreatPart = 0.1;  // of the mass of a body: less is never the right side
 constexpr double kSameWay = 0.999, kOtherWay = 0.7;
 // Who gets on less than a share of what is asked for so many substeps tries another way.
 constexpr double kSlow = 10;
@@ -121,11 +122,17 @@ void World::find_inside(const Model& m, Poses& start, const std::vector<Overlap>
       const int p = m.parent[b];
       if (!o.crosses(start.kin.xpos[p], start.kin.xpos[b])) whole[find(whole, b)] = find(whole, p);
     }
+    // The greater part is the right side; but not what a closed mesh swallows whole.
     int main = find(whole, root);
+    double all = 0, least = 1e300;
     for (int b = 1; b < m.nbody; b++)
-      if (m.root[b] == root) mass[find(whole, b)] += m.mass[b];
-    for (int b = 1; b < m.nbody; b++)
-      if (m.root[b] == root && mass[b] > mass[main]) main = b;
+      if (m.root[b] == root) mass[find(whole, b)] += m.mass[b], all += m.mass[b];
+    for (int b = 1; b < m.nbody; b++) {
+      if (m.root[b] != root || mass[b] <= kGreatPart * all) continue;
+      const double within =
+          o.is(Static::Kind::Mesh) ? std::round(o.fixed->tree->winding(start.kin.xpos[b])) : 0;
+      if (within < least || (within == least && mass[b] > mass[main])) least = within, main = b;
+    }
     std::vector<char> in(movers.size(), 0), body_in(m.nbody, 0);
     for (const Overlap& other : overlaps)
       if (same(other, pair)) in[other.mover] = 1;

@@ -37,7 +37,6 @@ from halfphysics.skeleton import JOINT_INDEX as J
 MANY = int(os.environ.get("HALFPHYSICS_STARTS", "1"))
 #: Seeds that nothing was tuned on.
 SEED = int(os.environ.get("HALFPHYSICS_STARTS_SEED", "1000"))
-NOT_YET = "starts inside come out of meshes, monotonously and gently, with the next core"
 
 
 def contact():

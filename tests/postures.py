@@ -219,17 +219,25 @@ def deepest(piece, points):
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     offsets = np.einsum("fi,fi->f", normals, corners[:, 0])
-    return -float((local @ normals.T - offsets).max(axis=1).min())
+    beside = local @ normals[0] - offsets[0]
+    for normal, offset in zip(normals[1:], offsets[1:], strict=True):
+        np.maximum(beside, local @ normal - offset, out=beside)
+    return -float(beside.min())
 
 
 def cleared(rig, start, end, pieces):
     """The first key, moved away from the last until it is clear."""
-    away = start.pelvis - end.pelvis
-    step = 0.01 * away / max(np.linalg.norm(away), 1e-9)
-    while max(deepest(p, rig.points(start)) for p in pieces) > -CLEAR:
-        start = start.moved(*step)
+    away, length = start.pelvis - end.pelvis, 0.01
+    step = length * away / max(np.linalg.norm(away), 1e-9)
+    points = rig.points(start)
+    gaps = [-deepest(p, points) for p in pieces]
+    while min(gaps) < CLEAR:
+        start, points = start.moved(*step), points + step
         if np.linalg.norm(start.pelvis - end.pelvis) > 1.0 or not away.any():
             raise ValueError("no clear start on the way back from the last key")
+        # What is far enough still is: it is not asked again.
+        gaps = [g - length for g in gaps]
+        gaps = [g if g > CLEAR else -deepest(p, points) for g, p in zip(gaps, pieces, strict=True)]
     return start
 
 

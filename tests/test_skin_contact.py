@@ -188,10 +188,13 @@ def test_no_time_is_lost(case):
 
 
 @needs_skin
-@pytest.mark.parametrize("tool", ["pole2cm", "edge90"])
-def test_the_visible_gap_is_small(tool):
+@pytest.mark.parametrize(("tool", "every"), [("pole2cm", 1), ("edge90", 3)])
+def test_the_visible_gap_is_small(tool, every):
     """Where hulls bridge the hollows of the skin, what is thin does not get to it."""
-    gaps = [first_contact(Case(f"{place}-{tool}", fps=60.0, substeps=4)) for place in PLACES]
+    gaps = [
+        first_contact(Case(f"{place}-{tool}", fps=60.0, substeps=4))
+        for place in list(PLACES)[::every]
+    ]
     assert None not in gaps
     assert np.median(gaps) <= VISIBLE[0]
     assert np.percentile(gaps, 95) <= VISIBLE[1]

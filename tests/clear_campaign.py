@@ -1,10 +1,12 @@
 """The campaign behind `test_clear.py`: every case, one row of numbers each.
 
-    python tests/clear_campaign.py --data DATA --log rows.jsonl [--seconds 600] [--shard 0/2]
-                                   [--only room] [--case ID] [--summary]
+    python tests/clear_campaign.py [--contact skin] [--data DATA] --log rows.jsonl [--seconds 600]
+                                   [--shard 0/2] [--only room] [--case ID] [--summary]
 
-Cases come in a fixed shuffled order, so any part of the campaign is a fair sample; what the log
-has is not run again. `PYTHONPATH` chooses the build that is judged.
+Judged are the pieces that the core keeps clear (`clear_judge`): hulls of the skin, or the rigid
+parts; `skin_campaign` judges the skin itself in the same throws and rooms. Cases come in a fixed
+shuffled order, so any part of the campaign is a fair sample; what the log has is not run again.
+`PYTHONPATH` chooses the build that is judged.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from pathlib import Path
 
 import numpy as np
 from clear_judge import Judge
+from person_hulls import CONTACTS
 from rooms import furnished
 from throws import OBSTACLES, POSES, throw
 
@@ -139,10 +142,11 @@ def set_up(case, data):
     return faster.resample(case.fps), scene
 
 
-def run(case, data):
+def run(case, data=None, contact="skin"):
     """The numbers of one case."""
     motion, scene = set_up(case, data)
     settings = Settings(
+        contact=contact,
         substeps=case.substeps,
         stiffness=case.stiffness,
         drive_time=case.drive,
@@ -163,6 +167,7 @@ def run(case, data):
     return {
         "id": case.id,
         **asdict(case),
+        "contact": contact,
         "ok": bool(verdict.clear and finite and verdict.start > 0.0),
         "start_mm": _mm(verdict.start),
         "gap_mm": _mm(verdict.gap),
@@ -250,29 +255,33 @@ def read(log):
     return [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
 
 
-def campaign(cases, data, log, seconds=np.inf):
-    """Runs what the log has not; appends to it; all its rows of these cases."""
-    done = {r["id"] for r in read(log)}
+def campaign(cases, data, log, contact="skin", seconds=np.inf, run=run):
+    """Runs what the log has not; appends to it; all its rows of these cases.
+
+    run: (case, data, contact) -> row with at least "id" and "contact".
+    """
+    done = {(r["id"], r["contact"]) for r in read(log)}
     end = time.monotonic() + seconds
     with log.open("a") as out:
         for case in cases:
-            if case.id in done:
+            if (case.id, contact) in done:
                 continue
             if time.monotonic() > end:
                 break
             try:
-                row = run(case, data)
+                row = run(case, data, contact)
             except Exception:
                 print(f"in case {case.id}", file=sys.stderr)
                 raise
             out.write(json.dumps(row) + "\n")
             out.flush()
     wanted = {c.id for c in cases}
-    return [r for r in read(log) if r["id"] in wanted]
+    return [r for r in read(log) if r["id"] in wanted and r["contact"] == contact]
 
 
 def main():
     p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    p.add_argument("--contact", choices=CONTACTS, default="skin")
     p.add_argument("--data", type=Path, default=os.environ.get("HALFPHYSICS_TEST_DATA"))
     p.add_argument("--log", type=Path, default=Path("clear.jsonl"))
     p.add_argument("--seconds", type=float, default=np.inf)
@@ -284,17 +293,24 @@ def main():
     data = None if options.data is None else Path(options.data)
     cases = all_cases(data)
     if options.case:
-        print(json.dumps(run(next(c for c in cases if c.id == options.case), data), indent=1))
+        case = next(c for c in cases if c.id == options.case)
+        print(json.dumps(run(case, data, options.contact), indent=1))
         return
     k, n = map(int, options.shard.split("/"))
     cases = [c for c in cases if options.only in c.id][k::n]
     seconds = -1.0 if options.summary else options.seconds
-    rows = campaign(cases, data, options.log, seconds)
+    rows = campaign(cases, data, options.log, options.contact, seconds)
     print(summary(rows))
     for row in rows:
         for text in not_clear(row) + held_back(row):
             print(f"{row['id']}: {text}")
-    print(f"{len(rows)} of {len(cases)} cases")
+    gap = min((r["gap_mm"] for r in rows if r["gap_mm"] is not None), default=np.inf)
+    steps, inside = sum(r["steps"] for r in rows), sum(r["inside"] > 0 for r in rows)
+    crossed = sum(r["crossed"] > 0 for r in rows)
+    print(
+        f"{options.contact}: {len(rows)} of {len(cases)} cases, {steps} steps, inside in {inside}, "
+        f"crossings in {crossed}, smallest gap {gap:.4f} mm"
+    )
 
 
 if __name__ == "__main__":

@@ -1,34 +1,37 @@
 """Judges a recorded run from outside: were the people clear of all statics, and did they stay so?
 
-Two questions, neither answered with anything of the core but its body frames:
+Two questions about the convex pieces that are kept clear (`person_hulls`: hulls of the skin, or the
+rigid parts), neither answered with anything of the core but coordinates and body frames:
 
-1. *Clear*: at every committed pose, does the convex hull of each part meet a static? Distances by
-   `coal`, hull against triangles or primitive.
-2. *Side*: between two committed poses, could the part get from one to the other without meeting
+1. *Clear*: at every committed pose, does a piece meet a static? Distances by `coal`, hull against
+   triangles or primitive; where a plane proves that one is farther than the smallest known, that
+   will do.
+2. *Side*: between two committed poses, could the piece get from one to the other without meeting
    the static? A single sheet, a pole or a rod has no inside that a jump could end in, so poses
-   alone do not tell. Asked for is a witness, a continuous motion of the part that meets nothing:
+   alone do not tell. Asked for is a witness, a continuous motion of the piece that meets nothing:
 
    - the sum of the distances at both ends exceeds the longest way of a vertex; or
    - a plane that has both hulls on one side and the obstacle on the other; or
    - the hull of both sets of vertices is disjoint from the obstacle, or, the step cut into
      pieces, those of the pieces are: the vertices move straight; or
-   - the rigid motion (origin straight, rotation by the shortest arc) is clear, by conservative
-     advancement; or
+   - the motion of the body (root straight, rotations by the shortest arc) is clear, by
+     conservative advancement; or
    - two or four such motions are, over poses stepped back a little (`DETOURS`): a step that was
      made in pieces may bend around an edge.
 
-   With a witness the part is where it could have got to: on its side. Without any it has crossed.
+   With a witness the piece is where it could have got to: on its side. Without any it has crossed.
    Only the last three can miss a way that exists, and only where the obstacle stands in all.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 import coal
 import numpy as np
-from coal_scene import coal_hull, coal_shape
+from coal_shapes import coal_hull, coal_shape
+from person_hulls import pieces_of
 
 from halfphysics import rotations as rot
 from halfphysics.shapes import Mesh, Plane
@@ -38,10 +41,12 @@ NEAR = 0.005
 #: coal's own distances are good to this [m].
 ROUNDING = 1e-6
 #: Poses looked at together: bounds the memory.
-CHUNK = 512
+CHUNK = 64
+#: Planes that held last are tried first.
+RECENT = 3
 #: A step without witness is cut in halves at most this often.
 STRAIGHT_DEPTH, ARC_DEPTH, BENT_DEPTH = 4, 12, 1
-#: How far a part may step back from an obstacle on its way from one pose to the next [m]: not far
+#: How far a piece may step back from an obstacle on its way from one pose to the next [m]: not far
 #: enough to get around anything that it was thrown at.
 DETOURS = (0.005, 0.02)
 
@@ -72,6 +77,18 @@ class _Static:
     high: np.ndarray
     plane: tuple[np.ndarray, float] | None = None
     triangles: np.ndarray | None = None  # (F, 3, 3), in the world
+    lows: np.ndarray | None = None  # of the triangles (F, 3)
+    highs: np.ndarray | None = None
+
+    def within(self, low, high):
+        """The same, with the triangles that meet the box around these boxes (n, 3) alone."""
+        if self.triangles is None:
+            return self
+        kept = (self.lows <= high.max(axis=0)) & (self.highs >= low.min(axis=0))
+        kept = kept.all(axis=1)
+        return replace(
+            self, triangles=self.triangles[kept], lows=self.lows[kept], highs=self.highs[kept]
+        )
 
 
 def _static(s):
@@ -91,8 +108,9 @@ def _static(s):
         model.addVertices(vertices)
         model.addTriangles(np.asarray(faces, dtype=np.int64))
         model.endModel()
+        t = vertices[np.asarray(faces)]
         return _Static(
-            s.name, model, coal.Transform3s(), low, high, triangles=vertices[np.asarray(faces)]
+            s.name, model, coal.Transform3s(), low, high, None, t, t.min(axis=1), t.max(axis=1)
         )
     shape = coal_shape(s.shape, solid=False)
     # Facets lie within the round shape: the true extent by its own box.
@@ -102,26 +120,17 @@ def _static(s):
 
 
 class Judge:
-    """Looks at the committed poses of one simulator."""
+    """Looks at the committed poses of one simulator.
 
-    def __init__(self, simulator):
+    `contact`: whether at the hulls of the "skin", the rigid "parts" or "both"; None: at what the
+    simulator keeps clear.
+    """
+
+    def __init__(self, simulator, contact=None):
         world = simulator.world
-        self.world, self.stepper = world, world.stepper
+        self.world, self.pieces = world, pieces_of(simulator, contact)
         self.statics = [_static(s) for s in world.scene.statics.values()]
         self.ignored = [world.scene.ignores("person", s.name) for s in self.statics]
-        self.names, self.bodies, self.points, self.shapes = [], [], [], []
-        for person in world.people:
-            for part in person.body.variant.parts:
-                if len(part.vertices) < 4:
-                    continue
-                self.names.append(f"{person.name}/{part.name}")
-                self.bodies.append(world.model.body(f"{person.name}/{part.name}").id)
-                self.points.append(np.asarray(part.vertices, float))
-                self.shapes.append(coal_hull(self.points[-1]))
-        lows = np.array([p.min(axis=0) for p in self.points])
-        highs = np.array([p.max(axis=0) for p in self.points])
-        self.middle, self.half = 0.5 * (lows + highs), 0.5 * (highs - lows)
-        self.size = np.array([np.linalg.norm(p, axis=1).max() for p in self.points])
         self.request = coal.DistanceRequest()
         self.touching = coal.CollisionRequest()
 
@@ -133,111 +142,93 @@ class Judge:
         """`poses`: coordinates (T, nq) of one after the other, the first at index 0."""
         verdict = Verdict(poses=len(poses) - 1)
         for first in range(0, max(1, len(poses) - 1), CHUNK):
-            self._chunk(poses[first : first + CHUNK + 1], first, verdict)
+            for pieces in self.pieces:
+                self._chunk(pieces.at(poses[first : first + CHUNK + 1]), first, verdict)
         return verdict
 
     def gap_to(self, static, pose):
         """Distance of a `halfphysics.scene.Static` from a pose (nq,); inf beyond `NEAR`."""
-        x, turn = self._frames(pose[None])
-        low, high = self._boxes(x, turn)
-        s, best = _static(static), np.inf
-        for i in range(len(self.points)):
-            if (low[0, i] < s.high).all() and (high[0, i] > s.low).all():
-                best = min(best, self._distance(i, x[0, i], turn[0, i], s)[0])
+        s, best, recent = _static(static), np.inf, []
+        for pieces in self.pieces:
+            at = pieces.at(pose[None])
+            low, high = at.low[0] - NEAR, at.high[0] + NEAR
+            for i in np.flatnonzero(_near(s, low, high)):
+                near = s.within(low[i][None], high[i][None])
+                if not _behind(near, at.points(i, 0), recent, min(best, NEAR)):
+                    d, away = self._distance(at.points(i, 0), at.solid(i, 0), s)
+                    best = min(best, d)
+                    _keep(recent, away)
         return best
 
     # -- one chunk -------------------------------------------------------------------------
 
-    def _frames(self, poses):
-        x, q = zip(*(self.stepper.body_frames(p) for p in poses), strict=True)
-        x, q = np.array(x)[:, self.bodies], np.array(q)[:, self.bodies]
-        return x, rot.to_matrix(rot.normalize(q))
-
-    def _boxes(self, x, turn):
-        middle = x + np.einsum("spij,pj->spi", turn, self.middle)
-        half = np.einsum("spij,pj->spi", np.abs(turn), self.half) + NEAR
-        return middle - half, middle + half
-
-    def _chunk(self, poses, first, verdict):
-        x, turn = self._frames(poses)
-        low, high = self._boxes(x, turn)
-        # Boxes around a part's way from each pose to the next.
-        swept_low = np.minimum(low[:-1], low[1:])
-        swept_high = np.maximum(high[:-1], high[1:])
+    def _chunk(self, at, first, verdict):
+        # Boxes around a piece's way from each pose to the next.
+        low = np.minimum(at.low[:-1], at.low[1:]) - NEAR
+        high = np.maximum(at.high[:-1], at.high[1:]) + NEAR
         for s, ignored in zip(self.statics, self.ignored, strict=True):
             if ignored:
                 continue
-            if s.plane is not None:
-                n, offset = s.plane
-                near = np.where(n > 0.0, swept_low, swept_high) @ n < offset
-            else:
-                near = (swept_low < s.high).all(axis=2) & (swept_high > s.low).all(axis=2)
+            near = _near(s, low, high)
             for i in np.flatnonzero(near.any(axis=0)):
-                known = {}
+                steps = np.flatnonzero(near[:, i])
+                self._steps(at, int(i), s.within(low[steps, i], high[steps, i]), steps, first,
+                            verdict)  # fmt: skip
 
-                def at(k, i=i, s=s, known=known):
-                    if k not in known:
-                        known[k] = self._distance(i, x[k, i], turn[k, i], s)
-                        self._note(known[k][0], i, s, first + k, verdict)
-                    return known[k]
+    def _steps(self, at, i, s, steps, first, verdict):
+        """Piece i and what of a static is near it in these steps of a chunk."""
+        name, known, recent = at.pieces.names[i], {}, []
 
-                for k in np.flatnonzero(near[:, i]):
-                    before, after = at(int(k)), at(int(k) + 1)
-                    # One that is proved is enough: the others are not looked at as patiently.
-                    ways = x[k : k + 2, i], turn[k : k + 2, i]
-                    if s.plane is None and not self._kept(
-                        i, s, before, after, *ways, patient=not verdict.crossed
-                    ):
-                        verdict.crossed.append((self.names[i], s.name, first + int(k) + 1))
+        def exact(k):
+            if k not in known:
+                known[k] = self._distance(at.points(i, k), at.solid(i, k), s)
+                _keep(recent, known[k][1])
+                self._note(known[k][0], name, s, first + k, verdict)
+            return known[k]
 
-    def _note(self, gap, i, s, pose, verdict):
+        for k in map(int, steps):
+            both = np.concatenate([at.points(i, k), at.points(i, k + 1)])
+            # Beyond these planes nothing is nearer than what is known, at either pose or between.
+            if first + k > 0 and _behind(s, both, recent, max(min(verdict.gap, NEAR), 0.0)):
+                continue
+            before, after = exact(k), exact(k + 1)
+            # One that is proved is enough: the others are not looked at as patiently.
+            patient = not verdict.crossed
+            if s.plane is None and not self._kept(_Way(at, i, k), s, before, after, patient):
+                verdict.crossed.append((name, s.name, first + k + 1))
+
+    def _note(self, gap, name, s, pose, verdict):
         if pose == 0:
             verdict.start = min(verdict.start, gap)
         if gap < -ROUNDING:
             verdict.inside.add(pose)
         if gap < verdict.gap:
-            verdict.gap, verdict.where = float(gap), (self.names[i], s.name, pose)
+            verdict.gap, verdict.where = float(gap), (name, s.name, pose)
 
-    def _distance(self, i, x, turn, s):
-        """Distance and a normal from the static to the part (any, where they meet)."""
+    def _distance(self, points, solid, s):
+        """Distance and a normal from the static to the piece (any, where they meet)."""
         if s.plane is not None:
-            return ((self.points[i] @ turn.T + x) @ s.plane[0]).min() - s.plane[1], s.plane[0]
+            return (points @ s.plane[0]).min() - s.plane[1], s.plane[0]
         result = coal.DistanceResult()
-        pose = coal.Transform3s(turn, x)
-        d = coal.distance(self.shapes[i], pose, s.shape, s.place, self.request, result)
+        d = coal.distance(*solid, s.shape, s.place, self.request, result)
         return d, np.array(result.getNearestPoint1()) - np.array(result.getNearestPoint2())
 
     # -- the way between two poses -----------------------------------------------------------
 
-    def _kept(self, i, s, before, after, x, turn, patient=True):
+    def _kept(self, way, s, before, after, patient=True):
         if before[0] <= 0.0 or after[0] <= 0.0:
             return True  # inside at a committed pose: counted there
-        w0, w1 = (self.points[i] @ turn[k].T + x[k] for k in (0, 1))
-        way = np.sqrt(np.max(np.sum((w1 - w0) ** 2, axis=1)))
-        if before[0] + after[0] > way:
+        w0, w1 = way.ends
+        if before[0] + after[0] > np.sqrt(np.max(np.sum((w1 - w0) ** 2, axis=1))):
             return True
-        both = np.concatenate([w0, w1])
-        left = None
-        if s.triangles is not None:
-            t = s.triangles
-            low, high = both.min(axis=0), both.max(axis=0)
-            left = t[((t.min(axis=1) <= high) & (t.max(axis=1) >= low)).all(axis=1)]
-        for _, away in (before, after):
-            length = np.linalg.norm(away)
-            if length <= 0.0:
-                continue
-            n = away / length
-            bottom = (both @ n).min()
-            if left is not None:
-                left = left[(left @ n).max(axis=1) >= bottom]
-                if not len(left):
-                    return True
-            elif _highest(s, n) < bottom:
-                return True
+        normals = [n / np.linalg.norm(n) for _, n in (before, after) if np.linalg.norm(n) > 0.0]
+        if _behind(s, np.concatenate([w0, w1]), normals):
+            return True
+        a, b = _Stop(0.0, np.zeros(3), *before), _Stop(1.0, np.zeros(3), *after)
         return (
             self._straight(w0, w1, s, STRAIGHT_DEPTH)
-            or self._arc(i, s, x, turn, 0.0, 1.0, before[0], after[0], ARC_DEPTH)
-            or (patient and self._bent(i, s, x, turn, before, after, BENT_DEPTH))
+            or self._arc(way, s, a, b, ARC_DEPTH)
+            or (patient and self._bent(way, s, a, b, BENT_DEPTH))
         )
 
     def _straight(self, w0, w1, s, depth):
@@ -251,45 +242,104 @@ class Judge:
         middle = 0.5 * (w0 + w1)
         return self._straight(w0, middle, s, depth - 1) and self._straight(middle, w1, s, depth - 1)
 
-    def _bent(self, i, s, x, turn, before, after, depth):
-        """The rigid motion in two, and those in two, over poses stepped back from the middle."""
-        turned = rot.matrix_to_rotvec(turn[0].T @ turn[1])
-        ends = [n / max(np.linalg.norm(n), 1e-12) for _, n in (before, after)]
+    def _stop(self, way, s, share, offset):
+        points = way.points(share) + offset
+        gap, away = self._distance(points, (coal_hull(points), coal.Transform3s()), s)
+        return _Stop(share, offset, gap, away)
+
+    def _bent(self, way, s, a, b, depth):
+        """The body's motion in two, and those in two, over poses stepped back from the middle."""
+        ends = [stop.away / max(np.linalg.norm(stop.away), 1e-12) for stop in (a, b)]
         out = [*ends, ends[0] + ends[1]]
         for share, n, detour in product((0.5, 0.0, 1.0), out, DETOURS):
-            middle = x[0] + share * (x[1] - x[0]) + detour * n
-            between = turn[0] @ rot.rotvec_to_matrix(share * turned)
-            there = self._distance(i, middle, between, s)
-            if there[0] <= 0.0:
+            offset = a.offset + share * (b.offset - a.offset) + detour * n
+            there = self._stop(way, s, a.share + share * (b.share - a.share), offset)
+            if there.gap <= 0.0:
                 continue
-            legs = [
-                (np.array([x[0], middle]), np.array([turn[0], between]), before, there),
-                (np.array([middle, x[1]]), np.array([between, turn[1]]), there, after),
-            ]
             if all(
-                self._arc(i, s, y, r, 0.0, 1.0, a[0], b[0], ARC_DEPTH)
-                or (depth > 0 and self._bent(i, s, y, r, a, b, depth - 1))
-                for y, r, a, b in legs
+                self._arc(way, s, c, d, ARC_DEPTH)
+                or (depth > 0 and self._bent(way, s, c, d, depth - 1))
+                for c, d in ((a, there), (there, b))
             ):
                 return True
         return False
 
-    def _arc(self, i, s, x, turn, a, b, gap_a, gap_b, depth):
-        turned = rot.matrix_to_rotvec(turn[0].T @ turn[1])
-        way = np.linalg.norm(x[1] - x[0]) + self.size[i] * np.linalg.norm(turned)
-        if gap_a + gap_b > (b - a) * way:
+    def _arc(self, way, s, a, b, depth):
+        length = (b.share - a.share) * way.length + np.linalg.norm(b.offset - a.offset)
+        if a.gap + b.gap > length:
             return True
         if depth == 0:
             return False
-        c = 0.5 * (a + b)
-        gap, _ = self._distance(
-            i, x[0] + c * (x[1] - x[0]), turn[0] @ rot.rotvec_to_matrix(c * turned), s
-        )
-        if gap <= 0.0:
+        middle = self._stop(way, s, 0.5 * (a.share + b.share), 0.5 * (a.offset + b.offset))
+        if middle.gap <= 0.0:
             return False
-        return self._arc(i, s, x, turn, a, c, gap_a, gap, depth - 1) and self._arc(
-            i, s, x, turn, c, b, gap, gap_b, depth - 1
-        )
+        return self._arc(way, s, a, middle, depth - 1) and self._arc(way, s, middle, b, depth - 1)
+
+
+class _Way:
+    """The motion of a piece from one pose to the next, if nothing else moves it."""
+
+    def __init__(self, at, i, k):
+        self._at, self._i, self._k = at, i, k
+        self.ends = at.points(i, k), at.points(i, k + 1)
+
+    @property
+    def length(self):
+        return self._at.length(self._i, self._k)
+
+    def points(self, share):
+        return self._at.between(self._i, self._k, share)
+
+
+@dataclass
+class _Stop:
+    """On a way, at a share of it and moved by an offset (3,): distance there, and whither it is."""
+
+    share: float
+    offset: np.ndarray
+    gap: float
+    away: np.ndarray
+
+
+def _near(s, low, high):
+    """Which boxes (..., 3) meet what a static is in."""
+    if s.plane is not None:
+        n, offset = s.plane
+        return np.where(n > 0.0, low, high) @ n < offset
+    return ((low < s.high) & (high > s.low)).all(axis=-1)
+
+
+def _keep(recent, away):
+    """The direction that was found last comes first."""
+    length = np.linalg.norm(away)
+    if length > 0.0:
+        recent.insert(0, away / length)
+        del recent[RECENT:]
+
+
+def _behind(s, points, normals, far=0.0):
+    """Whether planes of these normals prove that nothing is within `far` of the points (n, 3).
+
+    Of a mesh every triangle has to be behind one of the planes, or away from the points' box.
+    """
+    if s.plane is not None:
+        return (points @ s.plane[0]).min() - s.plane[1] > far
+    left = None
+    if s.triangles is not None:
+        low, high = points.min(axis=0) - far, points.max(axis=0) + far
+        left = s.triangles[((s.lows <= high) & (s.highs >= low)).all(axis=1)]
+        if not len(left):
+            return True
+    for n in normals:
+        bottom = (points @ n).min() - far
+        if left is None:
+            if _highest(s, n) < bottom:
+                return True
+            continue
+        left = left[(left @ n).max(axis=1) >= bottom]
+        if not len(left):
+            return True
+    return False
 
 
 def _highest(s, n):

@@ -1,107 +1,104 @@
-"""A run looked at from outside: distances by coal, kinematics by the bodies' own joints."""
+"""A run looked at from outside: distances by coal, poses of people by `person_hulls`."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 import coal
 import numpy as np
+from coal_shapes import coal_shape
+from person_hulls import pieces_of
 
 from halfphysics import rotations as rot
-from halfphysics.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.shapes import Plane
 
 #: Farther than this two things are not looked at [m].
 NEAR = 0.02
+HERE = coal.Transform3s()
 
 
-def _corners(points):
-    out = coal.StdVec_Vec3s()
-    for p in points:
-        out.append(np.asarray(p, dtype=float))
-    return out
+@dataclass
+class _Solid:
+    """What is somewhere: box [m], whose, and coal's geometry and place, made when asked for."""
+
+    owner: str
+    low: np.ndarray
+    high: np.ndarray
+    make: object
+    moves: bool = True
+    human: bool = False
+    made: tuple = field(default=())
+
+    def solid(self):
+        if not self.made:
+            self.made = self.make()
+        return self.made
 
 
-def _triangles(faces):
-    out = coal.StdVec_Triangle()
-    for f in faces:
-        out.append(coal.Triangle(*(int(i) for i in f)))
-    return out
-
-
-def coal_hull(points):
-    """The convex hull of points (n, 3), its triangles outward."""
-    from scipy.spatial import ConvexHull
-
-    hull = ConvexHull(points)
-    corners = points[hull.vertices]
-    index = {int(v): i for i, v in enumerate(hull.vertices)}
-    faces = np.array([[index[int(v)] for v in simplex] for simplex in hull.simplices])
-    a, b, c = (corners[faces[:, k]] for k in range(3))
-    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), a - corners.mean(axis=0)) < 0
-    faces[inward] = faces[inward][:, ::-1]
-    return coal.Convex(_corners(corners), _triangles(faces))
-
-
-def coal_shape(shape, solid):
-    """A coal geometry: `solid` meshes are their hulls, others triangles."""
-    if isinstance(shape, Plane):
-        return coal.Halfspace(np.array(shape.normal, dtype=float), float(shape.offset))
-    if isinstance(shape, Box):
-        return coal.Box(*shape.size)
-    if isinstance(shape, Sphere):
-        return coal.Sphere(shape.radius)
-    if isinstance(shape, Capsule):
-        return coal.Capsule(shape.radius, shape.length)
-    if isinstance(shape, Cylinder):
-        return coal.Cylinder(shape.radius, shape.length)
-    if solid:
-        return coal_hull(np.asarray(shape.vertices))
-    model = coal.BVHModelOBBRSS()
-    model.beginModel(len(shape.faces), len(shape.vertices))
-    model.addSubModel(_corners(shape.vertices), _triangles(shape.faces))
-    model.endModel()
-    return model
+def _bounds(geometry, turn, position):
+    """Corners of a box around coal's geometry."""
+    geometry.computeLocalAABB()
+    box = geometry.aabb_local
+    middle, half = 0.5 * (box.max_ + box.min_), 0.5 * (box.max_ - box.min_)
+    middle, half = turn @ middle + position, np.abs(turn) @ half
+    return middle - half, middle + half
 
 
 class Watch:
-    """Distances between all that a simulator moves and all that stands there."""
+    """Distances between all that a simulator moves and all that stands there.
+
+    Attributes:
+        people: The pieces of every person (`person_hulls`), as the simulator keeps them clear.
+    """
 
     def __init__(self, simulator):
         self.simulator = simulator
-        world = simulator.world
-        self.statics = []
-        for s in world.scene.statics.values():
-            shape = coal_shape(s.shape, solid=False)
-            pose = coal.Transform3s(rot.to_matrix(s.quaternion), np.asarray(s.position, float))
-            self.statics.append((s.name, shape, pose, s.shape))
-        self.parts = []  # name, body id, vertices, geometry
-        for person in world.people:
-            for part in person.body.variant.parts:
-                if len(part.vertices) < 4:
-                    continue
-                body = world.model.body(f"{person.name}/{part.name}").id
-                self.parts.append((person.name, body, part.vertices, coal_hull(part.vertices)))
+        self.scene = simulator.world.scene
+        self.statics = [self._static(s) for s in self.scene.statics.values()]
+        self.people = pieces_of(simulator)
         self.things = [
-            (t.name, t, coal_shape(world.scene.objects[t.name].shape, solid=True))
-            for t in world.things
+            (t, coal_shape(self.scene.objects[t.name].shape, solid=True))
+            for t in simulator.world.things
         ]
         self.request = coal.DistanceRequest()
 
+    @staticmethod
+    def _static(s):
+        turn, position = rot.to_matrix(s.quaternion), np.asarray(s.position, float)
+        shape, place = coal_shape(s.shape, solid=False), coal.Transform3s(turn, position)
+        low, high = np.full(3, -np.inf), np.full(3, np.inf)
+        if not isinstance(s.shape, Plane):
+            low, high = _bounds(shape, turn, position)
+        return _Solid(s.name, low, high, lambda: (shape, place), moves=False)
+
     def _movers(self, qpos):
-        x, q = self.simulator.world.stepper.body_frames(qpos)
         out = []
-        for name, body, vertices, shape in self.parts:
-            radius = np.linalg.norm(vertices, axis=1).max()
-            out.append((name, shape, rot.to_matrix(rot.normalize(q[body])), x[body], radius))
-        for name, thing, shape in self.things:
+        for pieces in self.people:
+            at = pieces.at(qpos[None])
+            for i in range(len(pieces.names)):
+                make = lambda at=at, i=i: at.solid(i, 0)  # noqa: E731
+                out.append(_Solid(pieces.name, at.low[0, i], at.high[0, i], make, human=True))
+        for thing, shape in self.things:
             position, quat = thing.pose(qpos)
-            box = shape.computeLocalAABB() or shape.aabb_local
-            radius = float(np.linalg.norm(np.maximum(np.abs(box.min_), np.abs(box.max_))))
             turn = rot.to_matrix(rot.normalize(quat))
-            out.append((name, shape, turn, position, radius))
+            place = coal.Transform3s(turn, position)
+            make = lambda shape=shape, place=place: (shape, place)  # noqa: E731
+            out.append(_Solid(thing.name, *_bounds(shape, turn, position), make))
         return out
 
-    def _distance(self, a, b):
-        result = coal.DistanceResult()
-        return coal.distance(a[0], a[1], b[0], b[1], self.request, result)
+    def _near(self, a, b):
+        """Pairs (n, 2) of solids of these lists whose boxes are within `NEAR`."""
+        ends = [np.array([[s.low, s.high] for s in some]).reshape(-1, 2, 3) for some in (a, b)]
+        apart = np.maximum(
+            ends[0][:, None, 0] - ends[1][None, :, 1], ends[1][None, :, 0] - ends[0][:, None, 1]
+        )
+        return np.argwhere((apart <= NEAR).all(axis=2))
+
+    def _ignored(self, a, b):
+        if a.owner == b.owner:
+            return True
+        names = ["person" if s.human else s.owner for s in (a, b)]
+        return self.scene.ignores(*names)
 
     def gap(self, qpos, against_objects=True, statics="all"):
         """Smallest distance at one pose (inf: beyond `NEAR`), and between which two.
@@ -110,33 +107,18 @@ class Watch:
         """
         best, pair = np.inf, ("", "")
         movers = self._movers(qpos)
-        scene = self.simulator.world.scene
-        for i, (name, shape, turn, position, radius) in enumerate(movers):
-            pose = coal.Transform3s(turn, position)
-            human = name.startswith("person")
-            skipped = statics == "none" or (statics == "things" and human)
-            for other, geometry, place, given in [] if skipped else self.statics:
-                if scene.ignores("person" if human else name, other):
-                    continue
-                if isinstance(given, Plane):
-                    normal = place.getRotation() @ np.asarray(given.normal, float)
-                    offset = given.offset + normal @ place.getTranslation()
-                    if normal @ position - offset > radius + NEAR:
-                        continue
-                d = self._distance((shape, pose), (geometry, place))
-                if d < min(best, NEAR):
-                    best, pair = d, (name, other)
-            if not against_objects:
+        pairs = [(movers[i], self.statics[k]) for i, k in self._near(movers, self.statics)]
+        if statics != "all":
+            pairs = [(a, s) for a, s in pairs if statics == "things" and not a.human]
+        if against_objects:
+            pairs += [(movers[i], movers[k]) for i, k in self._near(movers, movers) if i < k]
+        for a, b in pairs:
+            if self._ignored(a, b):
                 continue
-            for name2, shape2, turn2, position2, radius2 in movers[i + 1 :]:
-                if name == name2:
-                    continue
-                if np.linalg.norm(position - position2) > radius + radius2 + NEAR:
-                    continue
-                pose2 = coal.Transform3s(turn2, position2)
-                d = self._distance((shape, pose), (shape2, pose2))
-                if d < min(best, NEAR):
-                    best, pair = d, (name, name2)
+            result = coal.DistanceResult()
+            d = coal.distance(*a.solid(), *b.solid(), self.request, result)
+            if d < min(best, NEAR):
+                best, pair = d, (a.owner, b.owner)
         return best, pair
 
     def smallest_gap(self, frames, every=1, against_objects=True):

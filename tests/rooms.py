@@ -1,7 +1,7 @@
 """Furnished rooms of real meshes around a motion: what stands in its way, and around it.
 
-The same seed gives the same room. The first pose is clear of everything (by `coal`): what would
-not be is moved away from it, no farther than needed.
+The same seed gives the same room. The first pose is clear of everything (by `coal`, hulls of the
+skin and rigid parts): what would not be is moved away from it, no farther than needed.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def furnished(motion, body, folder, seed, pieces=6):
     """
     rng = np.random.default_rng(seed)
     joints = body.joints(motion)
-    judge = Judge(Simulator(Scene(), body=body, fps=motion.fps))
+    judge = Judge(Simulator(Scene(), body=body, fps=motion.fps), contact="both")
     first = judge.world.start([motion[0]])[0]
     scene = Scene()
 

@@ -14,11 +14,10 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import sys
 import time
 import zlib
 from dataclasses import asdict, dataclass, replace
-from functools import cache
+from functools import cache, partial
 from itertools import product
 from pathlib import Path
 
@@ -293,26 +292,8 @@ def summary(rows):
     return "\n".join(lines)
 
 
-def campaign(some, data, log, contact, seconds=np.inf):
-    """Runs what the log has not; appends to it; all its rows of these cases."""
-    done = {(r["id"], r["contact"]) for r in clear_campaign.read(log)}
-    end = time.monotonic() + seconds
-    with log.open("a") as out:
-        for case in some:
-            if (case.id, contact) in done:
-                continue
-            if time.monotonic() > end:
-                break
-            try:
-                row = run(case, data, contact)
-            except Exception:
-                print(f"in case {case.id}", file=sys.stderr)
-                raise
-            out.write(json.dumps(row) + "\n")
-            out.flush()
-    wanted = {c.id for c in some}
-    rows = clear_campaign.read(log)
-    return [r for r in rows if r["id"] in wanted and r["contact"] == contact]
+#: Of clear_campaign, with this way of judging.
+campaign = partial(clear_campaign.campaign, run=run)
 
 
 def main():

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import coal
 import numpy as np
-from coal_scene import coal_shape
+from coal_shapes import coal_shape
 from triangle_soup import Soup
 
 from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import coal
 import numpy as np
-from coal_scene import coal_hull
+from coal_shapes import coal_hull
 
 from halfphysics import rotations as rot
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import coal
 import numpy as np
 import pytest
-from coal_scene import coal_hull
+from coal_shapes import coal_hull
 from people import along_x, violent
 
 from halfphysics import rotations as rot

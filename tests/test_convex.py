@@ -5,7 +5,7 @@ from __future__ import annotations
 import coal
 import numpy as np
 import pytest
-from coal_scene import coal_hull, coal_shape
+from coal_shapes import coal_hull, coal_shape
 
 from halfphysics import _native
 from halfphysics import rotations as rot

@@ -11,8 +11,9 @@ import coal
 import numpy as np
 import pytest
 from clear_judge import Judge
-from coal_scene import coal_hull, coal_shape
+from coal_shapes import coal_hull, coal_shape
 from people import FACING_X, follow, t_pose
+from person_hulls import pieces_of
 from throws import curled, stair
 
 from halfphysics import rotations as rot
@@ -192,14 +193,12 @@ def obstacle(kind, rng):
 
 
 def swept_hulls(body, motion):
-    """Hulls of every part's way in a motion that keeps its pose, and the middle of them all."""
-    judge = Judge(Simulator(Scene(), body=body, fps=motion.fps))
-    both = [judge.world.start([motion[i]])[0] for i in (0, len(motion) - 1)]
-    x, turn = judge._frames(np.array(both))
-    ways = [
-        np.concatenate([p @ turn[k, i].T + x[k, i] for k in (0, 1)])
-        for i, p in enumerate(judge.points)
-    ]
+    """Hulls of every piece's way in a motion that keeps its pose, and the middle of them all."""
+    simulator = Simulator(Scene(), body=body, fps=motion.fps)
+    (pieces,) = pieces_of(simulator)
+    world = simulator.world
+    at = pieces.at(np.array([world.start([motion[i]])[0] for i in (0, len(motion) - 1)]))
+    ways = [np.concatenate([at.points(i, 0), at.points(i, 1)]) for i in range(len(pieces.names))]
     everything = np.concatenate(ways)
     middle = 0.5 * (everything.min(axis=0) + everything.max(axis=0))
     return [coal_hull(way) for way in ways], middle

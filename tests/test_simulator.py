@@ -7,13 +7,12 @@ import pickle
 import numpy as np
 import pytest
 from people import along_x, follow, violent
+from person_hulls import CONTACTS, pieces_of
 
-from halfphysics import rotations as rot
 from halfphysics.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.metrics import mpjpe, mpjpe_global
 from halfphysics.motion import Motion
-from halfphysics.person_model import addresses
 from halfphysics.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.shapes import Box, Plane, Sphere
@@ -40,18 +39,10 @@ def wall():
     return scene
 
 
-def part_vertices(simulator, qpos):
-    """World vertices of all parts (n, 3), by kinematics alone: nothing of the contact code."""
-    person = simulator.world.people[0]
-    frames, quats = simulator.world.stepper.body_frames(qpos)
-    ids = addresses(simulator.world.model, f"{person.name}/").body
-    return np.concatenate(
-        [
-            rot.rotate(quats[i], part.vertices) + frames[i]
-            for i, part in zip(ids, person.body.variant.parts, strict=True)
-            if len(part.vertices)
-        ]
-    )
+def corners(simulator, qpos):
+    """World corners (n, 3) of all that is kept clear of a person: nothing of the contact code."""
+    (pieces,) = pieces_of(simulator)
+    return pieces.at(np.atleast_2d(qpos)).corners
 
 
 @pytest.mark.parametrize("substeps", [1, 4, 8])
@@ -79,15 +70,17 @@ def test_the_violent_motion_is_violent(body):
 
 @pytest.mark.parametrize("stiffness", [0.0, 1.0, 10.0])
 @pytest.mark.parametrize("drive", DRIVES)
-def test_walking_into_a_wall(body, drive, stiffness):
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_walking_into_a_wall(body, contact, drive, stiffness):
     """1.5 m/s into 1 cm, N = 8: it stops, keeps its offset when free, and walks on when turned."""
-    settings = Settings(stiffness=stiffness, substeps=8, record="substeps", **DRIVES[drive])
+    settings = Settings(
+        contact=contact, stiffness=stiffness, substeps=8, record="substeps", **DRIVES[drive]
+    )
     motion = along_x(1.5, 90, start=-0.4, turn=60)
     frames, corrected, simulator = follow(motion, wall(), body, settings)
     face = 0.495
-    for frame in frames[1:]:
-        for qpos in frame.substeps:
-            assert part_vertices(simulator, qpos)[:, 0].max() <= face + 1e-3
+    poses = np.concatenate([frame.substeps for frame in frames[1:]])
+    assert corners(simulator, poses)[..., 0].max() <= face
     x = corrected.translation[:, 0]
     assert motion.translation[60, 0] > 2.0  # it was asked to walk on for 2 m
     assert x.max() < 0.5
@@ -206,14 +199,15 @@ def test_a_state_resumes_bit_for_bit(body):
             assert b.step(motion[t]).pose.rotations.tobytes() == pose.rotations.tobytes()
 
 
-def test_clearance_is_the_smallest_distance(body):
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_clearance_is_the_smallest_distance(body, contact):
     motion = along_x(0.6, 30, start=-0.2)
     scene = wall()
-    frames, _, simulator = follow(motion, scene, body, Settings())
+    frames, _, simulator = follow(motion, scene, body, Settings(contact=contact))
     seen = 0
     for frame, clearance in ((f, f.clearance) for f in frames):
         qpos, _ = simulator.world.start([frame.pose])
-        gap = 0.495 - part_vertices(simulator, qpos)[:, 0].max()
+        gap = 0.495 - corners(simulator, qpos)[..., 0].max()
         if gap < 0.05 - 1e-9:
             seen += 1
             assert clearance == pytest.approx(gap, abs=1e-9)

@@ -166,12 +166,13 @@ def throw(pose, kind, speed, fps, body, rng):
     """Motion and scene: the body's first pose is `ROOM` before the obstacle.
 
     What stands there is aimed at one point of the skin, so that no throw in a fixed pose misses.
+    The hulls of the skin and the rigid parts are clear of it at the start, both.
     """
     motion = thrown(pose, speed, fps, rng)
     first = body.vertices(motion, frames=[0])[0]
     aim = first[rng.integers(0, len(first)), 1:]
     scene = obstacle(kind, aim, first[:, 2].min(), rng)
-    judge = Judge(Simulator(Scene(), body=body, fps=fps))
+    judge = Judge(Simulator(Scene(), body=body, fps=fps), contact="both")
     shift = np.array([-ROOM - first[:, 0].max(), 0.0, 0.0])
     while True:  # back, until leaning obstacles and what sticks out are clear
         start = motion[:2].with_frames(motion[:2].translation + shift, motion[:2].rotations)

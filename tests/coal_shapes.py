@@ -1,0 +1,47 @@
+"""Shapes as `coal` takes them: hulls of points, primitives, triangles."""
+
+from __future__ import annotations
+
+import coal
+import numpy as np
+
+from halfphysics.shapes import Box, Capsule, Cylinder, Plane, Sphere
+
+
+def _corners(points):
+    out = coal.StdVec_Vec3s()
+    out.extend(list(np.asarray(points, dtype=float)))
+    return out
+
+
+def _triangles(faces):
+    out = coal.StdVec_Triangle()
+    for f in faces:
+        out.append(coal.Triangle(*(int(i) for i in f)))
+    return out
+
+
+def coal_hull(points):
+    """The convex hull of points (n, 3)."""
+    return coal.Convex.convexHull(_corners(points), True, "Qt")
+
+
+def coal_shape(shape, solid):
+    """A coal geometry: `solid` meshes are their hulls, others triangles."""
+    if isinstance(shape, Plane):
+        return coal.Halfspace(np.array(shape.normal, dtype=float), float(shape.offset))
+    if isinstance(shape, Box):
+        return coal.Box(*shape.size)
+    if isinstance(shape, Sphere):
+        return coal.Sphere(shape.radius)
+    if isinstance(shape, Capsule):
+        return coal.Capsule(shape.radius, shape.length)
+    if isinstance(shape, Cylinder):
+        return coal.Cylinder(shape.radius, shape.length)
+    if solid:
+        return coal_hull(np.asarray(shape.vertices))
+    model = coal.BVHModelOBBRSS()
+    model.beginModel(len(shape.faces), len(shape.vertices))
+    model.addSubModel(_corners(shape.vertices), _triangles(shape.faces))
+    model.endModel()
+    return model

@@ -8,6 +8,7 @@ namespace hp {
 namespace {
 
 constexpr double kMargin = 0.1;  // pairs are listed this much farther than asked [m]
+constexpr double kFarther = 1;  // where nothing is near it is asked how far this far on [m]
 // Plane tests decide up to this; what is nearer is looked at properly [m].
 constexpr double kRounding = 1e-9;
 
@@ -116,6 +117,8 @@ void World::look(const Model&, Poses& p, Near& e, double r) {
     if (!S.tree->planes(a, r, e.planes)) e.reach = 0;
     e.dist = r;
     for (const Plane& q : e.planes) e.dist = std::min(e.dist, q.dist);
+    // Nothing near: how much farther there is nothing saves many looks.
+    if (e.planes.empty()) e.dist = std::max(r, S.tree->distance(a, r + kFarther));
   }
 }
 

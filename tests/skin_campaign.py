@@ -324,7 +324,9 @@ def main():
         for text in complaints(row):
             print(f"{row['id']}: {text}")
     skipped = sum(row["skipped"] for row in rows)
+    frames, poses = (sum(row.get(k, 0) for row in rows) for k in ("frames", "poses"))
     print(f"{len(rows)} of {len(some)} cases, {skipped} of them start with the skin inside")
+    print(f"{frames} frames, {poses} committed poses")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
 """Bumps: a place of the skin and a tool that it runs into, every place with every tool.
 
+`anywhere`: a place and a direction chosen by the seed.
+
 A case is a function of a `postures.Rig`, as those of `posture_cases`; the tool is put so that the
 last key's skin is `rig.depth` beyond its first touch.
 """
@@ -72,6 +74,27 @@ def _bump(place, tool):
     return case
 
 
+def _anywhere(tool):
+    """A random place of the skin, in one of the poses of `PLACES`, from a random side."""
+
+    def case(rig):
+        rng = np.random.default_rng(1000 + rig.seed)
+        end = rig.key(**PLACES[rng.choice(list(PLACES))][0])
+        corners = rig.skin(end)[np.asarray(rig.body.faces)]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        area = np.linalg.norm(normals, axis=1)
+        face = rng.choice(len(area), p=area / area.sum())
+        way = normals[face] / area[face] + 0.3 * rng.normal(size=3)
+        way /= np.linalg.norm(way)
+        edge = np.cross(way, rng.normal(size=3))
+        edge /= np.linalg.norm(edge)
+        thing = TOOLS[tool](corners[face].mean(axis=0), edge, -way)
+        pieces = rig.advanced(end, [thing], way)
+        return end.moved(*(-(0.1 + rig.depth) * way)), end, pieces, (), edge
+
+    return case
+
+
 def _aimed(rig, end, place, parts, way):
     """The point of the skin that the tool is aimed at."""
     if place == "armpit":
@@ -86,6 +109,7 @@ def _aimed(rig, end, place, parts, way):
 
 
 BUMPS = {f"{place}-{tool}": _bump(place, tool) for place in PLACES for tool in TOOLS}
+BUMPS |= {f"anywhere-{tool}": _anywhere(tool) for tool in TOOLS}
 
 
 # -- into furniture ------------------------------------------------------------------------

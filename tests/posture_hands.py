@@ -91,12 +91,10 @@ def _grip(rig, thing, open_=0.1, closed=1.35):
     """Fingers that close around a thing under the palm: it is made for a point and a radius."""
     start, end = _reaching(rig, curl_left=open_), _reaching(rig, curl_left=closed)
     at = rig.joint(start, "left_middle1") - (0.0, 0.0, 0.1)
-    away = CLEAR
-    while True:  # what passes beside a finger has farther to go
-        pieces = rig.advanced(start, [thing(at)], DOWN, depth=-away)
-        if deepest(pieces[0], rig.skin(start)) < -CLEAR:
-            return start, end, pieces, FINGERTIPS, LEFT
-        away += 0.5 * CLEAR
+    (it,) = rig.advanced(start, [thing(at)], DOWN, depth=0.0)
+    while deepest(it, rig.points(start)) > -CLEAR:  # farther where it passes beside a finger
+        it = it.moved((0.0, 0.0, -0.5 * CLEAR))
+    return start, end, [it], FINGERTIPS, LEFT
 
 
 @_case

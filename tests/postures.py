@@ -29,6 +29,20 @@ DEPTHS = (0.03, 0.06)
 CLEAR = 0.003
 #: By how much joints differ from the case as written [rad], except for seed 0.
 JITTER, FINGER_JITTER = 0.03, 0.15
+#: How far from its first touch a tool is taken at most, to come back, and its shortest step [m].
+ROOM, TOUCH = 0.3, 0.002
+#: Triangles with longer edges [m] are looked at between their corners.
+WIDE = 0.015
+_STEPS = 4
+_BETWEEN = np.array(
+    [
+        (i, j, _STEPS - i - j)
+        for i in range(_STEPS + 1)
+        for j in range(_STEPS + 1 - i)
+        if max(i, j, _STEPS - i - j) < _STEPS
+    ],
+    dtype=float,
+) / float(_STEPS)
 FINGERS = ("index", "middle", "ring", "pinky")
 
 
@@ -71,6 +85,7 @@ class Rig:
     seed: int = 0
     _off: np.ndarray = field(init=False)
     _part: np.ndarray = field(init=False)
+    _wide: np.ndarray = field(init=False)
 
     def __post_init__(self):
         rng = np.random.default_rng(self.seed)
@@ -79,6 +94,10 @@ class Rig:
         off[25:, :2] = 0.0  # fingers bend one way
         self._off = off if self.seed else np.zeros((N_JOINTS, 3))
         self._part = np.argmax(self.body.weights, axis=1)
+        faces = np.asarray(self.body.faces)
+        corners = np.asarray(self.body.rest_vertices)[faces]
+        edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+        self._wide = faces[edges.max(axis=1) > WIDE]
 
     def key(self, root=WORLD_FROM_REST, pelvis=(0.0, 0.0, 1.0), **turns):
         """A pose with the pelvis turned by `root` (3, 3), world from rest."""
@@ -133,6 +152,12 @@ class Rig:
         """Height of the lowest point of these parts [m]."""
         return float(self.reach(key, (0.0, 0.0, -1.0), *parts)[2])
 
+    def points(self, key):
+        """Vertices, and more points where they are far apart: thin things fit between them."""
+        skin = self.skin(key)
+        corners = skin[self._wide]
+        return np.concatenate([skin, np.einsum("ka,fai->fki", _BETWEEN, corners).reshape(-1, 3)])
+
     def joint(self, key, name):
         """Where a joint is (3,)."""
         return self.body.joints(self.motion([key, key]))[0, JOINT_INDEX[name]]
@@ -145,25 +170,32 @@ class Rig:
         """
         depth = self.depth if depth is None else depth
         u = np.asarray(direction, float) / np.linalg.norm(direction)
-        skin = self.skin(key)
+        skin = self.points(key)
 
         def inside(way):
             return max(deepest(p.moved(way * u), skin) for p in pieces)
 
-        far = 0.02
-        while inside(far) > 0.0:
-            far += 0.02
-        far += 0.3  # beyond whatever the pose is concave for
-        step = 0.005
-        near = far
-        while inside(near) <= 0.0:
-            near -= step
-            if near < -2.0:
+        near = 0.0
+        while inside(near) > 0.0:
+            near += 0.01
+        # Out as far as it is clear, no step longer than the distance, then in to the first touch.
+        far = near
+        away = -inside(far)
+        while far < near + ROOM and away >= 0.0:
+            far, last = far + max(away, TOUCH), far
+            away = -inside(far)
+        far = last if away < 0.0 else far
+        away = -inside(far)
+        while away > 0.0:
+            step = max(away, TOUCH)
+            far -= step
+            if far < near - 2.0:
                 raise ValueError("this tool never meets the body")
-        far = near + step
-        for _ in range(20):
-            middle = 0.5 * (near + far)
-            near, far = (middle, far) if inside(middle) > 0.0 else (near, middle)
+            away = -inside(far)
+        within, far = far, far + step
+        for _ in range(8):
+            middle = 0.5 * (within + far)
+            within, far = (middle, far) if inside(middle) > 0.0 else (within, middle)
         return [p.moved((far - depth) * u) for p in pieces]
 
 
@@ -187,17 +219,25 @@ def deepest(piece, points):
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     offsets = np.einsum("fi,fi->f", normals, corners[:, 0])
-    return -float((local @ normals.T - offsets).max(axis=1).min())
+    beside = local @ normals[0] - offsets[0]
+    for normal, offset in zip(normals[1:], offsets[1:], strict=True):
+        np.maximum(beside, local @ normal - offset, out=beside)
+    return -float(beside.min())
 
 
 def cleared(rig, start, end, pieces):
     """The first key, moved away from the last until it is clear."""
-    away = start.pelvis - end.pelvis
-    step = 0.01 * away / max(np.linalg.norm(away), 1e-9)
-    while max(deepest(p, rig.skin(start)) for p in pieces) > -CLEAR:
-        start = start.moved(*step)
+    away, length = start.pelvis - end.pelvis, 0.01
+    step = length * away / max(np.linalg.norm(away), 1e-9)
+    points = rig.points(start)
+    gaps = [-deepest(p, points) for p in pieces]
+    while min(gaps) < CLEAR:
+        start, points = start.moved(*step), points + step
         if np.linalg.norm(start.pelvis - end.pelvis) > 1.0 or not away.any():
             raise ValueError("no clear start on the way back from the last key")
+        # What is far enough still is: it is not asked again.
+        gaps = [g - length for g in gaps]
+        gaps = [g if g > CLEAR else -deepest(p, points) for g, p in zip(gaps, pieces, strict=True)]
     return start
 
 

@@ -215,27 +215,22 @@ def _mm(x):
     return None if np.isinf(x) else 1e3 * float(x)
 
 
-def first_contact(case, contact="skin"):
+def first_contact(case, contact="skin", body=None):
     """Distance of the skin [m] at the end of the first frame with a contact; None: no contact."""
-    made = build(case.name, somebody(case.who), case.kind, case.fps, case.seed, pace=case.pace)
+    body = somebody(case.who) if body is None else body
+    made = build(case.name, body, case.kind, case.fps, case.seed, pace=case.pace)
     settings = Settings(
         contact=contact,
         substeps=case.substeps,
         stiffness=case.stiffness,
         drive_time=case.drive,
     )
-    body = somebody(case.who)
     simulator = Simulator(made.scene, body=body, settings=settings, fps=case.fps)
     simulator.reset(made.motion[0])
     for t in range(1, len(made.motion)):
         frame = simulator.step(made.motion[t])
         if len(frame.contacts.part):
-            pose = frame.pose
-            twice = made.motion.with_frames(
-                np.repeat(pose.translation[None], 2, axis=0),
-                np.repeat(pose.rotations[None], 2, axis=0),
-            )
-            return SkinJudge(body, made.scene, samples=1).judge_motion(twice, poses=1).gap
+            return SkinJudge(body, made.scene, samples=1).surface_distance(frame.pose)
     return None
 
 

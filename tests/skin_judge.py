@@ -18,16 +18,14 @@ from dataclasses import dataclass, field
 
 import coal
 import numpy as np
-from scipy.sparse import csr_array
+from posed_skin import SAMPLES, Skinner
 from scipy.spatial.transform import Rotation
 from skin_obstacles import obstacles_of
 from triangle_soup import Soup
 
 from halfphysics import metrics
-from halfphysics.skeleton import JOINT_NAMES, PARENTS
+from halfphysics.skeleton import JOINT_NAMES
 
-#: Points sampled on the skin's triangles.
-SAMPLES = 20_000
 #: Distances up to this are measured [m], beyond it is inf.
 NEAR = 0.03
 #: Formulas and skinning are good to this [m].
@@ -92,56 +90,6 @@ class SkinVerdict:
             f"the skin, cut at {len(self.cut)}, coal at {len(self.coal)} of {self.checked}, "
             f"{len(self.crossed)} crossings {self.crossed[:1]}"
         )
-
-
-class Skinner:
-    """Linear blend skinning in numpy: vertices of poses, and of samples on triangles."""
-
-    def __init__(self, body, samples=SAMPLES, seed=0):
-        self.body = body
-        self.faces = np.asarray(body.faces, dtype=np.int64)
-        self.part = np.argmax(body.weights, axis=1)
-        self._weights = csr_array(body.weights)
-        corners = np.asarray(body.rest_vertices)[self.faces]
-        area = np.linalg.norm(
-            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-        )
-        rng = np.random.default_rng(seed)
-        face = rng.choice(len(area), size=samples, p=area / area.sum())
-        u = np.sqrt(rng.random((samples, 1)))
-        v = rng.random((samples, 1))
-        self.bary = np.concatenate([1.0 - u, u * (1.0 - v), u * v], axis=1)
-        self.sampled = self.faces[face]
-        self.points_part = np.concatenate([self.part, self.part[self.sampled[:, 0]]])
-
-    def vertices(self, translation, rotations, axes):
-        """Skin (T, V, 3) of SMPL-X poses (T, 3), (T, 55, 3), axes (3, 3)."""
-        body, count = self.body, len(translation)
-        turns = Rotation.from_rotvec(np.array(rotations, float).reshape(-1, 3)).as_matrix()
-        turns = turns.reshape(count, -1, 3, 3)
-        rest = np.broadcast_to(body.rest_vertices, (count, *body.rest_vertices.shape))
-        if body.posedirs is not None:
-            bent = (turns[:, 1:] - np.eye(3)).reshape(count, -1)
-            rest = rest + np.einsum("vik,tk->tvi", body.posedirs, bent, optimize=True)
-        joints = np.asarray(body.rest_joints)
-        world, origin = turns.copy(), np.empty((count, len(joints), 3))
-        origin[:, 0] = translation + axes @ joints[0]
-        for j in range(1, len(joints)):
-            p = int(PARENTS[j])
-            world[:, j] = world[:, p] @ turns[:, j]
-            origin[:, j] = origin[:, p] + world[:, p] @ (joints[j] - joints[p])
-        shift = origin - np.einsum("tjab,jb->tja", world, joints)
-        out = np.empty(rest.shape)
-        for t in range(count):
-            blended = self._weights @ np.concatenate([world[t].reshape(-1, 9), shift[t]], axis=1)
-            turn = blended[:, :9].reshape(-1, 3, 3)
-            out[t] = np.einsum("vab,vb->va", turn, rest[t]) + blended[:, 9:]
-        return out
-
-    def points(self, vertices):
-        """Vertices (V, 3) and the samples between them, together."""
-        samples = np.einsum("nk,nki->ni", self.bary, vertices[self.sampled])
-        return np.concatenate([vertices, samples])
 
 
 @dataclass
@@ -247,6 +195,21 @@ class SkinJudge:
         """`halfphysics.metrics.penetration` of it: rate [%] and depth [mm]."""
         found = metrics.penetration(motion, self.body, self.scene, objects=objects)
         return found.rate_percent, found.depth_max_mm
+
+    def surface_distance(self, pose):
+        """Of the skin's triangles from what stands at a `Pose`, by coal [m]; planes are left out.
+
+        Not over the distance of the vertices, which are up to 6 cm apart.
+        """
+        skin = self.skin.vertices(pose.translation[None], pose.rotations[None], pose.axes)[0]
+        best = np.inf
+        for thing in self.statics:
+            if not thing.piece.plane:
+                tree = _tree(thing.local(skin, 0), self.skin.faces)
+                here = coal.Transform3s()
+                asked, found = coal.DistanceRequest(), coal.DistanceResult()
+                best = min(best, coal.distance(tree, here, thing.piece.coal, here, asked, found))
+        return best
 
     # -- one pose --------------------------------------------------------------------------
 
@@ -366,14 +329,19 @@ class SkinJudge:
         piece = thing.piece
         if piece.plane:
             return bool((corners @ np.asarray(piece.shape.normal) < piece.shape.offset).any())
-        tree = coal.BVHModelOBBRSS()
-        tree.beginModel(len(corners), 3 * len(corners))
-        tree.addVertices(corners.reshape(-1, 3))
-        tree.addTriangles(np.arange(3 * len(corners)).reshape(-1, 3))
-        tree.endModel()
+        tree = _tree(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
         here = coal.Transform3s()
         asked, found = coal.CollisionRequest(), coal.CollisionResult()
         return coal.collide(tree, here, piece.coal, here, asked, found) > 0
+
+
+def _tree(vertices, faces):
+    tree = coal.BVHModelOBBRSS()
+    tree.beginModel(len(faces), len(vertices))
+    tree.addVertices(vertices)
+    tree.addTriangles(np.asarray(faces, dtype=np.int64))
+    tree.endModel()
+    return tree
 
 
 def _in_box(points, low, high):

@@ -156,19 +156,31 @@ def _shortest(posed, k, pieces, inside, beyond, met, others):
         ways += _different([a + b for a, b in combinations(ways, 2) if a @ b > -0.5])
     back = [n for n in ways if all(_returns(n, s, x) for _, s, x in beyond)] or ways
     trial = Group(pieces, inside, tuple((h, s) for h, s, _ in beyond), ways[0], 0.0)
-    best, fallback = (np.inf, back[0]), (np.inf, back[0])
+    # Whoever hangs between the group and the root comes along: not from one thing into another,
+    # nor, where it can be helped, from in front of an edge to under it.
+    between = _between(posed, trial.hulls)
+    best = {True: (np.inf, back[0]), False: (np.inf, back[0])}
     for n in back:
-        r = trial.depth_at(posed, k, n, most=best[0])
-        if r < best[0]:
-            fallback = min(fallback, (r, n), key=lambda x: x[0])
+        r = trial.depth_at(posed, k, n, most=best[True][0])
+        if np.isfinite(r):
             shift = (r + EXACT) * n
-            if all(
+            good = all(
                 posed.depth(h, k, s, shift) <= posed.depth(h, k, s) + EXACT
                 for s in others for h in inside
-            ):  # fmt: skip
-                best = r, n
-    depth, way = best if np.isfinite(best[0]) else fallback
+            ) and not any(
+                posed.meets(h, k, s, shift) and not posed.meets(h, k, s, 0.0 * n)
+                for s in (*pieces, *others) for h in between
+            )  # fmt: skip
+            best[good] = min(best[good], (r, n), key=lambda x: x[0])
+    depth, way = best[bool(np.isfinite(best[True][0]))]
     return Group(pieces, inside, trial.beyond, way, float(depth), tuple(back))
+
+
+def _between(posed, hulls):
+    """Hulls on the way from the root to these, without them."""
+    joints = posed.hulls.joint
+    on_path = paths_of({int(joints[h]) for h in hulls})
+    return [h for h in range(len(joints)) if on_path[joints[h]] and h not in hulls]
 
 
 def _different(vectors):

@@ -65,6 +65,7 @@ SAMPLE = (
     Case("grip_pole_2cm", "primitives"),
     Case("grip_pole_5cm", "meshes", 60.0, 4),
     Case("grip_plate", "primitives", drive=None),
+    Case("grip_wedge", "meshes", 30.0, 8),
     Case("poke_corner", "merged", 30.0, 1, pace=3.0),
     Case("fist_on_edge", "primitives", stiffness=10.0),
     Case("hip_table_corner", "meshes", seed=2),
@@ -86,7 +87,8 @@ FLAT = [
 TOUCHING = 0.002
 #: Median and 95 % of the distance at first contact [m], with 1 mm of clearance.
 VISIBLE = (0.0015, 0.006)
-SITTING = [c for c in SAMPLE if c.name.startswith(("sit", "grip"))]
+#: Algorithm 1 closes a hand around a plate with what it takes: there the clearance gives way.
+SITTING = [c for c in SAMPLE if c.name.startswith(("sit", "grip")) and c.drive is not None]
 
 
 @cache
@@ -186,10 +188,13 @@ def test_no_time_is_lost(case):
 
 
 @needs_skin
-@pytest.mark.parametrize("tool", ["pole2cm", "edge90"])
-def test_the_visible_gap_is_small(tool):
+@pytest.mark.parametrize(("tool", "every"), [("pole2cm", 1), ("edge90", 3)])
+def test_the_visible_gap_is_small(tool, every):
     """Where hulls bridge the hollows of the skin, what is thin does not get to it."""
-    gaps = [first_contact(Case(f"{place}-{tool}", fps=60.0, substeps=4)) for place in PLACES]
+    gaps = [
+        first_contact(Case(f"{place}-{tool}", fps=60.0, substeps=4))
+        for place in list(PLACES)[::every]
+    ]
     assert None not in gaps
     assert np.median(gaps) <= VISIBLE[0]
     assert np.percentile(gaps, 95) <= VISIBLE[1]

@@ -8,7 +8,8 @@ import coal
 import numpy as np
 import pytest
 from people import FACING_X, t_pose, violent
-from skin_judge import SkinJudge, Skinner
+from posed_skin import Skinner
+from skin_judge import SkinJudge
 from skin_obstacles import Primitive, hull_of, obstacles_of, signed_distance
 from triangle_soup import Soup
 

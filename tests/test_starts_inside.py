@@ -37,7 +37,6 @@ from halfphysics.skeleton import JOINT_INDEX as J
 MANY = int(os.environ.get("HALFPHYSICS_STARTS", "1"))
 #: Seeds that nothing was tuned on.
 SEED = int(os.environ.get("HALFPHYSICS_STARTS_SEED", "1000"))
-NOT_YET = "starts inside come out of meshes, monotonously and gently, with the next core"
 
 
 def contact():
@@ -49,7 +48,6 @@ def contact():
     return "skin"
 
 
-@pytest.mark.xfail(strict=False, reason=NOT_YET)
 @pytest.mark.parametrize("kind", KINDS)
 def test_out_of_it_steadily_and_soon(kind):
     rows = [run(Case(kind, SEED + i), contact(), None) for i in range(MANY)]
@@ -76,7 +74,7 @@ def test_cases_start_as_deep_as_they_say(kind):
 @pytest.mark.parametrize("kind", starts.KINDS)
 def test_cases_stand_in_the_scene_where_the_judge_looks(kind):
     """The middle of every solid is inside a static; of a sheet, all corners are in its face."""
-    for seed in range(4):
+    for seed in range(2):
         start = starts.build(Case(kind, seed), "parts")
         for solid in start.solids:
             middle = solid.centre if solid.half is not None else solid.centre - (0, 0, 0.05)

@@ -87,6 +87,8 @@ class Body:
     def default(cls, betas: ArrayLike | None = None, stature: float | None = None) -> Body:
         """The body that comes with the package, free of anyone's licence.
 
+        Without a shape of its own it is one object in a process, so that its parts are made once.
+
         Args:
             betas: Its own shape coefficients (not SMPL-X's), up to 10; None: the mean adult.
             stature: Height [m]: the shape is scaled evenly to it. None: as it is.
@@ -94,9 +96,10 @@ class Body:
         Raises:
             InputError: Impossible betas, or a stature outside 0.4 to 2.8 m.
         """
-        if cls is Body and betas is None and stature is None:
-            return _mean()  # frozen: one will do, and what is worked out of it is worked out once
-        body = cls.shaped(_free(), betas, stacklevel=3)
+        if betas is None and cls is Body:
+            body = _mean()
+        else:
+            body = cls.shaped(_free(), betas, stacklevel=3)
         if stature is None:
             return body
         try:
@@ -366,16 +369,17 @@ def check_match(motion: Motion, body: Body, allow_mismatch: bool = False) -> Non
 
 
 @cache
-def _mean() -> Body:
-    return Body.shaped(_free(), None)
-
-
-@cache
 def _free() -> ShapeSpace:
     from halfphysics.io.body_models import read_model
 
     space = read_model(_ASSET, gender="neutral")
     return dataclasses.replace(space, model=FREE, source=None)
+
+
+@cache
+def _mean() -> Body:
+    """The default body as it is."""
+    return Body.shaped(_free())
 
 
 def _pick(

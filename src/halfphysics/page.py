@@ -79,11 +79,13 @@ def save_page(
         recorder = server.get_scene_serializer()
         players = _build(server, drawing)
         bar = _bar(len(frames), progress)
-        for frame in frames:
-            for play in players:
-                play(frame)
-            recorder.insert_sleep(step / result.fps)
-            bar.update()
+        # Nobody listens: without this the server's thread is woken for every bone and frame.
+        with server.atomic():
+            for frame in frames:
+                for play in players:
+                    play(frame)
+                recorder.insert_sleep(step / result.fps)
+                bar.update()
         bar.close()
         page = recorder.as_html()
         page = page.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)

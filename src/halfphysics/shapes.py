@@ -110,7 +110,8 @@ class Box(Shape):
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """Distance (n,) [m] of points (n, 3) to the nearest side, 0 outside."""
         gap = 0.5 * np.asarray(self.size) - np.abs(np.asarray(points))
-        return np.maximum(gap.min(axis=-1), 0.0)
+        # Column by column: the smallest along so short an axis takes four times as long.
+        return np.maximum(np.minimum(np.minimum(gap[..., 0], gap[..., 1]), gap[..., 2]), 0.0)
 
 
 @dataclass(frozen=True)

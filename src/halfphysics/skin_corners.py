@@ -38,8 +38,9 @@ def without_inner(
     moved = np.zeros(len(rest_vertices))
     if posedirs is not None:
         by_joint = posedirs.reshape(len(rest_vertices), 3, -1, 9)
-        moved = FARTHEST * np.sqrt((by_joint**2).sum(axis=(1, 3))).sum(axis=1)
-    kind = np.unique(weights, axis=0, return_inverse=True)[1].reshape(-1)
+        square = np.einsum("vijk,vijk->vj", by_joint, by_joint)  # the squares alone are 100 MB
+        moved = FARTHEST * np.sqrt(square).sum(axis=1)
+    kind = _kinds(weights)
     sets = []
     for some in np.split(hulls.vertex, hulls.first[1:-1]):
         keep = np.ones(len(some), dtype=bool)
@@ -51,6 +52,14 @@ def without_inner(
         first=np.cumsum([0, *(len(s) for s in sets)], dtype=np.int64),
         vertex=np.concatenate([np.zeros(0, dtype=np.int32), *sets]),
     )
+
+
+def _kinds(rows: Array) -> NDArray[np.int64]:
+    """A number for each row (n, m), shape (n,): equal rows have the same one."""
+    number: dict[bytes, int] = {}
+    # Zeros of either sign are equal, but not by their bytes.
+    kinds = [number.setdefault(row.tobytes(), len(number)) for row in rows + 0.0]
+    return np.array(kinds, dtype=np.int64)
 
 
 def _groups(kind: NDArray[np.int64]) -> list[NDArray[np.int64]]:

@@ -16,6 +16,7 @@ an estimate that chooses cuts. That hulls cover the skin does not depend on it.
 from __future__ import annotations
 
 import heapq
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -44,8 +45,17 @@ BLEND = 0.2
 STEPS = (0.0, 0.005, 0.01, 0.02, 0.04)
 #: Area of hands counts this many times: they are small, and touch most.
 HAND_FACTOR = 5.0
+#: Left and right bulge alike: of what differs by less than this share the first counts, so that
+#: rounding does not choose, and machines agree.
+TIE = 1e-3
+#: Lift of a level [m]: more than rounding, less than anything else.
+NUDGE = 1e-6
 #: Directions within about this cosine of a right angle to a normal say nothing about its bulge.
 GRAZING = 0.05
+
+#: Where each step starts and how long it is, against (steps, P, m).
+_STARTS = np.array(STEPS[:-1], dtype=np.float32)[:, None, None]
+_WIDTHS = np.diff(STEPS).astype(np.float32)[:, None, None]
 
 _HANDS = [
     *(JOINT_INDEX["left_wrist"], *LEFT_HAND_JOINTS),
@@ -117,7 +127,9 @@ def cut_faces(
     # Entries: minus the bulge that a cut could take away at most, or does take away once the cut
     # is known; number of the piece; the cut.
     heap: list[tuple[float, int, tuple[Ints, Ints] | None]]
-    heap = [(-look.at(part[piece[0]], piece).bulge(), k, None) for k, piece in done.items()]
+    heap = [
+        (-_coarse(look.at(part[piece[0]], piece).bulge()), k, None) for k, piece in done.items()
+    ]
     heapq.heapify(heap)
     number = N_JOINTS
     while heap and len(done) < pieces:
@@ -125,12 +137,13 @@ def cut_faces(
         if cut is None:
             gain, cut = look.at(part[done[k][0]], done[k]).best_cut()
             if cut is not None:
-                heapq.heappush(heap, (-gain, k, cut))
+                heapq.heappush(heap, (-_coarse(gain), k, cut))
             continue
         del done[k]
         for piece in cut:
             done[number] = piece
-            heapq.heappush(heap, (-look.at(part[piece[0]], piece).bulge(), number, None))
+            bulge = look.at(part[piece[0]], piece).bulge()
+            heapq.heappush(heap, (-_coarse(bulge), number, None))
             number += 1
     return list(done.values())
 
@@ -186,11 +199,12 @@ class _Look:
             outside = np.ones(len(face), dtype=bool)
             for k, step in enumerate(STEPS[1:], start=1):
                 point = self.centre[p, face] + np.float32(step) * self.normal[p, face]
-                distance, nearest = tree.query(point)
+                # Its own face is that near, so something is found.
+                distance, nearest = tree.query(point, distance_upper_bound=1.01 * step)
                 offset = point - self.centre[p, nearest]
-                outside &= np.einsum("mi,mi->m", offset, self.normal[p, nearest]) > 0.0
+                outside &= (offset * self.normal[p, nearest]).sum(axis=1) > 0.0
                 away[k, p] = np.where(outside, np.minimum(distance, step), 0.0)
-        return np.diff(away, axis=0) / np.diff(STEPS).astype(np.float32)[:, None, None]
+        return np.diff(away, axis=0) / _WIDTHS
 
 
 class _Piece:
@@ -211,15 +225,15 @@ class _Piece:
         ways = np.concatenate([own, between, sphere], axis=1)  # (P, K, 3)
         normal = look.normal[:, samples.face].transpose(0, 2, 1)
         centre = look.centre[:, samples.face].transpose(0, 2, 1)
-        facing = np.matmul(ways, normal).transpose(1, 0, 2)
-        facing = np.where(
-            np.abs(facing) < GRAZING, np.where(facing < 0.0, -GRAZING, GRAZING), facing
-        )
+        facing = np.ascontiguousarray(np.matmul(ways, normal).transpose(1, 0, 2))
+        facing = np.copysign(np.maximum(np.abs(facing), np.float32(GRAZING)), facing)
         self.height = np.ascontiguousarray(np.matmul(ways, centre).transpose(1, 0, 2))
-        self.per = np.ascontiguousarray(1.0 / facing)
+        self.per = 1.0 / facing
         # Added to the way through each plane: only those ahead end it, only those behind begin it.
-        self.end = np.where(facing > 0.0, np.float32(0.0), np.float32(1e6))
-        self.begin = np.where(facing < 0.0, np.float32(0.0), np.float32(-1e6))
+        behind = np.signbit(facing)
+        self.end = np.float32(1e6) * behind
+        self.begin = self.end - np.float32(1e6)
+        self.scratch = np.empty_like(self.height), np.empty_like(self.height)
         self.support = np.matmul(look.posed[:, self.vertices], ways.transpose(0, 2, 1))  # (P, V, K)
 
     def bulge(self) -> float:
@@ -228,13 +242,14 @@ class _Piece:
 
     def _bulge(self, support: Floats) -> float:
         """Of the hull with support (P, K)."""
-        through = (support.T[:, :, None] - self.height) * self.per
-        leave = (through + self.end).min(axis=0)
-        enter = (through + self.begin).max(axis=0)
+        through, some = self.scratch
+        np.subtract(support.T[:, :, None], self.height, out=through)
+        through *= self.per
+        leave = np.add(through, self.end, out=some).min(axis=0)
+        enter = np.add(through, self.begin, out=some).max(axis=0)
         leave = np.where(enter < leave, leave, 0.0)
-        seen = np.zeros_like(leave)
-        for start, end, slope in zip(STEPS[:-1], STEPS[1:], self.samples.slope, strict=True):
-            seen += slope * np.clip(leave - np.float32(start), 0.0, np.float32(end - start))
+        passed = np.minimum(np.maximum(leave - _STARTS, 0.0), _WIDTHS)  # of each step
+        seen = (self.samples.slope * passed).sum(axis=0)
         return float((self.samples.area * seen * seen).sum(dtype=np.float64))
 
     def best_cut(self) -> tuple[float, tuple[Ints, Ints] | None]:
@@ -243,10 +258,15 @@ class _Piece:
         gain, cut = 0.0, None
         vertices, centres = self.look.rest[self.vertices], self.look.rest_centre[self.piece]
         offsets = vertices - vertices.mean(axis=0)
-        for axis in np.concatenate([np.linalg.eigh(offsets.T @ offsets)[1].T, np.eye(3)]):
+        own = np.linalg.eigh(offsets.T @ offsets)[1].T
+        # Which way an axis points is up to rounding.
+        own *= np.sign(own[np.arange(3), np.abs(own).argmax(axis=1), None])
+        for axis in np.concatenate([own, np.eye(3)]):
             along, face_along = vertices @ axis, centres @ axis
             levels = np.unique(np.quantile(face_along, np.arange(1, LEVELS + 1) / (LEVELS + 1)))
-            levels = levels[levels > face_along.min()]
+            # A level is often a face's own height, and its mirror image's: both are below.
+            levels = levels[levels > face_along.min()] + NUDGE
+            levels = levels[levels <= face_along.max()]
             slab = np.searchsorted(levels, along, side="right")
             nothing = np.full((len(self.support), self.support.shape[2]), -1e6, dtype=np.float32)
             slabs = [
@@ -256,11 +276,20 @@ class _Piece:
             below = np.maximum.accumulate(slabs, axis=0)
             above = np.maximum.accumulate(slabs[::-1], axis=0)[::-1]
             for k, level in enumerate(levels):
-                left = whole - self._bulge(below[k]) - self._bulge(above[k + 1])
-                if left > gain:
+                # What is left over cannot grow: many levels are out after one look.
+                left = whole - self._bulge(below[k])
+                if left > gain * (1.0 + TIE):
+                    left -= self._bulge(above[k + 1])
+                if left > gain * (1.0 + TIE):
                     under = face_along < level
                     gain, cut = left, (self.piece[under], self.piece[~under])
         return gain, cut
+
+
+def _coarse(value: float) -> float:
+    """The value to about the share `TIE`."""
+    mantissa, exponent = math.frexp(value)
+    return math.ldexp(round(mantissa / TIE) * TIE, exponent)
 
 
 def _spread(count: int, samples: int) -> Ints:

@@ -2,13 +2,16 @@
 
 A face whose three vertices are in one set lies in the hull of that set wherever skinning takes
 its vertices: hulls that are clear of something mean skin that is clear of it. `skin_cut` decides
-which faces go together.
+which faces go together. For the default body that was decided beforehand: `assets/body_cut.npz`.
 """
 
 from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +22,8 @@ from halfphysics.skin_cut import cut_faces, parts_of_faces
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+_BAKED = Path(__file__).parent / "assets" / "body_cut.npz"
 
 #: Skins that are remembered with their cut: many shapes of one model are cut once.
 REMEMBERED = 16
@@ -62,6 +67,48 @@ def skin_hulls(
     Raises:
         InputError: The arrays do not fit together.
     """
+    triangles, weights, rest, joints = _arrays(faces, weights, rest_vertices, rest_joints)
+    skin = _digest(triangles, weights, rest)
+    key = _digest(joints, of=skin).digest()
+    if key not in _known:
+        whose, pieces = baked()
+        # The joints only bend the poses that are looked at: they come of the skin by a product,
+        # whose last bits are the machine's.
+        if skin.hexdigest() != whose:
+            pieces = cut_faces(triangles, weights, rest, joints)
+        while len(_known) >= REMEMBERED:
+            _known.pop(next(iter(_known)), None)
+        _known[key] = _gathered(triangles, weights, pieces)
+    return _known[key]
+
+
+def bake(
+    faces: ArrayLike, weights: ArrayLike, rest_vertices: ArrayLike, rest_joints: ArrayLike
+) -> dict[str, NDArray[Any]]:
+    """The arrays of `assets/body_cut.npz`: sha256 of the skin, and the piece of each face (F,).
+
+    Args:
+        faces, weights, rest_vertices, rest_joints: As for `skin_hulls`.
+    """
+    skin = _arrays(faces, weights, rest_vertices, rest_joints)
+    piece = np.zeros(len(skin[0]), dtype=np.uint8)
+    for number, some in enumerate(cut_faces(*skin)):
+        piece[some] = number
+    return {"skin": np.array(_digest(*skin[:3]).hexdigest()), "piece": piece}
+
+
+@cache
+def baked() -> tuple[str, list[Ints]]:
+    """Of which skin `assets/body_cut.npz` is, and its pieces."""
+    with np.load(_BAKED, allow_pickle=False) as file:
+        piece = file["piece"]
+        return str(file["skin"]), [np.flatnonzero(piece == k) for k in range(piece.max() + 1)]
+
+
+def _arrays(
+    faces: ArrayLike, weights: ArrayLike, rest_vertices: ArrayLike, rest_joints: ArrayLike
+) -> tuple[Ints, Array, Array, Array]:
+    """Of one type each, and checked."""
     triangles = np.ascontiguousarray(faces, dtype=np.int64).reshape(-1, 3)
     weights = np.ascontiguousarray(weights, dtype=np.float64)
     rest = np.ascontiguousarray(rest_vertices, dtype=np.float64)
@@ -76,16 +123,16 @@ def skin_hulls(
             f"skin hulls: faces name vertices {triangles.min()} to {triangles.max()}, but there "
             f"are {len(rest)}"
         )
-    digest = hashlib.sha256()
-    for array in (triangles, weights, rest, joints):
+    return triangles, weights, rest, joints
+
+
+def _digest(*arrays: NDArray[Any], of: Any = None) -> Any:
+    """The sha256 of arrays and their shapes, after what `of` has seen."""
+    digest = hashlib.sha256() if of is None else of.copy()
+    for array in arrays:
         digest.update(repr(array.shape).encode())
         digest.update(array.tobytes())
-    key = digest.digest()
-    if key not in _known:
-        while len(_known) >= REMEMBERED:
-            _known.pop(next(iter(_known)), None)
-        _known[key] = _gathered(triangles, weights, cut_faces(triangles, weights, rest, joints))
-    return _known[key]
+    return digest
 
 
 def _gathered(faces: Ints, weights: Array, pieces: list[Ints]) -> SkinHulls:

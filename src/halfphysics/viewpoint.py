@@ -55,20 +55,21 @@ def look_at(surfaces: Mapping[str, Surface], camera: Camera, size: tuple[int, in
         camera: Where from.
         size: Picture to count in [pixels]; its ratio should be that of the final picture.
     """
-    names = list(surfaces)
-    story = [surfaces[n] for n in names if not n.startswith("static/")]
-    alone, _ = visible(story, camera, size)
-    nearest, _ = visible(list(surfaces.values()), camera, size)
+    statics = {n: s for n, s in surfaces.items() if n.startswith("static/")}
+    story = [s for n, s in surfaces.items() if n not in statics]
+    # The story has nearly all triangles: it is drawn once, and what stands apart from it.
+    alone, behind = visible(story, camera, size)
+    nearest, depth = visible(list(statics.values()), camera, size)
     shown = alone >= 0
     total = int(shown.sum())
     if not total:
         return Sight(share=0.0, hiding={})
+    before = shown & (depth < behind)
     hiding = {}
-    for k, name in enumerate(names):
-        if name.startswith("static/"):
-            count = int((shown & (nearest == k)).sum())
-            if count:
-                hiding[name] = count / total
+    for k, name in enumerate(statics):
+        count = int((before & (nearest == k)).sum())
+        if count:
+            hiding[name] = count / total
     return Sight(share=1.0 - sum(hiding.values()), hiding=hiding)
 
 

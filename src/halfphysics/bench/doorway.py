@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from halfphysics.bench.clips import body, story
 from halfphysics.bench.record import Options, Record
-from halfphysics.bench.timing import alone
+from halfphysics.bench.sides import measure, simulators
+from halfphysics.result import Result
+from halfphysics.settings import Settings
 from halfphysics.simulation import follow, simulate
 from halfphysics.simulator import Simulator
 
@@ -17,21 +20,22 @@ def doorway(options: Options) -> Iterator[Record]:
     motion = options.short(told.motion)
     settings = told.settings
     frames = len(motion) - 1
-    simulator = Simulator(told.scene, body=who, settings=settings, fps=motion.fps)
-    for setting, work in (
-        (
-            "simulate(), set-up included",
-            lambda: simulate(motion, told.scene, body=who, settings=settings),
-        ),
-        ("without set-up", lambda: follow(simulator, [motion])),
+    skin, parts = simulators(who, settings, motion.fps, told.scene)
+
+    def whole(by: Settings) -> Callable[[], Result]:
+        return lambda: simulate(motion, told.scene, body=who, settings=by)
+
+    def after(simulator: Simulator) -> Callable[[], Result]:
+        return lambda: follow(simulator, [motion])
+
+    for setting, ours, rigid in (
+        ("simulate(), set-up included", whole(skin.settings), whole(parts.settings)),
+        ("without set-up", after(skin), after(parts)),
     ):
-        timing = alone(work, options)
-        result = timing.result
-        yield Record(
-            case="doorway",
-            setting=setting,
-            frames=frames,
-            ours=timing.rates(frames),
+        done = measure("doorway", setting, frames, options, ours=ours, parts=rigid)
+        result = done.ours
+        yield replace(
+            done.record,
             checks={
                 "smallest clearance [mm]": (1000.0 * float(result.clearance.min()), None),
                 "time lost [ms]": (1000.0 * float(result.lost_time.sum()), None),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,40 +12,48 @@ from halfphysics import metrics
 from halfphysics.bench.clips import SUBSTEPS, body, clips, drives
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.record import Options, Record
-from halfphysics.bench.timing import in_turns
+from halfphysics.bench.sides import measure, simulators
 from halfphysics.motion import Motion
 from halfphysics.simulation import follow
 from halfphysics.simulator import Simulator
 
 Array = NDArray[np.float64]
 
-#: One side of a comparison: plays a clip and returns the motion that came of it.
+#: A side of a comparison: plays a clip and returns the motion that came of it.
 Side = Callable[[], Motion]
 
 
 def free(options: Options) -> Iterator[Record]:
     """Motion in, motion out."""
 
-    def sides(simulator: Simulator, peer: MujocoLoop, motion: Motion) -> tuple[Side, Side]:
-        return lambda: follow(simulator, [motion]).motion, lambda: peer.run(motion)
+    def ours(simulator: Simulator, motion: Motion) -> Side:
+        return lambda: follow(simulator, [motion]).motion
 
-    yield from _compared("free", sides, options)
+    def theirs(peer: MujocoLoop, motion: Motion) -> Side:
+        return lambda: peer.run(motion)
+
+    yield from _compared("free", ours, theirs, options)
 
 
 def live(options: Options) -> Iterator[Record]:
     """Pose in, pose out, frame by frame."""
 
-    def sides(simulator: Simulator, peer: MujocoLoop, motion: Motion) -> tuple[Side, Side]:
+    def ours(simulator: Simulator, motion: Motion) -> Side:
         poses = [motion[t] for t in range(len(motion))]
 
-        def ours() -> Motion:
+        def play() -> Motion:
             came = [simulator.reset(poses[0]).pose]
             came += [simulator.step(pose).pose for pose in poses[1:]]
             return motion.with_frames(
                 np.array([p.translation for p in came]), np.array([p.rotations for p in came])
             )
 
-        def theirs() -> Motion:
+        return play
+
+    def theirs(peer: MujocoLoop, motion: Motion) -> Side:
+        poses = [motion[t] for t in range(len(motion))]
+
+        def play() -> Motion:
             peer.reset(poses[0])
             came = [(poses[0].translation, poses[0].rotations)]
             came += [peer.step(pose) for pose in poses[1:]]
@@ -53,9 +62,9 @@ def live(options: Options) -> Iterator[Record]:
                 np.array([rotations for _, rotations in came]),
             )
 
-        return ours, theirs
+        return play
 
-    yield from _compared("live", sides, options)
+    yield from _compared("live", ours, theirs, options)
 
 
 def stepper(options: Options) -> Iterator[Record]:
@@ -67,16 +76,16 @@ def stepper(options: Options) -> Iterator[Record]:
             peer = MujocoLoop(who, motion.fps, substeps)
             targets = peer.coordinates(motion.translation, motion.rotations, motion.axes)
             for label, settings in drives(substeps, 0.0, 1.0):
-                simulator = Simulator(body=who, settings=settings, fps=motion.fps)
-                play = core_loop(simulator, motion)
-                timing = in_turns(play, lambda p=peer, t=targets: p.play(t), options)  # type: ignore[misc]
-                yield Record(
-                    case="stepper",
-                    setting=f"{name}, N={substeps}, {label}",
-                    frames=frames,
-                    ours=timing.rates(frames),
-                    peer=timing.peer_rates(frames),
-                )
+                skin, parts = simulators(who, settings, motion.fps)
+                yield measure(
+                    "stepper",
+                    f"{name}, N={substeps}, {label}",
+                    frames,
+                    options,
+                    ours=core_loop(skin, motion),
+                    parts=core_loop(parts, motion),
+                    peer=lambda p=peer, t=targets: p.play(t),  # type: ignore[misc]
+                ).record
 
 
 def core_loop(simulator: Simulator, motion: Motion) -> Callable[[], Array]:
@@ -98,27 +107,24 @@ def core_loop(simulator: Simulator, motion: Motion) -> Callable[[], Array]:
 
 def _compared(
     case: str,
-    sides: Callable[[Simulator, MujocoLoop, Motion], tuple[Side, Side]],
+    ours: Callable[[Simulator, Motion], Side],
+    theirs: Callable[[MujocoLoop, Motion], Side],
     options: Options,
 ) -> Iterator[Record]:
     who = body()
     for name, motion in clips(options):
-        frames = len(motion) - 1
         for substeps in (1, SUBSTEPS):
-            peer = MujocoLoop(who, motion.fps, substeps)
+            peer = theirs(MujocoLoop(who, motion.fps, substeps), motion)
             for label, settings in drives(substeps, 0.0, 1.0):
-                simulator = Simulator(body=who, settings=settings, fps=motion.fps)
-                timing = in_turns(*sides(simulator, peer, motion), options)
-                yield Record(
-                    case=case,
-                    setting=f"{name}, N={substeps}, {label}",
-                    frames=frames,
-                    ours=timing.rates(frames),
-                    peer=timing.peer_rates(frames),
-                    checks={
-                        "MPJPE [mm]": (
-                            metrics.mpjpe(timing.result, motion, who),
-                            metrics.mpjpe(timing.peer_result, motion, who),
-                        )
-                    },
+                skin, parts = simulators(who, settings, motion.fps)
+                done = measure(
+                    case,
+                    f"{name}, N={substeps}, {label}",
+                    len(motion) - 1,
+                    options,
+                    ours=ours(skin, motion),
+                    parts=ours(parts, motion),
+                    peer=peer,
                 )
+                mine, its = (metrics.mpjpe(m, motion, who) for m in (done.ours, done.peer))
+                yield replace(done.record, checks={"MPJPE [mm]": (mine, its)})

@@ -51,8 +51,8 @@ def grasp(options: Options) -> Iterator[Record]:
         rise = 1000.0 * float(np.ptp(result.objects["box"].position[:, 2]))
         peer_rise = 1000.0 * float(np.ptp(theirs[:, -5]))
         held = {
-            "box lifted [mm]": (rise, peer_rise),
-            "held by both hands [%]": (100.0 * held_by_both(result), None),
+            "lifted [mm]": (rise, peer_rise),
+            "held [%]": (100.0 * held_by_both(result), None),
         }
         yield replace(record, checks={**held, **record.checks})
 

@@ -10,7 +10,7 @@ import numpy as np
 from halfphysics import metrics
 from halfphysics.bench.clips import body, story
 from halfphysics.bench.record import Options, Record
-from halfphysics.bench.timing import alone
+from halfphysics.bench.sides import measure
 from halfphysics.body import Body
 from halfphysics.scene import Scene
 from halfphysics.shapes import Mesh
@@ -28,17 +28,19 @@ def penetration(options: Options) -> Iterator[Record]:
     scene = Scene()
     x, y = motion.translation[frames // 2, :2]
     scene.add_static("ring", ring(), position=(x, y, 1.0))
-    timing = alone(lambda: metrics.penetration(motion, who, scene, threads=1), options)
-    report = timing.result
-    yield Record(
-        case="metrics",
-        setting=f"{_VERTICES} vertices, {len(ring().faces)} triangles",
-        frames=frames,
+    done = measure(
+        "metrics",
+        f"{_VERTICES} vertices, {len(ring().faces)} triangles",
+        frames,
+        options,
+        ours=lambda: metrics.penetration(motion, who, scene, threads=1),
         unit="s",
-        ours=timing.ours,
+    )
+    yield dataclasses.replace(
+        done.record,
         checks={
-            "vertices inside [%]": (report.rate_percent, None),
-            "deepest [mm]": (report.depth_max_mm, None),
+            "vertices inside [%]": (done.ours.rate_percent, None),
+            "deepest [mm]": (done.ours.depth_max_mm, None),
         },
     )
 
@@ -47,14 +49,13 @@ def skinning(options: Options) -> Iterator[Record]:
     """All vertices of the first 100 frames of the walk."""
     who = body()
     motion = story().motion[: _QUICK_FRAMES if options.quick else _FRAMES]
-    timing = alone(lambda: who.vertices(motion, threads=1), options)
-    skin = timing.result
-    yield Record(
-        case="skinning",
-        setting=f"{skin.shape[1]} vertices",
-        frames=len(motion),
-        ours=timing.rates(len(motion)),
-    )
+    yield measure(
+        "skinning",
+        f"{len(who.rest_vertices)} vertices",
+        len(motion),
+        options,
+        ours=lambda: who.vertices(motion, threads=1),
+    ).record
 
 
 def ring(around: int = 100, across: int = 50) -> Mesh:

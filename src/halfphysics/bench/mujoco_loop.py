@@ -83,10 +83,13 @@ class MujocoLoop:
     def run(self, motion: Motion) -> Motion:
         """The motion that comes of following `motion`."""
         targets = self.coordinates(motion.translation, motion.rotations, motion.axes)
-        qpos = self.play(targets)
+        return self.motion(self.play(targets), motion)
+
+    def motion(self, qpos: Array, like: Motion) -> Motion:
+        """Coordinates (T, nq) as a motion that is `like` another in all else."""
         root = qpos[:, self._root : self._root + 3]
-        return motion.with_frames(
-            root - motion.axes @ self._pelvis, rot.log(np.take(qpos, self._quats, axis=1))
+        return like.with_frames(
+            root - like.axes @ self._pelvis, rot.log(np.take(qpos, self._quats, axis=1))
         )
 
     def play(self, targets: Array) -> Array:

@@ -12,11 +12,10 @@ from halfphysics.bench.free import core_loop
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.room import Piece, mesh_of
-from halfphysics.bench.timing import in_turns
+from halfphysics.bench.sides import measure, simulators
 from halfphysics.motion import Motion
 from halfphysics.scene import Scene
 from halfphysics.shapes import Box, Plane
-from halfphysics.simulator import Simulator
 
 Array = NDArray[np.float64]
 
@@ -39,16 +38,16 @@ def near(options: Options) -> Iterator[Record]:
         peer = MujocoLoop(who, motion.fps, SUBSTEPS, scene, hulls)
         targets = peer.coordinates(motion.translation, motion.rotations, motion.axes)
         for drive, settings in drives(SUBSTEPS, 1.0):
-            simulator = Simulator(scene, body=who, settings=settings, fps=motion.fps)
-            ours = core_loop(simulator, motion)
-            timing = in_turns(ours, lambda p=peer, t=targets: p.play(t), options)  # type: ignore[misc]
-            yield Record(
-                case="near",
-                setting=f"{label}, {drive}",
-                frames=frames,
-                ours=timing.rates(frames),
-                peer=timing.peer_rates(frames),
-            )
+            skin, parts = simulators(who, settings, motion.fps, scene)
+            yield measure(
+                "near",
+                f"{label}, {drive}",
+                frames,
+                options,
+                ours=core_loop(skin, motion),
+                parts=core_loop(parts, motion),
+                peer=lambda p=peer, t=targets: p.play(t),  # type: ignore[misc]
+            ).record
 
 
 def reached(motion: Motion) -> tuple[Array, Array]:

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics import metrics
 from halfphysics.bench.clips import SUBSTEPS, body, drives
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.record import Checks, Options, Record
-from halfphysics.bench.timing import in_turns
+from halfphysics.bench.sides import measure, simulators
 from halfphysics.motion import Motion
-from halfphysics.result import Result
+from halfphysics.result import ObjectTrack, Result
 from halfphysics.scene import Scene
 from halfphysics.simulation import follow
 from halfphysics.simulator import Simulator
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
 
 Array = NDArray[np.float64]
 
@@ -49,31 +54,50 @@ def pressed(
     peer = MujocoLoop(who, motion.fps, SUBSTEPS, play.scene, play.hulls)
     targets = peer.coordinates(motion.translation, motion.rotations, motion.axes)
     for label, settings in drives(SUBSTEPS, 1.0):
-        simulator = Simulator(play.scene, body=who, settings=settings, fps=motion.fps)
-        timing = in_turns(
-            lambda s=simulator: follow(s, [motion]),  # type: ignore[misc]
-            lambda: peer.play(targets),
+        skin, parts = simulators(who, settings, motion.fps, play.scene)
+        done = measure(
+            case,
+            f"{name}, {label}",
+            frames,
             options,
+            ours=lambda s=skin: follow(s, [motion]),  # type: ignore[misc]
+            parts=lambda s=parts: follow(s, [motion]),  # type: ignore[misc]
+            peer=lambda: peer.play(targets),
         )
-        result, theirs = timing.result, timing.peer_result
+        result, rigid, theirs = done.ours, cast("Result", done.parts), done.peer
         checks: Checks = {
-            "contacts per substep": (contacts(simulator, motion), peer.contacts(targets)),
-            "penetration [mm]": (
-                1000.0 * peer.deepest(coordinates(peer, result)),
+            "contacts": (contacts(skin, motion), peer.contacts(targets)),
+            "skin inside [mm]": (
+                inside(who, play.scene, result.motion, result.objects),
+                inside(who, play.scene, *tracks(peer, motion, play.scene, theirs)),
+            ),
+            "parts inside [mm]": (
+                1000.0 * peer.deepest(coordinates(peer, rigid)),
                 1000.0 * peer.deepest(theirs),
             ),
             "time lost [ms]": (1000.0 * float(result.lost_time.sum()), None),
-            **solving(simulator, motion),
+            **solving(skin, motion),
         }
-        record = Record(
-            case=case,
-            setting=f"{name}, {label}",
-            frames=frames,
-            ours=timing.rates(frames),
-            peer=timing.peer_rates(frames),
-            checks=checks,
+        yield replace(done.record, checks=checks), result, theirs
+
+
+def inside(who: Body, scene: Scene, motion: Motion, objects: Mapping[str, Any]) -> float:
+    """How deep the skin is in anything, at the ends of frames [mm]."""
+    return metrics.penetration(motion, who, scene, objects=objects).depth_max_mm
+
+
+def tracks(
+    peer: MujocoLoop, motion: Motion, scene: Scene, qpos: Array
+) -> tuple[Motion, dict[str, ObjectTrack]]:
+    """The peer's coordinates (T, nq) as a motion and tracks of objects, centred in their frames."""
+    at = peer.model.nq - 7 * len(scene.objects)
+    objects = {}
+    for name in scene.objects:
+        objects[name] = ObjectTrack(
+            position=qpos[:, at : at + 3], quaternion=qpos[:, at + 3 : at + 7]
         )
-        yield record, result, theirs
+        at += 7
+    return peer.motion(qpos, motion), objects
 
 
 def coordinates(peer: MujocoLoop, result: Result) -> Array:
@@ -111,4 +135,4 @@ def solving(simulator: Simulator, motion: Motion) -> Checks:
         core.keep_times(False)
     times = times[times > 0.0]
     middle, high = 1e6 * np.percentile(times, [50, 95]) if len(times) else (0.0, 0.0)
-    return {"solve median [us]": (float(middle), None), "solve p95 [us]": (float(high), None)}
+    return {"solve [us]": (float(middle), None), "p95 [us]": (float(high), None)}

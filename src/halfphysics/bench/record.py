@@ -27,7 +27,7 @@ class Options:
         motion: A clip to play in the free cases beside the built-in walk, or None.
         motion_name: What to call it.
         quick: Short clips, no repetition within a run: to see that it works, not how fast.
-        repeats: Timed runs of each side, after one that is not timed.
+        repeats: Timed runs of each side, after those that are not timed.
 
     Raises:
         InputError: `repeats` is not a whole number of at least 1.
@@ -59,8 +59,9 @@ class Record:
         case: Its case.
         setting: What is special about it.
         frames: Number of frames that one pass takes.
-        unit: Of `ours` and `peer`: "frames/s", or "s" for the whole.
+        unit: Of `ours`, `parts` and `peer`: "frames/s", or "s" for the whole.
         ours: One figure per timed run.
+        parts: Ours with ``contact="parts"``, run by run in turns; None where nobody is simulated.
         peer: The peer's figures, run by run in turns with ours; None where there is no peer.
         checks: Name [unit] -> (ours, the peer's or None): that the work was done and how well.
     """
@@ -70,6 +71,7 @@ class Record:
     frames: int
     unit: str = "frames/s"
     ours: tuple[float, ...]
+    parts: tuple[float, ...] | None = None
     peer: tuple[float, ...] | None = None
     checks: Mapping[str, tuple[float, float | None]] = field(default_factory=dict)
 
@@ -79,16 +81,29 @@ class Record:
         return median(self.ours)
 
     @property
+    def parts_middle(self) -> float | None:
+        """Median of `parts`."""
+        return None if self.parts is None else median(self.parts)
+
+    @property
     def peer_middle(self) -> float | None:
         """Median of `peer`."""
         return None if self.peer is None else median(self.peer)
 
     @property
+    def parts_ratio(self) -> float | None:
+        """Median over the runs of ours over the rigid parts' of the same turn."""
+        return self._over(self.parts)
+
+    @property
     def ratio(self) -> float | None:
         """Median over the runs of ours over the peer's of the same turn; over 1: ours is faster."""
-        if self.peer is None:
+        return self._over(self.peer)
+
+    def _over(self, other: tuple[float, ...] | None) -> float | None:
+        if other is None:
             return None
-        return median(a / b for a, b in zip(self.ours, self.peer, strict=True))
+        return median(a / b for a, b in zip(self.ours, other, strict=True))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
@@ -98,8 +113,11 @@ class Record:
             "frames": self.frames,
             "unit": self.unit,
             "ours": list(self.ours),
+            "parts": None if self.parts is None else list(self.parts),
             "peer": None if self.peer is None else list(self.peer),
             "median": self.middle,
+            "parts_median": self.parts_middle,
+            "parts_ratio": self.parts_ratio,
             "peer_median": self.peer_middle,
             "ratio": self.ratio,
             "checks": {name: list(values) for name, values in self.checks.items()},

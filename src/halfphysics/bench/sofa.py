@@ -30,7 +30,7 @@ def sofa(options: Options) -> Iterator[Record]:
     motion = sitting(body(), floor=0.0)
     if options.quick:
         motion = motion[20:60]
-    for record, _, _ in pressed("sofa", "boxes", Play(motion=motion, scene=_boxes()), options):
+    for record, _, _ in pressed("sofa", "boxes", Play(motion=motion, scene=boxes()), options):
         yield record
 
 
@@ -71,7 +71,8 @@ def seat_depth(who: Body, part: str) -> float:
     return -float(points[:, axis].min())
 
 
-def _boxes() -> Scene:
+def boxes() -> Scene:
+    """A floor and a sofa."""
     scene = Scene()
     scene.add_static("floor", Plane())
     front, back, base = SEAT_FRONT, SEAT_FRONT - DEPTH, 0.27

@@ -1,4 +1,4 @@
-"""Timing in turns: ours, the peer, the peer, ours, and so on.
+"""Timing in turns: the first side to the last, the last to the first, and so on.
 
 By processor time: it is the clock's on a quiet machine, and on a busy one does not count the time
 that others had the core. Were a side to use several threads, all of them would count.
@@ -9,57 +9,43 @@ from __future__ import annotations
 import gc
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from halfphysics.bench.record import Options
 
 A = TypeVar("A")
-B = TypeVar("B")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Timing(Generic[A, B]):
-    """Processor time per pass [s] of every timed run, and what the untimed run returned."""
+class Timing(Generic[A]):
+    """Processor time per pass [s] of every timed run, and what the untimed pass returned."""
 
-    ours: tuple[float, ...]
-    peer: tuple[float, ...]
+    seconds: tuple[float, ...]
     result: A
-    peer_result: B
 
     def rates(self, frames: int) -> tuple[float, ...]:
-        """Ours in frames per second."""
-        return tuple(frames / seconds for seconds in self.ours)
-
-    def peer_rates(self, frames: int) -> tuple[float, ...]:
-        """The peer's in frames per second."""
-        return tuple(frames / seconds for seconds in self.peer)
+        """In frames per second."""
+        return tuple(frames / seconds for seconds in self.seconds)
 
 
-def in_turns(ours: Callable[[], A], peer: Callable[[], B], options: Options) -> Timing[A, B]:
-    """Time two functions in turns, after one untimed pass of each.
+def in_turns(works: Sequence[Callable[[], A]], options: Options) -> list[Timing[A]]:
+    """Time functions in turns, after one untimed pass of each.
 
-    Who goes first alternates, so that a machine that slows down or speeds up favours neither.
+    Who goes first alternates, so that a machine that slows down or speeds up favours nobody.
     """
-    result, loops = _warm(ours, options.least)
-    peer_result, peer_loops = _warm(peer, options.least)
-    seconds: tuple[list[float], list[float]] = ([], [])
-    turn = [(seconds[0], ours, loops), (seconds[1], peer, peer_loops)]
+    warm = [_warm(work, options.least) for work in works]
+    seconds: list[list[float]] = [[] for _ in works]
+    turn = [(out, work, loops) for out, work, (_, loops) in zip(seconds, works, warm, strict=True)]
     for _ in range(options.repeats):
-        for out, work, times in turn:
-            out.append(_seconds(work, times))
+        for out, work, loops in turn:
+            out.append(_seconds(work, loops))
         turn.reverse()
-    return Timing(
-        ours=tuple(seconds[0]), peer=tuple(seconds[1]), result=result, peer_result=peer_result
-    )
-
-
-def alone(ours: Callable[[], A], options: Options) -> Timing[A, None]:
-    """Time a function that has no peer, after one untimed pass."""
-    result, loops = _warm(ours, options.least)
-    seconds = tuple(_seconds(ours, loops) for _ in range(options.repeats))
-    return Timing(ours=seconds, peer=(), result=result, peer_result=None)
+    return [
+        Timing(seconds=tuple(out), result=result)
+        for out, (result, _) in zip(seconds, warm, strict=True)
+    ]
 
 
 def _warm(work: Callable[[], A], least: float) -> tuple[A, int]:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from halfphysics import _native
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.room import room, sizes
-from halfphysics.bench.timing import alone
+from halfphysics.bench.sides import measure
 
 
 def tree(options: Options) -> Iterator[Record]:
     """Seconds for the tree of both sizes, built and found again by its content."""
+    once = replace(options, quick=True)  # a pass is long enough for a run
     for triangles in sizes(options):
         mesh = room(triangles).mesh
         vertices = np.ascontiguousarray(mesh.vertices)
@@ -22,24 +24,12 @@ def tree(options: Options) -> Iterator[Record]:
         def found(v=vertices, f=faces) -> _native.MeshTree:  # type: ignore[no-untyped-def]
             return _native.MeshTree(v, f)
 
-        def built() -> None:
+        def built(found=found) -> None:  # type: ignore[no-untyped-def]
             # Nobody keeps it: the next one is built anew.
             found()
 
-        once = Options(repeats=options.repeats, quick=True)  # a pass is long enough for a run
-        yield Record(
-            case="tree",
-            setting=f"{len(faces):,} triangles, built",
-            frames=1,
-            unit="s",
-            ours=alone(built, once).ours,
-        )
+        size = f"{len(faces):,} triangles"
+        yield measure("tree", f"{size}, built", 1, once, ours=built, unit="s").record
         kept = found()
-        yield Record(
-            case="tree",
-            setting=f"{len(faces):,} triangles, again",
-            frames=1,
-            unit="s",
-            ours=alone(found, once).ours,
-        )
+        yield measure("tree", f"{size}, again", 1, once, ours=found, unit="s").record
         del kept

@@ -29,10 +29,10 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
-    """Measure speed on one core, one timed run of ours and one of the peer's in turns.
+    """Measure speed on one core: ours, ours with contact=parts, and the peer, timed in turns.
 
-    Ratios are medians over pairs of runs; over 1 ours is faster. Rates are of this machine and of
-    what else it does now. docs/benchmarks.md says how to read the table.
+    Ratios are medians over the runs of each turn; over 1 ours is faster.
+    Rates are of this machine and of what else it does now. docs/benchmarks.md says more.
     """
 
     case: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
@@ -68,7 +68,7 @@ class Command:
             if self.case and name not in self.case:
                 continue
             found = list(_shown(name, bench.run(name, options)))
-            print(f"\n{name}: {what}\n\n{_table(found)}", flush=True)
+            print(f"\n{name}: {what}\n\n{_tables(found)}", flush=True)
             records += found
         if self.json is not None:
             _write(self.json, machine, options, records)
@@ -128,24 +128,26 @@ def _shown(name: str, records: Iterator[Record]) -> Iterator[Record]:
         print("\r\033[K", end="", file=sys.stderr)
 
 
-def _table(records: list[Record]) -> str:
+def _tables(records: list[Record]) -> str:
     """The records of one case: rates, then what they were checked by."""
     from halfphysics.cli.table import table
 
-    peers = any(r.peer is not None for r in records)
-    head = ["setting", f"ours [{records[0].unit}]", "min", "max"]
-    head += ["peer", "ratio"] if peers else []
-    for name, (_, peer) in records[0].checks.items():
-        head += [name] if peer is None else [name, "peer"]
-    rows: list[list[str]] = [head]
+    first = records[0]
+    head = ["setting", f"ours [{first.unit}]", "min", "max"]
+    head += [] if first.parts is None else ["parts", "ours/parts"]
+    head += [] if first.peer is None else ["peer", "ours/peer"]
+    rates, checks = [head], [["setting"]]
+    for name, (_, peer) in first.checks.items():
+        checks[0] += [name] if peer is None else [name, "peer"]
     for r in records:
         row = [r.setting, *map(_figure, (r.middle, min(r.ours), max(r.ours)))]
-        if r.peer_middle is not None and r.ratio is not None:
-            row += [_figure(r.peer_middle), f"{r.ratio:.2f}"]
-        for values in r.checks.values():
-            row += [f"{value:.3g}" for value in values if value is not None]
-        rows.append(row)
-    return table(rows)
+        for middle, ratio in ((r.parts_middle, r.parts_ratio), (r.peer_middle, r.ratio)):
+            if middle is not None and ratio is not None:
+                row += [_figure(middle), f"{ratio:.2f}"]
+        rates.append(row)
+        values = (value for pair in r.checks.values() for value in pair if value is not None)
+        checks.append([r.setting, *(f"{value:.3g}" for value in values)])
+    return "\n\n".join(table(rows) for rows in (rates, checks) if len(rows[0]) > 1)
 
 
 def _figure(value: float) -> str:

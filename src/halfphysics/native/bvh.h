@@ -34,6 +34,10 @@ class TriangleTree {
   // where it meets one. The triangles of `near` are looked at first.
   double distance(const Placed& a, double range, const std::vector<Plane>& near = {}) const;
 
+  // How often the triangles wind around p: 1 inside a closed mesh, 0 outside; between where it is open
+  // (Jacobson et al. 2013). Looks at all of them.
+  double winding(Vec3 p) const;
+
   // Triangles are numbered in the order of the leaves; `face` is the index into the faces given.
   void triangle(int t, Vec3 v[3]) const;
   int face(int t) const { return face_[t]; }

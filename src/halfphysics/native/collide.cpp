@@ -364,7 +364,7 @@ void World::save(std::vector<double>& out) const {
   out.push_back((double)inside_.size());
   for (const Inside& i : inside_)
     out.insert(out.end(), {(double)i.mover, (double)i.other_static, (double)i.other_mover, i.exit.x,
-                           i.exit.y, i.exit.z, i.out, i.lost ? 1.0 : 0.0});
+                           i.exit.y, i.exit.z, i.out, i.lost ? 1.0 : 0.0, (double)i.stuck});
   out.push_back(growth);
   save_near(out);
 }
@@ -375,8 +375,9 @@ const double* World::load(const double* in) {
     pairs_[((int64_t)in[0] << 32) | (int64_t)in[1]] = {in[2], in[3] != 0, load3(in + 4),
                                                        in[7] != 0};
   inside_.clear();
-  for (int n = (int)*in++; n > 0; n--, in += 8)
-    inside_.push_back({(int)in[0], (int)in[1], (int)in[2], load3(in + 3), in[6], in[6], in[7] != 0});
+  for (int n = (int)*in++; n > 0; n--, in += 9)
+    inside_.push_back({(int)in[0], (int)in[1], (int)in[2], load3(in + 3), in[6], in[6], in[7] != 0, 0,
+                       (int)in[8]});
   growth = *in++;
   return load_near(in);
 }

@@ -69,6 +69,8 @@ struct Inside {
   double out = 0;   // 1: it has come out
   double next = 0;  // what it will be at the end of the substep
   bool lost = false;  // no way out was found: nothing holds it until it is clear
+  double pace = 0;    // how far it should come in the substep [m]
+  int stuck = 0;      // substeps in a row in which it hardly got on
   double depth() const { return (1 - out) * norm(exit); }
 };
 
@@ -128,6 +130,8 @@ class World {
   bool any_inside() const { return !inside_.empty(); }
   // How fast they come out in the next substep, as a share of what is asked.
   double growth = 1;
+  // Who is stuck on the way out tries another one.
+  void reroute(const Model& m, Poses& start);
   // The substep has been made, by the trees' shares of it (per body; empty: whole).
   void come_out(const std::vector<double>& share);
 
@@ -205,7 +209,7 @@ class World {
   void gather_inside(Poses& start, Near& e, Inside& in, double reach, double h,
                      std::vector<Candidate>& out);
   Inside* inside_of(const Near& e);
-  bool is_inside(int mover, int other_static) const;
+  bool is_inside(int mover, int other_static, int other_mover) const;
   bool clear_of(Poses& start, int mover, const Obstacle& o, Vec3 shift, double range) const;
   double bulge(int mover, const Poses& start, const Poses& end, const Mat3& back) const;
   bool swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,
@@ -213,6 +217,7 @@ class World {
 
   std::map<int64_t, PairState> pairs_;
   std::vector<Inside> inside_;
+  Vec3 avoid_;  // a way out that is not to be tried again; 0: none
   std::vector<Near> near_;
   std::vector<double> odometer_, listed_, range_;  // per mover [m]
   bool has_list_ = false;

@@ -21,7 +21,11 @@ constexpr double kLook = 0.02;     // faces this near show ways out [m]
 constexpr double kAhead = 5e-3;    // planes are asked for this much farther than is needed [m]
 constexpr double kEase = 0.01, kLeastPace = 0.1;  // from this depth on slower, but not than this share [m]
 constexpr int kBisections = 7, kMostWays = 80;
-constexpr double kSameWay = 0.999;
+constexpr double kGreatPart = 0.1;  // of the mass of a body: less is never the right side
+constexpr double kSameWay = 0.999, kOtherWay = 0.7;
+// Who gets on less than a share of what is asked for so many substeps tries another way.
+constexpr double kSlow = 10;
+constexpr int kPatience = 24;
 
 // A straight bone, as a shape.
 struct Bone {
@@ -53,6 +57,10 @@ struct World::Obstacle {
 
   const Placed& hull() const { return thing ? *thing : fixed->placed; }
   bool is(Static::Kind kind) const { return fixed && fixed->kind == kind; }
+  bool meets(const Box3& box) const {
+    if (is(Static::Kind::Mesh)) return box.meets(fixed->tree->box());
+    return is(Static::Kind::HalfSpace) || box.meets(hull().box);
+  }
   bool clear(const Placed& a, double range) const {
     if (is(Static::Kind::HalfSpace)) return a.lowest(fixed->n) - fixed->offset >= range;
     if (is(Static::Kind::Mesh)) return fixed->tree->distance(a, 2 * range) >= range;
@@ -71,9 +79,10 @@ Inside* World::inside_of(const Near& e) {
   return nullptr;
 }
 
-bool World::is_inside(int mover, int other_static) const {
+bool World::is_inside(int mover, int other_static, int other_mover) const {
   for (const Inside& in : inside_)
-    if (in.mover == mover && in.other_static == other_static) return true;
+    if (in.mover == mover && in.other_static == other_static && in.other_mover == other_mover)
+      return true;
   return false;
 }
 
@@ -113,11 +122,17 @@ void World::find_inside(const Model& m, Poses& start, const std::vector<Overlap>
       const int p = m.parent[b];
       if (!o.crosses(start.kin.xpos[p], start.kin.xpos[b])) whole[find(whole, b)] = find(whole, p);
     }
+    // The greater part is the right side; but not what a closed mesh swallows whole.
     int main = find(whole, root);
+    double all = 0, least = 1e300;
     for (int b = 1; b < m.nbody; b++)
-      if (m.root[b] == root) mass[find(whole, b)] += m.mass[b];
-    for (int b = 1; b < m.nbody; b++)
-      if (m.root[b] == root && mass[b] > mass[main]) main = b;
+      if (m.root[b] == root) mass[find(whole, b)] += m.mass[b], all += m.mass[b];
+    for (int b = 1; b < m.nbody; b++) {
+      if (m.root[b] != root || mass[b] <= kGreatPart * all) continue;
+      const double within =
+          o.is(Static::Kind::Mesh) ? std::round(o.fixed->tree->winding(start.kin.xpos[b])) : 0;
+      if (within < least || (within == least && mass[b] > mass[main])) least = within, main = b;
+    }
     std::vector<char> in(movers.size(), 0), body_in(m.nbody, 0);
     for (const Overlap& other : overlaps)
       if (same(other, pair)) in[other.mover] = 1;
@@ -171,15 +186,23 @@ void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::
     }
     return true;
   };
-  // Nobody is to come out of one thing into another.
+  // Nobody is to come out of one thing into another, nor to take there what hangs between it and the root.
+  std::vector<char> between(m.nbody, 0);
+  for (int i : group)
+    for (int b = movers[i].body; b > 0; b = m.parent[b]) between[b] = 1;
+  std::vector<std::pair<int, Obstacle>> free;  // who is clear of what
+  for (int i = 0; i < (int)movers.size() && person; i++)
+    for (const Static& s : statics) {
+      if (!between[movers[i].body] || pairing(movers[i].name, s.name).ignore) continue;
+      Obstacle other;
+      other.fixed = &s;
+      Box3 near = place(start, i).box;
+      near.grow(kFarthest);
+      if (other.meets(near) && clear_of(start, i, other, {}, kTouch)) free.push_back({i, other});
+    }
   auto into_another = [&](Vec3 shift) {
-    for (int i : group)
-      for (const Static& s : statics) {
-        if (&s == o.fixed || pairing(movers[i].name, s.name).ignore) continue;
-        Obstacle other;
-        other.fixed = &s;
-        if (clear_of(start, i, other, {}, kTouch) && !clear_of(start, i, other, shift, kTouch)) return true;
-      }
+    for (const auto& [i, other] : free)
+      if (!clear_of(start, i, other, shift, kTouch)) return true;
     return false;
   };
   size_t last = 0;  // who was in the way last is so again
@@ -219,6 +242,7 @@ void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::
   Vec3 exit;
   auto search = [&]() {
     for (Vec3 w : ways) {
+      if (dot(w, avoid_) > kOtherWay) continue;
       double bad = 0, good = -1;
       for (double t = kStride; t < best + kStride && good < 0; t += kStride)
         (fits(t * w) ? good : bad) = t;
@@ -233,6 +257,7 @@ void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::
   search();
   if (norm2(exit) == 0) anywhere = true, search();
   for (int i : group) {
+    if (is_inside(i, o.other_static, o.other_mover)) continue;  // on another way out already
     Inside in;
     in.mover = i, in.other_static = o.other_static, in.other_mover = o.other_mover;
     in.exit = exit;
@@ -292,7 +317,8 @@ void World::gather_inside(Poses& start, Near& e, Inside& in, double reach, doubl
     if (p.dist <= r && closing > 1e-9)
       most = std::min(most, (std::max(0.0, p.dist - kLeastGap) + pace) / closing);
   }
-  if (growth > 0) in.next = std::min(1.0, in.out + most);
+  in.pace = ease * settings.depenetration_speed * h;
+  in.next = std::min(1.0, in.out + most);
   Candidate c;
   c.mover = e.mover;
   c.other_static = e.other_static;
@@ -311,10 +337,40 @@ void World::gather_inside(Poses& start, Near& e, Inside& in, double reach, doubl
   }
 }
 
+void World::reroute(const Model& m, Poses& start) {
+  const auto stuck = std::find_if(inside_.begin(), inside_.end(),
+                                  [](const Inside& in) { return in.stuck >= kPatience; });
+  if (stuck == inside_.end()) return;
+  // Its whole group takes the other way.
+  const Inside first = *stuck;
+  std::vector<Inside> kept;
+  std::vector<Overlap> overlaps;
+  std::vector<Inside> before = inside_;
+  for (const Inside& in : inside_) {
+    const bool same = in.other_static == first.other_static && in.other_mover == first.other_mover &&
+                      norm2(in.exit - first.exit) == 0;
+    if (same)
+      overlaps.push_back({in.mover, in.other_static, in.other_mover});
+    else
+      kept.push_back(in);
+  }
+  inside_ = kept;
+  avoid_ = (1 / norm(first.exit)) * first.exit;
+  find_inside(m, start, overlaps);
+  avoid_ = {};
+  bool found = true;
+  for (size_t k = kept.size(); k < inside_.size(); k++) found &= !inside_[k].lost;
+  if (!found) inside_ = before;
+  for (Inside& in : inside_) in.stuck = std::min(in.stuck, found ? in.stuck : 0);
+  has_list_ = false;
+}
+
 void World::come_out(const std::vector<double>& share) {
   for (Inside& in : inside_) {
     const int b = movers[in.mover].body;
     if (!active[b]) continue;
+    const double got = in.next - in.out, slow = kSlow * norm(in.exit) * got;
+    in.stuck = in.lost || slow >= in.pace ? 0 : in.stuck + 1;
     in.out += (share.empty() ? 1 : std::max(0.0, share[b])) * (in.next - in.out);
     in.next = in.out;
   }

@@ -63,7 +63,7 @@ void World::list(const Model& m, const Poses& p, const std::vector<double>& way)
     const Mover& M = movers[i];
     for (int j = 0; j < (int)statics.size(); j++) {
       const Static& S = statics[j];
-      if (is_inside(i, j)) {
+      if (is_inside(i, j, -1)) {
         // Listed wherever it is.
       } else if (S.kind == Static::Kind::HalfSpace) {
         if (dot(S.n, ball[i].center) - ball[i].radius - S.offset > range_[i]) continue;

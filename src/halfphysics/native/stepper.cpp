@@ -66,8 +66,8 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   world.reset(model, start_);
   way_out_.assign(model.nbody, 0);
   for (const Inside& in : world.inside())
-    for (const Mover::Tie& t : world.movers[in.mover].ties)
-      for (int b = t.body; b > 0 && !way_out_[b]; b = model.parent[b]) way_out_[b] = 1;
+    for (int b = world.movers[in.mover].body; b > 0 && !way_out_[b]; b = model.parent[b])
+      way_out_[b] = 1;
   for (Drive& d : drives_)
     if (comes_out(d)) d.go_gently(kGentle, joint_reach_);
 }

@@ -35,8 +35,8 @@ constexpr size_t kMostContacts = 250;
 constexpr double kFar = 1e300;
 // Nobody is thrown by what comes out of something faster than this [m/s]; it then comes out more slowly,
 // by so many tries, and gains speed again by this factor a substep.
-constexpr double kHurl = 0.9, kRegain = 1.3;
-constexpr int kSlower = 3;
+constexpr double kHurl = 0.85, kRegain = 1.3;
+constexpr int kSlower = 4;
 constexpr double kWarmRadius2 = 0.02 * 0.02;
 
 }  // namespace
@@ -417,6 +417,7 @@ void Stepper::try_step(double h) {
 
 void Stepper::substep(int k, double h) {
   inertia_ready_ = false;
+  if (world.any_inside()) world.reroute(model, start_);
   if (keep_times) solve_times.push_back(0);
   // Twists need the dofs' axes.
   start_.kin.update_dofs(model, qpos_.data(), world.active.data());

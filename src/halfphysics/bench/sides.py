@@ -1,0 +1,85 @@
+"""One row, measured: ours with the skin, with the rigid parts, and the peer, in turns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from halfphysics.bench.record import Options, Record
+from halfphysics.bench.timing import in_turns
+from halfphysics.scene import Scene
+from halfphysics.simulator import Simulator
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.settings import Settings
+
+A = TypeVar("A")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured(Generic[A]):
+    """A row without its checks, and what each side returned; None where there is no such side."""
+
+    record: Record
+    ours: A
+    parts: A | None
+    peer: Any
+
+
+def simulators(
+    who: Body, settings: Settings, fps: float, scene: Scene | None = None
+) -> tuple[Simulator, Simulator]:
+    """Two that differ in what touches: the skin, and the rigid parts."""
+    skin, parts = (
+        Simulator(scene, body=who, settings=replace(settings, contact=contact), fps=fps)
+        for contact in ("skin", "parts")
+    )
+    return skin, parts
+
+
+def measure(
+    case: str,
+    setting: str,
+    frames: int,
+    options: Options,
+    *,
+    ours: Callable[[], A],
+    parts: Callable[[], A] | None = None,
+    peer: Callable[[], Any] | None = None,
+    unit: str = "frames/s",
+) -> Measured[A]:
+    """Time one pass of `frames` frames of every side, in turns.
+
+    Args:
+        case, setting, frames, unit: Of the record.
+        options: How to measure.
+        ours: One pass, by the skin if anybody touches anything.
+        parts: The same by the rigid parts, or None.
+        peer: The peer's, or None.
+    """
+    sides: dict[str, Callable[[], Any]] = {"ours": ours}
+    sides |= {} if parts is None else {"parts": parts}
+    sides |= {} if peer is None else {"peer": peer}
+    timings = dict(zip(sides, in_turns(list(sides.values()), options), strict=True))
+    figures = {
+        name: timing.seconds if unit == "s" else timing.rates(frames)
+        for name, timing in timings.items()
+    }
+    record = Record(
+        case=case,
+        setting=setting,
+        frames=frames,
+        unit=unit,
+        ours=figures["ours"],
+        parts=figures.get("parts"),
+        peer=figures.get("peer"),
+    )
+    results = {name: timing.result for name, timing in timings.items()}
+    return Measured(
+        record=record,
+        ours=results["ours"],
+        parts=results.get("parts"),
+        peer=results.get("peer"),
+    )

@@ -1,0 +1,62 @@
+"""The skin of a pose, and points sampled on its triangles, in numpy: nothing of the core."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.spatial.transform import Rotation
+
+from halfphysics.skeleton import PARENTS
+
+#: Points sampled on the skin's triangles.
+SAMPLES = 20_000
+
+
+class Skinner:
+    """Linear blend skinning in numpy: vertices of poses, and of samples on triangles."""
+
+    def __init__(self, body, samples=SAMPLES, seed=0):
+        self.body = body
+        self.faces = np.asarray(body.faces, dtype=np.int64)
+        self.part = np.argmax(body.weights, axis=1)
+        self._weights = csr_array(body.weights)
+        corners = np.asarray(body.rest_vertices)[self.faces]
+        area = np.linalg.norm(
+            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+        )
+        rng = np.random.default_rng(seed)
+        face = rng.choice(len(area), size=samples, p=area / area.sum())
+        u = np.sqrt(rng.random((samples, 1)))
+        v = rng.random((samples, 1))
+        self.bary = np.concatenate([1.0 - u, u * (1.0 - v), u * v], axis=1)
+        self.sampled = self.faces[face]
+        self.points_part = np.concatenate([self.part, self.part[self.sampled[:, 0]]])
+
+    def vertices(self, translation, rotations, axes):
+        """Skin (T, V, 3) of SMPL-X poses (T, 3), (T, 55, 3), axes (3, 3)."""
+        body, count = self.body, len(translation)
+        turns = Rotation.from_rotvec(np.array(rotations, float).reshape(-1, 3)).as_matrix()
+        turns = turns.reshape(count, -1, 3, 3)
+        rest = np.broadcast_to(body.rest_vertices, (count, *body.rest_vertices.shape))
+        if body.posedirs is not None:
+            bent = (turns[:, 1:] - np.eye(3)).reshape(count, -1)
+            rest = rest + np.einsum("vik,tk->tvi", body.posedirs, bent, optimize=True)
+        joints = np.asarray(body.rest_joints)
+        world, origin = turns.copy(), np.empty((count, len(joints), 3))
+        origin[:, 0] = translation + axes @ joints[0]
+        for j in range(1, len(joints)):
+            p = int(PARENTS[j])
+            world[:, j] = world[:, p] @ turns[:, j]
+            origin[:, j] = origin[:, p] + world[:, p] @ (joints[j] - joints[p])
+        shift = origin - np.einsum("tjab,jb->tja", world, joints)
+        out = np.empty(rest.shape)
+        for t in range(count):
+            blended = self._weights @ np.concatenate([world[t].reshape(-1, 9), shift[t]], axis=1)
+            turn = blended[:, :9].reshape(-1, 3, 3)
+            out[t] = np.einsum("vab,vb->va", turn, rest[t]) + blended[:, 9:]
+        return out
+
+    def points(self, vertices):
+        """Vertices (V, 3) and the samples between them, together."""
+        samples = np.einsum("nk,nki->ni", self.bary, vertices[self.sampled])
+        return np.concatenate([vertices, samples])

@@ -105,7 +105,12 @@ class Watch:
 
         statics: Whose distance from them counts: "all", "things" (not the people's) or "none".
         """
-        best, pair = np.inf, ("", "")
+        found = self.gaps(qpos, against_objects, statics)
+        d, *pair = min(found, default=(np.inf, "", ""))
+        return (d, tuple(pair)) if d < NEAR else (np.inf, ("", ""))
+
+    def gaps(self, qpos, against_objects=True, statics="all"):
+        """Distances of all that are near each other at a pose: (distance, one, the other)."""
         movers = self._movers(qpos)
         pairs = [(movers[i], self.statics[k]) for i, k in self._near(movers, self.statics)]
         if statics != "all":
@@ -113,13 +118,9 @@ class Watch:
         if against_objects:
             pairs += [(movers[i], movers[k]) for i, k in self._near(movers, movers) if i < k]
         for a, b in pairs:
-            if self._ignored(a, b):
-                continue
-            result = coal.DistanceResult()
-            d = coal.distance(*a.solid(), *b.solid(), self.request, result)
-            if d < min(best, NEAR):
-                best, pair = d, (a.owner, b.owner)
-        return best, pair
+            if not self._ignored(a, b):
+                d = coal.distance(*a.solid(), *b.solid(), self.request, coal.DistanceResult())
+                yield d, a.owner, b.owner
 
     def smallest_gap(self, frames, every=1, against_objects=True):
         """Over all recorded substeps of `frames`: distance, pair, frame, substep."""

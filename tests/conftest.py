@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -16,3 +17,12 @@ def shared_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no test data at {folder} (set HALFPHYSICS_TEST_DATA)")
     return folder
+
+
+def pytest_terminal_summary(terminalreporter) -> None:
+    """What a fuzzer that was asked for has seen."""
+    fuzzing = sys.modules.get("fuzzing")
+    if fuzzing is not None and fuzzing.SECONDS > 0.0 and fuzzing.seen:
+        terminalreporter.section("fuzzed")
+        for line in fuzzing.report():
+            terminalreporter.write_line(line)

@@ -1,15 +1,14 @@
 """What rests stays, what is thrown goes through nothing, and a pile gains no energy.
 
-`HALFPHYSICS_FUZZ=N` makes N throws and piles of each kind instead of a few.
+`HALFPHYSICS_FUZZ=SECONDS` makes throws and piles of each kind for so long instead of a few.
 """
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 import pytest
 from coal_scene import Watch
+from fuzzing import SECONDS, moments
 from people import t_pose
 
 from halfphysics import rotations as rot
@@ -24,7 +23,7 @@ COAL = 1e-6  # coal's own distances are good to this [m]
 
 
 def cases(few):
-    return range(int(os.environ.get("HALFPHYSICS_FUZZ", few)))
+    return moments() if SECONDS > 0.0 else range(few)
 
 
 def poses_of(simulator, seconds):

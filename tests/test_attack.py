@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 from people import along_x, follow, violent
+from person_hulls import CONTACTS
 
 from halfphysics.body import Body
 from halfphysics.errors import InputError
@@ -102,8 +103,9 @@ def test_a_state_of_another_scene_is_refused(body):
     stiffer.set_state(state)
 
 
+@pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("seed", [5, 6])
-def test_without_clearance_nobody_gets_into_a_mesh(body, seed):
+def test_without_clearance_nobody_gets_into_a_mesh(body, seed, contact):
     """What is inside to within solving is inside: a mesh would not hold it any more."""
     pytest.importorskip("coal")
     import trimesh
@@ -114,7 +116,7 @@ def test_without_clearance_nobody_gets_into_a_mesh(body, seed):
     corners = [[x, -3.0, -3.0], [x, 3.0, -3.0], [x, 3.0, 3.0], [x, -3.0, 3.0]]
     scene = Scene()
     scene.add_static("sheet", trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False))
-    settings = Settings(clearance=0.0, record="substeps")
+    settings = Settings(contact=contact, clearance=0.0, record="substeps")
     frames, _, simulator = follow(motion, scene, body, settings)
     start = simulator.world.start([motion[0]])[0]
     verdict = Judge(simulator).judge(start, frames[1:])

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from people import along_x
+from person_hulls import CONTACTS
 from scipy.optimize import nnls
 
 from halfphysics import _native, reference
@@ -24,6 +25,18 @@ TOLERANCE = 1e-6 * 240
 SWEEPS = 50
 #: What the solver is content with when it takes long; more is left of friction only.
 ENOUGH = 5 * TOLERANCE
+#: Shares of the problems of a run that may be left unsettled when solved from nothing, and of those
+#: whose normals may; the core does not solve them that way. Points of several hulls of the skin lie
+#: on each other, 119 of a limp body where the parts have 76: measured are 0, 1 and 5 of 31, and
+#: once, of a limp skin, normals 0.02 m/s off.
+FROM_NOTHING = {
+    ("parts", None, 1.0): (0.0, 0.0),
+    ("parts", 0.02, 1.0): (0.0, 0.0),
+    ("parts", None, 0.0): (0.5, 0.0),
+    ("skin", None, 1.0): (0.0, 0.0),
+    ("skin", 0.02, 1.0): (0.05, 0.0),
+    ("skin", None, 0.0): (0.5, 0.05),
+}
 
 
 def cross_matrix(r):
@@ -155,20 +168,20 @@ def test_law_of_contact_over_random_mechanisms():
     assert missed["warm"] <= 25
 
 
-@pytest.mark.parametrize(
-    ("drive_time", "stiffness", "share"), [(None, 1.0, 0.0), (0.02, 1.0, 0.0), (None, 0.0, 0.5)]
-)
-def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, share):
-    """The problems of a real run, set up in numpy and solved from nothing, 50 to 80 points at once.
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize(("drive_time", "stiffness"), [(None, 1.0), (0.02, 1.0), (None, 0.0)])
+def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, contact):
+    """The problems of a real run, set up in numpy, 50 to 120 points at once.
 
-    `share`: that may be left unsettled, normals apart. Only a limp body pressed flat does so.
+    What the core has found obeys the law. Solved once more from nothing, all points at once, nearly
+    all of them settle; what the solver says is left is what is left.
     """
     body = Body.default()
     motion = along_x(1.5, 26, start=-0.1).grounded(body, 0.0005).resample(240.0)
     scene = Scene()
     scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=1.0)
     scene.add_static("floor", Plane(), friction=0.5)
-    settings = Settings(drive_time=drive_time, stiffness=stiffness, substeps=1)
+    settings = Settings(contact=contact, drive_time=drive_time, stiffness=stiffness, substeps=1)
     simulator = Simulator(scene, body=body, settings=settings, fps=240)
     simulator.reset(motion[0])
     stepper, model = simulator.world.stepper, simulator.world.model
@@ -177,7 +190,7 @@ def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, share
     person = simulator.world.people[0]
     dof = int(model.jnt_dofadr[model.body_jntadr[person.root]])
     own = reference.ReferenceDrive(settings, person.qpos, dof, targets[0])
-    solved = missed = 0
+    solved = missed = normals = 0
     for t in range(1, len(motion)):
         qpos = np.array(stepper.qpos())
         simulator.step(motion[t])
@@ -190,12 +203,15 @@ def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, share
         M = own.scale(1.0 / 240.0) * (M + np.diag(reference.stiff_diagonal(model, M, own)))
         problem = reference.contact_problem(model, qpos, trace["v_free"], M, 1.0 / 240.0, points)
         A = symmetric(problem.A)
+        assert contact_residual(A, problem.b, problem.friction, problem.found).max() <= ENOUGH
         pairs = np.array(100 * points["bodies_a"][:, 0] + points["bodies_b"][:, 0], dtype=np.int32)
         p, _, residual, normal = solve(A, problem.b, problem.friction, pairs)
         left = contact_residual(A, problem.b, problem.friction, p)
         assert residual == pytest.approx(left.max(), rel=1e-6, abs=1e-3 * TOLERANCE)
-        assert normal <= ENOUGH
         solved += 1
         missed += residual > ENOUGH
+        normals += normal > ENOUGH
     assert solved > 20
+    share, of_normals = FROM_NOTHING[contact, drive_time, stiffness]
     assert missed <= share * solved
+    assert normals <= of_normals * solved

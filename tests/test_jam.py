@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from people import FACING_X, t_pose
+from person_hulls import CONTACTS
 
 from halfphysics import rotations as rot
 from halfphysics.body import Body
@@ -39,9 +40,10 @@ def body():
     return Body.default()
 
 
+@pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("name", JAMMED)
-def test_a_jam_takes_no_time(name):
-    row = run(next(c for c in throw_cases() if c.id == name), None)
+def test_a_jam_takes_no_time(name, contact):
+    row = run(next(c for c in throw_cases() if c.id == name), contact=contact)
     assert row["touched"] > 0
     assert not not_clear(row)
     assert row["lost"] <= LOST
@@ -69,10 +71,11 @@ def arms_out(body, frames, fps=30.0):
 
 @DRIVES
 @pytest.mark.parametrize("substeps", [1, 4, 8])
-def test_arms_that_do_not_fit_between_walls_stop_nobody(body, drive, substeps):
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_arms_that_do_not_fit_between_walls_stop_nobody(body, contact, drive, substeps):
     """The arms would reach 0.2 m into each wall: they stay out, and come back as they went."""
     motion = arms_out(body, 61)
-    settings = Settings(substeps=substeps, drive_time=drive, record="substeps")
+    settings = Settings(contact=contact, substeps=substeps, drive_time=drive, record="substeps")
     simulator = Simulator(alley(1.3), body=body, settings=settings, fps=30.0)
     frames = [simulator.reset(motion[0])] + [simulator.step(motion[t]) for t in range(1, 61)]
     verdict = Judge(simulator).judge(simulator.world.start([motion[0]])[0], frames[1:])
@@ -90,11 +93,12 @@ def test_arms_that_do_not_fit_between_walls_stop_nobody(body, drive, substeps):
 
 
 @DRIVES
-def test_a_clearance_that_gave_way_is_regained(body, drive):
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_a_clearance_that_gave_way_is_regained(body, contact, drive):
     """Walls that press from both sides a little under the clearance; then the pressing ends."""
     frames = 60
     motion = arms_out(body, 2 * frames - 1)
-    settings = Settings(substeps=8, drive_time=drive)
+    settings = Settings(contact=contact, substeps=8, drive_time=drive)
     simulator = Simulator(alley(1.3), body=body, settings=settings, fps=30.0)
     simulator.reset(motion[0])
     pressed = [simulator.step(motion[t]).clearance for t in range(1, frames)]

@@ -13,7 +13,7 @@ import pytest
 from clear_judge import Judge
 from coal_shapes import coal_hull, coal_shape
 from people import FACING_X, follow, t_pose
-from person_hulls import pieces_of
+from person_hulls import CONTACTS, pieces_of
 from throws import curled, stair
 
 from halfphysics import rotations as rot
@@ -27,8 +27,11 @@ from halfphysics.skeleton import JOINT_NAMES, PARENTS
 
 trimesh = pytest.importorskip("trimesh")
 
-#: Of the speed along a frictionless wall.
-SLIDING = 0.02
+#: Of the speed along a frictionless wall, in every frame and of the momentum; and in the mean.
+SLIDING, SLIDING_MEAN = 0.02, 0.005
+#: The same of a limp body's root, which also moves with what its limbs do: 0.033 was seen, where
+#: the wall had given 0.013 N s.
+SLIDING_LIMP = 0.05
 #: A body at rest at a wall is this near [m]: twice the clearance.
 RESTING = 0.002
 #: Of joints that are not on the way to what is blocked [rad].
@@ -78,7 +81,8 @@ WALLS = pytest.mark.parametrize("kind", ["plane", "box", "mesh", "sheet"])
 @DRIVES
 @WALLS
 @pytest.mark.parametrize("stiffness", [0.0, 1.0, 10.0])
-def test_a_frictionless_wall_takes_nothing_along_it(body, kind, drive, stiffness):
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_a_frictionless_wall_takes_nothing_along_it(body, contact, kind, drive, stiffness):
     scene = wall(kind, np.array([-1.0, 1.0, 0.0]) / np.sqrt(2))
     scene.friction("person", "wall", 0.0)
     fps, speed = 30.0, 1.5
@@ -87,22 +91,30 @@ def test_a_frictionless_wall_takes_nothing_along_it(body, kind, drive, stiffness
     rotations = motion.rotations.copy()
     facing = rot.multiply(rot.exp([0.0, 0.0, -np.pi / 4]), rot.exp(FACING_X))
     rotations[:, 0] = rot.log(facing)
-    settings = Settings(stiffness=stiffness, drive_time=drive, substeps=8)
+    settings = Settings(contact=contact, stiffness=stiffness, drive_time=drive, substeps=8)
     frames, moved, _ = follow(motion.with_frames(path, rotations), scene, body, settings)
     touched = np.array([len(f.contacts.part) > 0 for f in frames])
     first = int(np.argmax(touched))
     assert touched[first:].all()
     assert touched.sum() > 20
     along = np.diff(moved.translation @ [1.0, 1.0, 0.0]) * fps / speed
-    np.testing.assert_allclose(along[first - 1 :], 1.0, atol=SLIDING)
+    most = SLIDING if stiffness > 0.0 else SLIDING_LIMP
+    np.testing.assert_allclose(along[first - 1 :], 1.0, atol=most)
+    assert along[first - 1 :].mean() == pytest.approx(1.0, abs=SLIDING_MEAN)
+    momentum = body.variant.mass * speed / np.sqrt(2)
+    taken = [f.contacts.impulse.sum(axis=0) @ [1.0, 1.0, 0.0] / np.sqrt(2) for f in frames]
+    assert np.abs(taken).max() <= SLIDING * momentum
 
 
 @DRIVES
 @WALLS
 @pytest.mark.parametrize("stiffness", [0.0, 1.0, 10.0])
-def test_who_is_stopped_rests_at_the_wall(body, kind, drive, stiffness):
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_who_is_stopped_rests_at_the_wall(body, contact, kind, drive, stiffness):
     path = np.outer(np.minimum(1.5 * np.arange(75) / 30.0, 1.8) - 1.0, [1.0, 0.0, 0.0])
-    settings = Settings(stiffness=stiffness, drive_time=drive, substeps=8, record="substeps")
+    settings = Settings(
+        contact=contact, stiffness=stiffness, drive_time=drive, substeps=8, record="substeps"
+    )
     motion = t_pose(path)
     frames, _, simulator = follow(motion, wall(kind, [-1.0, 0.0, 0.0]), body, settings)
     rest = frames[-30:]

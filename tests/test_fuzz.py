@@ -149,18 +149,7 @@ def test_a_state_taken_in_the_middle_of_a_clash_goes_on_bit_for_bit():
     check_same_again(case)
 
 
-@pytest.mark.parametrize(
-    "contact",
-    [
-        "parts",
-        pytest.param(
-            "skin",
-            marks=pytest.mark.xfail(
-                strict=True, reason="ways past a skin are judged as if it kept its shape"
-            ),
-        ),
-    ],
-)
+@pytest.mark.parametrize("contact", ["parts", "skin"])
 @pytest.mark.parametrize(("drive_time", "clearance"), [(0.02, 2e-4), (None, 0.001), (0.1, 1e-4)])
 def test_people_who_clash_at_20_m_per_s_stay_apart(contact, drive_time, clearance):
     """Limbs that bend fast while others fly at them: hulls of the skin change on the way."""

@@ -237,9 +237,7 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
   double *x = xyz.data(), *y = x + 2 * n, *z = y + 2 * n;
   Mat3 back;
   Vec3 shift;
-  // A skin has no frame of its own: its hull is swept too, in the world.
-  const bool skin = c.other_mover >= 0 && movers[c.other_mover].skin;
-  if (c.other_mover >= 0 && !skin) {
+  if (c.other_mover >= 0) {
     // Into the other's start frame: x -> R0 R1^T (x - p1) + p0.
     int b = movers[c.other_mover].body;
     back = start.kin.xmat[b] * transposed(end.kin.xmat[b]);
@@ -251,7 +249,7 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
   };
   for (int i = 0; i < n; i++) {
     Vec3 p = corner(a0, p0, i) + c.from, q = corner(a1, p1, i) + c.shift();
-    if (c.other_mover >= 0 && !skin) q = back * q + shift;
+    if (c.other_mover >= 0) q = back * q + shift;
     x[i] = p.x, y[i] = p.y, z[i] = p.z;
     x[n + i] = q.x, y[n + i] = q.y, z[n + i] = q.z;
   }
@@ -265,23 +263,22 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
            tz[3] = {v[0].z, v[1].z, v[2].z};
     return gjk(swept, Support{{tx, ty, tz, 3}}, c.n, pa, pb, margin) > margin;
   }
-  if (skin) {
-    const Points q0 = place(start, c.other_mover).points(), q1 = place(end, c.other_mover).points();
-    std::vector<double> both;
-    for (const double* from : {q0.x, q0.y, q0.z}) {
-      const double* to = from == q0.x ? q1.x : from == q0.y ? q1.y : q1.z;
-      both.insert(both.end(), from, from + q0.n);
-      both.insert(both.end(), to, to + q1.n);
-    }
-    const size_t m = 2 * (size_t)q0.n;
-    margin += bulge(c.other_mover, start, end, {});
-    return gjk(swept, Support{{both.data(), both.data() + m, both.data() + 2 * m, (int)m}}, c.n, pa, pb,
-               margin) > margin;
-  }
   const Placed& b =
       c.other_static >= 0 ? statics[c.other_static].placed : place(start, c.other_mover);
   margin += b.shape->radius;
-  return gjk(swept, b.support(), c.n, pa, pb, margin) > margin;
+  if (c.other_mover < 0 || !movers[c.other_mover].skin)
+    return gjk(swept, b.support(), c.n, pa, pb, margin) > margin;
+  // A skin changes its shape on the way, seen from the frame it is carried in: both ends of it.
+  const Points q0 = b.points(), q1 = place(end, c.other_mover).points();
+  std::vector<double> other(6 * (size_t)q0.n);
+  double *u = other.data(), *v = u + 2 * q0.n, *w = v + 2 * q0.n;
+  for (int i = 0; i < q0.n; i++) {
+    const Vec3 p = q0.at(i), q = back * q1.at(i) + shift;
+    u[i] = p.x, v[i] = p.y, w[i] = p.z;
+    u[q0.n + i] = q.x, v[q0.n + i] = q.y, w[q0.n + i] = q.z;
+  }
+  margin += bulge(c.other_mover, start, end, back);
+  return gjk(swept, Support{{u, v, w, 2 * q0.n}}, c.n, pa, pb, margin) > margin;
 }
 
 // Is the same hull disjoint from the whole mesh? Then no plane of it that may be crossed hides

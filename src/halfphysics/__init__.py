@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from halfphysics import errors, metrics, scenarios
     from halfphysics.body import Body
     from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
+    from halfphysics.hosted import attach
     from halfphysics.motion import Motion
     from halfphysics.pose import Pose
     from halfphysics.result import Result
@@ -48,6 +49,7 @@ __all__ = [
     "Simulator",
     "Sphere",
     "__version__",
+    "attach",
     "errors",
     "metrics",
     "scenarios",
@@ -76,6 +78,7 @@ _FROM: dict[str, str | None] = {
     "Settings": "settings",
     "Simulator": "simulator",
     "Sphere": "shapes",
+    "attach": "hosted",
     "simulate": "simulation",
 }
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from halfphysics.settings import Settings
 if TYPE_CHECKING:
     from halfphysics.body import Body
     from halfphysics.scene import Scene
-    from halfphysics.world import World
+    from halfphysics.world import Person, World
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -261,7 +261,20 @@ class Simulator:
         )
 
 
-def touches(world: World, rows: Array) -> tuple[Touches, NDArray[np.int64]]:
+class Named(Protocol):
+    """What has names: a `World`."""
+
+    @property
+    def names(self) -> tuple[str, ...]: ...
+    @property
+    def people(self) -> tuple[Person, ...]: ...
+
+    static_name: NDArray[np.int64]
+    mover_name: NDArray[np.int64]
+    mover_part: NDArray[np.int64]
+
+
+def touches(world: Named, rows: Array) -> tuple[Touches, NDArray[np.int64]]:
     """Contacts in terms of people and names, from the core's rows (n, 12).
 
     Where two people touch, each has a row of its own, with opposite normal and impulse.

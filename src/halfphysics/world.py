@@ -16,11 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
-from halfphysics.colliders import convex_collider, part_collider
+from halfphysics.colliders import convex_collider
 from halfphysics.errors import InputError
 from halfphysics.fingerprint import fingerprint
 from halfphysics.person_model import addresses, principal
-from halfphysics.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.person_movers import add_person_movers
+from halfphysics.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -119,20 +120,7 @@ class World:
         self._add_movers(model)
         self._add_statics()
         self._set_pairings()
-        s = settings
-        self.stepper.set_settings(
-            s.stiffness,
-            s.drive_time or 0.0,
-            s.recovery_rate,
-            s.root == "recover",
-            s.root_speed,
-            max(s.clearance, LEAST_CLEARANCE),
-            s.clearance_range,
-            s.depenetration_speed,
-            s.tolerance,
-            s.max_sweeps,
-            np.array(scene.gravity),
-        )
+        set_settings(self.stepper, settings, scene.gravity)
         self.stepper.finish([p.root for p in self.people])
 
     def _compile(self, people: list[str]) -> Any:
@@ -179,8 +167,15 @@ class World:
         names: list[int] = []
         parts: list[int] = []
         for index, person in enumerate(self.people):
-            add = self._add_skin if self.settings.contact == "skin" else self._add_parts
-            mine = add(model, index, person, name_of[person.name])
+            mine = add_person_movers(
+                self.stepper,
+                model,
+                person.body,
+                self.settings,
+                prefix=f"{person.name}/",
+                index=index,
+                name=name_of[person.name],
+            )
             names += [name_of[person.name]] * len(mine)
             parts += mine
         for thing in self.scene.objects.values():
@@ -199,45 +194,6 @@ class World:
             parts.append(-1)
         self.mover_name = np.array(names, dtype=np.int64)
         self.mover_part = np.array(parts, dtype=np.int64)
-
-    def _add_parts(self, model: Any, index: int, person: Person, name: int) -> list[int]:
-        """The rigid parts of a person as movers; their joints."""
-        joints = []
-        for part in person.body.variant.parts:
-            if len(part.vertices) == 0:
-                continue
-            collider = part_collider(part)
-            self.stepper.add_mover(
-                model.body(f"{person.name}/{part.name}").id,
-                name,
-                index,
-                part.index,
-                collider.vertices,
-                collider.normals,
-                collider.radius,
-                collider.rim,
-            )
-            joints.append(part.index)
-        return joints
-
-    def _add_skin(self, model: Any, index: int, person: Person, name: int) -> list[int]:
-        """The hulls of a person's skin as movers; the joints they belong to."""
-        body = person.body
-        skin = self.stepper.add_skin(
-            np.array([model.body(f"{person.name}/{j}").id for j in JOINT_NAMES], dtype=np.int32),
-            np.ascontiguousarray(PARENTS, dtype=np.int32),
-            np.ascontiguousarray(body.rest_joints),
-            np.ascontiguousarray(body.rest_vertices),
-            *body.skin.sparse_weights,
-            np.zeros((0, 3, 0)) if body.posedirs is None else body.posedirs,
-        )
-        hulls = body.skin_corners
-        for h, part in enumerate(hulls.part):
-            vertices = hulls.vertex[hulls.first[h] : hulls.first[h + 1]]
-            self.stepper.add_skin_mover(
-                skin, name, index, int(part), np.ascontiguousarray(vertices, dtype=np.int32)
-            )
-        return [int(part) for part in hulls.part]
 
     def _add_statics(self) -> None:
         from halfphysics.shapes import Mesh, Plane
@@ -328,6 +284,24 @@ def _mesh_tree(static: Static, rotation: Array, position: Array) -> Any:
         tree = _native.MeshTree(vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32))
         _trees[static] = tree
     return tree
+
+
+def set_settings(stepper: Any, settings: Settings, gravity: Array) -> None:
+    """Give the stepper its settings and gravity (3,) [m/s^2]."""
+    s = settings
+    stepper.set_settings(
+        s.stiffness,
+        s.drive_time or 0.0,
+        s.recovery_rate,
+        s.root == "recover",
+        s.root_speed,
+        max(s.clearance, LEAST_CLEARANCE),
+        s.clearance_range,
+        s.depenetration_speed,
+        s.tolerance,
+        s.max_sweeps,
+        np.array(gravity),
+    )
 
 
 def model_arrays(model: Any) -> tuple[Any, ...]:

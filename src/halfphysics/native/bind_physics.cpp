@@ -250,6 +250,30 @@ void bind_physics(nb::module_& m) {
              d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
              return d;
            })
+      // In somebody else's world: see Stepper::begin_hosted.
+      .def("begin_hosted",
+           [](Stepper& s, Doubles targets, double dt) {
+             int want = 0;
+             for (int p = 0; p < s.person_count(); p++) want += s.person_qpos_count(p);
+             need((int)targets.shape(0) == want, "begin_hosted: bad length of targets");
+             s.begin_hosted(targets.data(), dt);
+           })
+      .def("substep_hosted",
+           [](Stepper& s, int k, double h, Doubles qpos, Doubles qvel, Doubles free,
+              Doubles damping) {
+             const size_t nq = s.model.nq, nv = s.model.nv;
+             need(qpos.shape(0) == nq && qvel.shape(0) == nv && free.shape(0) == nv &&
+                      damping.shape(0) == nv,
+                  "substep_hosted: bad length of qpos, qvel, free or damping");
+             nb::gil_scoped_release release;
+             s.substep_hosted(k, h, qpos.data(), qvel.data(), free.data(), damping.data());
+           })
+      .def("end_hosted", &Stepper::end_hosted)
+      // Bodies whose tree was touched in the substep before (a person's: in the frame).
+      .def("disturbed",
+           [](Stepper& s) {
+             return array(std::vector<double>(s.disturbed().begin(), s.disturbed().end()));
+           })
       .def("person_qpos", &Stepper::person_qpos)
       .def("person_qpos_count", &Stepper::person_qpos_count)
       .def("qpos", [](Stepper& s) { return array(s.qpos()); })

@@ -66,6 +66,7 @@ class Drive {
   // A frame of length dt has passed: gentle as long as the person comes out of something, and then until
   // it is back at the motion's pose, but for the root's position, or for a while.
   void stay_gentle(bool comes_out, double dt, const double* qpos);
+  double frame_length() const { return dt_; }  // of the last aim() [s]
   // The motion's own velocity.
   void reference(double* v) const;
 

@@ -31,6 +31,7 @@ void Stepper::build_inertia(double h) {
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
   }
   const std::vector<double> drive = extra_;
+  for (size_t i = 0; i < hosted_damping_.size(); i++) extra_[i] += h * hosted_damping_[i];
   stiffen();
   inertia_.factor(model, scale_, extra_, world.active.data());
   extra_ = drive;
@@ -84,6 +85,11 @@ void Stepper::free_velocity(int k, double h) {
     for (int i = 0; i < model.nv; i++) torque_[i] *= extra_[i] / h;
     inertia_.solve(model, torque_.data());
     for (int i = 0; i < model.nv; i++) v_free_[i] += torque_[i];
+  }
+  if (hosted_free_) {
+    for (int i = 0; i < model.nv; i++)
+      if (!is_person(model.dof_body[i])) v_free_[i] = hosted_free_[i];
+    return;
   }
   object_velocity(h);
 }

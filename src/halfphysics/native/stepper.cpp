@@ -21,15 +21,15 @@ constexpr int kMostParts = 32;
 void Stepper::finish(const std::vector<int>& person_roots) {
   model.finish();
   drives_.clear();
-  std::vector<char> person(model.nbody, 0);
+  person_.assign(model.nbody, 0);
   for (int root : person_roots) {
     if (root <= 0 || root >= model.nbody) throw std::invalid_argument("bad root body");
     drives_.emplace_back(model, root);
-    person[root] = 1;
+    person_[root] = 1;
   }
   objects_.clear();
   for (int b = 1; b < model.nbody; b++)
-    if (!person[b] && model.jnt_count[b] == 1 &&
+    if (!person_[b] && model.jnt_count[b] == 1 &&
         model.jnt_type[model.jnt_first[b]] == Joint::Free)
       objects_.push_back(b);
   for (Mover& m : world.movers) {

@@ -45,6 +45,18 @@ class Stepper {
   // With `poses`, the committed pose of every substep is appended to it.
   void frame(const double* targets, double dt, int n, std::vector<double>* poses = nullptr);
 
+  // In somebody else's world (hosted.cpp): another engine moves all that is no person and says, substep
+  // by substep, where it is and which velocity it would have without the people. One frame of length
+  // dt: begin, its substeps, end.
+  void begin_hosted(const double* targets, double dt);
+  // Substep k of length h from `qpos`, `qvel` (people's entries are not read). `free`: the others'
+  // velocity at its end without people; `damping`: of their joints, implicit, per dof.
+  void substep_hosted(int k, double h, const double* qpos, const double* qvel, const double* free,
+                      const double* damping);
+  void end_hosted();
+  // Per body: has its tree been touched in the substep before (a person's: in the frame)?
+  const std::vector<char>& disturbed() const { return disturbed_; }
+
   const std::vector<double>& qpos() const { return qpos_; }
   const std::vector<double>& qvel();
   const std::vector<Touch>& touches() const { return touches_; }
@@ -118,12 +130,15 @@ class Stepper {
   double retry(double h, std::vector<double> share);
   double catch_up(double h, double left, bool begun);
 
+  bool is_person(int body) const { return person_[model.root[body]]; }
+
   // The parts of a substep.
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
   void warm_start(Contact& c);
   void remember(const std::vector<double>& share);
 
   std::vector<Drive> drives_;
+  std::vector<char> person_;  // per body: the root of one
   bool pose_known_ = false;  // start_ is the pose of qpos_
   Sweep sweep_;
   std::vector<double> q_free_, angular_, spin_bound_, turn_bound_, speed_bound_;
@@ -133,6 +148,8 @@ class Stepper {
   std::vector<double> q_start_, fastest_;
   std::vector<double>* record_ = nullptr;  // of the frame under way
   std::vector<double> assumed_;  // per mover: what the others' sweeps allow it to travel [m]
+  const double* hosted_free_ = nullptr;  // of the substep under way
+  std::vector<double> hosted_damping_;   // per dof [N s/m, N m s]; empty: nobody hosts
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;

@@ -11,6 +11,7 @@
 namespace hp {
 
 enum class Joint : int { Free = 0, Ball = 1, Slide = 2, Hinge = 3 };
+inline int qpos_width(Joint j) { return j == Joint::Free ? 7 : j == Joint::Ball ? 4 : 1; }
 
 struct Model {
   int nbody = 0, njnt = 0, nq = 0, nv = 0;

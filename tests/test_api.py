@@ -14,7 +14,7 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
-Result Scene Sequence Settings Simulator Sphere __version__ errors metrics scenarios simulate
+Result Scene Sequence Settings Simulator Sphere __version__ attach errors metrics scenarios simulate
 """
 
 # What is called from outside: name -> parameters, * before keyword-only ones.
@@ -56,6 +56,7 @@ PARAMETERS = {
     "Simulator.step": "self pose dt",
     "Simulator.get_state": "self",
     "Simulator.set_state": "self state",
+    "attach": "spec body prefix",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "
     "diagnostics inside",
     "Result.save": "self path",

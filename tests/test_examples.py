@@ -46,3 +46,10 @@ def test_own_scene(tmp_path):
     crate = result.objects["crate"].position
     assert crate[-1, 0] - crate[0, 0] > 0.2  # pushed along
     assert result.people[0].body.stature == pytest.approx(1.80)
+
+
+def test_beside_a_robot():
+    turned = [turn for turn, _ in example("04_beside_a_robot.py")["main"]().values()]
+    assert turned == sorted(turned, reverse=True)  # the firmer, the less the joints give
+    assert turned[0] > np.radians(10.0)
+    assert turned[-1] < np.radians(2.0)

@@ -231,7 +231,7 @@ class Control:
             k, h, qpos, qvel, np.array(data.qvel), np.array(self._model.dof_damping)
         )
         # What nobody touched has made MuJoCo's own step, to the last bit.
-        pushed = stepper.disturbed() != 0.0
+        pushed = stepper.disturbed()[self._model.body_rootid] != 0.0
         if (pushed & ~self._mine).any():
             pushed &= ~self._mine
             places, dofs = pushed[self._qpos_of], pushed[self._dof_of]
@@ -284,13 +284,18 @@ class Control:
             name=index,
         )
         mover_name, static_name = [index] * len(parts), []
-        pose = _fixed_poses(model)
+        rotations, positions = _fixed_poses(model)
         for name, g in enumerate(self._geoms):
             body = int(model.geom_bodyid[g])
             if model.body_weldid[body] == 0:
-                self._add_static(name, g, *pose(g))
+                self._add_static(name, g, rotations[g], positions[g])
                 static_name.append(name)
                 continue
+            if model.body_mocapid[model.body_rootid[body]] >= 0:
+                raise InputError(
+                    f"bind: geom '{self.names[name]}' is on a mocap body, which nothing can "
+                    "touch; give the body joints, or set contype and conaffinity to 0"
+                )
             rotation, position = _in_body(model, g)
             collider = geoms.geom_collider(model, g).moved(rotation, position)
             self._stepper.add_mover(
@@ -364,23 +369,13 @@ def _qpos_bodies(model: Any) -> NDArray[np.int64]:
     return owner
 
 
-def _fixed_poses(model: Any) -> Any:
-    """Function from a geom that is fixed to the world to its rotation (3, 3), position (3,)."""
+def _fixed_poses(model: Any) -> tuple[Array, Array]:
+    """Rotations (n, 3, 3) and positions (n, 3) of all geoms; right for those that never move."""
     import mujoco
 
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-
-    def pose(geom: int) -> tuple[Array, Array]:
-        body = int(model.geom_bodyid[geom])
-        if model.body_mocapid[model.body_rootid[body]] >= 0:
-            raise InputError(
-                f"bind: geom '{geoms.geom_name(model, geom)}' is on a mocap body, which nothing "
-                "can touch; give the body joints, or set contype and conaffinity to 0"
-            )
-        return np.array(data.geom_xmat[geom]).reshape(3, 3), np.array(data.geom_xpos[geom])
-
-    return pose
+    return np.array(data.geom_xmat).reshape(-1, 3, 3), np.array(data.geom_xpos)
 
 
 def _in_body(model: Any, geom: int) -> tuple[Array, Array]:

@@ -54,7 +54,7 @@ class Stepper {
   void substep_hosted(int k, double h, const double* qpos, const double* qvel, const double* free,
                       const double* damping);
   void end_hosted();
-  // Per body: has its tree been touched in the substep before (a person's: in the frame)?
+  // Per body that is a root: has its tree been touched in the substep before (a person's: in the frame)?
   const std::vector<char>& disturbed() const { return disturbed_; }
 
   const std::vector<double>& qpos() const { return qpos_; }

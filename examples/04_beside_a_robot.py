@@ -1,7 +1,7 @@
 """A person beside a robot in a MuJoCo world of one's own: `hp.attach`.
 
-An arm with a servo swings into the way of somebody who reaches out; how far each gives depends on how
-firm the person is and how strong the motor.
+An arm with a servo swings into the way of somebody who holds out an arm; how far each gives
+depends on how firm the person is and how strong the motor.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ def main() -> dict[float, tuple[float, float]]:
             turned = max(turned, float(np.linalg.norm(away, axis=-1).max()))
         found[stiffness] = (turned, float(data.qpos[0]))
         print(
-            f"stiffness {stiffness:g}: joints turned by {np.degrees(turned):.1f} degrees, the robot "
-            f"got to {np.degrees(data.qpos[0]):.0f} of {np.degrees(data.ctrl[0]):.0f}"
+            f"stiffness {stiffness:g}: joints turned by {np.degrees(turned):.1f} degrees, the "
+            f"robot got to {np.degrees(data.qpos[0]):.0f} of {np.degrees(data.ctrl[0]):.0f}"
         )
     return found
 

@@ -304,6 +304,19 @@ def set_settings(stepper: Any, settings: Settings, gravity: Array) -> None:
     )
 
 
+def joint_arrays(model: Any) -> tuple[Any, ...]:
+    """The arrays of an MjModel that the core's set_joint_forces() takes, in its order."""
+
+    def doubles(x: Any) -> Array:
+        return np.ascontiguousarray(x, dtype=np.float64)
+
+    return (
+        *map(doubles, (model.dof_damping, model.jnt_stiffness, model.qpos_spring)),
+        np.ascontiguousarray(model.jnt_limited, dtype=np.int32),
+        doubles(model.jnt_range).reshape(-1, 2),
+    )
+
+
 def model_arrays(model: Any) -> tuple[Any, ...]:
     """The arrays of an MjModel that the core's set_model() takes, in its order."""
 

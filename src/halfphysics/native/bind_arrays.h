@@ -14,6 +14,7 @@ namespace hp {
 
 using Doubles = f64<nb::ndim<1>>;
 using Ints = i32<nb::ndim<1>>;
+using Rows2 = f64<nb::shape<-1, 2>>;
 using Rows3 = f64<nb::shape<-1, 3>>;
 using Rows4 = f64<nb::shape<-1, 4>>;
 using Faces = i32<nb::shape<-1, 3>>;

@@ -178,6 +178,24 @@ void bind_physics(nb::module_& m) {
              s.clearance_range = clearance_range;
              s.gravity = load3(gravity.data());
            })
+      // In the order of set_model: per dof, per joint, per coordinate, and two per joint.
+      .def("set_joint_forces",
+           [](Stepper& s, Doubles damping, Doubles stiffness, Doubles spring, Ints limited,
+              Rows2 range) {
+             const Model& m = s.model;
+             need((int)damping.shape(0) == m.nv && (int)stiffness.shape(0) == m.njnt &&
+                      (int)spring.shape(0) == m.nq && (int)limited.shape(0) == m.njnt &&
+                      (int)range.shape(0) == m.njnt,
+                  "set_joint_forces: arrays that do not fit the model");
+             JointForces& f = s.articulations.joints;
+             f.damping = list<double>(damping), f.stiffness = list<double>(stiffness);
+             f.spring = list<double>(spring);
+             f.limited.assign(m.njnt, 0), f.lower.assign(m.njnt, 0), f.upper.assign(m.njnt, 0);
+             for (int j = 0; j < m.njnt; j++) {
+               f.limited[j] = limited.data()[j] != 0;
+               f.lower[j] = range.data()[2 * j], f.upper[j] = range.data()[2 * j + 1];
+             }
+           })
       .def("finish",
            [](Stepper& s, std::vector<int> person_roots) {
              // Hulls point at their own shapes: only now do the statics stop moving in memory.

@@ -113,6 +113,20 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
                }
              return array({n, n}, M);
            })
+      // Forces of gravity, turning axes and so on, of whole trees.
+      .def("bias_forces",
+           [](Stepper& s, Doubles qpos, Doubles qvel) {
+             const Model& mod = s.model;
+             Kinematics k;
+             k.resize(mod);
+             k.update(mod, qpos.data());
+             k.update_dofs(mod, qpos.data());
+             std::vector<int> bodies;
+             for (int b = 1; b < mod.nbody; b++) bodies.push_back(b);
+             std::vector<double> out(mod.nv);
+             bias_forces(mod, k, qvel.data(), s.gravity, bodies, out.data());
+             return array(out);
+           })
       // Vertices of the skin that are a mover's corners; none: it is rigid.
       .def("mover_vertices",
            [](Stepper& s, int mover) {

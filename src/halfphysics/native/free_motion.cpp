@@ -30,6 +30,7 @@ void Stepper::build_inertia(double h) {
     double s = d.scale(drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
   }
+  articulations.added_inertia(model, world.active, h, extra_);
   const std::vector<double> drive = extra_;
   for (size_t i = 0; i < hosted_damping_.size(); i++) extra_[i] += h * hosted_damping_[i];
   stiffen();
@@ -80,11 +81,16 @@ void Stepper::free_velocity(int k, double h) {
     if (world.active[d.body(0)])
       any |= d.free_velocity(drive_settings, k, h, qpos_.data(), qvel_.data(), v_free_.data(),
                              torque_.data());
-  if (any) {
+  const bool trees = articulations.any(model, world.active);
+  if (any || trees) {
     build_inertia(h);
     for (int i = 0; i < model.nv; i++) torque_[i] *= extra_[i] / h;
+    if (trees)
+      articulations.impulse(model, start_.kin, world.active, gravity, qpos_.data(), qvel_.data(), h,
+                            torque_.data());
     inertia_.solve(model, torque_.data());
     for (int i = 0; i < model.nv; i++) v_free_[i] += torque_[i];
+    for (int i : articulations.dofs()) pull_[i] = torque_[i];
   }
   if (hosted_free_) {
     for (int i = 0; i < model.nv; i++)

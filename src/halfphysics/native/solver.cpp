@@ -139,6 +139,9 @@ void ContactSolver::join(const Model& m, const Kinematics& k, const Inertia& ine
   for (int i = row.first; i < row.first + row.count; i++)
     for (int q = 0; q < 3; q++) scatter_[4 * dof_[i] + q] = 0;
 
+  // What moves with a joint alone has one row; the other two get something regular to divide by.
+  if (c.a.count == 0 && c.b.count == 0)
+    for (int q = 1; q < 3; q++) problem_.A(n, n)[q * stride + q] += problem_.A(n, n)[0];
   const double warm[3] = {dot(c.n, c.impulse), dot(c.t, c.impulse), dot(c.s, c.impulse)};
   problem_.add(&demand_[3 * contact], warm, c.friction, c.pair);
 }
@@ -270,7 +273,8 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
     for (const Endpoint* e : {&c.a, &c.b})
       for (int l = 0; l < e->count; l++)
         if (m.last_dof[e->body[l]] >= 0) return m.root[e->body[l]];
-    return 0;
+    // The end of a joint moves with that alone.
+    return c.a.bends ? m.root[m.dof_body[c.a.bends->front().dof]] : 0;
   };
   for (const Contact& c : contacts)
     for (const Endpoint* e : {&c.a, &c.b})

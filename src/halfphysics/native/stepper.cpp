@@ -28,10 +28,15 @@ void Stepper::finish(const std::vector<int>& person_roots) {
     person_[root] = 1;
   }
   objects_.clear();
+  std::vector<int> tree_size(model.nbody, 0);
+  for (int b = 1; b < model.nbody; b++) tree_size[model.root[b]]++;
   for (int b = 1; b < model.nbody; b++)
-    if (!person_[b] && model.jnt_count[b] == 1 &&
+    if (!person_[b] && model.jnt_count[b] == 1 && tree_size[b] == 1 &&
         model.jnt_type[model.jnt_first[b]] == Joint::Free)
       objects_.push_back(b);
+  std::vector<char> others = person_;
+  for (int b : objects_) others[b] = 1;
+  articulations.finish(model, others);
   for (Mover& m : world.movers) {
     if (m.body <= 0 || m.body >= model.nbody) throw std::invalid_argument("bad body of a shape");
     m.finish();
@@ -45,7 +50,7 @@ void Stepper::finish(const std::vector<int>& person_roots) {
         joint_reach_[b] = std::max(joint_reach_[b], far);
     }
   qpos_.assign(model.nq, 0);
-  for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_})
+  for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_, &pull_})
     v->assign(model.nv, 0);
   world.standing.assign(model.nbody, 0);
   scale_.assign(model.nv, 1);
@@ -263,7 +268,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
 // A contact is a straight line where what turns goes in a circle: things that turn far in a substep
 // make it in parts, or contacts would add energy.
 int Stepper::parts_of(double h) const {
-  double fastest = 0;
+  double fastest = articulations.fastest(model, world.active, qvel_.data());
   for (int b : objects_)
     if (world.active[b]) fastest = std::max(fastest, norm(load3(&qvel_[model.dof_first[b] + 3])));
   if (fastest * h <= kTurn) return 1;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "articulation.h"
 #include "collide.h"
 #include "drive.h"
 #include "solver.h"
@@ -28,6 +29,7 @@ class Stepper {
   Stepper(const Stepper&) = delete;
   Model model;
   World world;
+  Articulations articulations;
   DriveSettings drive_settings;
   Vec3 gravity{0, 0, -9.81};
   double clearance_range = 0.05;
@@ -117,6 +119,7 @@ class Stepper {
   bool verify(double h, int pass, double& worst);
   double approach(const Contact& c, const std::vector<Twist>& twists,
                   const std::vector<double>& v) const;
+  bool within_limits(double h) const;
   void drop_idle();
   bool give_way();
   void relax();
@@ -161,6 +164,8 @@ class Stepper {
   std::vector<double> reach_, way_;
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;
+  std::vector<Contact> limits_;  // of joints: they take part in every solve, and their rows are exact
+  std::vector<double> pull_;     // what forces gave to articulated dofs in this substep
   // Of an attempt at a step.
   bool good_ = true;       // nothing is violated at its end
   double worst_ = 0;       // most that is [m], negative

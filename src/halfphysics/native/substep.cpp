@@ -241,11 +241,29 @@ void Stepper::relax() {
   for (Contact& c : contacts_) c.target = candidates_[c.pair].target;
 }
 
+bool Stepper::within_limits(double h) const {
+  for (const Contact& c : limits_)
+    if (c.dist + h * limit_sign(c) * v_[limit_dof(c)] < c.target) return false;
+  return true;
+}
+
 void Stepper::solve(double h) {
   const auto begin = std::chrono::steady_clock::now();
   build_inertia(step_);
+  const size_t contacts = contacts_.size();
+  for (size_t i = 0; i < limits_.size(); i++) limits_[i].pair = (int)(candidates_.size() + i);
+  contacts_.insert(contacts_.end(), limits_.begin(), limits_.end());
   SolveReport r = solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(),
                                 contacts_, tolerance_ / h, world.settings.max_sweeps);
+  for (size_t i = 0; i < limits_.size(); i++) {
+    // What solving leaves is cut: a joint goes no farther than it goes.
+    Contact& c = limits_[i];
+    c.impulse = contacts_[contacts + i].impulse;
+    double& v = v_[limit_dof(c)];
+    const double least = (c.target - c.dist) / h;
+    if (limit_sign(c) * v < least) v = limit_sign(c) * least;
+  }
+  contacts_.resize(contacts);
   diagnostics_.sweeps += r.sweeps;
   diagnostics_.passes++;
   double n3 = 3.0 * r.points;
@@ -267,6 +285,8 @@ bool Stepper::bounce(double h, bool good, double& worst) {
   std::vector<double> before(v_free_);
   for (int b : objects_)
     for (int i = 0; i < 3; i++) before[model.dof_first[b] + i] -= pulled_ * gravity[i];
+  for (int i : articulations.dofs())
+    if (pulled_ > 0) before[i] -= pull_[i];
   // Nor is the velocity in mid-step what it ends with where things spin fast.
   for (int i = 0; i < model.nv; i++) before[i] += spin_[i];
   std::vector<Twist> arrived, spun;
@@ -372,6 +392,7 @@ void Stepper::try_step(double h) {
     if (world.active[b])
       reach_[i] = 1.25 * std::max(reach_[i], 0.35 * fastest_[model.root[b]]) + clear + kSlackReach;
   }
+  articulations.limits(model, world.active, qpos_.data(), limits_);
   for (int query = 0; query < kQueries; query++) {
     for (Remembered& w : warm_) w.used = false;
     contacts_.clear();
@@ -383,7 +404,7 @@ void Stepper::try_step(double h) {
     diagnostics_.candidates = std::max(diagnostics_.candidates, (int)candidates_.size());
     v_ = v_free_;
     pose_at(v_, h, end_, q_end_);
-    good_ = verify(h, 0, worst_);
+    good_ = verify(h, 0, worst_) && within_limits(h);
     double most = work_ + kMostWork, least = kFar, mark = kFar;
     for (int pass = 1, stale = 0; !good_; pass++) {
       if (pass > kPasses || work_ > most || stale >= kStale) {

@@ -122,6 +122,8 @@ void Kinematics::update_dofs(const Model& m, const double* qpos, const char* act
           Vec3 axis = xmat[b].col(k);
           d[k] = {axis, cross(axis, ref - anchor)};
         }
+        quat = quat * normalized(load4(q));
+        pos = anchor - to_matrix(quat) * m.jnt_pos[j];
         continue;
       }
       Vec3 axis = R * m.jnt_axis[j];
@@ -170,25 +172,36 @@ void integrate(const Model& m, double* qpos, const double* qvel, double t, const
   }
 }
 
+Inertia::Composite Inertia::of_body(const Model& m, const Kinematics& k, int b) {
+  Composite c;
+  Vec3 r = k.xpos[b] + k.xmat[b] * m.ipos[b] - k.reference(m, b);
+  double mass = m.mass[b];
+  Mat3 R = k.xmat[b] * to_matrix(m.iquat[b]);
+  c.mass = mass;
+  c.moment = mass * r;
+  double rr = norm2(r);
+  static const int row[6] = {0, 1, 2, 0, 0, 1}, col[6] = {0, 1, 2, 1, 2, 2};
+  for (int e = 0; e < 6; e++) {
+    int i = row[e], j = col[e];
+    double s = 0;
+    for (int a = 0; a < 3; a++) s += R.m[3 * i + a] * m.inertia[b][a] * R.m[3 * j + a];
+    c.I[e] = s + mass * ((i == j ? rr : 0) - r[i] * r[j]);
+  }
+  return c;
+}
+
+Twist Inertia::Composite::operator*(const Twist& s) const {
+  return {Vec3{I[0] * s.w.x + I[3] * s.w.y + I[4] * s.w.z,
+               I[3] * s.w.x + I[1] * s.w.y + I[5] * s.w.z,
+               I[4] * s.w.x + I[5] * s.w.y + I[2] * s.w.z} +
+              cross(moment, s.v),
+          mass * s.v + cross(s.w, moment)};
+}
+
 void Inertia::compose(const Model& m, const Kinematics& k, const char* active) {
   composite_.assign(m.nbody, {});
-  for (int b = 1; b < m.nbody; b++) {
-    if (active && !active[b]) continue;
-    Composite& c = composite_[b];
-    Vec3 r = k.xpos[b] + k.xmat[b] * m.ipos[b] - k.reference(m, b);
-    double mass = m.mass[b];
-    Mat3 R = k.xmat[b] * to_matrix(m.iquat[b]);
-    c.mass = mass;
-    c.moment = mass * r;
-    double rr = norm2(r);
-    static const int row[6] = {0, 1, 2, 0, 0, 1}, col[6] = {0, 1, 2, 1, 2, 2};
-    for (int e = 0; e < 6; e++) {
-      int i = row[e], j = col[e];
-      double s = 0;
-      for (int a = 0; a < 3; a++) s += R.m[3 * i + a] * m.inertia[b][a] * R.m[3 * j + a];
-      c.I[e] = s + mass * ((i == j ? rr : 0) - r[i] * r[j]);
-    }
-  }
+  for (int b = 1; b < m.nbody; b++)
+    if (!active || active[b]) composite_[b] = of_body(m, k, b);
   for (int b = m.nbody - 1; b > 0; b--) {
     int p = m.parent[b];
     if (p == 0 || (active && !active[b])) continue;
@@ -199,19 +212,12 @@ void Inertia::compose(const Model& m, const Kinematics& k, const char* active) {
   M.resize(m.chain.size());
   for (int i = 0; i < m.nv; i++) {
     if (active && !active[m.dof_body[i]]) continue;
-    const Composite& c = composite_[m.dof_body[i]];
-    const Twist& s = k.cdof[i];
-    const double* I = c.I;
     // Momentum of the subtree under unit velocity of this dof, about the reference point.
-    Vec3 angular = Vec3{I[0] * s.w.x + I[3] * s.w.y + I[4] * s.w.z,
-                        I[3] * s.w.x + I[1] * s.w.y + I[5] * s.w.z,
-                        I[4] * s.w.x + I[5] * s.w.y + I[2] * s.w.z} +
-                   cross(c.moment, s.v);
-    Vec3 linear = c.mass * s.v + cross(s.w, c.moment);
+    const Twist momentum = composite_[m.dof_body[i]] * k.cdof[i];
     double* row = &M[m.row_start[i]];
     const int* dof = &m.chain[m.row_start[i]];
     for (int a = 0; a < m.row_size[i]; a++)
-      row[a] = dot(k.cdof[dof[a]].w, angular) + dot(k.cdof[dof[a]].v, linear);
+      row[a] = dot(k.cdof[dof[a]].w, momentum.w) + dot(k.cdof[dof[a]].v, momentum.v);
     row[m.row_size[i] - 1] += m.armature[i];
   }
 }

@@ -81,12 +81,15 @@ struct Inertia {
   void solve(const Model& m, double* x) const;       // x <- matrix^-1 x
   void half_solve_back(const Model& m, double* x) const;  // x <- L^-1 x, the last half of solve()
 
- private:
   struct Composite {
     double mass = 0;
     Vec3 moment;  // mass times centre of mass, about the reference point
     double I[6] = {0, 0, 0, 0, 0, 0};  // xx yy zz xy xz yz about the reference point
+    Twist operator*(const Twist& s) const;  // momentum under a motion: angular, linear
   };
+  static Composite of_body(const Model& m, const Kinematics& k, int body);  // of it alone
+
+ private:
   std::vector<Composite> composite_;
 };
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
     """Of what moves and what it meets: names, places, geometry and masses, not of settings."""
+    from halfphysics.moving import Moving
+
     number = 0
 
     def add(*values: Any) -> None:
@@ -41,6 +43,10 @@ def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
     for thing in scene.objects.values():
         add(thing.name, thing.com, thing.inertia, np.float64(thing.mass))
         add_shape(thing.shape)
+        if isinstance(thing, Moving):
+            add(thing.positions, thing.quaternions, np.float64(thing.fps), np.float64(thing.loop))
+        elif thing.start == "asleep":
+            add(thing.start)
     for body in bodies:
         add(body.rest_joints, *(part.vertices for part in body.variant.parts))
     return f"{len(scene.statics)} statics, {len(scene.objects)} objects, {number:08x}"

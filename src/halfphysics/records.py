@@ -42,7 +42,7 @@ class SceneRecord:
         from halfphysics.io.scene_file import scene_document
 
         document = json.loads(json.dumps(scene_document(scene)))
-        for group in ("statics", "objects"):
+        for group in ("statics", "objects", "moving"):
             for thing in document.get(group, {}).values():
                 if isinstance(thing.get("mesh"), dict):
                     thing["mesh"] = {IN_MEMORY: _identity(thing["mesh"])}
@@ -51,7 +51,7 @@ class SceneRecord:
     def missing(self) -> dict[str, str]:
         """Things that cannot be built again: name -> why."""
         lost = {}
-        for group in ("statics", "objects"):
+        for group in ("statics", "objects", "moving"):
             for name, thing in self.document.get(group, {}).items():
                 mesh = thing.get("mesh")
                 if isinstance(mesh, dict):
@@ -78,7 +78,7 @@ class SceneRecord:
                 stacklevel=4,
             )
         document = dict(self.document)
-        for group in ("statics", "objects"):
+        for group in ("statics", "objects", "moving"):
             things = document.get(group, {})
             document[group] = {name: thing for name, thing in things.items() if name not in lost}
         for group in ("friction", "ignore"):

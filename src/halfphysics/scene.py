@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,9 @@ from halfphysics.mesh import Mesh, MeshSource
 from halfphysics.shape_base import Shape, Triangles
 from halfphysics.shapes import Plane
 from halfphysics.validation import number, quaternion, shown, vector
+
+if TYPE_CHECKING:
+    from halfphysics.moving import Moving
 
 Array = NDArray[np.float64]
 
@@ -58,7 +61,8 @@ class Object:
     is kept as `visual` (None for a primitive). `mass` [kg], `com` (3,) centre of mass [m] and
     `inertia` (3, 3) about it [kg m^2] in the object's frame; at the start `position` (3,) and
     `quaternion` (4,) of that frame, `velocity` (3,) of its origin [m/s] and `angular_velocity`
-    (3,) [rad/s], all in the world.
+    (3,) [rad/s], all in the world; `start` "awake", or "asleep": held where it is until something
+    that moves touches it.
     """
 
     name: str
@@ -74,6 +78,7 @@ class Object:
     angular_velocity: Array
     source: MeshSource | None = None
     visual: Mesh | None = None
+    start: str = "awake"
 
     def mesh(self) -> Triangles:
         """Vertices (V, 3) [m] and faces (F, 3) of what touches, in the object's frame."""
@@ -171,6 +176,7 @@ class Scene:
         angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
         scale: float = 1.0,
         up: str | None = None,
+        start: str = "awake",
     ) -> Object:
         """Add something that moves by contact and gravity.
 
@@ -185,6 +191,9 @@ class Scene:
             position, quaternion: Pose of its frame in the world at the start.
             velocity, angular_velocity: Of its origin [m/s], [rad/s], in the world, at the start.
             scale, up: As for statics.
+            start: "asleep": it is held where it is, whatever carries it or not, until a person or
+                something else that moves touches it (or something asleep that lies on it); then
+                it is awake for good.
 
         Raises:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
@@ -203,6 +212,13 @@ class Scene:
             "velocity": vector(velocity, f"{what}: velocity", unit="m/s"),
             "angular_velocity": vector(angular_velocity, f"{what}: angular_velocity", unit="rad/s"),
         }
+        if start not in ("awake", "asleep"):
+            raise InputError(f"{what}: start: expected 'awake' or 'asleep', found {shown(start)}")
+        if start == "asleep" and any(v.any() for v in motion.values()):
+            raise InputError(
+                f"{what}: found a velocity and start='asleep'; what is asleep does not move. "
+                "Leave one of them out"
+            )
         given, source = _shape(what, shape, scale, up)
         if isinstance(given, Plane):
             raise InputError(
@@ -222,11 +238,83 @@ class Scene:
             inertia=_fixed(properties.inertia),
             source=source,
             visual=visual,
+            start=start,
             **pose,
             **material,
             **motion,
         )
-        self._objects[name] = thing
+        self._keep(thing)
+        return thing
+
+    def add_moving(
+        self,
+        name: str,
+        shape: Shape | str | os.PathLike[str] | Any,
+        positions: ArrayLike,
+        quaternions: ArrayLike | None = None,
+        *,
+        fps: float,
+        friction: float = STATIC_FRICTION,
+        restitution: float = 0.0,
+        loop: bool = False,
+        scale: float = 1.0,
+        up: str | None = None,
+    ) -> Moving:
+        """Add something that moves along a given trajectory and pushes what is in its way.
+
+        Nothing pushes it: it has the velocity of its trajectory and, to whatever it meets, infinite
+        mass; it passes through statics and others of its kind. Where no step can be made, because
+        somebody is wedged between it and what stands, it waits, and then goes on along its
+        trajectory that much later (`Result.lost_time`).
+
+        Args:
+            name: New in this scene.
+            shape: As for objects.
+            positions, quaternions: Of its frame in the world, (K, 3) [m] and (K, 4), straight lines
+                and SLERP between them; None: never turned.
+            fps: So many of them to the second, whatever the motion's frame rate is. The first one
+                is where it is at the start.
+            friction, restitution: As for statics.
+            loop: After the last one comes the first again, 1/fps later; else it stays at the last.
+            scale, up: As for statics.
+
+        Raises:
+            InputError: An impossible value. FileError: A mesh file that cannot be used.
+        """
+        from halfphysics.moving import Moving, start_velocity, trajectory
+
+        what = self._new(name, "moving thing")
+        material = _material(what, friction, restitution)
+        places, turns = trajectory(what, positions, quaternions)
+        rate = number(fps, f"{what}: fps", above=0.0, unit="1/s")
+        if not isinstance(loop, bool):
+            raise InputError(f"{what}: loop: expected True or False, found {shown(loop)}")
+        given, source = _shape(what, shape, scale, up)
+        if isinstance(given, Plane):
+            raise InputError(
+                f"{what}: a Plane has no volume to move, expected Box, Sphere, "
+                "Capsule, Cylinder or a mesh; add_static takes planes"
+            )
+        velocity, spin = start_velocity(places, turns, rate)
+        thing = Moving(
+            name=name,
+            shape=_convex(what, given),
+            mass=np.inf,
+            com=_fixed(np.zeros(3)),
+            inertia=_fixed(np.diag([np.inf] * 3)),
+            position=_fixed(places[0]),
+            quaternion=_fixed(turns[0]),
+            velocity=_fixed(velocity),
+            angular_velocity=_fixed(spin),
+            source=source,
+            visual=given if isinstance(given, Mesh) else None,
+            positions=places,
+            quaternions=turns,
+            fps=rate,
+            loop=loop,
+            **material,
+        )
+        self._keep(thing)
         return thing
 
     def friction(self, a: str, b: str, mu: float) -> None:
@@ -287,6 +375,15 @@ class Scene:
         from halfphysics.io.scene_file import save_scene
 
         save_scene(self, path)
+
+    def _keep(self, thing: Object) -> None:
+        """What moves on a trajectory comes last: the order in files and results."""
+        from halfphysics.moving import Moving
+
+        self._objects[thing.name] = thing
+        if not isinstance(thing, Moving):
+            for name in [n for n, o in self._objects.items() if isinstance(o, Moving)]:
+                self._objects[name] = self._objects.pop(name)
 
     def _new(self, name: object, kind: str) -> str:
         if not isinstance(name, str) or not name.strip() or "/" in name or not name.isprintable():

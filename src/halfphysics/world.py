@@ -121,11 +121,13 @@ class World:
         self._add_statics()
         self._set_pairings()
         set_settings(self.stepper, settings, scene.gravity)
+        self._add_given()
         self.stepper.finish([p.root for p in self.people])
 
     def _compile(self, people: list[str]) -> Any:
         import mujoco
 
+        from halfphysics.moving import Moving
         from halfphysics.person_model import add_person
 
         spec = mujoco.MjSpec()
@@ -136,8 +138,9 @@ class World:
             # No name of a thing has a slash; MuJoCo keeps "world" for itself.
             b = spec.worldbody.add_body(name=f"object/{thing.name}", pos=thing.position)
             b.add_freejoint()
-            b.mass, b.ipos = thing.mass, [0.0, 0.0, 0.0]  # ipos left unset becomes pos
-            b.inertia, b.iquat = principal(thing.inertia)
+            given = isinstance(thing, Moving)  # what its mass is nobody asks
+            b.mass, b.ipos = 1.0 if given else thing.mass, [0.0, 0.0, 0.0]  # else ipos becomes pos
+            b.inertia, b.iquat = principal(np.eye(3) if given else thing.inertia)
             b.explicitinertial = True
         return spec.compile()
 
@@ -216,10 +219,28 @@ class World:
                 )
         self.static_name = np.array(static_name, dtype=np.int64)
 
+    def _add_given(self) -> None:
+        """The things that move as told, or not at all yet."""
+        from halfphysics.moving import Moving
+
+        for thing in self.scene.objects.values():
+            body = self.model.body(f"object/{thing.name}").id
+            if isinstance(thing, Moving):
+                self.stepper.add_track(
+                    body, thing.fps, thing.loop, thing.positions, thing.quaternions
+                )
+            elif thing.start == "asleep":
+                self.stepper.start_asleep(body)
+
     def _set_pairings(self) -> None:
+        from halfphysics.moving import Moving
+
         n = len(self.names)
         people = {p.name for p in self.people}
         friction, restitution, ignore = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
+        # What nothing pushes meets nothing that nothing pushes.
+        unmoved = {n for n, o in self.scene.objects.items() if isinstance(o, Moving)}
+        unmoved |= set(self.scene.statics)
         known = ["person" if name in people else name for name in self.names]
         for i, a in enumerate(known):
             for j, b in enumerate(known):
@@ -227,7 +248,7 @@ class World:
                     continue  # a thing does not meet itself
                 friction[i, j] = self.scene.friction_of(a, b)
                 restitution[i, j] = self.scene.restitution_of(a, b)
-                ignore[i, j] = self.scene.ignores(a, b)
+                ignore[i, j] = self.scene.ignores(a, b) or {a, b} <= unmoved
         self.stepper.set_pairings(friction, restitution, ignore)
 
     # -- state -----------------------------------------------------------------------------

@@ -15,6 +15,7 @@ import numpy as np
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.io.atomic import atomic_write
 from halfphysics.io.tree import Entry, plain_tree, read_tree
+from halfphysics.moving import Moving
 from halfphysics.scene import OBJECT_FRICTION, STATIC_FRICTION, Object, Scene, Static
 from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, MeshSource, Plane, Shape, Sphere
 from halfphysics.validation import file_path, shown
@@ -35,8 +36,9 @@ _SHAPES: dict[str, tuple[type[Shape], tuple[str, ...], tuple[str, ...]]] = {
 }
 _MESH_KEYS = ("scale", "up", "sha256")
 _STATIC_KEYS = ("position", "quaternion", "friction", "restitution")
-_OBJECT_KEYS = ("mass", "density", "com", *_STATIC_KEYS, "velocity", "angular_velocity")
-_SCENE_KEYS = ("version", "gravity", "statics", "objects", "friction", "ignore")
+_OBJECT_KEYS = ("mass", "density", "com", *_STATIC_KEYS, "velocity", "angular_velocity", "start")
+_MOVING_KEYS = ("positions", "quaternions", "fps", "loop", "friction", "restitution")
+_SCENE_KEYS = ("version", "gravity", "statics", "objects", "moving", "friction", "ignore")
 
 Read = Callable[[Entry], Any]
 
@@ -81,6 +83,11 @@ def _scene(tree: Entry, base: Path) -> Scene:
         _add(scene.add_static, name, entry, _STATIC_KEYS, base)
     for name, entry in _named(root.get("objects")):
         _add(scene.add_object, name, entry, _OBJECT_KEYS, base)
+    for name, entry in _named(root.get("moving")):
+        for key in ("positions", "fps"):
+            if key not in _named_entries(entry, "a moving thing: shape or mesh, positions, fps"):
+                raise entry.error(f"a moving thing needs {key}")
+        _add(scene.add_moving, name, entry, _MOVING_KEYS, base)
     for entry in _items(root.get("friction")):
         a, b, mu = _sequence(entry, 3, "[name, name, coefficient]")
         _guarded(entry, scene.friction, _text(a), _text(b), _number(mu))
@@ -231,6 +238,12 @@ def _text(entry: Entry) -> str:
     return entry.value
 
 
+def _flag(entry: Entry) -> bool:
+    if not isinstance(entry.value, bool):
+        raise entry.error(f"expected true or false, found {_describe(entry)}")
+    return entry.value
+
+
 def _choice(entry: Entry, options: tuple[str, ...]) -> str:
     if entry.value not in options:
         close = difflib.get_close_matches(str(entry.value), options, n=1)
@@ -257,6 +270,11 @@ _READ: dict[str, Read] = {
     ),
     "quaternion": _vector(4),
     "up": lambda entry: _choice(entry, ("y", "z")),
+    "start": lambda entry: _choice(entry, ("awake", "asleep")),
+    "fps": _number,
+    "loop": lambda entry: _flag(entry),
+    "positions": lambda entry: np.array([_vector(3)(row) for row in _items(entry)]),
+    "quaternions": lambda entry: np.array([_vector(4)(row) for row in _items(entry)]),
 }
 
 
@@ -284,7 +302,16 @@ def scene_document(scene: Scene, base: Path | None = None) -> dict[str, Any]:
         "version": VERSION,
         "gravity": float(down) + 0.0 if plain else scene.gravity.tolist(),
         "statics": {name: _thing(s, base) for name, s in scene.statics.items()},
-        "objects": {name: _thing(o, base) | _moving(o) for name, o in scene.objects.items()},
+        "objects": {
+            name: _thing(o, base) | _moving(o)
+            for name, o in scene.objects.items()
+            if not isinstance(o, Moving)
+        },
+        "moving": {
+            name: _thing(o, base) | _track(o)
+            for name, o in scene.objects.items()
+            if isinstance(o, Moving)
+        },
         "friction": [list(pair) for pair in scene.friction_pairs],
         "ignore": [list(pair) for pair in scene.ignored_pairs],
     }
@@ -303,14 +330,25 @@ def _thing(thing: Static | Object, base: Path | None) -> dict[str, Any]:
         for key in (*needed, *optional):
             value = getattr(shape, key)
             result[key] = list(value) if isinstance(value, tuple) else value
-    default = OBJECT_FRICTION if isinstance(thing, Object) else STATIC_FRICTION
-    result["position"] = thing.position.tolist()
-    if thing.quaternion.tolist() != [1.0, 0.0, 0.0, 0.0]:
+    pushed = isinstance(thing, Object) and not isinstance(thing, Moving)
+    default = OBJECT_FRICTION if pushed else STATIC_FRICTION
+    if not isinstance(thing, Moving):
+        result["position"] = thing.position.tolist()
+    if not isinstance(thing, Moving) and thing.quaternion.tolist() != [1.0, 0.0, 0.0, 0.0]:
         result["quaternion"] = thing.quaternion.tolist()
     if thing.friction != default:
         result["friction"] = thing.friction
     if thing.restitution:
         result["restitution"] = thing.restitution
+    return result
+
+
+def _track(thing: Moving) -> dict[str, Any]:
+    result: dict[str, Any] = {"fps": thing.fps, "positions": thing.positions.tolist()}
+    if (thing.quaternions != [1.0, 0.0, 0.0, 0.0]).any():
+        result["quaternions"] = thing.quaternions.tolist()
+    if thing.loop:
+        result["loop"] = True
     return result
 
 
@@ -339,4 +377,6 @@ def _moving(thing: Object) -> dict[str, Any]:
         value = getattr(thing, key).tolist()
         if any(value):
             result[key] = value
+    if thing.start != "awake":
+        result["start"] = thing.start
     return result

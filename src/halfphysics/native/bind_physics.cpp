@@ -98,6 +98,21 @@ void bind_physics(nb::module_& m) {
              v.shape = convex(vertices, radius, rim, vectors(normals));
              s.world.movers.push_back(std::move(v));
            })
+      // Poses (K, 3), (K, 4) of a body, K of them `fps` to the second; see Track.
+      .def("add_track",
+           [](Stepper& s, int body, double fps, bool loop, Rows3 position, Rows4 turn) {
+             s.add_track({body, fps, loop, vectors(position), quats(turn)});
+           })
+      .def("start_asleep", &Stepper::start_asleep)
+      .def("set_velocity",
+           [](Stepper& s, int body, Doubles six) {
+             need(six.shape(0) == 6, "set_velocity: expected six numbers");
+             s.set_velocity(body, six.data());
+           })
+      .def("adopt",
+           [](Stepper& s, Stepper& old, Ints body, Ints mover) {
+             s.adopt(old, list<int>(body), list<int>(mover));
+           })
       .def("add_skin",
            // bend: (vertices, 3, features), or of no vertices: no pose blend shapes.
            [](Stepper& s, Ints body, Ints parent, Rows3 joint, Rows3 rest, Ints first, Ints at,

@@ -72,8 +72,9 @@ void World::demand(Candidate& c, double h) {
 
 bool World::takes_part(const Near& e) const {
   const int a = movers[e.mover].body;
-  if (e.other_mover < 0) return active[a];
+  if (e.other_mover < 0) return active[a] && !asleep[a];
   const int b = movers[e.other_mover].body;
+  if (asleep[a] && asleep[b]) return false;
   return (active[a] && (active[b] || standing[b])) || (active[b] && standing[a]);
 }
 

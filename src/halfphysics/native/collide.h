@@ -112,6 +112,8 @@ class World {
   // Trees that have made their step already (per body), and stand in the way of those that take
   // part.
   std::vector<char> standing;
+  // Trees (per body) that hang where they are until something touches them: nothing else is in their way.
+  std::vector<char> asleep;
 
   // Everybody is somewhere else now: nothing is known of distances.
   void forget();
@@ -165,6 +167,9 @@ class World {
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
+  // Of pairs that were there before, what was known then: `mover` says whose number each has in `old`
+  // (-1: new).
+  void adopt(const World& old, const std::vector<int>& mover);
 
  private:
   struct PairState {

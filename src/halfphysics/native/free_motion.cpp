@@ -41,9 +41,9 @@ void Stepper::build_inertia(double h) {
 
 // Gravity, and the free rotation by the implicit midpoint rule. The pose moves with the midpoint
 // velocity; `spin_` keeps what is then missing to the velocity at the end of the substep.
-void Stepper::object_velocity(double h) {
+void Stepper::object_velocity(double h, const std::vector<char>* only) {
   for (int b : objects_) {
-    if (!world.active[b]) continue;
+    if (!world.active[b] || model.held[b] || world.asleep[b] || (only && !(*only)[b])) continue;
     int d = model.dof_first[b];
     Vec3 v = load3(&qvel_[d]) + h * gravity, w0 = load3(&qvel_[d + 3]);
     Mat3 R = to_matrix(model.iquat[b]), I;
@@ -98,6 +98,7 @@ void Stepper::free_velocity(int k, double h) {
     return;
   }
   object_velocity(h);
+  given_velocity(h);
 }
 
 }  // namespace hp

@@ -134,7 +134,10 @@ double Stepper::retry(double h, std::vector<double> share) {
     }
     pulled_ = pulled;
     warm_ = warm;
-    lost = std::max(lost, catch_up(h, rest, share[first] >= 0));
+    const double late = catch_up(h, rest, share[first] >= 0);
+    for (int b = 1; b < model.nbody; b++)
+      if (world.active[b]) behind_[b] = late;
+    lost = std::max(lost, late);
   }
   world.active = all;
   world.standing.assign(model.nbody, 0);

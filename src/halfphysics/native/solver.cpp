@@ -100,7 +100,7 @@ void ContactSolver::join(const Model& m, const Kinematics& k, const Inertia& ine
   for (int side = 0; side < 2; side++) {
     const Endpoint& e = side == 0 ? c.a : c.b;
     for (int l = 0; l < e.count; l++) {
-      int b = e.body[l], last = m.last_dof[b];
+      int b = e.body[l], last = m.pushed_dof(b);
       if (last < 0) continue;
       if (body_slot_[b] < 0) half_solve(m, k, inertia, b);
       Vec3 r = e.point[l] - k.reference(m, b);
@@ -272,14 +272,14 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   auto any_root = [&](const Contact& c) {
     for (const Endpoint* e : {&c.a, &c.b})
       for (int l = 0; l < e->count; l++)
-        if (m.last_dof[e->body[l]] >= 0) return m.root[e->body[l]];
+        if (m.pushed_dof(e->body[l]) >= 0) return m.root[e->body[l]];
     // The end of a joint moves with that alone.
     return c.a.bends ? m.root[m.dof_body[c.a.bends->front().dof]] : 0;
   };
   for (const Contact& c : contacts)
     for (const Endpoint* e : {&c.a, &c.b})
       for (int l = 0; l < e->count; l++)
-        if (m.last_dof[e->body[l]] >= 0)
+        if (m.pushed_dof(e->body[l]) >= 0)
           root_island_[find(m.root[e->body[l]])] = find(any_root(c));
   order_.resize(n);
   std::iota(order_.begin(), order_.end(), 0);

@@ -12,8 +12,6 @@ constexpr double kStray = 0.03;
 // A thing that turns farther than this in a substep makes it in parts, as many as it takes to turn
 // less than a quarter of that in each, within bounds [rad].
 constexpr double kTurn = 1.0;
-// Who came out of something goes back to the motion no faster than this [m/s].
-constexpr double kGentle = 0.7;
 constexpr int kMostParts = 32;
 
 }  // namespace
@@ -54,6 +52,10 @@ void Stepper::finish(const std::vector<int>& person_roots) {
     v->assign(model.nv, 0);
   world.standing.assign(model.nbody, 0);
   scale_.assign(model.nv, 1);
+  world.asleep.assign(model.nbody, 0);
+  for (const Track& t : tracks_) model.held[t.body] = 1;
+  behind_.assign(model.nbody, 0);
+  clock_.assign(tracks_.size(), 0);
   start_.kin.resize(model);
   end_.kin.resize(model);
 }
@@ -68,7 +70,11 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   world.forget();
   pose_known_ = false;
   start_pose();
+  world.asleep.assign(model.nbody, 0);  // what they rest on is known when they wake
   world.reset(model, start_);
+  for (int b : start_asleep_) world.asleep[b] = 1;
+  clock_.assign(tracks_.size(), 0);
+  behind_.assign(model.nbody, 0);
   way_out_.assign(model.nbody, 0);
   for (const Inside& in : world.inside())
     for (int b = world.movers[in.mover].body; b > 0 && !way_out_[b]; b = model.parent[b])
@@ -303,6 +309,8 @@ std::vector<double> Stepper::save() {
   for (const Drive& d : drives_) d.save(out);
   world.save(out);
   out.insert(out.end(), way_out_.begin(), way_out_.end());
+  out.insert(out.end(), world.asleep.begin(), world.asleep.end());
+  out.insert(out.end(), clock_.begin(), clock_.end());
   out.push_back((double)warm_.size());
   for (const Remembered& w : warm_) {
     out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature,
@@ -332,6 +340,10 @@ void Stepper::restore(const std::vector<double>& state) {
   in = world.load(in);
   way_out_.assign(in, in + model.nbody);
   in += model.nbody;
+  world.asleep.assign(in, in + model.nbody);
+  in += model.nbody;
+  clock_.assign(in, in + clock_.size());
+  in += clock_.size();
   for (Drive& d : drives_)
     if (d.gentle()) d.go_gently(kGentle, joint_reach_);
   warm_.clear();

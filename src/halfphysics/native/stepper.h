@@ -10,6 +10,17 @@
 
 namespace hp {
 
+// The poses of a thing that nothing pushes: straight lines, and turns at a constant rate, between them.
+struct Track {
+  int body = 0;
+  double fps = 30;
+  bool loop = false;  // the first pose follows the last one
+  std::vector<Vec3> position;
+  std::vector<Quat> turn;
+
+  void at(double time, Vec3& p, Quat& q) const;
+};
+
 // What touched in a frame, summed over its substeps.
 struct Touch {
   int mover = 0, other_static = -1, other_mover = -1;
@@ -22,6 +33,9 @@ struct Diagnostics {  // of one frame
   double residual = 0;   // largest gap missing at the end of a substep [m]
   double lost_time = 0;  // [s]
 };
+
+// Who came out of something goes back to the motion no faster than this [m/s].
+constexpr double kGentle = 0.7;
 
 class Stepper {
  public:
@@ -69,6 +83,16 @@ class Stepper {
   void clearances(const double* qpos, size_t poses, double range, double* dist,
                   int* nearest) const;
 
+  // A thing whose poses are given (moving.cpp); after model is filled in.
+  void add_track(Track track);
+  // A thing that is held where it is until something that moves touches it.
+  void start_asleep(int body);
+  // The six velocities of a thing, which wakes.
+  void set_velocity(int body, const double* six);
+  // After reset() at the poses of `old`: goes on as it would. `body` and `mover` say whose numbers they
+  // are in `old` (-1: new); the same people and statics in both.
+  void adopt(Stepper& old, const std::vector<int>& body, const std::vector<int>& mover);
+
   std::vector<double> save();
   void load(const std::vector<double>& state);
 
@@ -102,13 +126,14 @@ class Stepper {
 
   // Without contact (free_motion.cpp).
   void free_velocity(int k, double h);
-  void object_velocity(double h);
+  void object_velocity(double h, const std::vector<char>* only = nullptr);  // per body
   void build_inertia(double h);
   void stiffen();
 
   // With it (substep.cpp).
   void substep(int k, double h);
   void attempt(double h);
+  void emerge(double h);
   void try_step(double h);
   // By how much the fastest point of those who come out of something is faster than asked [m/s].
   double hurled();
@@ -134,6 +159,11 @@ class Stepper {
   double catch_up(double h, double left, bool begun);
 
   bool is_person(int body) const { return person_[model.root[body]]; }
+  // Things whose velocity is given (moving.cpp).
+  void given_velocity(double h);
+  void pass_time(double h);
+  bool wake_touched();
+  void wake(int body);
 
   // The parts of a substep.
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
@@ -180,6 +210,10 @@ class Stepper {
   std::vector<char> gave_way_;       // per body: its tree's clearance has
   std::vector<Remembered> warm_, next_warm_;
   ContactSolver solver_;
+  std::vector<Track> tracks_;
+  std::vector<double> clock_;         // per track: where on it the thing is [s]
+  std::vector<double> behind_;        // per body: time lost in the substep under way [s]
+  std::vector<int> start_asleep_;     // bodies
   std::vector<Touch> touches_;
   Diagnostics diagnostics_;
 };

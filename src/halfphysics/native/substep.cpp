@@ -19,7 +19,7 @@ constexpr double kSlackReach = 0.004;  // planes are asked for this much farther
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
 // A gap may miss what is asked of it by this share: curvature within a substep costs no more solves.
-constexpr double kSlack = 0.02;
+constexpr double kSlack = 0.02, kWear = 0.1;
 // Nobody is pushed apart faster than this for the sake of a curved way: a shorter step is straighter,
 // and things that spin fast would gain energy [m/s].
 constexpr double kPush = 3, kThingsPush = 0.05;
@@ -153,6 +153,10 @@ double Stepper::excess(size_t i, double h) {
 double Stepper::allowed(const Candidate& c) const {
   double miss = 2 * tolerance_ + kRounding;
   if (c.target > 0) miss += kSlack * c.target;
+  // What nothing stops must not wear a gap away either.
+  auto held = [&](int mover) { return mover >= 0 && model.held[world.movers[mover].body]; };
+  if (c.target >= 0 && (held(c.mover) || held(c.other_mover)))
+    miss = std::min(miss, kWear * c.target + kRounding);
   return miss;
 }
 
@@ -284,7 +288,8 @@ bool Stepper::bounce(double h, bool good, double& worst) {
   // grid a parabola's own speed is half a substep's gravity from the velocity.)
   std::vector<double> before(v_free_);
   for (int b : objects_)
-    for (int i = 0; i < 3; i++) before[model.dof_first[b] + i] -= pulled_ * gravity[i];
+    for (int i = 0; i < 3 && !model.held[b]; i++)
+      before[model.dof_first[b] + i] -= pulled_ * gravity[i];
   for (int i : articulations.dofs())
     if (pulled_ > 0) before[i] -= pull_[i];
   // Nor is the velocity in mid-step what it ends with where things spin fast.
@@ -349,7 +354,7 @@ double Stepper::hurled() {
 
 // A step of length h. Whoever comes out of something does so more slowly where that would throw
 // somebody or does not go with what else is asked; not at all, if need be.
-void Stepper::attempt(double h) {
+void Stepper::emerge(double h) {
   if (!world.any_inside()) return try_step(h);
   world.growth = std::min(1.0, kRegain * world.growth);
   for (int k = 0; k < kSlower; k++) {
@@ -464,6 +469,7 @@ void Stepper::substep(int k, double h) {
     diagnostics_.lost_time += lost;
   }
   keep_trace = tracing;
+  pass_time(h);
   diagnostics_.residual = std::max(diagnostics_.residual, -worst_);
   warm_.swap(next_warm_);
   qvel_ = v_free_;

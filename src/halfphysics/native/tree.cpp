@@ -5,6 +5,7 @@
 namespace hp {
 
 void Model::finish() {
+  held.assign(nbody, 0);
   auto need = [](bool ok, const char* what) {
     if (!ok) throw std::invalid_argument(what);
   };

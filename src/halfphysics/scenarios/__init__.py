@@ -19,6 +19,7 @@ __all__ = ["describe", "load", "names", "options"]
 #: Scenario -> module of this package that builds it.
 _MODULES = {
     "doorway": "doorway",
+    "grasp_glass": "grasp_glass",
     "kick_ball": "kick_ball",
     "walk_into_wall": "walk_into_wall",
 }

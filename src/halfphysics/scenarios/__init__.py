@@ -21,6 +21,7 @@ _MODULES = {
     "doorway": "doorway",
     "grasp_glass": "grasp_glass",
     "kick_ball": "kick_ball",
+    "place_glass": "place_glass",
     "walk_into_wall": "walk_into_wall",
 }
 

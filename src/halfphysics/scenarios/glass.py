@@ -33,13 +33,17 @@ RADIUS, HEIGHT = 0.035, 0.12
 #: A thing starts this far over what it stands on [m].
 _ABOVE = 0.001
 #: Half the width of the stand [m] and its thickness.
-_STAND, TOP = 0.11, 0.03
+_STAND, _TOP = 0.09, 0.03
 #: The hand comes from this far to the right of the glass [m], and where it waits before.
 _ASIDE, _WAITS = 0.07, np.array([-0.08, -0.10, 0.06])
-#: Fingers point this much to the left of ahead [rad].
-_YAW = np.radians(20.0)
+#: Fingers point this much to the left of ahead [rad]: at the stand, and in front of the chest.
+AT_STAND, BEFORE_CHEST = np.radians([-40.0, 10.0])
+#: Middle of the standing glass from the shoulder, in lengths of the arm.
+_PLACE = np.array([0.60, -0.44, -0.66])
 # When what happens at the start, and for how long [s].
 _WAIT, _COME, _NEAR, _CLOSE, _FIRM = 0.2, 0.7, 0.4, 0.6, 0.3
+#: The lift: to where [m], fingers pointing where [rad], in what time [s].
+_UP, _LIFTING = np.array([0.02, 0.10, 0.20]), 1.0
 #: Time that the hand takes to open and to draw back [s], and how far it draws back [m].
 _OPENING, _AWAY = 0.12, np.array([-0.01, -0.05, 0.0])
 
@@ -52,13 +56,15 @@ class Track:
         time: (n,) [s].
         place: Of the middle of the glass against where it stood, moving along, (n, 3) [m].
         hand: Of the hand against where it holds the glass, (n, 3) [m].
-        turn: Of the hand about the way that the fingers point [rad], (n,).
+        yaw: Of the way that the fingers point to the left of ahead [rad], (n,).
+        turn: Of the hand about that way [rad], (n,).
         closed: 0 open to 1 closed, (n,).
     """
 
     time: Array
     place: Array
     hand: Array
+    yaw: Array
     turn: Array
     closed: Array
 
@@ -71,6 +77,7 @@ class Plan:
         self._now: dict[str, Array | float] = {
             "place": zero,
             "hand": _WAITS + np.array([0.0, -_ASIDE, 0.0]),
+            "yaw": float(AT_STAND),
             "turn": 0.0,
             "closed": 0.0,
         }
@@ -101,6 +108,12 @@ class Plan:
         self.then(_CLOSE, closed=1.0)
         self.then(_FIRM)
         self.stage("grasp", begin)
+
+    def lift(self) -> None:
+        """Up and before the chest."""
+        begin = self.time
+        self.then(_LIFTING, place=_UP, yaw=float(BEFORE_CHEST))
+        self.stage("lift", begin)
 
     def open(self, seconds: float) -> None:
         """Let go and draw back, then wait."""
@@ -135,15 +148,15 @@ class Shake:
 
 
 def start(body: Body) -> Array:
-    """Middle of the glass as it stands before a person at the origin who looks along +x, (3,).
+    """Middle of the glass as it stands beside a person at the origin who looks along +x, (3,).
 
-    As high as a kitchen counter for the default body, within easy reach of the right arm.
+    Within easy reach of the right arm, and far enough to the right to be walked past.
     """
     arm = arm_of(body, "right")
     standing = walk(body, Walk(distance=1.0), 30.0)[0]
     shoulder = body.joints(standing)[arm.joints[0]]
     unit = arm.upper + arm.fore
-    place: Array = shoulder + unit * np.array([0.68, 0.06, -0.66])
+    place: Array = shoulder + unit * _PLACE
     return place
 
 
@@ -179,9 +192,9 @@ def perform(
     if shake is not None:
         place[:, 2] += shake(times)
     # A right hand that points ahead, palm to the left, thumb up.
-    ahead = about(2, np.full(len(times), np.pi + _YAW))
-    hand = ahead @ about(0, ways["turn"])
-    aside = np.einsum("ij,tj->ti", about(2, _YAW), ways["hand"])
+    yaw = about(2, ways["yaw"])
+    hand = yaw @ about(2, np.pi) @ about(0, ways["turn"])
+    aside = np.einsum("tij,tj->ti", yaw, ways["hand"])
     wrist = place + aside - np.einsum("tij,j->ti", hand, holds.centre)
     # The elbow hangs behind the hand; turning the hand over lifts it outwards.
     pole = np.stack(
@@ -199,11 +212,11 @@ def perform(
 
 
 def eased(track: Track, times: Array) -> dict[str, Array]:
-    """Place, hand, turn and closing of a track at `times` (T,) [s]."""
+    """Place, hand, yaw, turn and closing of a track at `times` (T,) [s]."""
     i = np.clip(np.searchsorted(track.time, times, side="right") - 1, 0, len(track.time) - 2)
     x = ease((times - track.time[i]) / (track.time[i + 1] - track.time[i]))
     out = {}
-    for name in ("place", "hand", "turn", "closed"):
+    for name in ("place", "hand", "yaw", "turn", "closed"):
         knots = getattr(track, name)
         share = x.reshape(-1, *[1] * (knots.ndim - 1))
         out[name] = knots[i] + share * (knots[i + 1] - knots[i])
@@ -221,11 +234,11 @@ def add_stand(scene: Scene, name: str, at: Array) -> None:
     top = float(at[2]) - 0.5 * HEIGHT - _ABOVE
     scene.add_static(
         name,
-        Cylinder(_STAND, TOP),
-        position=(at[0], at[1], top - 0.5 * TOP),
+        Cylinder(_STAND, _TOP),
+        position=(at[0], at[1], top - 0.5 * _TOP),
         friction=stage.WOOD,
     )
-    leg = top - TOP
+    leg = top - _TOP
     scene.add_static(
         f"{name}_leg",
         Cylinder(0.025, leg),

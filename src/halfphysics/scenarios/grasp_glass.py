@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 #: What can be asked for, in the order in which it happens.
 STAGES = ("lift", "shake", "walk", "turn", "open")
-#: How high the glass is lifted [m] and in what time [s].
-_UP, _LIFTING = np.array([-0.02, 0.0, 0.22]), 1.0
+#: How long stages take, and how long the glass stays upside down [s].
 _SHAKING, _TURNING, _OVER, _FALLING = 4.0, 1.5, 0.7, 0.6
 
 
@@ -76,10 +75,8 @@ def planned(
     actor = stage.actor(body)
     plan = glass.Plan()
     plan.grasp()
-    begin = plan.time
     if "lift" in stages:
-        plan.then(_LIFTING, place=_UP)
-        plan.stage("lift", begin)
+        plan.lift()
     begin = plan.time
     if hold > 0.0:
         plan.then(hold)

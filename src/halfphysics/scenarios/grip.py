@@ -43,9 +43,11 @@ _TOUCH = 1e-4
 #: Of the closed hand's angles an open one has this part; the thumb moves away by this much [rad].
 _OPEN, _THUMB_AWAY = 0.25, 0.5
 #: Where the thumb points before it flexes, opposite the palm: it lies beside the thing.
-_OPPOSED = np.array([0.35, -1.0, 0.12])
+_OPPOSED = np.array([0.35, -1.0, -0.3])
 #: The knuckle of the middle finger is this far before the axis of what is held [m].
-_KNUCKLE = 0.020
+_KNUCKLE = 0.010
+#: What is free of touch over this much of its circle is not held: it can leave there [rad].
+_OPEN_SIDE = np.radians(200.0)
 #: Directions that an outline is looked at from: at 0.5 degrees a circle is round to 1e-5.
 _LOOKS = np.radians(np.arange(0.0, 360.0, 0.5))
 
@@ -105,13 +107,11 @@ def grip(body: Body, radius: float, gap: float = 0.001) -> Grip:
             return hand.gaps(angles, thumb, centre, radius, parts)
 
         _wrap(finger, row, gaps, gap)
-    touching = [
-        hand.gaps(angles, thumb, centre, radius, list(finger)).min() < 2.0 * gap
-        for finger in FINGERS
-    ]
-    if not (touching[_THUMB] and sum(touching[:_THUMB]) >= 3):
+    away, sides = hand.around(angles, thumb, centre, radius, palm + list(FINGERS[_THUMB]))
+    touched = np.sort(sides[away < 2.0 * gap])
+    if not len(touched) or np.diff([*touched, touched[0] + 2.0 * np.pi]).max() > _OPEN_SIDE:
         raise InputError(
-            f"radius: found {radius!r}, expected what this hand closes around, about 0.03 m"
+            f"radius: found {radius!r} m, expected what a hand closes around: 0.025 to 0.05 m"
         )
     return Grip(centre, angles, thumb)
 
@@ -134,6 +134,12 @@ class _Hand:
         self, angles: Array, thumb: Array, centre: Array, radius: float, parts: list[int]
     ) -> Array:
         """Between the hulls of some parts and a cylinder along z [m], (hulls,); 0: touching."""
+        return self.around(angles, thumb, centre, radius, parts)[0]
+
+    def around(
+        self, angles: Array, thumb: Array, centre: Array, radius: float, parts: list[int]
+    ) -> tuple[Array, Array]:
+        """As `gaps`, and on which side of the cylinder [rad], (hulls,)."""
         rotations = np.zeros((N_JOINTS, 3))
         rotations[FINGERS.ravel()] = _turned(angles[None], thumb).reshape(-1, 3)
         rows = np.isin(self.of_hull, parts)
@@ -144,8 +150,7 @@ class _Hand:
         sizes = np.diff([*self.first, len(self.vertex)])[chosen]
         first = np.cumsum([0, *sizes[:-1]])
         seen = np.minimum.reduceat((points[:, :2] - centre[:2]) @ looks, first, axis=0)
-        gaps: Array = np.maximum(seen.max(axis=1) - radius, 0.0)
-        return gaps
+        return np.maximum(seen.max(axis=1) - radius, 0.0), _LOOKS[seen.argmax(axis=1)]
 
 
 def _opposed(hand: _Hand) -> Array:

@@ -19,7 +19,9 @@ __all__ = ["describe", "load", "names", "options"]
 #: Scenario -> module of this package that builds it.
 _MODULES = {
     "doorway": "doorway",
+    "grasp_glass": "grasp_glass",
     "kick_ball": "kick_ball",
+    "place_glass": "place_glass",
     "walk_into_wall": "walk_into_wall",
 }
 

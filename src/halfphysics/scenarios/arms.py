@@ -1,0 +1,106 @@
+"""Arms: the joints of shoulder, elbow and wrist that put a hand where it should be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+from halfphysics.scenarios.legs import about
+from halfphysics.skeleton import JOINT_INDEX
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+
+Array = NDArray[np.float64]
+
+#: An arm is never stretched further than this part of its length: a straight elbow snaps.
+REACH = 0.98
+
+
+@dataclass(frozen=True)
+class Arm:
+    """One arm of a body at rest, lengths [m].
+
+    Attributes:
+        collar: Index of the joint it hangs from.
+        joints: Indices of shoulder, elbow and wrist.
+        upper: Length from shoulder to elbow.
+        fore: Length from elbow to wrist.
+        out: Where the arm points at rest along x: 1 the left one, -1 the right one.
+    """
+
+    collar: int
+    joints: tuple[int, int, int]
+    upper: float
+    fore: float
+    out: float
+
+    @property
+    def length(self) -> float:
+        """Longest distance from shoulder to wrist that the arm is used at [m]."""
+        return REACH * (self.upper + self.fore)
+
+
+def arm_of(body: Body, side: str) -> Arm:
+    """The `side` ("left" or "right") arm of a body."""
+    collar, *joints = (JOINT_INDEX[f"{side}_{n}"] for n in ("collar", "shoulder", "elbow", "wrist"))
+    shoulder, elbow, wrist = np.asarray(body.rest_joints)[joints]
+    return Arm(
+        collar,
+        (joints[0], joints[1], joints[2]),
+        float(np.linalg.norm(elbow - shoulder)),
+        float(np.linalg.norm(wrist - elbow)),
+        1.0 if side == "left" else -1.0,
+    )
+
+
+def solve(
+    arm: Arm, collar: Array, shoulder: Array, wrist: Array, hand: Array, pole: Array
+) -> dict[int, Array]:
+    """Rotations of one arm that put its wrist and hand where they should be.
+
+    Two bones in the plane of shoulder, wrist and pole, the elbow on the pole's side; a wrist out
+    of reach is approached along its own line. Of the forearm's twist elbow and wrist take half
+    each; it is followed through the frames, so that it may exceed half a turn.
+
+    Args:
+        arm: Which arm.
+        collar: World rotation of the collar, (T, 3, 3).
+        shoulder: World position of the shoulder [m], (T, 3).
+        wrist: Where the wrist should be [m], (T, 3).
+        hand: World rotation that the hand should have, (T, 3, 3).
+        pole: Where the elbow points to, (T, 3), not along the line from shoulder to wrist.
+
+    Returns:
+        Joint index -> axis-angle (T, 3) in the parent's frame.
+    """
+    a, b = arm.upper, arm.fore
+    line = wrist - shoulder
+    distance = np.clip(np.linalg.norm(line, axis=1), abs(a - b) + 1e-6, arm.length)
+    line = line / np.linalg.norm(line, axis=1, keepdims=True)
+    front = pole - np.sum(pole * line, axis=1, keepdims=True) * line
+    front /= np.linalg.norm(front, axis=1, keepdims=True)
+    cosine = (a * a + distance**2 - b * b) / (2.0 * a * distance)
+    sine = np.sqrt(np.clip(1.0 - cosine**2, 0.0, None))
+    along = cosine[:, None] * line + sine[:, None] * front  # of the upper arm, unit
+    end = (distance[:, None] * line - a * along) / b
+    # Rest: bones along x, elbows bend about y.
+    hinge = np.cross(line, front)
+    upper, fore = (_frame(arm.out * bone, arm.out * hinge) for bone in (along, end))
+    turn = rot.normalize(rot.from_matrix(np.swapaxes(fore, 1, 2) @ hand))
+    half = about(0, 0.5 * np.unwrap(2.0 * np.arctan2(turn[:, 1], turn[:, 0])))
+    locals_ = (
+        np.swapaxes(collar, 1, 2) @ upper,
+        np.swapaxes(upper, 1, 2) @ fore @ half,
+        np.swapaxes(fore @ half, 1, 2) @ hand,
+    )
+    return {j: rot.matrix_to_rotvec(m) for j, m in zip(arm.joints, locals_, strict=True)}
+
+
+def _frame(x: Array, y: Array) -> Array:
+    """Rotations (T, 3, 3) with the given first two columns, unit and at right angles."""
+    return np.stack([x, y, np.cross(x, y)], axis=-1)

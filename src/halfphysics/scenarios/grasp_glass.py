@@ -1,0 +1,109 @@
+"""Scenario: one hand grasps a glass, lifts it, shakes it, carries it, turns it over and lets go."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence as Many
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from halfphysics.errors import InputError
+from halfphysics.scenarios import glass, stage
+from halfphysics.scenarios.gait import Walk
+from halfphysics.sequence import Sequence
+from halfphysics.validation import number
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+
+#: What can be asked for, in the order in which it happens.
+STAGES = ("lift", "shake", "walk", "turn", "open")
+#: How long stages take, and how long the glass stays upside down [s].
+_SHAKING, _TURNING, _OVER, _FALLING = 4.0, 1.5, 0.7, 0.6
+
+
+def build(
+    *,
+    mass: float = 0.3,
+    friction: float = 0.8,
+    fps: float = 30.0,
+    stages: Many[str] = STAGES,
+    hold: float = 1.0,
+    squeeze: float = 0.2,
+    body: Body | None = None,
+) -> Sequence:
+    """One hand grasps a glass, lifts it, shakes it, carries it, turns it over and lets go.
+
+    Args:
+        mass: Of the glass [kg].
+        friction: Of the glass.
+        fps: Frames per second.
+        stages: Which of "lift", "shake", "walk", "turn" and "open" happen, after the grasp and
+            in this order.
+        hold: How long the glass is held still after the lift [s].
+        squeeze: How far the fingers' targets are beyond contact [rad].
+        body: Who does it; None: the default body. Hand, arm and table follow the body given.
+    """
+    return planned(
+        mass=mass,
+        friction=friction,
+        fps=fps,
+        stages=stages,
+        hold=hold,
+        squeeze=squeeze,
+        body=body,
+    )[0]
+
+
+def planned(
+    *,
+    mass: float = 0.3,
+    friction: float = 0.8,
+    fps: float = 30.0,
+    stages: Many[str] = STAGES,
+    hold: float = 1.0,
+    squeeze: float = 0.2,
+    body: Body | None = None,
+) -> tuple[Sequence, dict[str, tuple[float, float]]]:
+    """As `build`, and when every stage begins and ends [s]; "grasp" and "hold" are stages too."""
+    for name in stages:
+        if isinstance(stages, str) or name not in STAGES:
+            found = stages if isinstance(stages, str) else name
+            raise InputError(f"stages: found {found!r}, expected some of {', '.join(STAGES)}")
+    hold = number(hold, "hold", least=0.0, unit="s")
+    squeeze = number(squeeze, "squeeze", least=0.0, unit="rad")
+    actor = stage.actor(body)
+    plan = glass.Plan()
+    plan.grasp()
+    if "lift" in stages:
+        plan.lift()
+    begin = plan.time
+    if hold > 0.0:
+        plan.then(hold)
+        plan.stage("hold", begin)
+    shake = steps = None
+    begin = plan.time
+    if "shake" in stages:
+        shake = glass.Shake(begin=begin, seconds=_SHAKING)
+        plan.then(_SHAKING)
+        plan.stage("shake", begin)
+    begin = plan.time
+    if "walk" in stages:
+        steps = Walk(distance=2.0, speed=1.0, before=begin)
+        plan.then(float(steps.clock()[0][-2]) - begin)
+        plan.stage("walk", begin)
+    begin = plan.time
+    if "turn" in stages:
+        plan.then(_TURNING, turn=np.pi)
+        plan.then(_OVER)
+        plan.then(_TURNING, turn=0.0)
+        plan.then(0.3)
+        plan.stage("turn", begin)
+    if "open" in stages:
+        plan.open(_FALLING)
+    motion = glass.perform(actor, plan, fps, squeeze, steps=steps, shake=shake)
+    scene = stage.floor()
+    at = glass.start(actor)
+    glass.add_stand(scene, "stand", at)
+    glass.add_glass(scene, at, mass, friction)
+    return Sequence(motion, scene, actor), plan.times

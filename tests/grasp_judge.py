@@ -1,0 +1,110 @@
+"""Judge of a one-hand grasp: how the glass sits in the hand, how hard it is held, how it falls.
+
+The glass is looked at from the frame of the right wrist as it came out (`Result.motion`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from halfphysics import rotations as rot
+from halfphysics.skeleton import JOINT_INDEX
+
+WRIST = JOINT_INDEX["right_wrist"]
+
+
+@dataclass(frozen=True, eq=False)
+class Grasp:
+    """A result whose object "glass" a right hand handles.
+
+    Attributes:
+        time: Of the frames (T,) [s].
+        place: Glass in the wrist's frame (T, 3) [m].
+        turn: Rotation of the glass in the wrist's frame (T, 4), wxyz.
+        world: Glass in the world (T, 3) [m].
+        normal: Sum of normal forces of the person on the glass, mean over each frame (T,) [N].
+        touched: Whether anything touched the glass during the frame before (T,).
+    """
+
+    time: np.ndarray
+    place: np.ndarray
+    turn: np.ndarray
+    world: np.ndarray
+    normal: np.ndarray
+    touched: np.ndarray
+
+    def rows(self, begin: float, end: float) -> np.ndarray:
+        """Frames from `begin` to `end` [s], both included."""
+        return np.flatnonzero((self.time >= begin - 1e-9) & (self.time <= end + 1e-9))
+
+    def slip(self, begin: float, end: float) -> float:
+        """Farthest that the glass moves in the hand from where it is at `begin` [mm]."""
+        place = self.place[self.rows(begin, end)]
+        return float(1e3 * np.linalg.norm(place - place[0], axis=1).max())
+
+    def turned(self, begin: float, end: float) -> float:
+        """Most that the glass turns in the hand from how it is at `begin` [degrees]."""
+        turn = self.turn[self.rows(begin, end)]
+        cosine = np.abs(turn @ turn[0])
+        return float(np.degrees(2.0 * np.arccos(np.clip(cosine, 0.0, 1.0))).max())
+
+    def force(self, begin: float, end: float) -> tuple[float, float, float]:
+        """Mean, spread (standard deviation over mean) and peak of the normal forces [N]."""
+        force = self.normal[self.rows(begin, end)]
+        return float(force.mean()), float(force.std() / force.mean()), float(force.max())
+
+    def jitter(self, begin: float, end: float) -> float:
+        """Root mean square of the glass's acceleration in the world [m/s^2]."""
+        second = np.diff(self.world[self.rows(begin, end)], 2, axis=0) / self.step**2
+        return float(np.sqrt((second**2).sum(axis=1).mean()))
+
+    def creep(self, begin: float, end: float) -> float:
+        """How fast the glass wanders through the hand, end against begin [mm/s]."""
+        place = self.place[self.rows(begin, end)]
+        return float(1e3 * np.linalg.norm(place[-1] - place[0]) / (end - begin))
+
+    def freed(self, begin: float) -> float:
+        """Time from `begin` until nothing touches the glass [s]; inf where it never is free."""
+        free = np.flatnonzero((self.time > begin) & ~self.touched)
+        return float(self.time[free[0]] - begin) if len(free) else np.inf
+
+    def fall(self, begin: float) -> np.ndarray:
+        """Vertical accelerations of the glass once it is free after `begin` (n,) [m/s^2].
+
+        Up to the first touch after that: the frames themselves in which nothing touches.
+        """
+        at = int(np.argmin(np.abs(self.time - begin - self.freed(begin))))
+        again = np.flatnonzero(self.touched[at:])
+        end = at + int(again[0]) if len(again) else len(self.time)
+        # The frame before the first free one is where the free flight starts.
+        return np.diff(self.world[at - 1 : end, 2], 2) / self.step**2
+
+    @property
+    def step(self) -> float:
+        """Of the frames [s]."""
+        return float(self.time[1] - self.time[0])
+
+
+def judge(result, body) -> Grasp:
+    """Look at a result."""
+    fps, frames = result.fps, len(result)
+    positions, quaternions = body.joint_frames(result.motion)
+    away = rot.conjugate(quaternions[:, WRIST])
+    glass = result.objects["glass"]
+    contacts = result.contacts
+    index = result.names.index("glass")
+    held = (contacts.other == index) & (contacts.person >= 0)
+    pushes = np.sum(contacts.impulse * contacts.normal, axis=1)
+    normal = np.bincount(contacts.frame[held], weights=pushes[held], minlength=frames) * fps
+    touched = np.zeros(frames, dtype=bool)
+    touched[contacts.frame[(contacts.other == index) | (contacts.subject == index)]] = True
+    return Grasp(
+        np.arange(frames) / fps,
+        rot.rotate(away, glass.position - positions[:, WRIST]),
+        rot.multiply(away, glass.quaternion),
+        glass.position,
+        normal,
+        touched,
+    )

@@ -327,7 +327,10 @@ def test_help_has_an_example_that_parses(name, capsys):
         assert f"  {line}\n" in out
         program, command, *rest = shlex.split(line)
         assert (program, command) == ("halfphysics", name)
-        assert not isinstance(parse(module.Command, "halfphysics", "", rest), Exit)
+        if hasattr(module, "read"):
+            assert isinstance(module.read("halfphysics", rest), Exit) == (rest == ["--list"])
+        else:
+            assert not isinstance(parse(module.Command, "halfphysics", "", rest), Exit)
 
 
 def test_every_setting_is_an_option(capsys):

@@ -1,7 +1,8 @@
 """The command line: ``halfphysics COMMAND ...``.
 
 A command is one file of this package with a dataclass `Command` (its fields are the options, its
-docstring the help), a text `EXAMPLES`, and one line in `COMMANDS`.
+docstring the help), a text `EXAMPLES`, and one line in `COMMANDS`. A command whose options depend
+on its first argument has a function `read` instead.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 COMMANDS: Mapping[str, str] = MappingProxyType(
     {
         "demo": "play a built-in story and write result, pictures and a page",
+        "scenario": "play a built-in scenario, --list names them",
         "simulate": "give a motion a body in a scene",
         "evaluate": "measure a result or a motion",
         "convert": "write a motion in another format or at another frame rate",
@@ -72,7 +74,10 @@ def _run(arguments: list[str]) -> int:
     from halfphysics.cli.parsing import Exit, parse
 
     module: Any = importlib.import_module(f"{__name__}.{name}")
-    command = parse(module.Command, f"halfphysics {name}", module.EXAMPLES, rest)
+    if hasattr(module, "read"):
+        command = module.read(f"halfphysics {name}", rest)
+    else:
+        command = parse(module.Command, f"halfphysics {name}", module.EXAMPLES, rest)
     if isinstance(command, Exit):
         return command.code
     command.run()

@@ -14,7 +14,7 @@ from typing import Any
 from halfphysics.errors import InputError
 from halfphysics.sequence import Sequence
 
-__all__ = ["describe", "load", "names", "options"]
+__all__ = ["builder", "describe", "load", "names", "options"]
 
 #: Scenario -> module of this package that builds it.
 _MODULES = {
@@ -22,11 +22,17 @@ _MODULES = {
     "grasp_glass": "grasp_glass",
     "kick_ball": "kick_ball",
     "place_glass": "place_glass",
+    "lift_suitcase": "lift_suitcase",
     "walk_into_wall": "walk_into_wall",
 }
 
 
-def _builder(name: str) -> Callable[..., Sequence]:
+def builder(name: str) -> Callable[..., Sequence]:
+    """The function that builds a scenario; its docstring explains the options.
+
+    Raises:
+        InputError: An unknown name.
+    """
     if name not in _MODULES:
         raise InputError(f"scenario: found {name!r}, expected one of {', '.join(names())}")
     build: Callable[..., Sequence] = importlib.import_module(f"{__name__}.{_MODULES[name]}").build
@@ -44,7 +50,7 @@ def describe(name: str) -> str:
     Raises:
         InputError: An unknown name.
     """
-    return (inspect.getdoc(_builder(name)) or "").splitlines()[0]
+    return (inspect.getdoc(builder(name)) or "").splitlines()[0]
 
 
 def options(name: str) -> dict[str, Any]:
@@ -53,7 +59,7 @@ def options(name: str) -> dict[str, Any]:
     Raises:
         InputError: An unknown name.
     """
-    parameters = inspect.signature(_builder(name)).parameters.values()
+    parameters = inspect.signature(builder(name)).parameters.values()
     return {parameter.name: parameter.default for parameter in parameters}
 
 
@@ -67,7 +73,7 @@ def load(name: str, **chosen: Any) -> Sequence:
     Raises:
         InputError: An unknown name or option, or an impossible value of one.
     """
-    build = _builder(name)
+    build = builder(name)
     known = options(name)
     for option in chosen:
         if option not in known:

@@ -54,10 +54,20 @@ def impact_time(plan: Walk) -> float:
     return float(np.interp(phase, phases[inside], times[inside]))
 
 
-def add_ball(scene: Scene, body: Body, plan: Walk, mass: float, friction: float) -> Array:
+def add_ball(
+    scene: Scene,
+    body: Body,
+    plan: Walk,
+    mass: float,
+    friction: float,
+    *,
+    radius: float = BALL_RADIUS,
+    fixed: bool = False,
+) -> Array:
     """Put a ball where the kick will meet it; its centre (3,) [m].
 
-    The ball lies in the line of the foot, touched by the toes at the moment of impact.
+    The ball lies in the line of the foot, touched by the toes at the moment of impact. A `fixed`
+    one is a static.
     """
     side = plan.swinging(plan.kick.step) if plan.kick else "right"
     part = np.argmax(body.weights, axis=1)
@@ -65,9 +75,13 @@ def add_ball(scene: Scene, body: Body, plan: Walk, mass: float, friction: float)
     skin = np.asarray(body.vertices(pose_at(body, plan, impact_time(plan))))[shoe]
     ahead = np.array([np.cos(plan.heading), np.sin(plan.heading)])
     # A sphere of this radius on the ground touches a point at height z this far before its centre.
-    rise = np.clip(skin[:, 2] - BALL_RADIUS, -BALL_RADIUS, BALL_RADIUS)
-    along = skin[:, :2] @ ahead + np.sqrt(BALL_RADIUS**2 - rise**2)
+    rise = np.clip(skin[:, 2] - radius, -radius, radius)
+    along = skin[:, :2] @ ahead + np.sqrt(radius**2 - rise**2)
     across = skin[:, :2] - np.outer(skin[:, :2] @ ahead, ahead)
-    centre = np.array([*(along.max() * ahead + across.mean(axis=0)), BALL_RADIUS])
-    scene.add_object("ball", Sphere(BALL_RADIUS), mass=mass, friction=friction, position=centre)
+    centre = np.array([*(along.max() * ahead + across.mean(axis=0)), radius])
+    ball = Sphere(radius)
+    if fixed:
+        scene.add_static("ball", ball, friction=friction, position=centre)
+    else:
+        scene.add_object("ball", ball, mass=mass, friction=friction, position=centre)
     return centre

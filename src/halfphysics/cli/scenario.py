@@ -1,0 +1,240 @@
+"""halfphysics scenario: play one of the built-in scenarios."""
+
+from __future__ import annotations
+
+import difflib
+import inspect
+import re
+import textwrap
+import time
+from collections.abc import Sequence as Several
+from dataclasses import dataclass, field, make_dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+
+import tyro
+
+from halfphysics.cli.options import check_output, progress
+from halfphysics.cli.parsing import Exit, parse
+from halfphysics.errors import InputError
+from halfphysics.settings import Settings
+
+if TYPE_CHECKING:
+    from halfphysics.sequence import Sequence
+
+EXAMPLES = """\
+halfphysics scenario --list
+halfphysics scenario kick_ball
+halfphysics scenario kick_ball --mass 200 --fps 60 --out result.npz
+halfphysics scenario kick_ball --fixed --stiffness 0 --drive-time None --page kick.html"""
+
+#: Options of a scenario that are no text.
+_OBJECTS = ("body",)
+_WIDTH = 92
+_OUTPUTS = ("out", "page", "pictures")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outputs:
+    """What to write."""
+
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="FILE")] = None
+    """Result file to write (.npz); without it only the summary is printed."""
+    page: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Page to write (.html) that shows the result in a browser."""
+    pictures: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Strip of pictures to write (.png)."""
+
+    def given(self) -> list[Path]:
+        """The files asked for."""
+        return [path for name in _OUTPUTS if (path := getattr(self, name)) is not None]
+
+
+@dataclass(frozen=True)
+class Play:
+    """A scenario as the arguments describe it."""
+
+    name: str
+    sequence: Sequence
+    settings: Settings
+    outputs: Outputs
+
+    def run(self) -> None:
+        """Simulate, print the summary, write what is asked for."""
+        from halfphysics import scenarios
+        from halfphysics.simulation import simulate
+
+        print(scenarios.describe(self.name))
+        story = self.sequence
+        start = time.perf_counter()
+        result = simulate(
+            story.motion, story.scene, body=story.body, settings=self.settings, progress=progress()
+        )
+        seconds = time.perf_counter() - start
+        print(result.summary())
+        print(f"simulated {len(result)} frames in {seconds:.2f} s, preparing the body included")
+        if self.outputs.out is not None:
+            result.save(self.outputs.out)
+            print(f"result: {self.outputs.out}")
+        if self.outputs.pictures is not None:
+            from halfphysics.strip import picture_strip
+
+            picture_strip(result, self.outputs.pictures)
+            print(f"pictures: {self.outputs.pictures}")
+        if self.outputs.page is not None:
+            from halfphysics.page import save_page
+
+            title = f"halfphysics {self.name}"
+            save_page(result, self.outputs.page, title=title, progress=progress())
+            print(f"page: {self.outputs.page}")
+        if not self.outputs.given():
+            print("nothing written; --out FILE keeps the result, --page FILE shows it")
+
+
+def read(prog: str, arguments: Several[str]) -> Play | Exit:
+    """The scenario that the arguments describe, or `Exit` after the list or a help was printed.
+
+    Raises:
+        InputError: An unknown scenario, or arguments that do not fit it.
+    """
+    from halfphysics import scenarios
+
+    if "--list" in arguments:
+        _lone("--list", prog, arguments)
+        print(overview())
+        return Exit(0)
+    if arguments and arguments[0] in ("-h", "--help"):
+        print(_help(prog))
+        return Exit(0)
+    if not arguments or arguments[0].startswith("-"):
+        found = repr(arguments[0]) if arguments else "nothing"
+        raise InputError(
+            f"scenario: found {found}, expected a name first: one of "
+            f"{', '.join(scenarios.names())}. {prog} --list explains them"
+        )
+    name, *rest = arguments
+    if name not in scenarios.names():
+        close = difflib.get_close_matches(name, scenarios.names(), n=1)
+        hint = f"; did you mean {close[0]}?" if close else ""
+        raise InputError(
+            f"unknown scenario {name!r}{hint} Expected one of {', '.join(scenarios.names())}. "
+            f"{prog} --list explains them"
+        )
+    return _play(f"{prog} {name}", name, rest)
+
+
+def overview() -> str:
+    """Every scenario, what happens in it, and its options with their defaults."""
+    from halfphysics import scenarios
+
+    blocks = []
+    for name in scenarios.names():
+        known = scenarios.options(name).items()
+        said = [f"--{_flag(o)} {default}" for o, default in known if o not in _OBJECTS]
+        lines = [scenarios.describe(name), *_wrapped(said)]
+        blocks.append("\n".join([name, *(f"  {line}" for line in lines)]))
+    return "\n\n".join(blocks)
+
+
+def _play(prog: str, name: str, arguments: list[str]) -> Play | Exit:
+    from halfphysics import scenarios
+
+    def parsed(settings: Settings) -> Any:
+        return parse(_command(name, settings), prog, EXAMPLES, arguments)
+
+    command = parsed(Settings())
+    if isinstance(command, Exit):
+        return command
+    files = command.outputs.given()
+    for path in files:
+        check_output(path)
+    if len({path.absolute() for path in files}) < len(files):
+        raise InputError("--out, --page, --pictures: found one file for two of them")
+    chosen = {option: getattr(command, option) for option in _texts(name)}
+    sequence = scenarios.load(name, **chosen)
+    if sequence.settings != Settings():
+        # What is not said is as the scenario has it, which only building it tells.
+        command = parsed(sequence.settings)
+    return Play(name, sequence, command.settings, command.outputs)
+
+
+def _texts(name: str) -> dict[str, Any]:
+    """The options of a scenario that can be said on a command line, and their defaults."""
+    from halfphysics import scenarios
+
+    return {o: default for o, default in scenarios.options(name).items() if o not in _OBJECTS}
+
+
+def _command(name: str, settings: Settings) -> type[Any]:
+    """The dataclass of all options of a scenario: its own, what to write, and settings."""
+    from halfphysics import scenarios
+
+    build = scenarios.builder(name)
+    # Without what is left out, whose types are known to type checkers only.
+    types = {o: kind for o, kind in build.__annotations__.items() if o in _texts(name)}
+    hints = get_type_hints(SimpleNamespace(__annotations__=types), build.__globals__)
+    helps = _helps(inspect.getdoc(build) or "")
+    fields: list[tuple[str, Any, Any]] = []
+    for option, default in _texts(name).items():
+        kind: Any = hints[option]
+        explained = tyro.conf.arg(help=helps.get(option, ""))
+        fields.append((option, Annotated[kind, explained], field(default=default)))
+    fields += [
+        ("outputs", tyro.conf.OmitArgPrefixes[Outputs], field(default_factory=Outputs)),
+        (
+            "settings",
+            tyro.conf.OmitArgPrefixes[Settings],
+            field(default_factory=lambda: settings),
+        ),
+    ]
+    made = make_dataclass("Command", fields, frozen=True, kw_only=True)
+    made.__doc__ = scenarios.describe(name)
+    return made
+
+
+def _helps(text: str) -> dict[str, str]:
+    """What the section `Args:` of a docstring says about each argument."""
+    section = re.search(r"^Args:\n((?:[ ]+.*\n?|\n)*)", text, re.MULTILINE)
+    if section is None:
+        return {}
+    entries = re.split(r"^(\w+): ", textwrap.dedent(section[1]), flags=re.MULTILINE)[1:]
+    said = (" ".join(help.split()) for help in entries[1::2])
+    return dict(zip(entries[::2], said, strict=True))
+
+
+def _help(prog: str) -> str:
+    return "\n".join(
+        [
+            f"usage: {prog} NAME ...   ({prog} NAME --help explains the options of one)",
+            "",
+            "Play a built-in scenario: simulate it, print the summary, write what is asked for.",
+            "",
+            *textwrap.indent(overview(), "  ").splitlines(),
+            "",
+            f"{prog} --list prints this list.",
+            "",
+            "examples:",
+            *textwrap.indent(EXAMPLES, "  ").splitlines(),
+        ]
+    )
+
+
+def _lone(flag: str, prog: str, arguments: Several[str]) -> None:
+    if len(arguments) > 1:
+        others = " ".join(a for a in arguments if a != flag)
+        raise InputError(f"{flag}: found {others!r} beside it, expected it alone: {prog} {flag}")
+
+
+def _flag(option: str) -> str:
+    return option.replace("_", "-")
+
+
+def _wrapped(words: Several[str]) -> list[str]:
+    """Words, which keep their inner spaces, in lines."""
+    lines = [""]
+    for word in words:
+        if lines[-1] and len(lines[-1]) + 2 + len(word) > _WIDTH:
+            lines.append("")
+        lines[-1] += f"  {word}" if lines[-1] else word
+    return lines

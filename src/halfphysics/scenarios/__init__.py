@@ -18,11 +18,20 @@ __all__ = ["builder", "describe", "load", "names", "options"]
 
 #: Scenario -> module of this package that builds it.
 _MODULES = {
+    "climb_onto_bed": "climb_onto_bed",
+    "crawl_under_table": "crawl_under_table",
     "doorway": "doorway",
     "grasp_glass": "grasp_glass",
     "kick_ball": "kick_ball",
     "place_glass": "place_glass",
     "lift_suitcase": "lift_suitcase",
+    "fly_with_ball": "fly_with_ball",
+    "kick_ball": "kick_ball",
+    "leg_through_table": "leg_through_table",
+    "sit_on_bed": "sit_on_bed",
+    "sit_on_sofa": "sit_on_sofa",
+    "step_back_onto_cabinet": "step_back_onto_cabinet",
+    "stretch_on_bed": "stretch_on_bed",
     "walk_into_wall": "walk_into_wall",
 }
 

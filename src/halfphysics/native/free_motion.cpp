@@ -26,13 +26,16 @@ void Stepper::build_inertia(double h) {
   std::fill(extra_.begin(), extra_.end(), 0.0);
   for (const Drive& d : drives_) {
     if (!world.active[d.body(0)]) continue;
-    d.added_inertia(model, inertia_, drive_settings, extra_);
+    d.added_inertia(model, inertia_, extra_);
     double s = d.scale(drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
   }
   const std::vector<double> drive = extra_;
   stiffen();
   inertia_.factor(model, scale_, extra_, world.active.data());
+  for (const Drive& d : drives_)  // who stands keeps what is known of it
+    if (world.active[d.body(0)])
+      std::copy_n(extra_.begin() + d.first_dof(), d.dof_count(), resist_.begin() + d.first_dof());
   extra_ = drive;
   inertia_ready_ = true;
 }
@@ -85,6 +88,7 @@ void Stepper::free_velocity(int k, double h) {
     inertia_.solve(model, torque_.data());
     for (int i = 0; i < model.nv; i++) v_free_[i] += torque_[i];
   }
+  limit_strength(h);
   object_velocity(h);
 }
 

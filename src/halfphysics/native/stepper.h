@@ -38,6 +38,11 @@ class Stepper {
   int person_count() const { return (int)drives_.size(); }
   int person_qpos(int p) const { return drives_[p].first_qpos(); }
   int person_qpos_count(int p) const { return drives_[p].qpos_count(); }
+  Drive& person(int p) { return drives_[p]; }
+  int ball_count() const;  // of all people, roots included
+  // What the drives exert on all balls, mean over the last frame [N m] (3 ball_count()), in the children's
+  // frames, appended to `out`; nothing, and false, if it is zero.
+  bool torques(std::vector<double>& out) const;
 
   // The pose to start from; people must be at their targets. Objects keep qvel.
   void reset(const double* qpos, const double* qvel);
@@ -92,6 +97,12 @@ class Stepper {
   void build_inertia(double h);
   void stiffen();
 
+  // What the drive exerts (strength.cpp).
+  void limit_strength(double h);
+  void tally(double h);
+  // out = s (M + diag(extra)) x on one person's rows; without `extra` M x.
+  void weigh(const Drive& d, const double* x, double s, const double* extra, double* out) const;
+
   // With it (substep.cpp).
   void substep(int k, double h);
   void attempt(double h);
@@ -134,6 +145,8 @@ class Stepper {
   std::vector<double>* record_ = nullptr;  // of the frame under way
   std::vector<double> assumed_;  // per mover: what the others' sweeps allow it to travel [m]
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
+  std::vector<double> resist_;  // M^ without M, as factored last
+  std::vector<double> v_star_, change_, pushed_, exerted_;
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;
   Poses start_, end_;

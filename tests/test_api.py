@@ -52,10 +52,11 @@ PARAMETERS = {
     "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
     "threads record",
     "Settings.paper": "stiffness ** changes",
-    "simulate": "motion scene * body settings allow_mismatch progress",
+    "simulate": "motion scene * body settings stiffness allow_mismatch progress",
     "Simulator": "scene * body settings fps",
     "Simulator.reset": "self pose",
     "Simulator.step": "self pose dt",
+    "Simulator.set_stiffness": "self value * person",
     "Simulator.get_state": "self",
     "Simulator.set_state": "self state",
     "attach": "spec body prefix",

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from halfphysics import geoms
 from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.joint_groups import stiffness_array
 from halfphysics.person_model import add_person, addresses
 from halfphysics.person_movers import add_person_movers
 from halfphysics.pose import Pose
@@ -24,6 +25,7 @@ from halfphysics.scene import PERSON_FRICTION
 from halfphysics.settings import Settings
 from halfphysics.simulator import Touches, touches
 from halfphysics.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.strength import limits_of
 from halfphysics.world import FINGER_INERTIA, Person, model_arrays, set_settings
 
 if TYPE_CHECKING:
@@ -112,6 +114,7 @@ class Control:
         count = 7 + 4 * (N_JOINTS - 1)
         self._model, self._data, self._human = model, data, human
         self.settings = settings
+        self._stiffness = stiffness_array(settings.stiffness, "Settings.stiffness")
         self._person = Person(
             human.prefix.rstrip("/") or "human",
             human.body,
@@ -137,6 +140,11 @@ class Control:
         self._set_pairings()
         set_settings(self._stepper, settings, np.array(model.opt.gravity))
         self._stepper.finish([self._person.root])
+        self._stepper.set_stiffness(self._stiffness[self._person.balls])
+        if settings.strength is not None:
+            force, torque = limits_of(settings.strength, human.body)
+            limits = np.concatenate([[force], torque[self._person.balls]])
+            self._stepper.set_strength(0, limits)
         self._dof_of = np.asarray(model.dof_bodyid, dtype=np.int64)
         self._qpos_of = _qpos_bodies(model)
         self._axes = np.eye(3)
@@ -267,9 +275,9 @@ class Control:
 
     def _set_finger_armature(self, dof: NDArray[np.int64]) -> None:
         # The compiled model has what suits a stiffness of 1; other settings want their own.
-        fingers = dof[list(LEFT_HAND_JOINTS + RIGHT_HAND_JOINTS)]
-        armature = FINGER_INERTIA / (1.0 + self.settings.stiffness)
-        self._model.dof_armature[(fingers[:, None] + np.arange(3)).ravel()] = armature
+        fingers = list(LEFT_HAND_JOINTS + RIGHT_HAND_JOINTS)
+        armature = FINGER_INERTIA / (1.0 + self._stiffness[fingers])
+        self._model.dof_armature[dof[fingers][:, None] + np.arange(3)] = armature[:, None]
 
     def _add_movers(self) -> None:
         model, person = self._model, self._person

@@ -9,17 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
+from halfphysics.joint_groups import stiffness_array
 from halfphysics.reference_contact import contact_residual, solve_contacts
 from halfphysics.settings import Settings
+from halfphysics.skeleton import PARENTS
 
 Array = NDArray[np.float64]
 
+#: Smaller changes of velocity are rounding [m/s, rad/s].
+REST = 1e-9
 FREE, BALL, SLIDE, HINGE = range(4)  # joint types, numbered as MuJoCo does
 
 
@@ -156,11 +161,21 @@ class ReferenceDrive:
     deviation: Array = field(init=False)  # e
     previous: Array = field(init=False)
     q_start: Array = field(init=False)
+    # With strength: most that the drive may exert on the root's position [N], then on the root's
+    # rotation and every joint in the model's order [N m] (56,); and what it exerted beyond it.
+    limits: Array | None = None
+    debt: Array = field(init=False)
 
     def __post_init__(self) -> None:
         self.v_ref = np.zeros(6 + 3 * ((len(self.target) - 7) // 4))
         self.deviation = np.zeros_like(self.v_ref)
         self.previous = self.q_start = self.target
+        self.debt = np.zeros(1 + len(self.firmness))
+
+    @cached_property
+    def firmness(self) -> Array:
+        """lambda of the root (0) and every joint in the model's order (55,)."""
+        return stiffness_array(self.settings.stiffness, "stiffness")[depth_first()]
 
     @property
     def dofs(self) -> slice:
@@ -204,7 +219,7 @@ class ReferenceDrive:
             xi = np.where(size > limit, xi * limit / np.maximum(size, 1e-300), xi)
             way = np.concatenate([np.zeros(3), xi.ravel()])
             decayed: Array = (self.deviation - h * way / tau**2) / self.scale(h)
-            return self.v_ref + decayed
+            return self.v_ref + self.strong_enough(self.deviation - decayed, h, M, stiff)
         v = qvel[self.dofs].copy()
         turn = _turns(q, expected)
         # About a half turn rounding decides which way round the log goes; it is the way it turns.
@@ -216,6 +231,36 @@ class ReferenceDrive:
         gap = np.where(np.arange(len(v)) < 6, 0.0, epsilon - h * v)
         return v + np.linalg.solve(M + np.diag(stiff), stiff / h * gap)
 
+    def strong_enough(self, pull: Array, h: float, M: Array, stiff: Array) -> Array:
+        """The deviation that is left of e after as much of `pull` as the drive is able to do.
+
+        Neither a joint's own share of the impulse, nor what coupling makes of it, may exceed
+        h times the joint's limit, less what it owes.
+        """
+        if self.limits is None or np.abs(pull).max() < REST:
+            return self.deviation - pull
+        allowed = np.maximum(0.0, h * self.limits - self.debt)
+        M_hat = self.scale(h) * (M + np.diag(stiff))
+        own = np.diag(M_hat).reshape(-1, 3).mean(axis=1)
+        capped = _capped(pull, allowed / own)
+        wanted = M_hat @ capped
+        pushed = _capped(wanted, allowed)
+        if (pushed != wanted).any():
+            capped = np.asarray(np.linalg.solve(M_hat, pushed), dtype=np.float64)
+        return self.deviation - capped
+
+    def exerted(self, qvel: Array, v_star: Array, h: float, M: Array, stiff: Array) -> Array:
+        """The drive's own generalised impulse in a substep that ends with `qvel`: what changed the
+        deviation, less what contacts did. What is beyond the limits is owed. Before end_substep.
+        """
+        v = qvel[self.dofs]
+        contacts = self.scale(h) * (M + np.diag(stiff)) @ (v - v_star)
+        impulse: Array = np.asarray(M @ (v - self.v_ref - self.deviation) - contacts)
+        if self.limits is not None:
+            size = np.linalg.norm(impulse.reshape(-1, 3), axis=1)
+            self.debt = np.maximum(0.0, self.debt + size - h * self.limits)
+        return impulse
+
     def scale(self, h: float) -> float:
         """s: how much heavier the drive makes the person."""
         if self.settings.drive_time is None:
@@ -225,6 +270,23 @@ class ReferenceDrive:
 
     def end_substep(self, qvel: Array) -> None:
         self.deviation = qvel[self.dofs] - self.v_ref
+
+
+def depth_first() -> NDArray[np.int64]:
+    """Joints (55,) in the order in which a MuJoCo model numbers a person's bodies."""
+
+    def below(joint: int) -> list[int]:
+        return [joint, *(i for c in np.flatnonzero(joint == PARENTS) for i in below(int(c)))]
+
+    return np.array(below(0), dtype=np.int64)
+
+
+def _capped(x: Array, limits: Array) -> Array:
+    """Three entries at a time scaled to at most that norm."""
+    rows = x.reshape(-1, 3)
+    size = np.linalg.norm(rows, axis=1)
+    share = np.where(size > limits, limits / np.maximum(size, 1e-300), 1.0)
+    return (rows * share[:, None]).ravel()
 
 
 def _quats(q: Array) -> Array:
@@ -245,8 +307,9 @@ def _turned(q: Array, turns: Array) -> Array:
 def stiff_diagonal(model: Any, M: Array, drive: ReferenceDrive) -> Array:
     """lambda * I of all dofs (nv,): per ball joint the mean of its three diagonal entries of M."""
     out = np.zeros(model.nv)
+    firmness = iter(drive.firmness[1:])
     for d in range(drive.dofs.start + 6, drive.dofs.stop, 3):
-        out[d : d + 3] = drive.settings.stiffness * np.diag(M)[d : d + 3].mean()
+        out[d : d + 3] = next(firmness) * np.diag(M)[d : d + 3].mean()
     return out
 
 

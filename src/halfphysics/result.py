@@ -93,12 +93,17 @@ class PersonResult:
         reference: What was asked for; as many frames, the same frame rate.
         body: Their body. In a result from a file it is loaded when first read; raises
             `FileError` where a licensed model has gone or changed (see `Result.load`).
+        torque: What the drive exerted on the joints (T, 55, 3) [N m], mean over (t-1, t], in the
+            frame of the joint's child, row 0 on the whole body: zero where the motion is followed
+            freely, against the contacts where something is held. See docs/physics.md. None:
+            unknown (older files).
     """
 
     name: str
     motion: Motion
     reference: Motion
     body: Deferred[Body] = Deferred()
+    torque: Array | None = None
 
     def __post_init__(self) -> None:
         from halfphysics.body import Body
@@ -111,6 +116,9 @@ class PersonResult:
                 f"person {self.name!r}: the motion has {len(self.motion)} frames and the "
                 f"reference {len(self.reference)}; expected the same number"
             )
+        if self.torque is not None:
+            shape = (len(self.motion), N_JOINTS, 3)
+            _set(self, "torque", checked("torque", self.torque, shape, "(T, 55, 3)"))
 
     def joint_errors(self) -> tuple[Array, Array]:
         """Distances (T, 55) [m] of joints from the reference: relative to the pelvis, global."""

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 from .errors import InputError
+from .joint_groups import joint_values
+from .strength import checked_strength
 
 #: Largest clearance that can be asked for [m]: fifty times the default. Hands that keep more from
 #: what they hold (twice, for the two sides of a rod) hold nothing of the size of a hand.
@@ -19,8 +22,10 @@ class Settings:
 
     substeps: int | None = None
     """Substeps N per frame; None: as many as keep h at or under 1/240 s (8 at 30 fps)."""
-    stiffness: float = 1.0
-    """Firmness of the joints, lambda: 0 limp (with drive_time=None), 1 firm, 10 nearly rigid."""
+    stiffness: float | Mapping[str, float] = 1.0
+    """Firmness of the joints, lambda: 0 limp (with drive_time=None), 1 firm, 10 nearly rigid; a
+    number, or one per joint group or joint (see `JOINT_GROUPS`), the smaller group winning: joints
+    not named have 1."""
     drive_time: float | None = 0.02
     """Time constant of the drive [s]; None: Algorithm 1 of the paper to the letter."""
     recovery_rate: float = 8.0
@@ -43,8 +48,10 @@ class Settings:
     """Largest violation of a contact that the solver may leave in a substep [m]."""
     max_sweeps: int = 50
     """Sweeps of the contact solver over all points with friction; then normals alone."""
-    strength: None = None
-    """Torque limits of the joints (not in this version: the drive is as strong as it needs)."""
+    strength: Literal["human"] | Mapping[str, float] | None = None
+    """What the drive can exert (with drive_time): all it needs (None), as much as a person
+    ("human"), or per joint group or joint [N m]; "pelvis" limits the torque on the whole body,
+    "root" the force on it [N]; what is not named has no limit."""
     threads: int = 1
     """Threads for measuring a result (a substep runs on one); no number depends on it."""
     record: Literal["frames", "substeps"] = "frames"
@@ -84,7 +91,11 @@ class Settings:
 
         if self.substeps is not None:
             count("substeps")
-        number("stiffness", least=0.0)
+        if isinstance(self.stiffness, Mapping):
+            given = joint_values(self.stiffness, "Settings.stiffness")
+            object.__setattr__(self, "stiffness", given)
+        else:
+            number("stiffness", least=0.0)
         if self.drive_time is not None:
             number("drive_time", above=0.0)
         number("recovery_rate", above=0.0)
@@ -99,7 +110,13 @@ class Settings:
         number("clearance_range", least=0.0)
         choice("contact", "skin", "parts")
         check("self_contact", self.self_contact is False, "False: this version has no self-contact")
-        check("strength", self.strength is None, "None: this version has no torque limits")
+        object.__setattr__(self, "strength", checked_strength(self.strength))
+        check(
+            "strength",
+            self.strength is None or self.drive_time is not None,
+            "None without drive_time: Algorithm 1 sets velocities, whatever force that takes. Set "
+            "drive_time, such as 0.02",
+        )
         number("depenetration_speed", least=0.0)
         number("tolerance", above=0.0)
         count("max_sweeps")
@@ -107,7 +124,7 @@ class Settings:
         choice("record", "frames", "substeps")
 
     @classmethod
-    def paper(cls, stiffness: float = 0.0, **changes: Any) -> Settings:
+    def paper(cls, stiffness: float | Mapping[str, float] = 0.0, **changes: Any) -> Settings:
         """The paper's own setting: Algorithm 1, eight substeps a frame, lambda = `stiffness`.
 
         `changes` overrides further fields.

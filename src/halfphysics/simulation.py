@@ -7,15 +7,17 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.body import check_match
 from halfphysics.contacts import Contacts
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.inside import Depths, inside_of
+from halfphysics.joint_groups import stiffness_over_time
 from halfphysics.motion import Motion
 from halfphysics.result import DIAGNOSTICS, ObjectTrack, PersonResult, Result, Substeps
 from halfphysics.simulator import Simulator, several, touches
+from halfphysics.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -39,6 +41,7 @@ def simulate(
     *,
     body: Body | Sequence[Body] | None = None,
     settings: Settings | None = None,
+    stiffness: ArrayLike | Sequence[ArrayLike] | None = None,
     allow_mismatch: bool = False,
     progress: bool = False,
 ) -> Result:
@@ -49,6 +52,9 @@ def simulate(
         scene: Statics and objects; None: an empty one.
         body: The person's body, or one per person; None: `Body.default()` for all.
         settings: See `Settings`.
+        stiffness: Firmness over time instead of `Settings.stiffness`: (T,) for all joints or
+            (T, 55), for everybody or one a person in a list. Row t is that of the way to frame t,
+            as if `Simulator.set_stiffness` were called before that step.
         allow_mismatch: Accept a body of another gender or model than the motion says.
         progress: Show a progress bar on stderr where it is a terminal.
 
@@ -86,15 +92,23 @@ def simulate(
     for one, its in zip(motions, bodies, strict=True):
         check_match(one, its, allow_mismatch=allow_mismatch)
 
+    firmness = stiffness_over_time(stiffness, len(first), len(motions))
     simulator = Simulator(scene, body=bodies, settings=settings, fps=first.fps)
-    return follow(simulator, motions, progress=progress)
+    return follow(simulator, motions, firmness, progress=progress)
 
 
-def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = False) -> Result:
+def follow(
+    simulator: Simulator,
+    motions: Sequence[Motion],
+    stiffness: Array | None = None,
+    *,
+    progress: bool = False,
+) -> Result:
     """Run a simulator over whole motions, one per person: `simulate` without its set-up.
 
     What `Simulator.step` would do frame by frame, to the last bit; all that is not physics is
     done for all frames at once. The motions have one length and the simulator's frame rate.
+    `stiffness`: firmness (T, people, 55) of every frame.
     """
     world, stepper = simulator.world, simulator.world.stepper
     count = len(motions[0])
@@ -106,6 +120,8 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
     inside_frames = [np.zeros(len(inside[0]), dtype=np.int64)]
     _warn_of_start(world, inside_of(world, inside[0], inside_frames[0]))
     lost_time = np.zeros(count)
+    torque = np.zeros((count, len(motions), N_JOINTS, 3))
+    firmness = np.zeros((0, 0)) if stiffness is None else world.firmness(stiffness)
     substeps = [qpos[:1].copy()]
     rows, row_frames = [], []
     numbers = np.zeros((count, len(DIAGNOSTICS)))
@@ -120,9 +136,11 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
                 settings.substeps_for(simulator.dt),
                 settings.record == "substeps",
                 _SLICE,
+                firmness[done:],
             )
             frames = np.arange(done, done + len(got["qpos"]))
             qpos[frames], clearance[frames] = got["qpos"], got["clearance"]
+            torque[frames[got["torque_frames"].astype(np.int64)]] = world.torques(got["torques"])
             lost_time[frames], numbers[frames] = got["lost_time"], got["diagnostics"]
             substeps.append(got["substeps"])
             rows.append(got["touches"])
@@ -138,8 +156,9 @@ def follow(simulator: Simulator, motions: Sequence[Motion], *, progress: bool = 
                 reference=motion,
                 body=person.body,
                 name=person.name,
+                torque=torque[:, i],
             )
-            for motion, person in zip(motions, world.people, strict=True)
+            for i, (motion, person) in enumerate(zip(motions, world.people, strict=True))
         ),
         objects=_tracks(world, qpos),
         scene=world.scene,

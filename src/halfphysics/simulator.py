@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
 from halfphysics.inside import Depths, inside_of
+from halfphysics.joint_groups import stiffness_array
 from halfphysics.pose import Pose
 from halfphysics.settings import Settings
+from halfphysics.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -65,6 +67,7 @@ class Frame:
         clearance: Smallest distance of the people from the statics [m]; inf beyond
             `Settings.clearance_range`, negative where they penetrate.
         lost_time: Time by which blocked steps were shortened [s].
+        torques: What the drive exerted on the people's joints, see `PersonResult.torque`.
         diagnostics: Numbers of the frame, see `halfphysics.result.DIAGNOSTICS`.
         substeps: With `Settings.record="substeps"`: model coordinates (N, nq) after every
             substep, else (0, nq).
@@ -79,6 +82,7 @@ class Frame:
     _axes: tuple[Array, ...]
     _touches: Array
     _inside: Array
+    _torques: Array
 
     @cached_property
     def poses(self) -> tuple[Pose, ...]:
@@ -97,6 +101,18 @@ class Frame:
     def inside(self) -> Depths:
         return inside_of(self._world, self._inside, np.zeros(len(self._inside), dtype=int)).at(0)
 
+    @cached_property
+    def torques(self) -> tuple[Array, ...]:
+        people = self._world.people
+        if not len(self._torques):
+            return tuple(np.zeros((N_JOINTS, 3)) for _ in people)
+        return tuple(self._world.torques(self._torques))
+
+    @property
+    def torque(self) -> Array:
+        """The first person's (55, 3) [N m], in the joints' own frames."""
+        return self.torques[0]
+
     @property
     def pose(self) -> Pose:
         """The first person's pose."""
@@ -109,6 +125,7 @@ class Frame:
             "objects": self.objects,
             "contacts": self.contacts,
             "inside": self.inside,
+            "torques": self.torques,
         }
         return done | {name: v for name, v in vars(self).items() if not name.startswith("_")}
 
@@ -185,6 +202,7 @@ class Simulator:
         poses = self._checked(pose)
         self._axes = tuple(np.array(p.axes, dtype=np.float64) for p in poses)
         self.world.stepper.reset(*self.world.start(poses))
+        self._set_firmness(np.tile(self.world.stiffness, (len(poses), 1)))
         self._started = True
         return self._frame(np.zeros((0, self.world.nq)), moved=False)
 
@@ -209,6 +227,35 @@ class Simulator:
         record = self.settings.record == "substeps"
         return self.world.stepper.frame(targets, dt, count, record)
 
+    def set_stiffness(
+        self, value: float | Mapping[str, float] | Array, *, person: int | None = None
+    ) -> None:
+        """Change the firmness lambda of the joints from the next step on.
+
+        `reset` goes back to `Settings.stiffness`; a state keeps what it had.
+
+        Args:
+            value: A number, numbers by joint group or joint (those not named: 1), or (55,).
+            person: Index of the one person whose joints are meant; None: everybody's.
+
+        Raises:
+            InputError: Before `reset`; a joint that does not exist, a number below 0.
+        """
+        if not self._started:
+            raise InputError("set_stiffness: the simulator has no pose yet; call reset(pose) first")
+        firmness = stiffness_array(value, "set_stiffness")
+        people = len(self.world.people)
+        if person is not None and not 0 <= person < people:
+            raise InputError(f"set_stiffness: found person {person}, expected 0 to {people - 1}")
+        chosen = slice(None) if person is None else person
+        self._firmness[chosen] = firmness
+        self._set_firmness(self._firmness)
+
+    def _set_firmness(self, stiffness: Array) -> None:
+        """Firmness of everybody's joints (people, 55)."""
+        self._firmness = stiffness
+        self.world.stepper.set_stiffness(self.world.firmness(stiffness))
+
     def get_state(self) -> State:
         """Everything the simulation remembers: continue from it with `set_state`, bit for bit."""
         if not self._started:
@@ -231,6 +278,7 @@ class Simulator:
         except ValueError as error:
             raise InputError(f"set_state: {error}; expected one that get_state gave") from None
         self._axes = state.axes
+        self._firmness = self.world.firmness_of(self.world.stepper.stiffness())
         self._started = True
 
     # -- inside ----------------------------------------------------------------------------
@@ -258,6 +306,7 @@ class Simulator:
             _axes=self._axes,
             _touches=stepper.touches(),
             _inside=stepper.inside(),
+            _torques=stepper.torques() if moved else np.zeros((0, 3)),
         )
 
 

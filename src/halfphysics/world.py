@@ -19,9 +19,11 @@ from halfphysics import rotations as rot
 from halfphysics.colliders import convex_collider
 from halfphysics.errors import InputError
 from halfphysics.fingerprint import fingerprint
+from halfphysics.joint_groups import stiffness_array
 from halfphysics.person_model import addresses, principal
 from halfphysics.person_movers import add_person_movers
-from halfphysics.skeleton import N_JOINTS
+from halfphysics.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.strength import limits_of
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -65,6 +67,11 @@ class Person:
         return translation, rot.log(np.take(qpos, self._quats, axis=-1))
 
     @cached_property
+    def balls(self) -> NDArray[np.int64]:
+        """Joint indices (55,) in the model's order: as the core counts a person's joints."""
+        return np.argsort(self.joint_qpos)
+
+    @cached_property
     def _quats(self) -> NDArray[np.int64]:
         """Coordinates of every joint's quaternion (55, 4)."""
         return self.joint_qpos[:, None] + np.arange(4)
@@ -93,6 +100,7 @@ class World:
         names: What contacts refer to: statics, objects, people, in this order.
         people, things: Their places in the coordinates.
         stepper: The native stepper.
+        stiffness: Firmness of every joint by the settings (55,).
         mover_name, mover_part: Per native shape: index into `names`, joint index or -1.
         nq, nv: Numbers of coordinates and velocities.
         signature: Differs where people or things do.
@@ -123,6 +131,7 @@ class World:
         set_settings(self.stepper, settings, scene.gravity)
         self._add_given()
         self.stepper.finish([p.root for p in self.people])
+        self._set_strength()
 
     def _compile(self, people: list[str]) -> Any:
         import mujoco
@@ -131,9 +140,12 @@ class World:
         from halfphysics.person_model import add_person
 
         spec = mujoco.MjSpec()
-        finger = FINGER_INERTIA / (1.0 + self.settings.stiffness)
+        self.stiffness = stiffness_array(self.settings.stiffness, "Settings.stiffness")
+        armature = np.zeros(N_JOINTS)
+        fingers = list(LEFT_HAND_JOINTS + RIGHT_HAND_JOINTS)
+        armature[fingers] = FINGER_INERTIA / (1.0 + self.stiffness[fingers])
         for name, body in zip(people, self.bodies, strict=True):
-            add_person(spec, body.variant, prefix=f"{name}/", finger_armature=finger, geoms=False)
+            add_person(spec, body.variant, prefix=f"{name}/", armature=armature, geoms=False)
         for thing in self.scene.objects.values():
             # No name of a thing has a slash; MuJoCo keeps "world" for itself.
             b = spec.worldbody.add_body(name=f"object/{thing.name}", pos=thing.position)
@@ -251,6 +263,14 @@ class World:
                 ignore[i, j] = self.scene.ignores(a, b) or {a, b} <= unmoved
         self.stepper.set_pairings(friction, restitution, ignore)
 
+    def _set_strength(self) -> None:
+        if self.settings.strength is None:
+            return
+        for index, person in enumerate(self.people):
+            force, torque = limits_of(self.settings.strength, person.body)  # type: ignore[arg-type]
+            limits = np.concatenate([[force], torque[person.balls]])
+            self.stepper.set_strength(index, limits)
+
     # -- state -----------------------------------------------------------------------------
 
     def start(self, poses: Sequence[Pose]) -> tuple[Array, Array]:
@@ -268,6 +288,22 @@ class World:
             qvel[place.dof : place.dof + 3] = thing.velocity + np.cross(spin, arm)
             qvel[place.dof + 3 : place.dof + 6] = rot.rotate(rot.conjugate(quat), spin)
         return qpos, qvel
+
+    def firmness(self, stiffness: Array) -> Array:
+        """Firmness (..., people, 55) as the stepper takes it (..., balls)."""
+        each = [stiffness[..., i, person.balls] for i, person in enumerate(self.people)]
+        return np.ascontiguousarray(np.concatenate(each or [np.zeros(0)], axis=-1))
+
+    def firmness_of(self, balls: Array) -> Array:
+        """The reverse of `firmness`: (people, 55)."""
+        return self.torques(np.repeat(balls[:, None], 3, axis=1))[..., 0]
+
+    def torques(self, balls: Array) -> Array:
+        """Torques (..., people, 55, 3) [N m] of what the stepper gives (..., balls, 3)."""
+        out = np.empty((*balls.shape[:-2], len(self.people), N_JOINTS, 3))
+        for i, person in enumerate(self.people):
+            out[..., i, person.balls, :] = balls[..., i * N_JOINTS : (i + 1) * N_JOINTS, :]
+        return out
 
     def targets(self, poses: Sequence[Pose]) -> Array:
         """What the stepper's frame() takes: all people's coordinates, one after the other."""
@@ -311,7 +347,6 @@ def set_settings(stepper: Any, settings: Settings, gravity: Array) -> None:
     """Give the stepper its settings and gravity (3,) [m/s^2]."""
     s = settings
     stepper.set_settings(
-        s.stiffness,
         s.drive_time or 0.0,
         s.recovery_rate,
         s.root == "recover",

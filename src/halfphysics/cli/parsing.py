@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from halfphysics.cli.joint_options import joint_options
 from halfphysics.errors import InputError
 
 T = TypeVar("T")
@@ -35,7 +36,7 @@ def parse(command: type[T], prog: str, examples: str, arguments: Sequence[str]) 
 
     errors = io.StringIO()
     try:
-        with contextlib.redirect_stderr(errors):
+        with contextlib.redirect_stderr(errors), joint_options():
             parsed = tyro.cli(command, prog=prog, args=list(arguments))
     except SystemExit as stop:
         if stop.code:

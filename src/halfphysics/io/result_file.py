@@ -83,6 +83,8 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
         fields[f"{prefix}rotations"] = person.motion.rotations
         fields[f"{prefix}reference_translation"] = person.reference.translation
         fields[f"{prefix}reference_rotations"] = person.reference.rotations
+        if person.torque is not None:
+            fields[f"{prefix}torque"] = person.torque
         body = vars(person)["_body"]
         record = body if isinstance(body, BodyRecord) else BodyRecord.of(body)
         people.append(
@@ -102,7 +104,7 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
         "meta/lost_time": result.lost_time,
         "meta/fps": np.array(result.fps),
         "meta/names": np.array(result.names, dtype=np.str_),
-        "meta/settings": _json(dataclasses.asdict(result.settings)),
+        "meta/settings": _json(_settings_document(result.settings)),
         "meta/scene": _json(record_of_scene.document),
         "meta/people": _json(people),
         "meta/written_by": np.array(f"halfphysics {__version__}"),
@@ -252,7 +254,14 @@ def _person(npz: Npz, index: int, data: Any, fps: float, body: Any) -> PersonRes
     )
     if index == 0:
         motion, reference = _with_origin(npz.path, motion, reference)
-    return PersonResult(name=str(data["name"]), motion=motion, reference=reference, body=body)
+    key = f"{prefix}torque"
+    return PersonResult(
+        name=str(data["name"]),
+        motion=motion,
+        reference=reference,
+        body=body,
+        torque=_field(npz, key) if key in npz else None,
+    )
 
 
 def _with_origin(path: Path, motion: Motion, reference: Motion) -> tuple[Motion, Motion]:
@@ -354,6 +363,11 @@ def _parsed(npz: Npz, key: str) -> Any:
         return json.loads(str(value.flat[0]))
     except (json.JSONDecodeError, RecursionError) as error:
         raise InputError(f"field '{key}': not valid JSON ({error})") from None
+
+
+def _settings_document(settings: Settings) -> dict[str, Any]:
+    values = {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings)}
+    return {k: dict(v) if isinstance(v, Mapping) else v for k, v in values.items()}
 
 
 def _settings(data: Any) -> Settings:

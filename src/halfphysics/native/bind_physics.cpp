@@ -52,6 +52,11 @@ void set_model(Stepper& s, Ints parent, Ints jnt_first, Ints jnt_count, Ints dof
   m.finish();
 }
 
+void set_stiffness(Stepper& s, const double* lambda) {
+  for (int p = 0; p < s.person_count(); lambda += s.person(p).ball_count(), p++)
+    s.person(p).set_stiffness(lambda);
+}
+
 // Columns: mover, other static, other mover, position, normal, impulse.
 void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
   for (const Touch& t : touches) {
@@ -185,10 +190,10 @@ void bind_physics(nb::module_& m) {
                                       ignore.data()[i] != 0};
            })
       .def("set_settings",
-           [](Stepper& s, double stiffness, double drive_time, double recovery_rate,
+           [](Stepper& s, double drive_time, double recovery_rate,
               bool recover_root, double root_speed, double clearance, double clearance_range,
               double depenetration_speed, double tolerance, int max_sweeps, Doubles gravity) {
-             s.drive_settings = {stiffness, drive_time, recovery_rate, recover_root, root_speed};
+             s.drive_settings = {drive_time, recovery_rate, recover_root, root_speed};
              s.world.settings = {clearance, depenetration_speed, tolerance, max_sweeps};
              s.clearance_range = clearance_range;
              s.gravity = load3(gravity.data());
@@ -238,11 +243,17 @@ void bind_physics(nb::module_& m) {
              return array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
            })
       .def("run",
-           [](Stepper& s, Square targets, double dt, int n, bool record, double seconds) {
+           [](Stepper& s, Square targets, double dt, int n, bool record, double seconds,
+              Square stiffness) {
              // As many frames as fit into `seconds` of wall time, one at least.
              int want = 0;
              for (int p = 0; p < s.person_count(); p++) want += s.person_qpos_count(p);
              need((int)targets.shape(1) == want && targets.shape(0) > 0, "run: bad shape of targets");
+             // Firmness of every frame (frames, balls), or (0, 0) to leave it.
+             const size_t balls = stiffness.shape(0) ? stiffness.shape(1) : 0;
+             need(balls == 0 || (stiffness.shape(0) == targets.shape(0) && (int)balls == s.ball_count()),
+                  "run: bad shape of stiffness");
+             std::vector<double> torques, torque_frames;
              std::vector<double> qpos, poses, clearance, lost, touches, counts, numbers, inside,
                  inside_counts;
              size_t done = 0;
@@ -254,7 +265,9 @@ void bind_physics(nb::module_& m) {
                      .count();
                };
                do {
+                 if (balls > 0) set_stiffness(s, stiffness.data() + done * balls);
                  s.frame(targets.data() + done * want, dt, n, record ? &poses : nullptr);
+                 if (s.torques(torques)) torque_frames.push_back((double)done);
                  qpos.insert(qpos.end(), s.qpos().begin(), s.qpos().end());
                  clearance.push_back(s.clearance());
                  const Diagnostics& g = s.diagnostics();
@@ -280,6 +293,8 @@ void bind_physics(nb::module_& m) {
              d["touches"] = array({touches.size() / 12, 12}, touches);
              d["inside_count"] = array(inside_counts);
              d["inside"] = array({inside.size() / 4, 4}, inside);
+             d["torque_frames"] = array(torque_frames);
+             d["torques"] = array({torque_frames.size(), (size_t)s.ball_count(), 3}, torques);
              d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
              return d;
            })
@@ -306,6 +321,34 @@ void bind_physics(nb::module_& m) {
       .def("disturbed",
            [](Stepper& s) {
              return array(std::vector<double>(s.disturbed().begin(), s.disturbed().end()));
+           })
+      // lambda of every ball joint of all people, in the model's order, roots (ignored) included.
+      .def("set_stiffness",
+           [](Stepper& s, Doubles lambda) {
+             need((int)lambda.shape(0) == s.ball_count(), "set_stiffness: bad length");
+             set_stiffness(s, lambda.data());
+           })
+      .def("stiffness",
+           [](Stepper& s) {
+             std::vector<double> out;
+             for (int p = 0; p < s.person_count(); p++)
+               out.insert(out.end(), s.person(p).stiffness().begin(), s.person(p).stiffness().end());
+             return array(out);
+           })
+      // Per person the root's force [N], then the torque of every ball joint [N m]; inf: no limit.
+      .def("set_strength",
+           [](Stepper& s, int person, Doubles limits) {
+             need(person >= 0 && person < s.person_count() &&
+                      (int)limits.shape(0) == s.person(person).ball_count() + 1,
+                  "set_strength: bad person or length");
+             s.person(person).limits = list<double>(limits);
+           })
+      // Of the last frame (balls, 3), see Stepper::torques; (0, 3): none.
+      .def("torques",
+           [](Stepper& s) {
+             std::vector<double> out;
+             s.torques(out);
+             return array({out.size() / 3, 3}, out);
            })
       .def("person_qpos", &Stepper::person_qpos)
       .def("person_qpos_count", &Stepper::person_qpos_count)

@@ -45,12 +45,17 @@ Drive::Drive(const Model& m, int root_body) {
   v_ref_.assign(nv_, 0);
   deviation_.assign(nv_, 0);
   v_drive_.assign(nv_, 0);
+  impulse_.assign(nv_, 0);
+  stiffness_.assign(balls_.size(), 1);
+  debt_.assign(balls_.size() + 1, 0);
 }
 
 void Drive::reset(const double* target, double* qvel) {
   target_.assign(target, target + nq_);
   previous_ = q_start_ = target_;
   for (auto* v : {&v_ref_, &deviation_, &v_drive_}) v->assign(nv_, 0);
+  exerted_ = false;
+  std::fill(debt_.begin(), debt_.end(), 0.0);
   for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = 0;
   exact_ = true;
   gentle_left_ = 0;
@@ -77,6 +82,7 @@ void Drive::stay_gentle(bool comes_out, double dt, const double* qpos) {
 void Drive::reference(double* v) const { std::copy(v_ref_.begin(), v_ref_.end(), v + dof0_); }
 
 void Drive::aim(const DriveSettings& s, const double* target, double dt, const double* qpos) {
+  exerted_ = false;
   older_asked_ = velocity_known_;
   older_dt_ = dt_, older_root_ = root_velocity_;
   velocity_known_ = true;
@@ -124,6 +130,8 @@ void Drive::follow(double share, double* qpos) const {
 void Drive::followed() {
   exact_ = true;
   velocity_known_ = false;
+  exerted_ = false;
+  std::fill(debt_.begin(), debt_.end(), 0.0);
   std::fill(deviation_.begin(), deviation_.end(), 0.0);
 }
 
@@ -178,13 +186,13 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = v_drive_[i];
 }
 
-void Drive::added_inertia(const Model& m, const Inertia& inertia, const DriveSettings& s,
+void Drive::added_inertia(const Model& m, const Inertia& inertia,
                           std::vector<double>& extra) const {
   for (size_t i = 1; i < balls_.size(); i++) {
     int d = dof0_ + balls_[i].dof;
     double mean = 0;
     for (int c = 0; c < 3; c++) mean += inertia.diagonal(m, d + c) / 3;
-    for (int c = 0; c < 3; c++) extra[d + c] = s.stiffness * mean;
+    for (int c = 0; c < 3; c++) extra[d + c] = stiffness_[i] * mean;
   }
 }
 
@@ -212,10 +220,10 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
     return false;
   }
   for (int i = 0; i < nv_; i++) v[i] = qvel[dof0_ + i];
-  if (s.stiffness == 0) return false;
   bool any = false;
   double* out = deviation + dof0_;
   for (size_t i = 1; i < balls_.size(); i++) {
+    if (stiffness_[i] == 0) continue;
     const Ball& b = balls_[i];
     Quat expected = load4(&q_start_[b.qpos]) * exp_quat(((k + 1) * h) * load3(&v_drive_[b.dof]));
     Vec3 way = h * load3(v + b.dof), turn = log_quat(conjugate(load4(q + b.qpos)) * expected);
@@ -236,12 +244,13 @@ void Drive::end_substep(const double* qvel) {
 }
 
 void Drive::save(std::vector<double>& out) const {
-  for (const auto* v : {&target_, &v_ref_, &deviation_}) out.insert(out.end(), v->begin(), v->end());
+  for (const auto* v : {&target_, &v_ref_, &deviation_, &stiffness_, &debt_})
+    out.insert(out.end(), v->begin(), v->end());
   out.insert(out.end(), {exact_ ? 1.0 : 0.0, gentle_left_});
 }
 
 const double* Drive::load(const double* in) {
-  for (auto* v : {&target_, &v_ref_, &deviation_}) {
+  for (auto* v : {&target_, &v_ref_, &deviation_, &stiffness_, &debt_}) {
     std::copy(in, in + v->size(), v->begin());
     in += v->size();
   }

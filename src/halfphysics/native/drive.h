@@ -7,7 +7,6 @@
 namespace hp {
 
 struct DriveSettings {
-  double stiffness = 1;      // lambda
   double time_constant = 0;  // tau [s]; 0: Algorithm 1 of the paper
   double recovery_rate = 8;  // w_max [rad/s]
   bool recover_root = false;
@@ -50,10 +49,30 @@ class Drive {
   // M^-1 (lambda I / h) deviation.
   bool free_velocity(const DriveSettings& s, int k, double h, const double* qpos,
                      const double* qvel, double* v_free, double* deviation) const;
+  // Firmness lambda of every ball joint, in the model's order; the first is the root's and ignored.
+  void set_stiffness(const double* lambda);
+  const std::vector<double>& stiffness() const { return stiffness_; }
+  int ball_count() const { return (int)balls_.size(); }
+  int ball_dof(int ball) const { return dof0_ + balls_[ball].dof; }
   // lambda * mean of each joint's diagonal entries of M, into extra[nv of the model].
-  void added_inertia(const Model& m, const Inertia& inertia, const DriveSettings& s,
-                     std::vector<double>& extra) const;
+  void added_inertia(const Model& m, const Inertia& inertia, std::vector<double>& extra) const;
   double scale(const DriveSettings& s, double h) const;
+
+  // Most that the drive may exert (strength.cpp): a force on the root [N], then a torque on every ball
+  // joint in the model's order [N m]; infinite where nothing limits it. Empty: nowhere.
+  std::vector<double> limits;
+  // What contacts made of v_free in a substep: the drive's own generalised impulse is M (change of
+  // the deviation of velocity) - (contacts' impulses). `change` and `impulse`: nv of the model.
+  void deviation_change(const double* qvel, double* change) const;
+  void exert(const double* impulse, double h);
+  // The impulse that it may exert in a substep of length h: limit 0 is the root's force, i + 1 ball i's.
+  double allowance(int limit, double h) const;
+  // v_ref + e: the velocity that the drive would leave alone, into v[nv of the model].
+  void unhindered(double* v) const;
+  // The drive's mean generalised force over the frame, per dof of the person, root first; empty if
+  // it exerted none.
+  std::vector<double> force() const;
+  bool exerts() const { return exerted_; }
   // After the solve: keeps the deviation of velocity.
   void end_substep(const double* qvel);
   // Root offset from the reference at the last target [m].
@@ -85,6 +104,10 @@ class Drive {
   std::vector<double> v_ref_, deviation_;   // dof layout
   std::vector<double> q_start_, v_drive_;   // Algorithm 1: pose and velocity at the frame's start
   double dt_ = 0;
+  std::vector<double> stiffness_;  // per ball
+  std::vector<double> impulse_;    // of this frame, dof layout
+  std::vector<double> debt_;       // per limit: exerted beyond it, to be made up for
+  bool exerted_ = false;
   Vec3 root_velocity_;
   double gentle_left_ = 0;  // [s]
   std::vector<double> gentle_rate_;  // per ball [rad/s]

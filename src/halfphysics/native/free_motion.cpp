@@ -26,7 +26,7 @@ void Stepper::build_inertia(double h) {
   std::fill(extra_.begin(), extra_.end(), 0.0);
   for (const Drive& d : drives_) {
     if (!world.active[d.body(0)]) continue;
-    d.added_inertia(model, inertia_, drive_settings, extra_);
+    d.added_inertia(model, inertia_, extra_);
     double s = d.scale(drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
   }
@@ -35,6 +35,9 @@ void Stepper::build_inertia(double h) {
   for (size_t i = 0; i < hosted_damping_.size(); i++) extra_[i] += h * hosted_damping_[i];
   stiffen();
   inertia_.factor(model, scale_, extra_, world.active.data());
+  for (const Drive& d : drives_)  // who stands keeps what is known of it
+    if (world.active[d.body(0)])
+      std::copy_n(extra_.begin() + d.first_dof(), d.dof_count(), resist_.begin() + d.first_dof());
   extra_ = drive;
   inertia_ready_ = true;
 }
@@ -97,6 +100,7 @@ void Stepper::free_velocity(int k, double h) {
       if (!is_person(model.dof_body[i])) v_free_[i] = hosted_free_[i];
     return;
   }
+  limit_strength(h);
   object_velocity(h);
   given_velocity(h);
 }

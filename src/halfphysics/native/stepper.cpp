@@ -48,7 +48,8 @@ void Stepper::finish(const std::vector<int>& person_roots) {
         joint_reach_[b] = std::max(joint_reach_[b], far);
     }
   qpos_.assign(model.nq, 0);
-  for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_, &pull_})
+  for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_, &pull_, &resist_, &change_,
+                  &pushed_, &exerted_})
     v->assign(model.nv, 0);
   world.standing.assign(model.nbody, 0);
   scale_.assign(model.nv, 1);

@@ -54,6 +54,11 @@ class Stepper {
   int person_count() const { return (int)drives_.size(); }
   int person_qpos(int p) const { return drives_[p].first_qpos(); }
   int person_qpos_count(int p) const { return drives_[p].qpos_count(); }
+  Drive& person(int p) { return drives_[p]; }
+  int ball_count() const;  // of all people, roots included
+  // What the drives exert on all balls, mean over the last frame [N m] (3 ball_count()), in the children's
+  // frames, appended to `out`; nothing, and false, if it is zero.
+  bool torques(std::vector<double>& out) const;
 
   // The pose to start from; people must be at their targets. Objects keep qvel.
   void reset(const double* qpos, const double* qvel);
@@ -130,6 +135,12 @@ class Stepper {
   void build_inertia(double h);
   void stiffen();
 
+  // What the drive exerts (strength.cpp).
+  void limit_strength(double h);
+  void tally(double h);
+  // out = s (M + diag(extra)) x on one person's rows; without `extra` M x.
+  void weigh(const Drive& d, const double* x, double s, const double* extra, double* out) const;
+
   // With it (substep.cpp).
   void substep(int k, double h);
   void attempt(double h);
@@ -184,6 +195,8 @@ class Stepper {
   const double* hosted_free_ = nullptr;  // of the substep under way
   std::vector<double> hosted_damping_;   // per dof [N s/m, N m s]; empty: nobody hosts
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
+  std::vector<double> resist_;  // M^ without M, as factored last
+  std::vector<double> v_star_, change_, pushed_, exerted_;
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;
   Poses start_, end_;

@@ -448,6 +448,7 @@ void Stepper::substep(int k, double h) {
   // Twists need the dofs' axes.
   start_.kin.update_dofs(model, qpos_.data(), world.active.data());
   free_velocity(k, h);
+  v_star_ = v_free_;
   step_ = pulled_ = h;
   next_warm_.clear();
   attempt(h);
@@ -476,6 +477,7 @@ void Stepper::substep(int k, double h) {
   for (int b : objects_)
     if (world.active[b])
       for (int i = 3; i < 6; i++) qvel_[model.dof_first[b] + i] += spin_[model.dof_first[b] + i];
+  tally(h);
   for (Drive& d : drives_)
     if (world.active[d.body(0)]) d.end_substep(qvel_.data());
 }

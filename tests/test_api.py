@@ -56,6 +56,11 @@ PARAMETERS = {
     "Simulator": "scene * body settings fps",
     "Simulator.reset": "self pose",
     "Simulator.step": "self pose dt",
+    "Simulator.velocity": "self name",
+    "Simulator.set_velocity": "self name velocity angular_velocity",
+    "Simulator.apply_impulse": "self name impulse point angular",
+    "Simulator.add_object": "self name shape ** options",
+    "Simulator.remove_object": "self name",
     "Simulator.get_state": "self",
     "Simulator.set_state": "self state",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "

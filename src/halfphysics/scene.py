@@ -376,6 +376,15 @@ class Scene:
 
         save_scene(self, path)
 
+    def _copied(self, without: str | None = None) -> Scene:
+        """The same things in a scene of its own, but for one and what was said of it."""
+        scene = Scene(self._gravity)
+        scene._statics = {n: s for n, s in self._statics.items() if n != without}
+        scene._objects = {n: o for n, o in self._objects.items() if n != without}
+        scene._friction = {p: mu for p, mu in self._friction.items() if without not in p}
+        scene._ignored = {p: None for p in self._ignored if without not in p}
+        return scene
+
     def _keep(self, thing: Object) -> None:
         """What moves on a trajectory comes last: the order in files and results."""
         from halfphysics.moving import Moving

@@ -41,6 +41,8 @@ PARAMETERS = {
     "quaternion velocity angular_velocity scale up start",
     "Scene.add_moving": "self name shape positions quaternions * fps friction restitution loop "
     "scale up",
+    "Scene.ray": "self origin direction * ignore",
+    "Simulator.ray": "self origin direction * ignore",
     "Scene.friction": "self a b mu",
     "Scene.ignore": "self a b",
     "Plane": "normal offset",

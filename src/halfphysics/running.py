@@ -1,9 +1,10 @@
-"""What can be done to a simulation that runs: push its objects, bring new ones, take some away."""
+"""A simulation that runs: its objects pushed, new ones brought, old ones taken away, rays."""
 
 from __future__ import annotations
 
 import difflib
 from collections import Counter
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,10 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.moving import Moving
+from halfphysics.pose import Pose
+from halfphysics.rays import Ray, checked_names
 from halfphysics.validation import shown, vector
 from halfphysics.world import World
 
 if TYPE_CHECKING:
+    from halfphysics.rays import Hit
     from halfphysics.scene import Object, Scene
     from halfphysics.world import Thing
 
@@ -69,6 +73,29 @@ def apply_impulse(
     own = rot.rotate(rot.conjugate(_turn(world, place)), turning)
     six[3:] += np.linalg.solve(thing.inertia, own)
     world.stepper.set_velocity(_body(world, name), six)
+
+
+def ray(
+    world: World,
+    axes: Sequence[Array],
+    origin: ArrayLike,
+    direction: ArrayLike,
+    ignore: Collection[str],
+) -> Hit | None:
+    """The work behind `Simulator.ray`."""
+    cast = Ray(origin, direction)
+    skipped = checked_names(ignore, world.names)
+    qpos = world.stepper.qpos()
+    for static in world.scene.statics.values():
+        if static.name not in skipped:
+            cast.meet(static.name, static.shape, static.position, static.quaternion)
+    for place in world.things:
+        if place.name not in skipped:
+            cast.meet(place.name, world.scene.objects[place.name].shape, *place.pose(qpos))
+    for person, its in zip(world.people, axes, strict=True):
+        if person.name not in skipped:
+            cast.meet_person(person.name, person.body, Pose.trusted(*person.pose(qpos, its), its))
+    return cast.hit
 
 
 def rebuilt(world: World, scene: Scene, started: bool) -> World:

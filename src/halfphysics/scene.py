@@ -8,7 +8,7 @@ from __future__ import annotations
 import difflib
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,7 @@ from halfphysics.validation import number, quaternion, shown, vector
 
 if TYPE_CHECKING:
     from halfphysics.moving import Moving
+    from halfphysics.rays import Hit
 
 Array = NDArray[np.float64]
 
@@ -344,6 +345,22 @@ class Scene:
     def ignores(self, a: str, b: str) -> bool:
         """Whether two things pass through each other (names as in `friction`)."""
         return self._pair("ignores", a, b) in self._ignored
+
+    def ray(
+        self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
+    ) -> Hit | None:
+        """What a ray from `origin` (3,) [m] along `direction` (3,) meets first; None: nothing.
+
+        Statics, and objects where they start, by the surfaces that touch; whoever starts inside
+        something meets its surface from within. `ignore`: names to pass through. `Simulator.ray`
+        asks the same of a simulation, with its people.
+
+        Raises:
+            InputError: No vector, a direction of no length, an unknown name.
+        """
+        from halfphysics.rays import scene_ray
+
+        return scene_ray(self, origin, direction, ignore)
 
     @property
     def friction_pairs(self) -> tuple[tuple[str, str, float], ...]:

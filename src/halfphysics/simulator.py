@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar, cast
@@ -18,6 +18,7 @@ from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.rays import Hit
     from halfphysics.scene import Scene
     from halfphysics.world import World
 
@@ -299,6 +300,20 @@ class Simulator:
         running().removable(self.world, name)
         scene = self.world.scene._copied(without=name)
         self.world = running().rebuilt(self.world, scene, self._started)
+
+    def ray(
+        self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
+    ) -> Hit | None:
+        """What a ray from `origin` (3,) [m] along `direction` (3,) meets first now; None: nothing.
+
+        Like `Scene.ray`, with the objects where they are and the people's skin. `ignore`: names to
+        pass through, as in `names`.
+
+        Raises:
+            InputError: Before `reset`, no vector, a direction of no length, an unknown name.
+        """
+        self._must_run("ray")
+        return running().ray(self.world, self._axes, origin, direction, ignore)
 
     # -- inside ----------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import difflib
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,7 @@ from halfphysics.validation import number, quaternion, shown, vector
 
 if TYPE_CHECKING:
     from halfphysics.moving import Moving
+    from halfphysics.rays import Hit
 
 Array = NDArray[np.float64]
 
@@ -345,6 +346,22 @@ class Scene:
         """Whether two things pass through each other (names as in `friction`)."""
         return self._pair("ignores", a, b) in self._ignored
 
+    def ray(
+        self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
+    ) -> Hit | None:
+        """What a ray from `origin` (3,) [m] along `direction` (3,) meets first; None: nothing.
+
+        Statics, and objects where they start, by the surfaces that touch; whoever starts inside
+        something meets its surface from within. `ignore`: names to pass through. `Simulator.ray`
+        asks the same of a simulation, with its people.
+
+        Raises:
+            InputError: No vector, a direction of no length, an unknown name.
+        """
+        from halfphysics.rays import scene_ray
+
+        return scene_ray(self, origin, direction, ignore)
+
     @property
     def friction_pairs(self) -> tuple[tuple[str, str, float], ...]:
         """What `friction` was called with: (a, b, mu), names sorted."""
@@ -375,6 +392,15 @@ class Scene:
         from halfphysics.io.scene_file import save_scene
 
         save_scene(self, path)
+
+    def _copied(self, without: str | None = None) -> Scene:
+        """The same things in a scene of its own, but for one and what was said of it."""
+        scene = Scene(self._gravity)
+        scene._statics = {n: s for n, s in self._statics.items() if n != without}
+        scene._objects = {n: o for n, o in self._objects.items() if n != without}
+        scene._friction = {p: mu for p, mu in self._friction.items() if without not in p}
+        scene._ignored = {p: None for p in self._ignored if without not in p}
+        return scene
 
     def _keep(self, thing: Object) -> None:
         """What moves on a trajectory comes last: the order in files and results."""

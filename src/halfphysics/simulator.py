@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.errors import InputError
 from halfphysics.inside import Depths, inside_of
@@ -20,6 +20,7 @@ from halfphysics.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.rays import Hit
     from halfphysics.scene import Scene
     from halfphysics.world import Person, World
 
@@ -281,7 +282,92 @@ class Simulator:
         self._firmness = self.world.firmness_of(self.world.stepper.stiffness())
         self._started = True
 
+    def velocity(self, name: str) -> tuple[Array, Array]:
+        """An object's velocity (3,) [m/s] of its origin and angular (3,) [rad/s], in the world."""
+        self._must_run("velocity")
+        return running().velocity(self.world, name)
+
+    def set_velocity(
+        self, name: str, velocity: ArrayLike, angular_velocity: ArrayLike | None = None
+    ) -> None:
+        """Give an object a velocity; what is asleep wakes.
+
+        Args:
+            name: Of an object.
+            velocity: Of its origin (3,), in the world [m/s].
+            angular_velocity: In the world (3,) [rad/s]; None: as it is.
+
+        Raises:
+            InputError: Before `reset`, another name, something that moves on a trajectory, or
+                what is no vector.
+        """
+        self._must_run("set_velocity")
+        running().set_velocity(self.world, name, velocity, angular_velocity)
+
+    def apply_impulse(
+        self,
+        name: str,
+        impulse: ArrayLike,
+        point: ArrayLike | None = None,
+        angular: ArrayLike | None = None,
+    ) -> None:
+        """Push an object, now: its velocities change at once; what is asleep wakes.
+
+        Args:
+            name: Of an object.
+            impulse: In the world (3,) [N s].
+            point: Where in the world it acts (3,) [m]; None: at the centre of mass.
+            angular: A turning impulse besides, in the world (3,) [N m s].
+
+        Raises:
+            InputError: As for `set_velocity`.
+        """
+        self._must_run("apply_impulse")
+        running().apply_impulse(self.world, name, impulse, point, angular)
+
+    def add_object(self, name: str, shape: Any, **options: Any) -> None:
+        """Bring in an object, where and as fast as its options say; all else goes on.
+
+        Arguments are those of `Scene.add_object`. The simulator's scene is one of its own from
+        then on (the one it was made with stays as it is), `names` has the new name, and states
+        from before do not fit any more.
+
+        Raises:
+            InputError: As `Scene.add_object` does. FileError: A mesh file that cannot be used.
+        """
+        scene = self.world.scene._copied()
+        scene.add_object(name, shape, **options)
+        self.world = running().rebuilt(self.world, scene, self._started)
+
+    def remove_object(self, name: str) -> None:
+        """Take an object away; all else goes on. See `add_object`.
+
+        Raises:
+            InputError: There is none of this name.
+        """
+        running().removable(self.world, name)
+        scene = self.world.scene._copied(without=name)
+        self.world = running().rebuilt(self.world, scene, self._started)
+
+    def ray(
+        self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
+    ) -> Hit | None:
+        """What a ray from `origin` (3,) [m] along `direction` (3,) meets first now; None: nothing.
+
+        Like `Scene.ray`, with the objects where they are and the people's skin. `ignore`: names to
+        pass through, as in `names`.
+
+        Raises:
+            InputError: Before `reset`, no vector, a direction of no length, an unknown name.
+        """
+        self._must_run("ray")
+        return running().ray(self.world, self._axes, origin, direction, ignore)
+
     # -- inside ----------------------------------------------------------------------------
+
+    def _must_run(self, what: str) -> None:
+        if not self._started:
+            raise InputError(f"{what}: the simulator has no pose yet; call reset(pose) first")
 
     def _checked(self, pose: Pose | Sequence[Pose]) -> list[Pose]:
         poses = several(pose)
@@ -321,6 +407,13 @@ class Named(Protocol):
     static_name: NDArray[np.int64]
     mover_name: NDArray[np.int64]
     mover_part: NDArray[np.int64]
+
+
+def running() -> Any:
+    """The module, when it is needed: imports stay quick."""
+    from halfphysics import running as module
+
+    return module
 
 
 def touches(world: Named, rows: Array) -> tuple[Touches, NDArray[np.int64]]:

@@ -279,6 +279,11 @@ class World:
         for person, pose in zip(self.people, poses, strict=True):
             q = person.coordinates(pose.translation[None], pose.rotations[None], pose.axes)
             qpos[person.qpos : person.qpos + person.count] = q[0]
+        self.place_things(qpos, qvel)
+        return qpos, qvel
+
+    def place_things(self, qpos: Array, qvel: Array) -> None:
+        """Puts the objects where they start, into coordinates (nq,) and velocities (nv,)."""
         for place, thing in zip(self.things, self.scene.objects.values(), strict=True):
             quat = rot.normalize(thing.quaternion)
             arm = rot.rotate(quat, place.com)
@@ -287,7 +292,6 @@ class World:
             spin = np.asarray(thing.angular_velocity, dtype=np.float64)
             qvel[place.dof : place.dof + 3] = thing.velocity + np.cross(spin, arm)
             qvel[place.dof + 3 : place.dof + 6] = rot.rotate(rot.conjugate(quat), spin)
-        return qpos, qvel
 
     def firmness(self, stiffness: Array) -> Array:
         """Firmness (..., people, 55) as the stepper takes it (..., balls)."""

@@ -1,0 +1,167 @@
+"""A simulation that runs: its objects pushed, new ones brought, old ones taken away, rays."""
+
+from __future__ import annotations
+
+import difflib
+from collections import Counter
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics import rotations as rot
+from halfphysics.errors import InputError
+from halfphysics.moving import Moving
+from halfphysics.pose import Pose
+from halfphysics.rays import Ray, checked_names
+from halfphysics.validation import shown, vector
+from halfphysics.world import World
+
+if TYPE_CHECKING:
+    from halfphysics.rays import Hit
+    from halfphysics.scene import Object, Scene
+    from halfphysics.world import Thing
+
+Array = NDArray[np.float64]
+
+
+def velocity(world: World, name: str) -> tuple[Array, Array]:
+    """Velocity (3,) [m/s] of an object's origin and angular velocity (3,) [rad/s], in the world."""
+    place, thing = _found(world, "velocity", name, pushed=False)
+    quat, six = _turn(world, place), world.stepper.qvel()[place.dof : place.dof + 6]
+    spin = rot.rotate(quat, six[3:])
+    return six[:3] - np.cross(spin, rot.rotate(quat, thing.com)), spin
+
+
+def set_velocity(
+    world: World, name: str, linear: ArrayLike, angular: ArrayLike | None = None
+) -> None:
+    """The work behind `Simulator.set_velocity`."""
+    place, thing = _found(world, "set_velocity", name)
+    what = f"set_velocity of {name!r}"
+    v = vector(linear, f"{what}: velocity", unit="m/s")
+    w = velocity(world, name)[1]
+    if angular is not None:
+        w = vector(angular, f"{what}: angular_velocity", unit="rad/s")
+    quat = _turn(world, place)
+    six = np.concatenate(
+        [v + np.cross(w, rot.rotate(quat, thing.com)), rot.rotate(rot.conjugate(quat), w)]
+    )
+    world.stepper.set_velocity(_body(world, name), six)
+
+
+def apply_impulse(
+    world: World,
+    name: str,
+    impulse: ArrayLike,
+    point: ArrayLike | None,
+    angular: ArrayLike | None,
+) -> None:
+    """The work behind `Simulator.apply_impulse`."""
+    place, thing = _found(world, "apply_impulse", name)
+    what = f"apply_impulse on {name!r}"
+    p = vector(impulse, f"{what}: impulse", unit="N s")
+    turning = np.zeros(3)
+    if point is not None:
+        centre = world.stepper.qpos()[place.qpos : place.qpos + 3]
+        turning += np.cross(vector(point, f"{what}: point", unit="m") - centre, p)
+    if angular is not None:
+        turning += vector(angular, f"{what}: angular", unit="N m s")
+    six = np.array(world.stepper.qvel()[place.dof : place.dof + 6])
+    six[:3] += p / thing.mass
+    own = rot.rotate(rot.conjugate(_turn(world, place)), turning)
+    six[3:] += np.linalg.solve(thing.inertia, own)
+    world.stepper.set_velocity(_body(world, name), six)
+
+
+def ray(
+    world: World,
+    axes: Sequence[Array],
+    origin: ArrayLike,
+    direction: ArrayLike,
+    ignore: Collection[str],
+) -> Hit | None:
+    """The work behind `Simulator.ray`."""
+    cast = Ray(origin, direction)
+    skipped = checked_names(ignore, world.names)
+    qpos = world.stepper.qpos()
+    for static in world.scene.statics.values():
+        if static.name not in skipped:
+            cast.meet(static.name, static.shape, static.position, static.quaternion)
+    for place in world.things:
+        if place.name not in skipped:
+            cast.meet(place.name, world.scene.objects[place.name].shape, *place.pose(qpos))
+    for person, its in zip(world.people, axes, strict=True):
+        if person.name not in skipped:
+            cast.meet_person(person.name, person.body, Pose.trusted(*person.pose(qpos, its), its))
+    return cast.hit
+
+
+def rebuilt(world: World, scene: Scene, started: bool) -> World:
+    """The same people and what is in both scenes, as they are now, in another scene."""
+    new = World(world.bodies, scene, world.settings)
+    if not started:
+        return new
+    was, qpos, qvel = world.stepper.qpos(), np.zeros(new.nq), np.zeros(new.nv)
+    for old, person in zip(world.people, new.people, strict=True):
+        qpos[person.qpos : person.qpos + person.count] = was[old.qpos : old.qpos + old.count]
+    new.place_things(qpos, qvel)
+    places = {thing.name: thing for thing in world.things}
+    for thing in new.things:
+        if thing.name in places:
+            first = places[thing.name].qpos
+            qpos[thing.qpos : thing.qpos + 7] = was[first : first + 7]
+    new.stepper.reset(qpos, qvel)
+    bodies = {world.model.body(i).name: i for i in range(world.model.nbody)}
+    body = [bodies.get(new.model.body(i).name, -1) for i in range(new.model.nbody)]
+    movers = {key: i for i, key in enumerate(_movers(world))}
+    mover = [movers.get(key, -1) for key in _movers(new)]
+    new.stepper.adopt(
+        world.stepper, np.array(body, dtype=np.int32), np.array(mover, dtype=np.int32)
+    )
+    return new
+
+
+def removable(world: World, name: str) -> None:
+    """Raises `InputError` where there is no such object."""
+    _found(world, "remove_object", name, pushed=False)
+
+
+def _movers(world: World) -> list[tuple[str, int, int]]:
+    """What tells the core's shapes apart: name, part, and which of several."""
+    seen: Counter[tuple[str, int]] = Counter()
+    keys = []
+    for name, part in zip(world.mover_name, world.mover_part, strict=True):
+        key = (world.names[name], int(part))
+        keys.append((*key, seen[key]))
+        seen[key] += 1
+    return keys
+
+
+def _found(world: World, what: str, name: str, pushed: bool = True) -> tuple[Thing, Object]:
+    for place in world.things:
+        if place.name != name:
+            continue
+        thing = world.scene.objects[name]
+        if pushed and isinstance(thing, Moving):
+            raise InputError(
+                f"{what}: {name!r} moves along its trajectory and nothing pushes it; expected an "
+                "object of add_object"
+            )
+        return place, thing
+    known = [thing.name for thing in world.things]
+    close = difflib.get_close_matches(str(name), known, n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    raise InputError(
+        f"{what}: there is no object called {shown(name)}{hint}. "
+        f"There are: {', '.join(known) or 'none'}"
+    )
+
+
+def _turn(world: World, place: Thing) -> Array:
+    return np.array(world.stepper.qpos()[place.qpos + 3 : place.qpos + 7])
+
+
+def _body(world: World, name: str) -> int:
+    return int(world.model.body(f"object/{name}").id)

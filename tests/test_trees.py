@@ -18,7 +18,7 @@ def stepper_of(model, gravity=GRAVITY):
     stepper.set_model(*model_arrays(model))
     stepper.set_joint_forces(*joint_arrays(model))
     stepper.set_pairings(*(np.zeros((1, 1)) for _ in range(3)))
-    stepper.set_settings(1.0, 0.02, 8.0, False, 1.0, 1e-3, 0.05, 0.5, 1e-6, 50, gravity)
+    stepper.set_settings(0.02, 8.0, False, 1.0, 1e-3, 0.05, 0.5, 1e-6, 50, gravity)
     stepper.finish([])
     return stepper
 

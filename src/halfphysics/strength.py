@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -76,7 +77,7 @@ def checked_strength(value: Any) -> str | JointValues | None:
     )
 
 
-def limits_of(strength: str | JointValues, body: Body) -> tuple[float, Array]:
+def limits_of(strength: str | Mapping[str, float], body: Body) -> tuple[float, Array]:
     """The most that a person's drive may exert: force on the root [N], torque of every joint (55,)
     [N m] (row 0: on the root's rotation); inf where nothing limits it.
     """

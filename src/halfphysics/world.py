@@ -267,7 +267,7 @@ class World:
         if self.settings.strength is None:
             return
         for index, person in enumerate(self.people):
-            force, torque = limits_of(self.settings.strength, person.body)  # type: ignore[arg-type]
+            force, torque = limits_of(self.settings.strength, person.body)
             limits = np.concatenate([[force], torque[person.balls]])
             self.stepper.set_strength(index, limits)
 

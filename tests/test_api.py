@@ -39,6 +39,8 @@ PARAMETERS = {
     "Scene.add_static": "self name shape * scale position quaternion up friction restitution",
     "Scene.add_object": "self name shape * mass density friction restitution com position "
     "quaternion velocity angular_velocity scale up",
+    "Scene.add_articulated": "self name source * position quaternion friction restitution joints "
+    "velocities",
     "Scene.friction": "self a b mu",
     "Scene.ignore": "self a b",
     "Plane": "normal offset",
@@ -57,7 +59,7 @@ PARAMETERS = {
     "Simulator.get_state": "self",
     "Simulator.set_state": "self state",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "
-    "diagnostics inside",
+    "diagnostics inside joints",
     "Result.save": "self path",
     "Result.load": "path * scene body",
     "Result.summary": "self",

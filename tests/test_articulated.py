@@ -12,6 +12,7 @@ from halfphysics import Box, Plane, Scene, Settings, Simulator, Sphere, simulate
 from halfphysics import rotations as rot
 from halfphysics.body import Body
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
+from halfphysics.metrics import penetration
 from halfphysics.result import Result
 from halfphysics.scenarios.gait import Walk, walk
 
@@ -265,3 +266,42 @@ def test_names_and_pairs():
     assert scene.restitution_of("person", "door") == 0.0
     scene.ignore("door", "person")
     assert scene.ignores("door", "person")
+
+
+def test_scissors_fall_and_come_to_rest():
+    """A free body with a joint: lands, stays within its range, and stops."""
+    xml = """<mujoco><worldbody><body name="one" pos="0 0 .3"><freejoint/>
+    <geom type="box" size=".1 .01 .004" mass=".05"/>
+    <body name="two" pos="0 0 .01"><joint name="rivet" axis="0 0 1" range="0 60" damping="1e-3"/>
+    <geom type="box" size=".1 .01 .004" mass=".05"/></body></body></worldbody></mujoco>"""
+    scene = Scene()
+    scene.add_static("floor", Plane())
+    scene.add_articulated("scissors", xml, joints={"rivet": 0.5}, velocities={"rivet": 2.0})
+    simulator, frames = alone(scene, 120)
+    angle = np.array([f.joints["scissors/rivet"] for f in frames])
+    assert angle.min() >= 0.0
+    assert angle.max() <= np.deg2rad(60.0)
+    height = np.array([f.objects["scissors/one"][0][2] for f in frames])
+    # In free fall each step h goes with the velocity at its end: g t (t + h) / 2.
+    t, h = np.arange(12) / 60.0, 1 / 60.0 / Settings().substeps_for(1 / 60.0)
+    np.testing.assert_allclose(height[:12], 0.3 - 4.905 * t * (t + h), atol=1e-9)
+    np.testing.assert_allclose(height[-20:], 0.004 + 1e-3, atol=5e-4)
+    assert np.abs(simulator.world.stepper.qvel()).max() < 0.02
+
+
+def test_penetration_counts_links(body):
+    """A door that somebody stands in."""
+    scene = Scene()
+    scene.add_articulated("door", DOOR, position=(-0.45, -0.4, 0.0))
+    scene.add_object("ball", Sphere(0.1), mass=1.0, position=(5, 0, 0))
+    _, frames = alone(scene, 1)
+    motion = along_x(0.0, 2, 0.0, z=1.2)
+
+    class Track:
+        def __init__(self, name):
+            at = [f.objects[name] for f in frames]
+            self.position, self.quaternion = (np.array([p[i] for p in at]) for i in (0, 1))
+
+    report = penetration(motion, body, scene, objects={n: Track(n) for n in ("door/panel", "ball")})
+    assert report.by_name["ball"].max() == 0.0
+    assert 5.0 < report.by_name["door/panel"].max() <= 30.1  # the panel is 40 mm thick, its knob 60

@@ -283,10 +283,12 @@ class World:
         place = {link.name: link for link in self.links}
         for thing in self.scene.articulated.values():
             for link, name in zip(thing.links, thing.link_names, strict=True):
+                if not link.fixed:
+                    continue
                 # What no joint moves stands.
                 position, quaternion = place[name].pose(np.zeros(self.nq))
                 rotation = rot.to_matrix(quaternion)
-                for geom in link.geoms if link.fixed else ():
+                for geom in link.geoms:
                     c = geom.collider().moved(rotation, position)
                     index = self.names.index(name)
                     self.stepper.add_hull(index, c.vertices, c.normals, c.radius, c.rim)

@@ -41,6 +41,8 @@ PARAMETERS = {
     "quaternion velocity angular_velocity scale up start",
     "Scene.add_moving": "self name shape positions quaternions * fps friction restitution loop "
     "scale up",
+    "Scene.add_articulated": "self name source * position quaternion friction restitution joints "
+    "velocities",
     "Scene.ray": "self origin direction * ignore",
     "Simulator.ray": "self origin direction * ignore",
     "Scene.friction": "self a b mu",
@@ -68,7 +70,7 @@ PARAMETERS = {
     "Simulator.set_state": "self state",
     "attach": "spec body prefix",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "
-    "diagnostics inside",
+    "diagnostics inside joints",
     "Result.save": "self path",
     "Result.load": "path * scene body",
     "Result.summary": "self",

@@ -191,6 +191,18 @@ class Drawing:
                 position=np.asarray(track.position, dtype=np.float64),
                 quaternion=np.asarray(track.quaternion, dtype=np.float64),
             )
+        for k, jointed in enumerate(self.result.scene.articulated.values()):
+            for link, name in zip(jointed.links, jointed.link_names, strict=True):
+                vertices, faces = link.mesh()
+                if not len(faces) or name not in self.result.objects:
+                    continue
+                track = self.result.objects[name]
+                color = OBJECTS[(len(items) + k) % len(OBJECTS)]
+                items[f"object/{name}"] = Item(
+                    surface=Surface(vertices=vertices, faces=faces, color=color, crease=_CREASE),
+                    position=np.asarray(track.position, dtype=np.float64),
+                    quaternion=np.asarray(track.quaternion, dtype=np.float64),
+                )
         return items
 
     def check_frame(self, frame: int) -> int:

@@ -47,6 +47,17 @@ def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
             add(thing.positions, thing.quaternions, np.float64(thing.fps), np.float64(thing.loop))
         elif thing.start == "asleep":
             add(thing.start)
+    for jointed in scene.articulated.values():
+        add(jointed.name, jointed.position, jointed.quaternion)
+        for link in jointed.links:
+            add(link.name, link.position, link.quaternion, link.com, link.inertia)
+            add(np.float64(link.mass))
+            for joint in link.joints:
+                add(joint.name, joint.kind, joint.position, joint.axis)
+                add(np.array([joint.lower, joint.upper, joint.damping, joint.stiffness]))
+            for geom in link.geoms:
+                add(geom.position, geom.quaternion)
+                add_shape(geom.shape)
     for body in bodies:
         add(body.rest_joints, *(part.vertices for part in body.variant.parts))
     return f"{len(scene.statics)} statics, {len(scene.objects)} objects, {number:08x}"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from halfphysics.errors import InputError
 from halfphysics.scene import Scene
 from halfphysics.shape_base import Shape
 from halfphysics.validation import number, shown
+
+if TYPE_CHECKING:
+    from halfphysics.articulated import Link, LinkGeom
 
 Array = NDArray[np.float64]
 
@@ -128,10 +131,14 @@ def penetration(
     frames = np.asarray(motion.rotations).shape[0] if np.ndim(motion.rotations) == 3 else 1
     tracks = _tracks(scene, objects or {}, frames)
     things: dict[str, Shape] = {n: s.shape for n, s in scene.statics.items()}
-    things |= {n: scene.objects[n].shape for n in tracks}
+    things |= {n: scene.objects[n].shape for n in tracks if n in scene.objects}
+    links = _links(scene)
+    # Links of articulated objects: several solids each.
+    solids = {n: links[n][1].geoms for n in tracks if n in links}
     for name, static in scene.statics.items():
         tracks[name] = static.position[None], static.quaternion[None]
     names = [n for n in things if not scene.ignores(n, "person")]
+    names += [n for n in solids if not scene.ignores(links[n][0], "person")]
     share, deepest = np.zeros(frames), np.zeros(frames)
     by_name = {n: np.zeros(frames) for n in names}
     total, count = 0.0, 0
@@ -144,7 +151,10 @@ def penetration(
             position, quaternion = tracks[name]
             if len(position) > 1:
                 position, quaternion = position[part], quaternion[part]
-            own = _depth(things[name], vertices, position, quaternion, int(threads))
+            if name in things:
+                own = _depth(things[name], vertices, position, quaternion, int(threads))
+            else:
+                own = _link_depth(solids[name], vertices, position, quaternion, int(threads))
             by_name[name][part] = 1000.0 * own.max(axis=1)
             np.maximum(depth, own, out=depth)
         inside = depth > 0.0
@@ -172,6 +182,27 @@ def _depth(shape: Shape, points: Array, position: Array, turn: Array, threads: i
     return shape.depth(local.reshape(-1, 3), threads=threads).reshape(points.shape[:2])
 
 
+def _links(scene: Scene) -> dict[str, tuple[str, Link]]:
+    """Links of articulated objects as results name them: whose, and the link."""
+    return {
+        name: (thing.name, link)
+        for thing in scene.articulated.values()
+        for name, link in zip(thing.link_names, thing.links, strict=True)
+    }
+
+
+def _link_depth(
+    geoms: tuple[LinkGeom, ...], points: Array, position: Array, turn: Array, threads: int
+) -> Array:
+    """As `_depth`, in the deepest of a link's solids."""
+    deepest = np.zeros(points.shape[:2])
+    for geom in geoms:
+        place = position + rotations.rotate(turn, np.broadcast_to(geom.position, position.shape))
+        own = rotations.multiply(turn, np.broadcast_to(geom.quaternion, turn.shape))
+        np.maximum(deepest, _depth(geom.shape, points, place, own, threads), out=deepest)
+    return deepest
+
+
 def _tracks(
     scene: Scene, objects: Mapping[str, Any], frames: int
 ) -> dict[str, tuple[Array, Array]]:
@@ -179,10 +210,10 @@ def _tracks(
         raise InputError(
             f"objects: expected names and tracks, as in result.objects, found {shown(objects)}"
         )
-    tracks = {}
+    tracks, links = {}, _links(scene)
     for name, track in objects.items():
-        if name not in scene.objects:
-            known = ", ".join(scene.objects) or "none"
+        if name not in scene.objects and name not in links:
+            known = ", ".join([*scene.objects, *links]) or "none"
             raise InputError(f"objects: the scene has no object {name!r}; it has: {known}")
         if not (hasattr(track, "position") and hasattr(track, "quaternion")):
             raise InputError(

@@ -133,7 +133,9 @@ def _world(result: Result) -> World:
             f"{gone}. Put the files back, or pass scene= to Result.load"
         )
     scene = result.scene
-    known, found = result.names[: -len(result.people)], (*scene.statics, *scene.objects)
+    known = result.names[: -len(result.people)]
+    found: tuple[str, ...] = (*scene.statics, *scene.objects)
+    found += tuple(n for thing in scene.articulated.values() for n in thing.link_names)
     if known != found:
         raise FileError(
             "the clearance of parts cannot be measured, the scene is another one: found "

@@ -58,6 +58,9 @@ class SceneRecord:
                     lost[name] = "its mesh came from no file"
                 elif mesh is not None and not Path(mesh).is_file():
                     lost[name] = f"{mesh} is not there"
+        for name, thing in self.document.get("articulated", {}).items():
+            if "file" in thing and not Path(thing["file"]).is_file():
+                lost[name] = f"{thing['file']} is not there"
         return lost
 
     def make(self) -> Scene:
@@ -78,7 +81,7 @@ class SceneRecord:
                 stacklevel=4,
             )
         document = dict(self.document)
-        for group in ("statics", "objects", "moving"):
+        for group in ("statics", "objects", "moving", "articulated"):
             things = document.get(group, {})
             document[group] = {name: thing for name, thing in things.items() if name not in lost}
         for group in ("friction", "ignore"):

@@ -167,6 +167,8 @@ class Result:
         settings: How it was simulated.
         substeps: Every committed pose, with ``Settings(record="substeps")``, else None.
         diagnostics: Name -> number of every frame (T,), see `DIAGNOSTICS`; empty where unknown.
+        joints: "NAME/JOINT" of an articulated object -> its value of every frame (T,) [rad or m],
+            quaternions (T, 4) of a ball joint. Links are among the `objects`: "NAME/LINK".
         inside: Which parts were inside statics or objects, and which objects inside statics,
             when and how deep; empty where everything started clear.
 
@@ -185,6 +187,7 @@ class Result:
     substeps: Substeps | None = None
     diagnostics: Mapping[str, Array] = field(default_factory=dict)
     inside: Inside = field(default_factory=Inside.none)
+    joints: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         from halfphysics.scene import Scene
@@ -219,6 +222,12 @@ class Result:
             numbers[name].setflags(write=False)
             lengths[f"diagnostics[{name!r}]"] = len(np.atleast_1d(numbers[name]))
         _set(self, "diagnostics", MappingProxyType(numbers))
+        joints = {}
+        for name, given in self.joints.items():
+            joints[name] = np.array(given, dtype=np.float64)
+            joints[name].setflags(write=False)
+            lengths[f"joints[{name!r}]"] = len(np.atleast_1d(joints[name]))
+        _set(self, "joints", MappingProxyType(joints))
         wrong = {name: length for name, length in lengths.items() if length != frames}
         if wrong:
             raise InputError(f"result: found lengths {wrong}, expected {frames} frames in each")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections import Counter
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -104,23 +104,28 @@ def rebuilt(world: World, scene: Scene, started: bool) -> World:
     if not started:
         return new
     was, qpos, qvel = world.stepper.qpos(), np.zeros(new.nq), np.zeros(new.nv)
-    for old, person in zip(world.people, new.people, strict=True):
-        qpos[person.qpos : person.qpos + person.count] = was[old.qpos : old.qpos + old.count]
     new.place_things(qpos, qvel)
-    places = {thing.name: thing for thing in world.things}
-    for thing in new.things:
-        if thing.name in places:
-            first = places[thing.name].qpos
-            qpos[thing.qpos : thing.qpos + 7] = was[first : first + 7]
-    new.stepper.reset(qpos, qvel)
     bodies = {world.model.body(i).name: i for i in range(world.model.nbody)}
     body = [bodies.get(new.model.body(i).name, -1) for i in range(new.model.nbody)]
+    for b, old in enumerate(body):
+        if old >= 0:
+            qpos[_coordinates(new.model, b)] = was[_coordinates(world.model, old)]
+    new.stepper.reset(qpos, qvel)
     movers = {key: i for i, key in enumerate(_movers(world))}
     mover = [movers.get(key, -1) for key in _movers(new)]
     new.stepper.adopt(
         world.stepper, np.array(body, dtype=np.int32), np.array(mover, dtype=np.int32)
     )
     return new
+
+
+def _coordinates(model: Any, body: int) -> slice:
+    """Where a body's own joints stand in qpos."""
+    first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+    if count == 0:
+        return slice(0, 0)
+    ends = [*model.jnt_qposadr, model.nq]
+    return slice(int(ends[first]), int(ends[first + count]))
 
 
 def removable(world: World, name: str) -> None:

@@ -23,6 +23,7 @@ from halfphysics.shapes import Plane
 from halfphysics.validation import number, quaternion, shown, vector
 
 if TYPE_CHECKING:
+    from halfphysics.articulated import Articulated
     from halfphysics.moving import Moving
     from halfphysics.rays import Hit
 
@@ -106,6 +107,7 @@ class Scene:
             self._gravity = vector([0.0, 0.0, 0.0 - down], "Scene: gravity")
         self._statics: dict[str, Static] = {}
         self._objects: dict[str, Object] = {}
+        self._articulated: dict[str, Articulated] = {}
         self._friction: dict[frozenset[str], float] = {}
         self._ignored: dict[frozenset[str], None] = {}
 
@@ -124,8 +126,14 @@ class Scene:
         """What moves, by name, in the order added (read-only)."""
         return MappingProxyType(self._objects)
 
+    @property
+    def articulated(self) -> Mapping[str, Articulated]:
+        """What has joints, by name, in the order added (read-only)."""
+        return MappingProxyType(self._articulated)
+
     def __repr__(self) -> str:
-        return f"Scene(statics={list(self._statics)}, objects={list(self._objects)})"
+        jointed = f", articulated={list(self._articulated)}" if self._articulated else ""
+        return f"Scene(statics={list(self._statics)}, objects={list(self._objects)}{jointed})"
 
     def add_static(
         self,
@@ -318,6 +326,48 @@ class Scene:
         self._keep(thing)
         return thing
 
+    def add_articulated(
+        self,
+        name: str,
+        source: str | os.PathLike[str] | Any,
+        *,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        quaternion: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        friction: float = OBJECT_FRICTION,
+        restitution: float = 0.0,
+        joints: Mapping[str, Any] | None = None,
+        velocities: Mapping[str, Any] | None = None,
+    ) -> Articulated:
+        """Add links and joints from MJCF or URDF: a door, a drawer, a laptop.
+
+        Joints keep their ranges, damping, springs and armature. Links of one articulated object
+        do not touch each other; meshes touch as their convex hulls; geoms whose contype and
+        conaffinity are 0 are for looks alone. Actuators, tendons, equalities and friction losses
+        are ignored, with a `HalfPhysicsWarning` each.
+
+        Args:
+            name: New in this scene. Results name its links "NAME/LINK", its joints "NAME/JOINT".
+            source: The path of a .xml or .urdf file, MJCF or URDF text, or a `mujoco.MjSpec`.
+            position, quaternion: Pose of its world frame in ours.
+            friction, restitution: Of all its links; as for statics.
+            joints: What joints start at: name -> value [rad or m], or (4,) of a ball joint.
+            velocities: What joints start with: name -> [rad/s or m/s], or (3,) of a ball joint.
+
+        Raises:
+            InputError: A model that cannot be used, an unknown joint, a start beyond its range.
+            FileError: A file that is not there.
+        """
+        from halfphysics.io.mjcf import load_articulated
+
+        what = self._new(name, "articulated")
+        pose = _pose(what, position, quaternion)
+        material = _material(what, friction, restitution)
+        thing = load_articulated(
+            name, source, joints=joints, velocities=velocities, **pose, **material
+        )
+        self._articulated[name] = thing
+        return thing
+
     def friction(self, a: str, b: str, mu: float) -> None:
         """Coulomb friction `mu` between two things, instead of the smaller of their own.
 
@@ -339,7 +389,7 @@ class Scene:
     def restitution_of(self, a: str, b: str) -> float:
         """Restitution between two things: the larger of the two (a person has 0)."""
         self._pair("restitution_of", a, b)
-        things: dict[str, Static | Object] = {**self._statics, **self._objects}
+        things: dict[str, Any] = {**self._statics, **self._objects, **self._articulated}
         return max(things[n].restitution if n != PERSON else 0.0 for n in (a, b))
 
     def ignores(self, a: str, b: str) -> bool:
@@ -398,6 +448,7 @@ class Scene:
         scene = Scene(self._gravity)
         scene._statics = {n: s for n, s in self._statics.items() if n != without}
         scene._objects = {n: o for n, o in self._objects.items() if n != without}
+        scene._articulated = dict(self._articulated)
         scene._friction = {p: mu for p, mu in self._friction.items() if without not in p}
         scene._ignored = {p: None for p in self._ignored if without not in p}
         return scene
@@ -418,7 +469,12 @@ class Scene:
             )
         if name == PERSON:
             raise InputError(f"{kind} {name!r}: this name means the people; choose another")
-        for there, things in (("static", self._statics), ("object", self._objects)):
+        groups: tuple[tuple[str, Mapping[str, Any]], ...] = (
+            ("static", self._statics),
+            ("object", self._objects),
+            ("articulated object", self._articulated),
+        )
+        for there, things in groups:
             if name in things:
                 raise InputError(
                     f"{kind} {name!r}: the scene has {_article(there)} of this name already; "
@@ -427,7 +483,7 @@ class Scene:
         return f"{kind} {name!r}"
 
     def _pair(self, what: str, a: str, b: str) -> frozenset[str]:
-        known = [*self._statics, *self._objects, PERSON]
+        known = [*self._statics, *self._objects, *self._articulated, PERSON]
         for name in (a, b):
             if name not in known:
                 close = difflib.get_close_matches(str(name), known, n=1)
@@ -443,7 +499,8 @@ class Scene:
     def _own_friction(self, name: str) -> float:
         if name == PERSON:
             return PERSON_FRICTION
-        return (self._statics.get(name) or self._objects[name]).friction
+        things: dict[str, Any] = {**self._statics, **self._objects, **self._articulated}
+        return float(things[name].friction)
 
 
 def _article(kind: str) -> str:

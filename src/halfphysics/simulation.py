@@ -161,6 +161,7 @@ def follow(
             for i, (motion, person) in enumerate(zip(motions, world.people, strict=True))
         ),
         objects=_tracks(world, qpos),
+        joints={joint.name: joint.values(qpos) for joint in world.joints},
         scene=world.scene,
         names=world.names,
         contacts=_contacts(world, rows, row_frames),
@@ -208,7 +209,7 @@ def _contacts(world: World, rows: list[Array], row_frames: list[NDArray[np.int64
 def _tracks(world: World, qpos: Array) -> dict[str, ObjectTrack]:
     """The objects' poses in model coordinates (T, nq)."""
     tracks = {}
-    for thing in world.things:
+    for thing in world.tracked:
         position, quaternion = thing.pose(qpos)
         tracks[thing.name] = ObjectTrack(position=position, quaternion=quaternion)
     return tracks

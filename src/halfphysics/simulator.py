@@ -62,7 +62,8 @@ class Frame:
 
     Attributes:
         poses: The people's corrected poses.
-        objects: Name -> (position (3,) [m], quaternion (4,)).
+        objects: Name -> (position (3,) [m], quaternion (4,)); links of articulated objects too.
+        joints: Name of an articulated object's joint -> its value () [rad or m], (4,) of a ball.
         contacts: What touched during the frame.
         inside: Which parts and objects are inside what, and how deep.
         clearance: Smallest distance of the people from the statics [m]; inf beyond
@@ -92,7 +93,11 @@ class Frame:
 
     @cached_property
     def objects(self) -> Mapping[str, tuple[Array, Array]]:
-        return {thing.name: thing.pose(self._qpos) for thing in self._world.things}
+        return {thing.name: thing.pose(self._qpos) for thing in self._world.tracked}
+
+    @cached_property
+    def joints(self) -> Mapping[str, Array]:
+        return {joint.name: joint.values(self._qpos) for joint in self._world.joints}
 
     @cached_property
     def contacts(self) -> Touches:
@@ -124,6 +129,7 @@ class Frame:
         done = {
             "poses": self.poses,
             "objects": self.objects,
+            "joints": self.joints,
             "contacts": self.contacts,
             "inside": self.inside,
             "torques": self.torques,

@@ -15,6 +15,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics import articulated as jointed
 from halfphysics import rotations as rot
 from halfphysics.colliders import convex_collider
 from halfphysics.errors import InputError
@@ -114,7 +115,11 @@ class World:
         self.settings = settings
         many = len(self.bodies) > 1
         people = [f"person{i}" if many else "person" for i in range(len(self.bodies))]
-        self.names: tuple[str, ...] = (*scene.statics, *scene.objects, *people)
+        things = scene.articulated.values()
+        links = {n: thing.name for thing in things for n in thing.link_names}
+        self.names: tuple[str, ...] = (*scene.statics, *scene.objects, *links, *people)
+        # What an articulated object's links are called in a scene.
+        self._owner = links
         if len(set(self.names)) < len(self.names):
             raise InputError(
                 f"scene: a static or object is named like a person ({', '.join(people)}); rename it"
@@ -124,6 +129,7 @@ class World:
         self.signature = f"{self.names} {self.nq} {self.nv} {fingerprint(self.bodies, scene)}"
         self.stepper = _native.Stepper()
         self.stepper.set_model(*model_arrays(model))
+        self.stepper.set_joint_forces(*joint_arrays(model))
         self._name_people(model, people)
         self._add_movers(model)
         self._add_statics()
@@ -154,6 +160,8 @@ class World:
             b.mass, b.ipos = 1.0 if given else thing.mass, [0.0, 0.0, 0.0]  # else ipos becomes pos
             b.inertia, b.iquat = principal(np.eye(3) if given else thing.inertia)
             b.explicitinertial = True
+        for articulated in self.scene.articulated.values():
+            jointed.add_bodies(spec, articulated)
         return spec.compile()
 
     def _name_people(self, model: Any, people: list[str]) -> None:
@@ -175,6 +183,9 @@ class World:
                 )
             )
         self.things = tuple(things)
+        found_places = [jointed.places(model, t) for t in self.scene.articulated.values()]
+        self.links = tuple(link for links, _ in found_places for link in links)
+        self.joints = tuple(joint for _, joints in found_places for joint in joints)
         self.model = model
 
     def _add_movers(self, model: Any) -> None:
@@ -207,6 +218,17 @@ class World:
             )
             names.append(name_of[thing.name])
             parts.append(-1)
+        for articulated in self.scene.articulated.values():
+            for i, link in enumerate(articulated.links):
+                body = model.body(f"articulated/{articulated.name}/{i}").id
+                index = name_of[articulated.link_names[i]]
+                for geom in () if link.fixed else link.geoms:
+                    c = geom.collider()
+                    self.stepper.add_mover(
+                        body, index, -1, -1, c.vertices, c.normals, c.radius, c.rim
+                    )
+                    names.append(index)
+                    parts.append(-1)
         self.mover_name = np.array(names, dtype=np.int64)
         self.mover_part = np.array(parts, dtype=np.int64)
 
@@ -229,6 +251,19 @@ class World:
                 self.stepper.add_hull(
                     index, collider.vertices, collider.normals, collider.radius, collider.rim
                 )
+        place = {link.name: link for link in self.links}
+        for thing in self.scene.articulated.values():
+            for link, name in zip(thing.links, thing.link_names, strict=True):
+                if not link.fixed:
+                    continue
+                # What no joint moves stands.
+                position, quaternion = place[name].pose(np.zeros(self.nq))
+                rotation = rot.to_matrix(quaternion)
+                for geom in link.geoms:
+                    c = geom.collider().moved(rotation, position)
+                    index = self.names.index(name)
+                    self.stepper.add_hull(index, c.vertices, c.normals, c.radius, c.rim)
+                    static_name.append(index)
         self.static_name = np.array(static_name, dtype=np.int64)
 
     def _add_given(self) -> None:
@@ -257,6 +292,7 @@ class World:
         for i, a in enumerate(known):
             for j, b in enumerate(known):
                 if a == b and a != "person":
+                    ignore[i, j] = i != j  # links of one articulated object
                     continue  # a thing does not meet itself
                 friction[i, j] = self.scene.friction_of(a, b)
                 restitution[i, j] = self.scene.restitution_of(a, b)
@@ -292,6 +328,8 @@ class World:
             spin = np.asarray(thing.angular_velocity, dtype=np.float64)
             qvel[place.dof : place.dof + 3] = thing.velocity + np.cross(spin, arm)
             qvel[place.dof + 3 : place.dof + 6] = rot.rotate(rot.conjugate(quat), spin)
+        for articulated in self.scene.articulated.values():
+            jointed.start(self.model, articulated, qpos, qvel)
 
     def firmness(self, stiffness: Array) -> Array:
         """Firmness (..., people, 55) as the stepper takes it (..., balls)."""
@@ -308,6 +346,11 @@ class World:
         for i, person in enumerate(self.people):
             out[..., i, person.balls, :] = balls[..., i * N_JOINTS : (i + 1) * N_JOINTS, :]
         return out
+
+    @property
+    def tracked(self) -> tuple[Thing | jointed.LinkPlace, ...]:
+        """All that has a pose of its own in results, in the order of `names`."""
+        return (*self.things, *self.links)
 
     def targets(self, poses: Sequence[Pose]) -> Array:
         """What the stepper's frame() takes: all people's coordinates, one after the other."""

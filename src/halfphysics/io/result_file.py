@@ -42,6 +42,7 @@ T = TypeVar("T", bound=Table)
 VERSION = 1
 VERSION_KEY = "meta/format_version"
 OBJECT = "object/"
+JOINT = "joint/"
 CONTACT = "contact/"
 INSIDE = "inside/"
 SUBSTEPS = "meta/substeps/"
@@ -73,6 +74,7 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
 
     fields: Fields = dict(_on_top(result.motion))
     fields |= _track_fields("", result.objects)
+    fields |= {f"{JOINT}{name}": values for name, values in result.joints.items()}
     fields |= _columns(CONTACT, result.contacts)
     if len(result.inside):
         fields |= _columns(INSIDE, result.inside)
@@ -214,6 +216,7 @@ def _read(npz: Npz, people_data: list[Any], scene: Scene | None, bodies: Any) ->
             for key in npz
             if key.startswith(DIAGNOSTICS)
         },
+        joints={k.removeprefix(JOINT): _field(npz, k) for k in npz if k.startswith(JOINT)},
         inside=_table(npz, INSIDE, Inside) if any(k.startswith(INSIDE) for k in npz) else _CLEAR,
     )
 

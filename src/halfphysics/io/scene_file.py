@@ -8,7 +8,7 @@ import os
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from halfphysics.moving import Moving
 from halfphysics.scene import OBJECT_FRICTION, STATIC_FRICTION, Object, Scene, Static
 from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, MeshSource, Plane, Shape, Sphere
 from halfphysics.validation import file_path, shown
+
+if TYPE_CHECKING:
+    from halfphysics.articulated import Articulated
 
 #: Written into files; a reader of another version refuses with both numbers.
 VERSION = 1
@@ -38,7 +41,17 @@ _MESH_KEYS = ("scale", "up", "sha256")
 _STATIC_KEYS = ("position", "quaternion", "friction", "restitution")
 _OBJECT_KEYS = ("mass", "density", "com", *_STATIC_KEYS, "velocity", "angular_velocity", "start")
 _MOVING_KEYS = ("positions", "quaternions", "fps", "loop", "friction", "restitution")
-_SCENE_KEYS = ("version", "gravity", "statics", "objects", "moving", "friction", "ignore")
+_ARTICULATED_KEYS = ("file", "xml", "sha256", *_STATIC_KEYS, "joints", "velocities")
+_SCENE_KEYS = (
+    "version",
+    "gravity",
+    "statics",
+    "objects",
+    "moving",
+    "articulated",
+    "friction",
+    "ignore",
+)
 
 Read = Callable[[Entry], Any]
 
@@ -88,6 +101,8 @@ def _scene(tree: Entry, base: Path) -> Scene:
             if key not in _named_entries(entry, "a moving thing: shape or mesh, positions, fps"):
                 raise entry.error(f"a moving thing needs {key}")
         _add(scene.add_moving, name, entry, _MOVING_KEYS, base)
+    for name, entry in _named(root.get("articulated")):
+        _add_articulated(scene, name, entry, base)
     for entry in _items(root.get("friction")):
         a, b, mu = _sequence(entry, 3, "[name, name, coefficient]")
         _guarded(entry, scene.friction, _text(a), _text(b), _number(mu))
@@ -156,6 +171,34 @@ def _add_mesh(
                 HalfPhysicsWarning,
                 stacklevel=6,
             )
+
+
+def _add_articulated(scene: Scene, name: str, entry: Entry, base: Path) -> None:
+    given = _mapping(entry, _ARTICULATED_KEYS, " for an articulated object")
+    if ("file" in given) == ("xml" in given):
+        found = "both" if "file" in given else "neither"
+        raise entry.error(f"expected file (path of MJCF or URDF) or xml (its text), found {found}")
+    options = {key: _READ[key](given[key]) for key in _STATIC_KEYS if key in given}
+    for key in ("joints", "velocities"):
+        if key in given:
+            named = _named_entries(given[key], "from joints to numbers")
+            options[key] = {joint: _joint_value(value) for joint, value in named.items()}
+    source = base / _text(given["file"]) if "file" in given else _text(given["xml"])
+    added = _guarded(entry, lambda: scene.add_articulated(name, source, **options))
+    if "sha256" in given and added.source is not None:
+        noted = _text(given["sha256"])
+        if noted != added.source.sha256:
+            warnings.warn(
+                f"{entry.file}: {source} has changed since this scene was written",
+                HalfPhysicsWarning,
+                stacklevel=5,
+            )
+
+
+def _joint_value(entry: Entry) -> Any:
+    if isinstance(entry.value, list):
+        return [_number(child) for child in entry.value]
+    return _number(entry)
 
 
 def _guarded(entry: Entry, make: Callable[..., Any], *args: Any) -> Any:
@@ -312,6 +355,7 @@ def scene_document(scene: Scene, base: Path | None = None) -> dict[str, Any]:
             for name, o in scene.objects.items()
             if isinstance(o, Moving)
         },
+        "articulated": {n: _jointed(a, base) for n, a in scene.articulated.items()},
         "friction": [list(pair) for pair in scene.friction_pairs],
         "ignore": [list(pair) for pair in scene.ignored_pairs],
     }
@@ -352,17 +396,36 @@ def _track(thing: Moving) -> dict[str, Any]:
     return result
 
 
+def _jointed(thing: Articulated, base: Path | None) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    if thing.source is not None:
+        result["file"] = _relative(thing.source.path, base)
+        result["sha256"] = thing.source.sha256
+    else:
+        result["xml"] = thing.xml
+    result["position"] = thing.position.tolist()
+    result["quaternion"] = thing.quaternion.tolist()
+    result |= {"friction": thing.friction, "restitution": thing.restitution}
+    for key in ("joints", "velocities"):
+        if getattr(thing, key):
+            result[key] = dict(getattr(thing, key))
+    return result
+
+
+def _relative(path: str, base: Path | None) -> str:
+    if base is not None:
+        try:
+            return Path(os.path.relpath(path, base.resolve())).as_posix()
+        except ValueError:  # another drive: no relative path leads there
+            pass
+    return Path(path).as_posix()
+
+
 def _mesh(mesh: Mesh, source: MeshSource | None, base: Path | None) -> dict[str, Any]:
     if source is None:
         return {"mesh": {"vertices": mesh.vertices.tolist(), "faces": mesh.faces.tolist()}}
-    path = Path(source.path)
-    if base is not None:
-        try:
-            path = Path(os.path.relpath(path, base.resolve()))
-        except ValueError:  # another drive: no relative path leads there
-            path = Path(source.path)
     return {
-        "mesh": path.as_posix(),
+        "mesh": _relative(source.path, base),
         "scale": source.scale,
         "up": source.up,
         "sha256": source.sha256,

@@ -73,7 +73,7 @@ def test_what_is_not_said_is_as_the_scenario_has_it(monkeypatch):
 
 def test_page_and_pictures(tmp_path, capsys):
     page, pictures = tmp_path / "p.html", tmp_path / "p.png"
-    assert run("kick_ball", "--fps", 15, "--page", page, "--pictures", pictures) == 0
+    assert run("kick_ball", "--fps", 5, "--page", page, "--pictures", pictures) == 0
     out = capsys.readouterr().out
     assert f"page: {page}" in out
     assert "<html" in page.read_text(encoding="utf-8").lower()

@@ -21,6 +21,7 @@ _MODULES = {
     "doorway": "doorway",
     "kick_ball": "kick_ball",
     "lift_suitcase": "lift_suitcase",
+    "reach_past_monitor": "reach_past_monitor",
     "walk_into_wall": "walk_into_wall",
 }
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 
@@ -14,8 +16,12 @@ from halfphysics.simulation import simulate
 from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES
 
 RATES = (30.0, 60.0, 120.0)
+# At 30 fps as long as it is judged; at the others too where HALFPHYSICS_LONG is set.
+LONG = bool(os.environ.get("HALFPHYSICS_LONG"))
 # Where a palm presses, from the wrist joint along the hand at rest [m].
 PALM = 0.054
+# The time over which forces are compared, from when the walk begins [s].
+WALKED = 1.5
 
 
 def play(name, **options):
@@ -44,7 +50,8 @@ def turned(story, result):
 
 @pytest.fixture(scope="module")
 def lifts():
-    return [play("lift_suitcase", fps=fps) for fps in RATES]
+    short = {} if LONG else {"carry": 2.0, "shake": 2.0}
+    return [play("lift_suitcase", fps=fps, **({} if fps == 30.0 else short)) for fps in RATES]
 
 
 def test_lifted_carried_and_shaken_it_does_not_slip(lifts):
@@ -68,12 +75,13 @@ def test_the_lift_is_the_same_at_every_frame_rate(lifts):
         height = result.objects["suitcase"].position[:, 2]
         times = np.arange(len(result)) / result.fps
         rises.append(height[np.searchsorted(times, WALK - 1e-9)] - height[0])
-        swings.append(np.ptp(height[times > times[-1] - 4.0]))
+        swings.append(np.ptp(height[times > times[-1] - 3.0]))
         suitcase = result.names.index("suitcase")
         c = result.contacts
-        rows = (c.other == suitcase) & (c.person == 0) & (c.frame > WALK * result.fps)
+        rows = (c.other == suitcase) & (c.person == 0)
+        rows &= (c.frame > WALK * result.fps) & (c.frame <= (WALK + WALKED) * result.fps)
         pressed = np.abs((c.impulse[rows] * c.normal[rows]).sum(axis=1)).sum()
-        forces.append(pressed / (times[-1] - WALK))
+        forces.append(pressed / WALKED)
     assert 0.9 * RISE < np.mean(rises) < RISE
     for values in (rises, swings, forces):
         assert np.ptp(values) < 0.05 * np.mean(values)
@@ -108,12 +116,16 @@ def test_what_is_too_heavy_stays_and_the_body_gives():
 
 @pytest.mark.parametrize("fps", RATES)
 def test_what_nobody_touches_stays(fps):
-    story, result = play("reach_past_monitor", fps=fps)
+    _, result = play("reach_past_monitor", fps=fps)
     np.testing.assert_allclose(result.contacts.person, -1)
     for track in result.objects.values():
         assert np.abs(track.position - track.position[0]).max() < 1e-9
         assert np.abs(track.quaternion - track.quaternion[0]).max() < 1e-9
-    # It is a near miss: fingers beyond the screen, and between it and the elbow.
+
+
+def test_it_is_a_near_miss():
+    """Fingers beyond the screen, and a few centimetres from it."""
+    story = scenarios.load("reach_past_monitor")
     screen = story.scene.objects["screen"]
     tips = story.body.joints(story.motion)[:, JOINT_INDEX["right_middle3"]]
     assert tips[:, 0].max() > screen.position[0] + 0.05

@@ -6,13 +6,18 @@ import numpy as np
 import pytest
 from people import along_x
 
-from halfphysics import reference
+from halfphysics import reference, scenarios
 from halfphysics.body import Body
+from halfphysics.errors import InputError
+from halfphysics.motion import Motion
 from halfphysics.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.shapes import Plane, Sphere
+from halfphysics.simulation import simulate
 from halfphysics.simulator import Simulator
+from halfphysics.skeleton import JOINT_INDEX
 
+RATES = (30.0, 60.0, 120.0)
 DRIVES = {"time constant": 0.02, "algorithm 1": None}
 
 
@@ -132,3 +137,97 @@ def test_momentum_of_body_and_ball(body, drive, stiffness):
     np.testing.assert_allclose(gained, 5.0 * stepper.qvel()[ball : ball + 3], atol=1e-9)
     np.testing.assert_allclose(lost, -gained, atol=1e-9 * np.linalg.norm(gained))
     np.testing.assert_allclose(reported, -gained, atol=1e-9 * np.linalg.norm(gained))
+
+
+# -- authored and real kicks -----------------------------------------------------------------
+
+
+def played(motion, scene, body, settings=None):
+    """The result, and the object's speed between frames (T - 1,) [m/s]."""
+    result = simulate(motion, scene, body=body, settings=settings)
+    (ball,) = result.objects.values()
+    return result, np.linalg.norm(np.diff(ball.position, axis=0), axis=1) * result.fps
+
+
+def authored(fps, **options):
+    story = scenarios.load("kick_ball", fps=fps, **options)
+    result, speed = played(story.motion, story.scene, story.body)
+    height = result.objects["ball"].position[:, 2]
+    return speed.max(), height.max() - height[0]
+
+
+def test_the_authored_kick():
+    """Sampled per frame the run-up differs a little by frame rate, and so does what is hit."""
+    speed = {
+        mass: np.array([authored(fps, mass=mass)[0] for fps in RATES]) for mass in (0.5, 5.0, 200.0)
+    }
+    for values in speed.values():
+        assert values.max() <= 1.1 * values.min()
+    assert speed[0.5].min() > speed[5.0].max()
+    assert speed[0.5].min() >= 5.0 * speed[200.0].max()
+
+
+@pytest.mark.parametrize("fps", [30.0, 60.0])
+def test_the_harder_the_foot_the_faster_the_ball(fps):
+    kicks = [authored(fps, speed=speed) for speed in (1.5, 3.0, 5.0, 8.0, 12.0)]
+    speeds, heights = np.array(kicks).T
+    assert (np.diff(speeds) > 0.5).all()
+    assert heights[0] < 0.01  # a soft one rolls
+    assert heights[-1] > 0.3  # a hard one leaves the ground
+
+
+def test_the_foot_has_the_speed_asked(body):
+    for speed in (1.5, 12.0):
+        story = scenarios.load("kick_ball", speed=speed, fps=240.0)
+        toe = body.joints(story.motion)[:, 11]
+        found = np.linalg.norm(np.diff(toe, axis=0), axis=1) * 240.0
+        ball = story.scene.objects["ball"].position
+        nearest = np.linalg.norm(toe - ball, axis=1)[:-1]
+        before = nearest < nearest.min() + 0.1
+        assert found[before].min() <= speed <= found[before].max()
+    with pytest.raises(InputError, match=r"speed: found 20.0, expected 0.5 to 15.0 m/s"):
+        scenarios.load("kick_ball", speed=20.0)
+
+
+@pytest.mark.parametrize("speed", [None, 12.0])
+def test_a_limp_leg_bends_past_a_fixed_ball_and_a_firm_one_moves_the_body(speed):
+    story = scenarios.load("kick_ball", fixed=True, speed=speed)
+    knee, root = [], []
+    for stiffness in (0.0, 1.0):
+        settings = Settings.paper(stiffness=stiffness)
+        result = simulate(story.motion, story.scene, body=story.body, settings=settings)
+        angles = [
+            np.degrees(np.linalg.norm(m.rotations[:, JOINT_INDEX["right_knee"]], axis=1))
+            for m in (result.motion, result.reference)
+        ]
+        knee.append((angles[0] - angles[1]).max())
+        away = story.body.joints(result.motion) - story.body.joints(result.reference)
+        root.append(np.linalg.norm(away[:, 0], axis=1).max())
+    assert knee[0] > knee[1] + 10.0
+    assert root[1] > 10.0 * root[0]
+    assert root[1] > 0.1
+
+
+@pytest.mark.parametrize("clip", ["asap_kick1", "asap_kick3"])
+def test_a_real_kick(body, shared_data, clip):
+    """A weightless ball where the foot is fastest, touched by its foremost skin."""
+    motion = Motion.load(shared_data / "motion" / f"{clip}.npz")
+    joints = body.joints(motion)
+    step = np.diff(joints[:, [10, 11]], axis=0)
+    t, side = np.unravel_index(np.linalg.norm(step, axis=2).argmax(), step.shape[:2])
+    ahead = step[t, side] / np.linalg.norm(step[t, side])
+    shoe = np.isin(np.argmax(body.weights, axis=1), [7 + side, 10 + side])
+    skin = np.asarray(body.vertices(motion, frames=[t]))[0][shoe]
+    tip = skin[np.argmax(skin @ ahead)]
+    speed = {}
+    for mass in (0.5, 5.0, 200.0):
+        scene = Scene(gravity=0.0)
+        scene.add_object("ball", Sphere(0.11), mass=mass, position=tip + 0.112 * ahead)
+        runs = (played(motion.resample(fps), scene, body)[1].max() for fps in RATES)
+        speed[mass] = np.array(list(runs))
+        assert speed[mass].max() <= 1.01 * speed[mass].min()
+    # The heavy one is pushed on by a body that keeps coming: less than five times as slow.
+    assert speed[0.5].min() >= 3.0 * speed[200.0].max()
+    assert speed[5.0].min() >= 3.0 * speed[200.0].max()
+    foot = np.linalg.norm(step[t, side]) * motion.fps
+    assert 0.5 * foot < speed[0.5].min() < 2.0 * foot

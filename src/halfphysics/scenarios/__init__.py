@@ -31,6 +31,7 @@ _MODULES = {
     "sit_on_sofa": "sit_on_sofa",
     "step_back_onto_cabinet": "step_back_onto_cabinet",
     "stretch_on_bed": "stretch_on_bed",
+    "reach_past_monitor": "reach_past_monitor",
     "walk_into_wall": "walk_into_wall",
 }
 

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 #: The suitcase [m]: along the walk, between the palms, upright; and what it stands on.
 SIZE = (0.36, 0.25, 0.50)
-STOOL = (0.34, 0.25, 0.55)
+STOOL = (0.30, 0.25, 0.55)
 #: When the palms close, the lift begins and ends, and the walk begins [s].
 CLOSE, LIFT, UP, WALK = 0.2, 1.0, 2.0, 2.4
 #: How far the suitcase is lifted [m]; how high its sides are pressed above its middle [m].

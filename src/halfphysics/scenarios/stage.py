@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
+from halfphysics.motion import MODELS, Motion
 from halfphysics.scenarios.gait import DOUBLE, IMPACT, Walk, pose_at
 from halfphysics.scene import Scene
 from halfphysics.shapes import Plane, Sphere
@@ -15,6 +16,7 @@ from halfphysics.skeleton import JOINT_INDEX
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.pose import Pose
 
 Array = NDArray[np.float64]
 
@@ -38,6 +40,23 @@ def floor() -> Scene:
     scene = Scene()
     scene.add_static("floor", Plane())
     return scene
+
+
+def held(body: Body, pose: Pose, count: int, fps: float) -> Motion:
+    """A pose of a body for `count` frames.
+
+    Raises:
+        InputError: Fewer than two frames, or an `fps` that is not positive.
+    """
+    smpl = body.model in MODELS
+    return Motion(
+        np.repeat(pose.translation[None], count, axis=0),
+        np.repeat(pose.rotations[None], count, axis=0),
+        fps,
+        betas=body.betas if smpl else None,
+        gender=body.gender if smpl else "neutral",
+        model=body.model if smpl else "smplx",
+    )
 
 
 def impact_time(plan: Walk) -> float:

@@ -55,6 +55,21 @@ def test_nothing_is_entered_and_the_intent_is_kept(name):
     check(verdict)
 
 
+def test_half_of_a_body_goes_round_the_wall_it_was_asked_through():
+    """The jamb is near the middle of the way: what blocks is gone round, what was meant goes on."""
+    verdict = judge(scenarios.load("doorway", right_jamb=-0.10))
+    assert verdict.asked.share.max() > 15.0  # of all the skin, within a wall 12 cm thick
+    assert verdict.after.depth_max_mm == 0.0
+    pelvis = [
+        verdict.sequence.body.joints(m)[:, 0]
+        for m in (verdict.sequence.motion, verdict.result.motion)
+    ]
+    at = int(np.argmax(pelvis[0][:, 0] > 2.3))  # beyond the wall
+    aside = pelvis[1][at] - pelvis[0][at]
+    assert 0.05 < aside[1] < 0.3  # to the left, as far as the shoulder is wide
+    assert pelvis[1][-1, 0] > pelvis[0][-1, 0] - 0.4  # and through
+
+
 @pytest.mark.parametrize(("name", "fps"), [("sit_on_sofa", 60.0), ("crawl_under_table", 120.0)])
 def test_other_frame_rates(name, fps):
     verdict = judge(scenarios.load(name, fps=fps))

@@ -11,6 +11,7 @@ from halfphysics.scenarios.gait import Kick, Walk, walk
 from halfphysics.scene import Scene
 from halfphysics.sequence import Sequence
 from halfphysics.shapes import Box, Cylinder
+from halfphysics.validation import number
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -32,6 +33,7 @@ def build(
     fps: float = 30.0,
     mass: float = 0.43,
     friction: float = 0.6,
+    right_jamb: float = _RIGHT_JAMB,
     body: Body | None = None,
 ) -> Sequence:
     """A person walks through a doorway too narrow on one side, bumps a table and kicks a ball.
@@ -40,6 +42,8 @@ def build(
         fps: Frames per second.
         mass: Of the ball [kg].
         friction: Of the ball.
+        right_jamb: Where the opening begins, across the way [m], to the right negative: at -0.1
+            half of the body is asked through the wall.
         body: Who walks; None: the default body. Doorway and table are sized for the default
             body; the walk and the place of the ball follow the body given.
     """
@@ -47,16 +51,16 @@ def build(
     plan = Walk(distance=8.0, speed=1.2, kick=Kick(step=8), after=1.0)
     motion = walk(actor, plan, fps)
     scene = stage.floor()
-    _add_doorway(scene)
+    _add_doorway(scene, number(right_jamb, "right_jamb", least=-0.9, most=0.0))
     _add_table(scene)
     stage.add_ball(scene, actor, plan, mass, friction)
     return Sequence(motion, scene, actor)
 
 
-def _add_doorway(scene: Scene) -> None:
+def _add_doorway(scene: Scene, right: float) -> None:
     """Two walls with rounded jambs and a lintel."""
     radius = 0.5 * _WALL
-    for side, jamb, out in (("right", _RIGHT_JAMB, -1.0), ("left", _LEFT_JAMB, 1.0)):
+    for side, jamb, out in (("right", right, -1.0), ("left", _LEFT_JAMB, 1.0)):
         middle = jamb + out * radius
         scene.add_static(
             f"{side}_jamb",
@@ -74,8 +78,8 @@ def _add_doorway(scene: Scene) -> None:
     above = _WALL_HEIGHT - _DOOR_HEIGHT
     scene.add_static(
         "lintel",
-        Box((_WALL, _LEFT_JAMB - _RIGHT_JAMB + _WALL, above)),
-        position=(_WALL_X, 0.5 * (_LEFT_JAMB + _RIGHT_JAMB), _WALL_HEIGHT - 0.5 * above),
+        Box((_WALL, _LEFT_JAMB - right + _WALL, above)),
+        position=(_WALL_X, 0.5 * (_LEFT_JAMB + right), _WALL_HEIGHT - 0.5 * above),
         friction=stage.WOOD,
     )
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from halfphysics.mesh import Mesh
 from halfphysics.scenarios import stage
 from halfphysics.scene import Scene
-from halfphysics.shapes import Box
+from halfphysics.shapes import Box, Sphere
 
 #: Cloth against cloth: who sits stays.
 CLOTH = 0.6
@@ -35,14 +35,11 @@ def table(
             block(scene, f"table_leg_{i}_{j}", (x, y, 0.0), (x + leg, y + leg, height - thick))
 
 
-def cushion(size: ArrayLike, rounding: float = 0.06, across: int = 14) -> Mesh:
+def cushion(size: ArrayLike, rounding: float = 0.06) -> Mesh:
     """A closed mesh of a mattress of `size` (3,) about the origin, its edges rounded [m]."""
-    import trimesh
-
     half = 0.5 * np.asarray(size, dtype=np.float64)
-    # A sphere of many corners, pulled apart by a box that is smaller by the rounding.
-    ball = trimesh.creation.icosphere(subdivisions=max(2, across // 5))
-    vertices = np.asarray(ball.vertices)
-    pulled = np.sign(vertices) * np.abs(vertices) ** 0.35
-    pulled /= np.abs(pulled).max(axis=0)
-    return Mesh((half - rounding) * pulled + rounding * vertices, np.asarray(ball.faces))
+    # A ball pulled apart by a box with soft corners that is smaller by the rounding.
+    vertices, faces = Sphere(1.0).triangles()
+    box = np.sign(vertices) * np.abs(vertices) ** 0.35
+    box /= np.abs(box).max(axis=0)
+    return Mesh((half - rounding) * box + rounding * vertices, faces)

@@ -11,7 +11,7 @@ from grasp_judge import judge
 from halfphysics import rotations as rot
 from halfphysics import scenarios
 from halfphysics.body import Body
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.scenarios import glass, grasp_glass, place_glass
 from halfphysics.scenarios.grip import FINGERS, grip
 from halfphysics.simulation import simulate
@@ -20,6 +20,8 @@ from halfphysics.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
 RATES = (30.0, 60.0, 120.0)
 #: What a grasp may lose while it is shaken, carried and turned over.
 SLIP, TURN = 10.0, 15.0  # [mm], [degrees]
+#: 10 N of weight, upside down, may slide further in a grip of 36 N, but not out of it [mm].
+HEAVY_SLIP = 15.0
 #: Held still: a grip as firm as a person's, without tremor or creep.
 FORCE, SPREAD, PEAK = (30.0, 50.0), 0.05, 100.0  # [N], share, [N]
 JITTER, CREEP = 0.05, 0.01  # [m/s^2], [mm/s]
@@ -105,6 +107,15 @@ def test_the_hand_never_enters_the_glass(fps):
 
 
 @pytest.mark.parametrize("fps", RATES)
+def test_all_fingers_and_the_thumb_take_part(fps):
+    _, times, result, grasp = whole(fps)
+    contacts, last = result.contacts, grasp.rows(*times["hold"])[-1]
+    parts = contacts.part[(contacts.frame == last) & (contacts.person == 0)]
+    assert all(np.isin(finger, parts).any() for finger in FINGERS)
+    assert not result.diagnostics["shortened"].any()  # no time was lost
+
+
+@pytest.mark.parametrize("fps", RATES)
 def test_a_slippery_glass_is_not_held(fps):
     _, times, _, grasp = played(fps, friction=0.1, stages=("lift",))
     assert grasp.slip(times["grasp"][1], times["hold"][1]) > 100.0
@@ -117,7 +128,7 @@ def test_a_slippery_glass_is_not_held(fps):
 def test_light_and_heavy_glasses_are_held(fps, mass):
     _, times, _, grasp = played(fps, mass=mass)
     begin, end = times["grasp"][1], times["open"][0]
-    assert grasp.slip(begin, end) <= SLIP
+    assert grasp.slip(begin, end) <= (SLIP if mass < 0.3 else HEAVY_SLIP)
     assert grasp.turned(begin, end) <= TURN
 
 
@@ -176,6 +187,8 @@ def test_what_cannot_be_is_said():
         scenarios.load("grasp_glass", stages="lift")
     with pytest.raises(InputError, match="squeeze"):
         scenarios.load("grasp_glass", squeeze=-0.1)
+    with pytest.warns(HalfPhysicsWarning, match="squeeze: found 0.6 rad; beyond 0.5 fingers push"):
+        scenarios.load("grasp_glass", squeeze=0.6)
     with pytest.raises(InputError, match="hold"):
         scenarios.load("place_glass", hold=1.0)
     with pytest.raises(InputError, match=r"radius: found 0\.2"):

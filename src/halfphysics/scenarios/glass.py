@@ -6,6 +6,7 @@ every time; the arm follows by `arms.solve`. While the person walks the plan mov
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
+from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.motion import Motion
 from halfphysics.scenarios import stage
 from halfphysics.scenarios.arms import arm_of, solve
@@ -21,6 +23,7 @@ from halfphysics.scenarios.grip import grip
 from halfphysics.scenarios.legs import about
 from halfphysics.shapes import Cylinder
 from halfphysics.skeleton import RIGHT_HAND_JOINTS
+from halfphysics.validation import number
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -30,6 +33,8 @@ Array = NDArray[np.float64]
 
 #: The glass [m].
 RADIUS, HEIGHT = 0.035, 0.12
+#: Fingers whose targets are further than this beyond contact [rad] eject what they hold.
+MOST_SQUEEZE = 0.5
 #: A thing starts this far over what it stands on [m].
 _ABOVE = 0.001
 #: Half the width of the stand [m] and its thickness.
@@ -37,7 +42,7 @@ _STAND, _TOP = 0.09, 0.03
 #: The hand comes from this far to the right of the glass [m], and where it waits before.
 _ASIDE, _WAITS = 0.07, np.array([-0.08, -0.10, 0.06])
 #: Fingers point this much to the left of ahead [rad]: at the stand, and in front of the chest.
-AT_STAND, BEFORE_CHEST = np.radians([-40.0, 10.0])
+AT_STAND, BEFORE_CHEST = np.radians([-40.0, 0.0])
 #: Middle of the standing glass from the shoulder, in lengths of the arm.
 _PLACE = np.array([0.60, -0.44, -0.66])
 # When what happens at the start, and for how long [s].
@@ -178,7 +183,18 @@ def perform(
         squeeze: How far the fingers' targets are beyond contact [rad].
         steps: A walk, whose times count from the start of the plan; None: the person stands.
         shake: An up and down on top.
+
+    Raises:
+        InputError: A negative squeeze, an impossible `fps`, a hand too small for the glass.
     """
+    squeeze = number(squeeze, "squeeze", least=0.0, unit="rad")
+    if squeeze > MOST_SQUEEZE:
+        warnings.warn(
+            f"squeeze: found {squeeze:g} rad; beyond {MOST_SQUEEZE:g} fingers push a glass out of "
+            "the hand",
+            HalfPhysicsWarning,
+            stacklevel=4,
+        )
     track = plan.track()
     whole = steps or Walk(distance=1.0, before=plan.time + 1.0)
     whole = replace(whole, after=max(whole.after, plan.time - float(whole.clock()[0][-2]) + 0.1))

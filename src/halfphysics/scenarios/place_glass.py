@@ -9,7 +9,6 @@ import numpy as np
 from halfphysics.scenarios import glass, stage
 from halfphysics.scenarios.gait import Walk
 from halfphysics.sequence import Sequence
-from halfphysics.validation import number
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -36,7 +35,7 @@ def build(
         friction: Of the glass.
         fps: Frames per second.
         table: Whether the table is there after all: then the glass stands on it.
-        squeeze: How far the fingers' targets are beyond contact [rad].
+        squeeze: How far the fingers' targets are beyond contact [rad]; a warning over 0.5.
         body: Who does it; None: the default body. Hand, arm and tables follow the body given.
     """
     return planned(mass=mass, friction=friction, fps=fps, table=table, squeeze=squeeze, body=body)[
@@ -54,7 +53,6 @@ def planned(
     body: Body | None = None,
 ) -> tuple[Sequence, dict[str, tuple[float, float]]]:
     """As `build`, and when every stage begins and ends [s]: grasp, lift, walk, lower, open."""
-    squeeze = number(squeeze, "squeeze", least=0.0, unit="rad")
     actor = stage.actor(body)
     plan = glass.Plan()
     plan.grasp()

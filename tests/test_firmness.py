@@ -172,6 +172,30 @@ def test_constant_over_time_is_the_setting(body):
     np.testing.assert_array_equal(a.motion.rotations, b.motion.rotations)
 
 
+def test_two_people_each_with_their_own(body):
+    """One limp, one firm, into one wall: each as alone, by rows and by `set_stiffness`."""
+    one = along_x(1.5, 24, start=-0.1)
+    two = one.with_frames(one.translation + np.array([0.0, 2.0, 0.0]), one.rotations)
+    limp, firm = np.full(24, 0.1), np.full(24, 5.0)
+    both = hp.simulate([one, two], wall(), body=body, stiffness=[limp, firm])
+    alone = hp.simulate(one, wall(), body=body, stiffness=limp)
+    np.testing.assert_allclose(both.people[0].motion.rotations, alone.motion.rotations, atol=1e-6)
+    assert np.abs(both.people[1].motion.rotations - alone.motion.rotations).max() > 1e-3
+    simulator = hp.Simulator(wall(), body=[body, body])
+    with pytest.raises(InputError, match="no pose yet"):
+        simulator.set_stiffness(1.0)
+    simulator.reset([one[0], two[0]])
+    simulator.set_stiffness(0.1, person=0)
+    simulator.set_stiffness({"all": 5.0}, person=1)
+    with pytest.raises(InputError, match="found person 2, expected 0 to 1"):
+        simulator.set_stiffness(1.0, person=2)
+    for t in range(1, 24):
+        frame = simulator.step([one[t], two[t]])
+    for person, pose, torque in zip(both.people, frame.poses, frame.torques, strict=True):
+        np.testing.assert_array_equal(pose.rotations, person.motion.rotations[-1])
+        np.testing.assert_array_equal(torque, person.torque[-1])
+
+
 @pytest.mark.parametrize(
     "rows", [np.ones(3), -np.ones(4), np.ones((4, 54)), [1.0, np.nan, 1.0, 1.0], "firm"]
 )

@@ -13,11 +13,14 @@ from halfphysics.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.shapes import Box, Plane, Sphere
 from halfphysics.simulator import Simulator
+from halfphysics.strength import limits_of
 
 DRIVES = {"time constant": 0.02, "algorithm 1": None}
 #: Both stop far below this; what is left is the conditioning of M (fingers of grams on 60 kg).
 VELOCITY = 1e-9
 TRAJECTORY = 1e-12
+#: Of up to 1000 N m: velocities to VELOCITY, times 60 kg and 240 Hz.
+TORQUE = 1e-4
 
 
 @pytest.fixture(scope="module")
@@ -202,3 +205,53 @@ def test_contact_solved_independently():
         problem = reference.contact_problem(model, qpos, trace["v_free"], M, trace["h"], points)
         np.testing.assert_allclose(trace["v"], problem.velocity(problem.solve()), atol=VELOCITY)
     assert most >= 6
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+def test_firmness_and_strength_by_joint_are_equal(body, drive):
+    """Every joint has its own firmness and, with a time constant, a limit that a wall exceeds: the
+    free velocity and what the drive exerts, computed twice in every substep."""
+    dt = 1.0 / 240.0
+    motion = along_x(1.5, 10, start=0.2).resample(240.0)
+    scene = Scene()
+    scene.add_static("wall", Box((0.1, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
+    settings = Settings(
+        contact="parts",
+        drive_time=DRIVES[drive],
+        stiffness={"legs": 0.0, "arms": 3.0, "hands": 1.0, "spine2": 0.3},
+        strength=None if DRIVES[drive] is None else "human",
+        substeps=1,
+    )
+    simulator = Simulator(scene, body=body, settings=settings, fps=240)
+    simulator.reset(motion[0])
+    stepper, model = simulator.world.stepper, simulator.world.model
+    stepper.keep_trace(True)
+    targets = simulator.world.motion_coordinates([motion])
+    own = person_drive(simulator, settings, targets[0])
+    if settings.strength is not None:
+        force, torque = limits_of("human", body)
+        own.limits = np.concatenate([[force], torque[reference.depth_first()]])
+    bound = touched = 0
+    for t in range(1, len(motion)):
+        qpos, qvel = np.array(stepper.qpos()), np.array(stepper.qvel())
+        own.begin_frame(targets[t], dt, qpos, qvel)
+        frame = simulator.step(motion[t])
+        trace = stepper.trace()
+        if trace["h"] == 0.0:  # nothing was near yet
+            own.end_substep(np.array(stepper.qvel()))
+            continue
+        M = reference.inertia_matrix(model, qpos)
+        stiff = reference.stiff_diagonal(model, M, own)[own.dofs]
+        M = M[own.dofs, own.dofs]
+        v_free = own.free_velocity(0, dt, qpos, qvel, M, stiff)
+        np.testing.assert_allclose(trace["v_free"][own.dofs], v_free, atol=VELOCITY)
+        new = np.array(stepper.qvel())
+        impulse = own.exerted(new, v_free, dt, M, stiff)
+        expected = np.zeros((55, 3))
+        expected[reference.depth_first()] = impulse[3:].reshape(-1, 3) / dt
+        np.testing.assert_allclose(frame.torque, expected, atol=TORQUE)
+        touched += len(frame.contacts.part) > 0
+        bound += np.count_nonzero(own.debt)
+        own.end_substep(new)
+    assert touched > 20
+    assert (bound > 0) == (settings.strength is not None)

@@ -157,7 +157,8 @@ class ReferenceDrive:
     first_qpos: int
     first_dof: int
     target: Array  # coordinates the motion asked for at the last frame
-    v_ref: Array = field(init=False)
+    v_ref: Array = field(init=False)  # of the motion itself
+    v_drive: Array = field(init=False)  # Algorithm 1: what joints get at the frame's start
     deviation: Array = field(init=False)  # e
     previous: Array = field(init=False)
     q_start: Array = field(init=False)
@@ -168,7 +169,7 @@ class ReferenceDrive:
 
     def __post_init__(self) -> None:
         self.v_ref = np.zeros(6 + 3 * ((len(self.target) - 7) // 4))
-        self.deviation = np.zeros_like(self.v_ref)
+        self.deviation = self.v_drive = np.zeros_like(self.v_ref)
         self.previous = self.q_start = self.target
         self.debt = np.zeros(1 + len(self.firmness))
 
@@ -195,8 +196,8 @@ class ReferenceDrive:
         self.v_ref = np.concatenate([root, _turns(self.previous, target).ravel() / dt])
         if s.drive_time is None:
             self.q_start = q.copy()
-            self.v_ref = np.concatenate([root, _turns(q, target).ravel() / dt])
-            qvel[self.dofs] = self.v_ref
+            self.v_drive = np.concatenate([root, _turns(q, target).ravel() / dt])
+            qvel[self.dofs] = self.v_drive
 
     def free_velocity(
         self, k: int, h: float, qpos: Array, qvel: Array, M: Array, stiff: Array
@@ -210,7 +211,8 @@ class ReferenceDrive:
         s, q = self.settings, self.coordinates(qpos)
         expected_at = (k if s.drive_time is not None else k + 1) * h
         start = self.previous if s.drive_time is not None else self.q_start
-        expected = _turned(start, expected_at * self.v_ref[3:].reshape(-1, 3))
+        asked = self.v_ref if s.drive_time is not None else self.v_drive
+        expected = _turned(start, expected_at * asked[3:].reshape(-1, 3))
         if s.drive_time is not None:
             tau = s.drive_time
             xi = _turns(expected, q)

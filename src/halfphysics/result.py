@@ -118,7 +118,10 @@ class PersonResult:
             )
         if self.torque is not None:
             shape = (len(self.motion), N_JOINTS, 3)
-            _set(self, "torque", checked("torque", self.torque, shape, "(T, 55, 3)"))
+            # What is read-only is the core's own: mostly zeros, which take no memory.
+            own = isinstance(self.torque, np.ndarray) and not self.torque.flags.writeable
+            if not own or self.torque.shape != shape:
+                _set(self, "torque", checked("torque", self.torque, shape, "(T, 55, 3)"))
 
     def joint_errors(self) -> tuple[Array, Array]:
         """Distances (T, 55) [m] of joints from the reference: relative to the pelvis, global."""

@@ -149,6 +149,7 @@ def follow(
             inside_frames.append(np.repeat(frames, got["inside_count"].astype(np.int64)))
             done += len(frames)
             bar.update(len(frames))
+    torque.setflags(write=False)
     return Result(
         people=tuple(
             PersonResult(

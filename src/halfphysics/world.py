@@ -181,6 +181,9 @@ class World:
         name_of = {name: i for i, name in enumerate(self.names)}
         names: list[int] = []
         parts: list[int] = []
+        # Parts of which something is said have entries of their own, after the names.
+        pairs = [(a, b) for a, b, _ in self.scene.friction_pairs] + [*self.scene.ignored_pairs]
+        self._told = sorted({end for pair in pairs for end in pair if end.startswith("person/")})
         for index, person in enumerate(self.people):
             add = self._add_skin if self.settings.contact == "skin" else self._add_parts
             mine = add(model, index, person, name_of[person.name])
@@ -203,6 +206,11 @@ class World:
         self.mover_name = np.array(names, dtype=np.int64)
         self.mover_part = np.array(parts, dtype=np.int64)
 
+    def _entry(self, name: int, joint: int) -> int:
+        """Where the pairings have a part of a person."""
+        part = f"person/{JOINT_NAMES[joint]}"
+        return len(self.names) + self._told.index(part) if part in self._told else name
+
     def _add_parts(self, model: Any, index: int, person: Person, name: int) -> list[int]:
         """The rigid parts of a person as movers; their joints."""
         joints = []
@@ -212,7 +220,7 @@ class World:
             collider = part_collider(part)
             self.stepper.add_mover(
                 model.body(f"{person.name}/{part.name}").id,
-                name,
+                self._entry(name, part.index),
                 index,
                 part.index,
                 collider.vertices,
@@ -238,7 +246,11 @@ class World:
         for h, part in enumerate(hulls.part):
             vertices = hulls.vertex[hulls.first[h] : hulls.first[h + 1]]
             self.stepper.add_skin_mover(
-                skin, name, index, int(part), np.ascontiguousarray(vertices, dtype=np.int32)
+                skin,
+                self._entry(name, int(part)),
+                index,
+                int(part),
+                np.ascontiguousarray(vertices, dtype=np.int32),
             )
         return [int(part) for part in hulls.part]
 
@@ -279,16 +291,16 @@ class World:
     def _set_pairings(self) -> None:
         from halfphysics.moving import Moving
 
-        n = len(self.names)
+        n = len(self.names) + len(self._told)
         people = {p.name for p in self.people}
         friction, restitution, ignore = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
         # What nothing pushes meets nothing that nothing pushes.
         unmoved = {n for n, o in self.scene.objects.items() if isinstance(o, Moving)}
         unmoved |= set(self.scene.statics)
-        known = ["person" if name in people else name for name in self.names]
+        known = ["person" if name in people else name for name in self.names] + self._told
         for i, a in enumerate(known):
             for j, b in enumerate(known):
-                if a == b and a != "person":
+                if a == b and a != "person" and a not in self._told:
                     continue  # a thing does not meet itself
                 friction[i, j] = self.scene.friction_of(a, b)
                 restitution[i, j] = self.scene.restitution_of(a, b)

@@ -289,7 +289,7 @@ class Control:
             self.settings,
             prefix=self._human.prefix,
             index=0,
-            name=index,
+            name=lambda _: index,
         )
         mover_name, static_name = [index] * len(parts), []
         rotations, positions = _fixed_poses(model)

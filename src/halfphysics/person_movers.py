@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,18 +16,25 @@ if TYPE_CHECKING:
 
 
 def add_person_movers(
-    stepper: Any, model: Any, body: Body, settings: Settings, *, prefix: str, index: int, name: int
+    stepper: Any,
+    model: Any,
+    body: Body,
+    settings: Settings,
+    *,
+    prefix: str,
+    index: int,
+    name: Callable[[int], int],
 ) -> list[int]:
-    """Add the movers of person `index`, called `name` in contacts; returns their joints.
+    """Add the movers of person `index`; returns their joints.
 
-    `prefix` is that of the person's bodies in the `mujoco.MjModel`.
+    `name` says where the pairings have a part; `prefix` is that of the person's bodies in the `mujoco.MjModel`.
     """
     add = _add_skin if settings.contact == "skin" else _add_parts
     return add(stepper, model, body, prefix, index, name)
 
 
 def _add_parts(
-    stepper: Any, model: Any, body: Body, prefix: str, index: int, name: int
+    stepper: Any, model: Any, body: Body, prefix: str, index: int, name: Callable[[int], int]
 ) -> list[int]:
     joints = []
     for part in body.variant.parts:
@@ -35,7 +43,7 @@ def _add_parts(
         collider = part_collider(part)
         stepper.add_mover(
             model.body(prefix + part.name).id,
-            name,
+            name(part.index),
             index,
             part.index,
             collider.vertices,
@@ -48,7 +56,7 @@ def _add_parts(
 
 
 def _add_skin(
-    stepper: Any, model: Any, body: Body, prefix: str, index: int, name: int
+    stepper: Any, model: Any, body: Body, prefix: str, index: int, name: Callable[[int], int]
 ) -> list[int]:
     skin = stepper.add_skin(
         np.array([model.body(prefix + j).id for j in JOINT_NAMES], dtype=np.int32),
@@ -62,6 +70,6 @@ def _add_skin(
     for h, part in enumerate(hulls.part):
         vertices = hulls.vertex[hulls.first[h] : hulls.first[h + 1]]
         stepper.add_skin_mover(
-            skin, name, index, int(part), np.ascontiguousarray(vertices, dtype=np.int32)
+            skin, name(int(part)), index, int(part), np.ascontiguousarray(vertices, dtype=np.int32)
         )
     return [int(part) for part in hulls.part]

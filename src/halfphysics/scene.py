@@ -371,8 +371,9 @@ class Scene:
     def friction(self, a: str, b: str, mu: float) -> None:
         """Coulomb friction `mu` between two things, instead of the smaller of their own.
 
-        `a`, `b`: names of this scene, or "person" for every part of every person. Raises
-        `InputError` for a name that is not there and for a negative mu.
+        `a`, `b`: names of this scene, or "person" for every part of every person, or one part of
+        every person by its joint, "person/left_foot" (`JOINT_NAMES`), which counts before
+        "person". Raises `InputError` for a name that is not there and for a negative mu.
         """
         pair = self._pair("friction", a, b)
         self._friction[pair] = number(mu, f"friction between {a!r} and {b!r}", least=0.0)
@@ -383,18 +384,20 @@ class Scene:
 
     def friction_of(self, a: str, b: str) -> float:
         """Coulomb friction between two things (names as in `friction`)."""
-        pair = self._pair("friction_of", a, b)
-        return self._friction.get(pair, min(self._own_friction(a), self._own_friction(b)))
+        self._pair("friction_of", a, b)
+        said = [self._friction[p] for p in _wider(a, b) if p in self._friction]
+        return said[0] if said else min(self._own_friction(a), self._own_friction(b))
 
     def restitution_of(self, a: str, b: str) -> float:
         """Restitution between two things: the larger of the two (a person has 0)."""
         self._pair("restitution_of", a, b)
         things: dict[str, Any] = {**self._statics, **self._objects, **self._articulated}
-        return max(things[n].restitution if n != PERSON else 0.0 for n in (a, b))
+        return max(0.0 if _of_person(n) else things[n].restitution for n in (a, b))
 
     def ignores(self, a: str, b: str) -> bool:
         """Whether two things pass through each other (names as in `friction`)."""
-        return self._pair("ignores", a, b) in self._ignored
+        self._pair("ignores", a, b)
+        return any(pair in self._ignored for pair in _wider(a, b))
 
     def ray(
         self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
@@ -485,19 +488,21 @@ class Scene:
     def _pair(self, what: str, a: str, b: str) -> frozenset[str]:
         known = [*self._statics, *self._objects, *self._articulated, PERSON]
         for name in (a, b):
-            if name not in known:
+            if isinstance(name, str) and name.startswith(f"{PERSON}/"):
+                _check_part(what, name)
+            elif name not in known:
                 close = difflib.get_close_matches(str(name), known, n=1)
                 hint = f"; did you mean {close[0]!r}?" if close else ""
                 raise InputError(
                     f"{what}: the scene has nothing called {shown(name)}{hint}. "
                     f"It has: {', '.join(known)}. Add it first."
                 )
-        if a == b and a != PERSON:
+        if a == b and not _of_person(a):
             raise InputError(f"{what}: found {a!r} twice, expected two different things")
         return frozenset((a, b))
 
     def _own_friction(self, name: str) -> float:
-        if name == PERSON:
+        if _of_person(name):
             return PERSON_FRICTION
         things: dict[str, Any] = {**self._statics, **self._objects, **self._articulated}
         return float(things[name].friction)
@@ -505,6 +510,29 @@ class Scene:
 
 def _article(kind: str) -> str:
     return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+
+
+def _of_person(name: str) -> bool:
+    return name == PERSON or name.startswith(f"{PERSON}/")
+
+
+def _wider(a: str, b: str) -> list[frozenset[str]]:
+    """The pairs under which something may have been said of two, the closest first."""
+    of_a, of_b = ([n, PERSON] if _of_person(n) and n != PERSON else [n] for n in (a, b))
+    return [frozenset((x, y)) for x in of_a for y in of_b]
+
+
+def _check_part(what: str, name: str) -> None:
+    from halfphysics.skeleton import JOINT_NAMES
+
+    part = name.removeprefix(f"{PERSON}/")
+    if part not in JOINT_NAMES:
+        close = difflib.get_close_matches(part, JOINT_NAMES, n=1)
+        hint = f"; did you mean '{PERSON}/{close[0]}'?" if close else ""
+        raise InputError(
+            f"{what}: a person has no part called {part!r}{hint}. Parts are named by their joints, "
+            "see halfphysics.JOINT_NAMES"
+        )
 
 
 def _ends(pair: frozenset[str]) -> tuple[str, str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, cast
 from weakref import WeakKeyDictionary
 
@@ -23,7 +23,7 @@ from halfphysics.fingerprint import fingerprint
 from halfphysics.joint_groups import stiffness_array
 from halfphysics.person_model import addresses, principal
 from halfphysics.person_movers import add_person_movers
-from halfphysics.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.skeleton import JOINT_NAMES, LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
 from halfphysics.strength import limits_of
 
 if TYPE_CHECKING:
@@ -192,6 +192,9 @@ class World:
         name_of = {name: i for i, name in enumerate(self.names)}
         names: list[int] = []
         parts: list[int] = []
+        # Parts of which something is said have entries of their own, after the names.
+        pairs = [(a, b) for a, b, _ in self.scene.friction_pairs] + [*self.scene.ignored_pairs]
+        self._told = sorted({end for pair in pairs for end in pair if end.startswith("person/")})
         for index, person in enumerate(self.people):
             mine = add_person_movers(
                 self.stepper,
@@ -200,7 +203,7 @@ class World:
                 self.settings,
                 prefix=f"{person.name}/",
                 index=index,
-                name=name_of[person.name],
+                name=partial(self._entry, name_of[person.name]),
             )
             names += [name_of[person.name]] * len(mine)
             parts += mine
@@ -231,6 +234,11 @@ class World:
                     parts.append(-1)
         self.mover_name = np.array(names, dtype=np.int64)
         self.mover_part = np.array(parts, dtype=np.int64)
+
+    def _entry(self, name: int, joint: int) -> int:
+        """Where the pairings have a part of a person."""
+        part = f"person/{JOINT_NAMES[joint]}"
+        return len(self.names) + self._told.index(part) if part in self._told else name
 
     def _add_statics(self) -> None:
         from halfphysics.shapes import Mesh, Plane
@@ -282,16 +290,18 @@ class World:
     def _set_pairings(self) -> None:
         from halfphysics.moving import Moving
 
-        n = len(self.names)
+        n = len(self.names) + len(self._told)
         people = {p.name for p in self.people}
         friction, restitution, ignore = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
         # What nothing pushes meets nothing that nothing pushes.
         unmoved = {n for n, o in self.scene.objects.items() if isinstance(o, Moving)}
         unmoved |= set(self.scene.statics)
-        known = ["person" if name in people else name for name in self.names]
+        owner = self._owner
+        known = ["person" if name in people else owner.get(name, name) for name in self.names]
+        known += self._told
         for i, a in enumerate(known):
             for j, b in enumerate(known):
-                if a == b and a != "person":
+                if a == b and a != "person" and a not in self._told:
                     ignore[i, j] = i != j  # links of one articulated object
                     continue  # a thing does not meet itself
                 friction[i, j] = self.scene.friction_of(a, b)

@@ -134,6 +134,8 @@ class World:
             np.array(scene.gravity),
         )
         self.stepper.finish([p.root for p in self.people])
+        if s.self_contact:
+            self._set_self_pairs()
 
     def _compile(self, people: list[str]) -> Any:
         import mujoco
@@ -273,6 +275,13 @@ class World:
                 restitution[i, j] = self.scene.restitution_of(a, b)
                 ignore[i, j] = self.scene.ignores(a, b)
         self.stepper.set_pairings(friction, restitution, ignore)
+
+    def _set_self_pairs(self) -> None:
+        from halfphysics.self_contact import self_pairs
+
+        of_person = [self_pairs(self, p, self.names.index(p.name)) for p in self.people]
+        pairs = np.concatenate([np.zeros((0, 2), dtype=np.int64), *of_person])
+        self.stepper.set_self_pairs(pairs.astype(np.float64))
 
     # -- state -----------------------------------------------------------------------------
 

@@ -39,7 +39,7 @@ const Placed& World::place(Poses& p, int i) const {
 
 bool World::may_touch(const Model& m, int a, int b) const {
   const Mover &A = movers[a], &B = movers[b];
-  if (m.root[A.body] == m.root[B.body] && (self_.empty() || !self_[a * movers.size() + b])) return false;
+  if (m.root[A.body] == m.root[B.body] && !may_touch_itself(a, b)) return false;
   return !pairing(A.name, B.name).ignore;
 }
 
@@ -208,6 +208,7 @@ void World::reset(const Model& m, Poses& start) {
     list(m, start, reach);
   }
   gather(m, start, reach, 1.0, near);
+  if (self_contact()) leave_together(m, start);
   for (const Candidate& c : near) {
     // What touches, to within rounding of files, rests there; what is deeper inside comes out.
     if (c.dist < -kTouch && c.other_mover >= 0 && movers[c.mover].person >= 0 &&

@@ -214,6 +214,10 @@ class World {
   // touch on their way? The direction along which they overlap least.
   bool spheres_apart(const Poses& p, Near& e, double r) const;
   bool meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& sweep, Near& e) const;
+  void leave_together(const Model& m, Poses& start);
+  bool may_touch_itself(int a, int b) const {
+    return !self_.empty() && self_[a * movers.size() + b];
+  }
   static Vec3 least_overlap(const Placed& a, const Placed& b, Vec3 guess);
   void demand(Candidate& c, double h);
   // Starting inside (inside.cpp).

@@ -16,6 +16,38 @@ constexpr double kMargin = 0.05;    // looked this much farther than asked, to k
 constexpr int kDirections = 192, kRefinements = 40;
 constexpr double kFirstTurn = 0.15, kLastTurn = 1e-4;
 
+// The direction in which `apart` is largest.
+template <typename Apart>
+Vec3 best_direction(Apart apart, const std::vector<Vec3>& guesses) {
+  Vec3 best;
+  double most = -1e300;
+  auto attempt = [&](Vec3 n) {
+    const double length = norm(n);
+    if (length < 1e-12) return false;
+    n = (1 / length) * n;
+    const double dist = apart(n);
+    if (dist <= most) return false;
+    most = dist, best = n;
+    return true;
+  };
+  for (Vec3 n : guesses) attempt(n);
+  const double golden = M_PI * (3 - std::sqrt(5.0));
+  for (int k = 0; k < kDirections; k++) {
+    const double z = 1 - (2 * k + 1.0) / kDirections, r = std::sqrt(1 - z * z);
+    attempt({r * std::cos(golden * k), r * std::sin(golden * k), z});
+  }
+  double turn = kFirstTurn;
+  for (int k = 0; k < kRefinements && turn > kLastTurn; k++) {
+    Vec3 t, s;
+    tangents(best, t, s);
+    const Vec3 from = best;
+    bool better = false;
+    for (Vec3 d : {t, s, -t, -s, t + s, t - s, s - t, -t - s}) better |= attempt(from + turn * d);
+    if (!better) turn *= 0.5;
+  }
+  return best;
+}
+
 }  // namespace
 
 void World::set_self_pairs(const std::vector<std::pair<int, int>>& pairs) {
@@ -98,34 +130,60 @@ bool World::meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& 
 }
 
 Vec3 World::least_overlap(const Placed& a, const Placed& b, Vec3 guess) {
-  Vec3 best;
-  double most = -1e300;
-  auto attempt = [&](Vec3 n) {
-    const double length = norm(n);
-    if (length < 1e-12) return false;
-    n = (1 / length) * n;
-    const double dist = a.lowest(n) - b.highest(n);
-    if (dist <= most) return false;
-    most = dist, best = n;
-    return true;
+  return best_direction([&](Vec3 n) { return a.lowest(n) - b.highest(n); },
+                        {guess, a.center - b.center});
+}
+
+// Pairs that start overlapping, and are neighbours on both sides, leave in one direction: a hand
+// whose fingers went out before an arm while its palm went out behind would never get out.
+void World::leave_together(const Model& m, Poses& start) {
+  struct Pair {
+    PairState* state;
+    int mover, other, group;
+    double sign;
   };
-  attempt(guess);
-  attempt(a.center - b.center);
-  const double golden = M_PI * (3 - std::sqrt(5.0));
-  for (int k = 0; k < kDirections; k++) {
-    const double z = 1 - (2 * k + 1.0) / kDirections, r = std::sqrt(1 - z * z);
-    attempt({r * std::cos(golden * k), r * std::sin(golden * k), z});
+  std::vector<Pair> all;
+  for (auto& [key, state] : pairs_) {
+    const Candidate c = unpacked(key);
+    if (!state.inside || c.other_mover < 0 || !may_touch_itself(c.mover, c.other_mover)) continue;
+    all.push_back({&state, c.mover, c.other_mover, (int)all.size(), 1});
   }
-  double turn = kFirstTurn;
-  for (int k = 0; k < kRefinements && turn > kLastTurn; k++) {
-    Vec3 t, s;
-    tangents(best, t, s);
-    const Vec3 from = best;
-    bool better = false;
-    for (Vec3 d : {t, s, -t, -s, t + s, t - s, s - t, -t - s}) better |= attempt(from + turn * d);
-    if (!better) turn *= 0.5;
+  auto neighbours = [&](int i, int j) {
+    const int a = movers[i].body, b = movers[j].body;
+    return a == b || m.parent[a] == b || m.parent[b] == a || m.parent[a] == m.parent[b];
+  };
+  for (size_t first = 0; first < all.size(); first++) {
+    if (all[first].group != (int)first) continue;
+    std::vector<size_t> group{first};
+    for (size_t k = 0; k < group.size(); k++)
+      for (size_t l = first + 1; l < all.size(); l++) {
+        const Pair p = all[group[k]];
+        Pair& q = all[l];
+        if (q.group != (int)l) continue;
+        const bool same = neighbours(p.mover, q.mover) && neighbours(p.other, q.other);
+        if (!same && !(neighbours(p.mover, q.other) && neighbours(p.other, q.mover))) continue;
+        q.group = (int)first, q.sign = same ? p.sign : -p.sign;
+        group.push_back(l);
+      }
+    if (group.size() == 1) continue;
+    std::vector<Vec3> guesses;
+    for (size_t k : group)
+      guesses.push_back(all[k].sign *
+                        (place(start, all[k].mover).center - place(start, all[k].other).center));
+    const Vec3 n = best_direction(
+        [&](Vec3 n) {
+          double least = 1e300;
+          for (size_t k : group) {
+            const Vec3 d = all[k].sign * n;
+            least = std::min(least,
+                             place(start, all[k].mover).lowest(d) - place(start, all[k].other).highest(d));
+          }
+          return least;
+        },
+        guesses);
+    for (size_t k : group)
+      all[k].state->exit = mul_t(start.kin.xmat[movers[all[k].other].body], all[k].sign * n);
   }
-  return best;
 }
 
 }  // namespace hp

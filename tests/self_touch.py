@@ -70,13 +70,13 @@ def relaxed(body):
     r = np.zeros((N_JOINTS, 3))
     for side, sign in (("left", 1.0), ("right", -1.0)):
         shoulder = np.asarray(body.rest_joints)[JOINT_INDEX[f"{side}_shoulder"]]
-        down = shoulder + [sign * 0.28, -0.36, 0.12]
+        down = shoulder + np.array([sign * 0.28, -0.36, 0.12])
         reach(body, r, side, "arm", down, (sign * 0.5, 0, -1))
     return r
 
 
 def arms_crossed(body, depth=0.04):
-    """Forearms on the chest, `depth` [m] inside of where they would lie on it, one over the other."""
+    """Forearms `depth` [m] inside of where they would lie on the chest, one over the other."""
     r = np.zeros((N_JOINTS, 3))
     y = np.asarray(body.rest_joints)[JOINT_INDEX["spine3"], 1]
     for side, sign, up, ahead in (("left", 1.0, 0.0, 0.03), ("right", -1.0, -0.04, 0.095)):
@@ -112,8 +112,8 @@ def leg_over_leg(body, depth=0.04):
     joints = np.asarray(body.rest_joints)
     hip, knee = joints[JOINT_INDEX["right_hip"]], joints[JOINT_INDEX["right_knee"]]
     long = np.linalg.norm(knee - hip)
-    reach(body, r, "right", "leg", hip + [0.0, -long, long], (0, 0.3, 1))
-    reach(body, r, "left", "leg", hip + [-0.1, 0.11 - depth, 0.8 * long], (1.0, 0.2, 0.6))
+    reach(body, r, "right", "leg", hip + np.array([0.0, -long, long]), (0, 0.3, 1))
+    reach(body, r, "left", "leg", hip + np.array([-0.1, 0.11 - depth, 0.8 * long]), (1.0, 0.2, 0.6))
     return r
 
 
@@ -147,7 +147,7 @@ def run(motion, body, settings, scene=None):
 
 
 class SelfJudge:
-    """How deep one person's pieces are in each other, those that are neighbours left out.
+    """How deep the first person's pieces are in each other, those that are neighbours left out.
 
     Args:
         simulator: Of one person.
@@ -156,7 +156,7 @@ class SelfJudge:
     """
 
     def __init__(self, simulator, neighbours=2):
-        (self.pieces,) = pieces_of(simulator)
+        self.pieces = pieces_of(simulator)[0]
         joint = [JOINT_INDEX[name.split("/")[1]] for name in self.pieces.names]
         roots = []
         for j in range(N_JOINTS):

@@ -130,6 +130,8 @@ class World {
 
   // Self-contact (self_contact.cpp): the pairs of movers of one tree that may touch each other.
   void set_self_pairs(const std::vector<std::pair<int, int>>& pairs);
+  // Who is inside of themselves still chooses anew where to leave, now and then.
+  void choose_again(const Model& m, Poses& start);
   // Distance of two movers; where they overlap, minus the least depth found.
   double gap(Poses& p, int a, int b) const;
   bool self_contact() const { return !self_.empty(); }
@@ -215,6 +217,7 @@ class World {
   bool spheres_apart(const Poses& p, Near& e, double r) const;
   bool meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& sweep, Near& e) const;
   void leave_together(const Model& m, Poses& start);
+  int waited_ = 0;  // substeps since those who leave themselves last chose where
   bool may_touch_itself(int a, int b) const {
     return !self_.empty() && self_[a * movers.size() + b];
   }

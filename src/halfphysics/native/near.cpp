@@ -175,7 +175,10 @@ void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& swe
 void World::save_near(std::vector<double>& out) const {
   out.push_back(has_list_ ? 1 : 0);
   for (const auto* v : {&odometer_, &listed_, &range_}) out.insert(out.end(), v->begin(), v->end());
-  if (self_contact()) out.insert(out.end(), inner_.begin(), inner_.end());
+  if (self_contact()) {
+    out.insert(out.end(), inner_.begin(), inner_.end());
+    out.push_back(waited_);
+  }
   out.push_back((double)near_.size());
   for (const Near& e : near_) {
     out.insert(out.end(), {(double)e.mover, (double)e.other_static, (double)e.other_mover, e.dist,
@@ -196,6 +199,7 @@ const double* World::load_near(const double* in) {
   if (self_contact()) {
     inner_.assign(in, in + movers.size());
     in += movers.size();
+    waited_ = (int)*in++;
   }
   near_.clear();
   for (int n = (int)*in++; n > 0; n--) {

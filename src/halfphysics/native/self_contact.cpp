@@ -14,6 +14,7 @@ constexpr double kRounding = 1e-9;  // of distances [m]
 constexpr double kMargin = 0.05;    // looked this much farther than asked, to know of the next [m]
 // Directions that are tried for the least overlap, and how the best is turned to be better [rad].
 constexpr int kDirections = 192, kRefinements = 40;
+constexpr int kPatience = 24;  // substeps
 constexpr double kFirstTurn = 0.15, kLastTurn = 1e-4;
 
 // The direction in which `apart` is largest.
@@ -134,6 +135,12 @@ Vec3 World::least_overlap(const Placed& a, const Placed& b, Vec3 guess) {
                         {guess, a.center - b.center});
 }
 
+void World::choose_again(const Model& m, Poses& start) {
+  if (++waited_ < kPatience) return;
+  waited_ = 0;
+  leave_together(m, start);
+}
+
 // Pairs that start overlapping, and are neighbours on both sides, leave in one direction: a hand
 // whose fingers went out before an arm while its palm went out behind would never get out.
 void World::leave_together(const Model& m, Poses& start) {
@@ -165,7 +172,6 @@ void World::leave_together(const Model& m, Poses& start) {
         q.group = (int)first, q.sign = same ? p.sign : -p.sign;
         group.push_back(l);
       }
-    if (group.size() == 1) continue;
     std::vector<Vec3> guesses;
     for (size_t k : group)
       guesses.push_back(all[k].sign *

@@ -208,7 +208,7 @@ void World::reset(const Model& m, Poses& start) {
     list(m, start, reach);
   }
   gather(m, start, reach, 1.0, near);
-  waited_ = 0;
+  waited_ = 0, depth_ = 1e300;
   if (self_contact()) leave_together(m, start);
   for (const Candidate& c : near) {
     // What touches, to within rounding of files, rests there; what is deeper inside comes out.

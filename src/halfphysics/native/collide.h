@@ -217,7 +217,8 @@ class World {
   bool spheres_apart(const Poses& p, Near& e, double r) const;
   bool meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& sweep, Near& e) const;
   void leave_together(const Model& m, Poses& start);
-  int waited_ = 0;  // substeps since those who leave themselves last chose where
+  int waited_ = 0;  // substeps since those who leave themselves were last looked at
+  double depth_ = 1e300;  // how deep they all were then, along their ways out [m]
   bool may_touch_itself(int a, int b) const {
     return !self_.empty() && self_[a * movers.size() + b];
   }

@@ -177,7 +177,7 @@ void World::save_near(std::vector<double>& out) const {
   for (const auto* v : {&odometer_, &listed_, &range_}) out.insert(out.end(), v->begin(), v->end());
   if (self_contact()) {
     out.insert(out.end(), inner_.begin(), inner_.end());
-    out.push_back(waited_);
+    out.insert(out.end(), {(double)waited_, depth_});
   }
   out.push_back((double)near_.size());
   for (const Near& e : near_) {
@@ -200,6 +200,7 @@ const double* World::load_near(const double* in) {
     inner_.assign(in, in + movers.size());
     in += movers.size();
     waited_ = (int)*in++;
+    depth_ = *in++;
   }
   near_.clear();
   for (int n = (int)*in++; n > 0; n--) {

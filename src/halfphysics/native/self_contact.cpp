@@ -14,7 +14,9 @@ constexpr double kRounding = 1e-9;  // of distances [m]
 constexpr double kMargin = 0.05;    // looked this much farther than asked, to know of the next [m]
 // Directions that are tried for the least overlap, and how the best is turned to be better [rad].
 constexpr int kDirections = 192, kRefinements = 40;
-constexpr int kPatience = 24;  // substeps
+// Who gets no farther than to this share of the depth in so many substeps tries another way.
+constexpr int kPatience = 24;
+constexpr double kProgress = 0.9;
 constexpr double kFirstTurn = 0.15, kLastTurn = 1e-4;
 
 // The direction in which `apart` is largest.
@@ -138,7 +140,16 @@ Vec3 World::least_overlap(const Placed& a, const Placed& b, Vec3 guess) {
 void World::choose_again(const Model& m, Poses& start) {
   if (++waited_ < kPatience) return;
   waited_ = 0;
-  leave_together(m, start);
+  double depth = 0;
+  for (const auto& [key, state] : pairs_) {
+    const Candidate c = unpacked(key);
+    if (!state.inside || c.other_mover < 0 || !may_touch_itself(c.mover, c.other_mover)) continue;
+    const Vec3 n = start.kin.xmat[movers[c.other_mover].body] * state.exit;
+    const Placed &a = place(start, c.mover), &b = place(start, c.other_mover);
+    depth += std::max(0.0, b.highest(n) - a.lowest(n));
+  }
+  if (depth > 0 && depth > kProgress * depth_) leave_together(m, start);
+  depth_ = depth > 0 ? depth : 1e300;
 }
 
 // Pairs that start overlapping, and are neighbours on both sides, leave in one direction: a hand

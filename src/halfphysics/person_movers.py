@@ -27,7 +27,8 @@ def add_person_movers(
 ) -> list[int]:
     """Add the movers of person `index`; returns their joints.
 
-    `name` says where the pairings have a part; `prefix` is that of the person's bodies in the `mujoco.MjModel`.
+    `name` says where the pairings have a part; `prefix` is that of the person's bodies in the
+    `mujoco.MjModel`.
     """
     add = _add_skin if settings.contact == "skin" else _add_parts
     return add(stepper, model, body, prefix, index, name)

@@ -40,8 +40,8 @@ class Settings:
     """Distances up to this are reported exactly in `Result.clearance` [m], inf beyond."""
     contact: Literal["skin", "parts"] = "skin"
     """What of a person touches: hulls of the skin itself, or the 55 rigid parts (faster)."""
-    self_contact: Literal[False] = False
-    """Contact of a person with itself (not in this version)."""
+    self_contact: bool = False
+    """Keep a person out of themselves: arms off the chest, but not parts within two joints."""
     depenetration_speed: float = 0.5
     """Fastest speed at which a part that starts inside something leaves it [m/s]."""
     tolerance: float = 1e-6
@@ -109,7 +109,6 @@ class Settings:
         )
         number("clearance_range", least=0.0)
         choice("contact", "skin", "parts")
-        check("self_contact", self.self_contact is False, "False: this version has no self-contact")
         object.__setattr__(self, "strength", checked_strength(self.strength))
         check(
             "strength",
@@ -117,6 +116,7 @@ class Settings:
             "None without drive_time: Algorithm 1 sets velocities, whatever force that takes. Set "
             "drive_time, such as 0.02",
         )
+        check("self_contact", isinstance(self.self_contact, bool), "True or False")
         number("depenetration_speed", least=0.0)
         number("tolerance", above=0.0)
         count("max_sweeps")

@@ -138,6 +138,8 @@ class World:
         self._add_given()
         self.stepper.finish([p.root for p in self.people])
         self._set_strength()
+        if settings.self_contact:
+            self._set_self_pairs()
 
     def _compile(self, people: list[str]) -> Any:
         import mujoco
@@ -316,6 +318,13 @@ class World:
             force, torque = limits_of(self.settings.strength, person.body)
             limits = np.concatenate([[force], torque[person.balls]])
             self.stepper.set_strength(index, limits)
+
+    def _set_self_pairs(self) -> None:
+        from halfphysics.self_contact import self_pairs
+
+        of_person = [self_pairs(self, p, self.names.index(p.name)) for p in self.people]
+        pairs = np.concatenate([np.zeros((0, 2), dtype=np.int64), *of_person])
+        self.stepper.set_self_pairs(pairs.astype(np.float64))
 
     # -- state -----------------------------------------------------------------------------
 

@@ -350,6 +350,39 @@ void bind_physics(nb::module_& m) {
              s.torques(out);
              return array({out.size() / 3, 3}, out);
            })
+      // Pairs (n, 2) of one person's movers that may touch each other, the smaller index first.
+      .def("set_self_pairs",
+           [](Stepper& s, Square pairs) {
+             const int n = (int)s.world.movers.size();
+             need(pairs.shape(0) == 0 || pairs.shape(1) == 2, "self pairs must be (n, 2)");
+             std::vector<std::pair<int, int>> list;
+             for (size_t k = 0; k < pairs.shape(0); k++) {
+               const int i = (int)pairs.data()[2 * k], j = (int)pairs.data()[2 * k + 1];
+               need(0 <= i && i < j && j < n, "self pairs: no such movers");
+               need(s.model.root[s.world.movers[i].body] == s.model.root[s.world.movers[j].body],
+                    "self pairs: not of one tree");
+               list.push_back({i, j});
+             }
+             s.world.set_self_pairs(list);
+           })
+      // Distances (n,) of pairs of movers (n, 2) at a pose [m], negative where they overlap.
+      .def("pair_gaps",
+           [](Stepper& s, Doubles qpos, Square pairs) {
+             const size_t n = s.world.movers.size();
+             need((int)qpos.shape(0) == s.model.nq, "pair_gaps: bad length of qpos");
+             need(pairs.shape(0) == 0 || pairs.shape(1) == 2, "pair_gaps: pairs must be (n, 2)");
+             std::vector<double> gaps;
+             Poses p;  // of its own
+             p.kin.resize(s.model);
+             p.kin.update(s.model, qpos.data());
+             s.world.start_poses(p);
+             for (size_t k = 0; k < pairs.shape(0); k++) {
+               const size_t i = (size_t)pairs.data()[2 * k], j = (size_t)pairs.data()[2 * k + 1];
+               need(i < n && j < n, "pair_gaps: no such movers");
+               gaps.push_back(s.world.gap(p, (int)i, (int)j));
+             }
+             return array(gaps);
+           })
       .def("person_qpos", &Stepper::person_qpos)
       .def("person_qpos_count", &Stepper::person_qpos_count)
       .def("qpos", [](Stepper& s) { return array(s.qpos()); })

@@ -39,7 +39,7 @@ const Placed& World::place(Poses& p, int i) const {
 
 bool World::may_touch(const Model& m, int a, int b) const {
   const Mover &A = movers[a], &B = movers[b];
-  if (A.body == B.body || m.root[A.body] == m.root[B.body]) return false;
+  if (m.root[A.body] == m.root[B.body] && !may_touch_itself(a, b)) return false;
   return !pairing(A.name, B.name).ignore;
 }
 
@@ -82,18 +82,19 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
                    std::vector<Candidate>& out) {
   out.clear();
   // A pair that overlaps leaves along the direction fixed when the overlap was first seen.
-  auto fixed_exit = [&](Candidate& c, auto along) {
+  // Fixed in the world; of two of one person, in the frame of the other, which may turn.
+  auto fixed_exit = [&](Candidate& c, const Mat3& frame, auto along) {
     auto it = pairs_.find(key(c));
     bool known = it != pairs_.end() && it->second.inside;
     if (c.dist >= 0) {
       if (known) it->second.inside = false;
     } else if (known) {
-      c.n = it->second.exit;
+      c.n = frame * it->second.exit;
       along(c);
     } else {
       if (it == pairs_.end()) it = pairs_.insert({key(c), {settings.clearance, false, {}, false}}).first;
       it->second.inside = true;
-      it->second.exit = c.n;
+      it->second.exit = mul_t(frame, c.n);
     }
   };
   for (Near& e : near_) {
@@ -131,6 +132,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
         if (gjk(A.support(), B.support(), A.center - B.center, pa, pb) <= 0) continue;
         pairs_.erase(known);
       }
+      if (e.own && spheres_apart(start, e, r)) continue;
       Separation s = separate(A, B, e.dist > r ? r + kAhead : r, true, e.axis);
       e.axis = s.n;
       e.dist = s.dist;
@@ -138,7 +140,12 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
       if (s.dist > r) continue;
       c.n = s.n;
       c.dist = s.dist;
-      fixed_exit(c, [&](Candidate& k) { k.dist = separate_along(A, B, k.n).dist; });
+      if (e.own && c.dist < 0 && (known == pairs_.end() || !known->second.inside)) {
+        c.n = least_overlap(A, B, c.n);
+        c.dist = separate_along(A, B, c.n).dist;
+      }
+      fixed_exit(c, e.own ? start.kin.xmat[movers[c.other_mover].body] : Mat3{},
+                 [&](Candidate& k) { k.dist = separate_along(A, B, k.n).dist; });
       demand(c, h);
       out.push_back(c);
       continue;
@@ -151,7 +158,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
       if (e.dist > r) continue;
       c.n = e.planes[0].n;
       c.dist = e.dist;
-      fixed_exit(c, [&](Candidate& k) { k.dist = separate_along(A, S.placed, k.n).dist; });
+      fixed_exit(c, Mat3{}, [&](Candidate& k) { k.dist = separate_along(A, S.placed, k.n).dist; });
       c.offset = S.placed.highest(c.n);
       demand(c, h);
       out.push_back(c);
@@ -202,10 +209,13 @@ void World::reset(const Model& m, Poses& start) {
     list(m, start, reach);
   }
   gather(m, start, reach, 1.0, near);
+  waited_ = 0, depth_ = 1e300;
+  if (self_contact()) leave_together(m, start);
   for (const Candidate& c : near) {
     // What touches, to within rounding of files, rests there; what is deeper inside comes out.
     if (c.dist < -kTouch && c.other_mover >= 0 && movers[c.mover].person >= 0 &&
-        movers[c.other_mover].person >= 0)
+        movers[c.other_mover].person >= 0 &&
+        m.root[movers[c.mover].body] != m.root[movers[c.other_mover].body])
       pairs_[key(c)].through = true;
     if (c.inside >= 0 || c.dist < -kTouch || c.dist >= settings.clearance) continue;
     double own = std::max(c.dist, 0.0);

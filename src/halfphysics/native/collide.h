@@ -38,6 +38,7 @@ struct Near {
   std::vector<Plane> planes;  // all that the other has lies behind them, within `reach` of there
   double reach = 0;
   Vec3 axis;  // of the two nearest points when last looked at; 0: not yet
+  bool own = false;  // two of one person: `way` counts what they travel within the root's frame
 };
 
 // A pair of shapes that may meet in this substep.
@@ -96,6 +97,7 @@ struct Sweep {
   std::vector<double> way;    // no point of the mover goes farther
   std::vector<double> straight;  // the part of `way` that its end pose alone tells
   std::vector<double> bulge;  // nor strays farther from the straight line between its ends
+  std::vector<double> inner;  // `straight` as seen from the root; empty without self-contact
 };
 
 class World {
@@ -117,8 +119,9 @@ class World {
 
   // Everybody is somewhere else now: nothing is known of distances.
   void forget();
-  // The movers of active trees have gone from one pose to another, no farther than `way`.
-  void travel(const std::vector<double>& way);
+  // The movers of active trees have gone from one pose to another, no farther than `way`; seen from
+  // their roots no farther than `inner`, which is empty without self-contact.
+  void travel(const std::vector<double>& way, const std::vector<double>& inner);
   // Lists all pairs that can come within `way[mover]` of each other, and some that cannot, unless
   // the list that there is says so already.
   void list(const Model& m, const Poses& p, const std::vector<double>& way);
@@ -126,6 +129,17 @@ class World {
   void find_busy(const Model& m, Poses& start, Poses& end, const Sweep& sweep,
                  std::vector<char>& busy);
   double travelled(int mover) const { return odometer_[mover]; }
+
+  // Self-contact (self_contact.cpp): the pairs of movers of one tree that may touch each other.
+  void set_self_pairs(const std::vector<std::pair<int, int>>& pairs);
+  // Who is inside of themselves still chooses anew where to leave, now and then.
+  void choose_again(const Model& m, Poses& start);
+  // Distance of two movers; where they overlap, minus the least depth found.
+  double gap(Poses& p, int a, int b) const;
+  bool self_contact() const { return !self_.empty(); }
+  // How far no point of each mover goes between two poses, seen from the root; empty without
+  // self-contact.
+  void inner_ways(const Model& m, const Poses& from, const Poses& to, std::vector<double>& way) const;
 
   // Who started inside something and is not out yet.
   const std::vector<Inside>& inside() const { return inside_; }
@@ -194,6 +208,7 @@ class World {
                         Make make, std::vector<Contact>& contacts) const;
   bool may_touch(const Model& m, int a, int b) const;
   double way_of(const Near& e) const {
+    if (e.own) return inner_[e.mover] + inner_[e.other_mover];
     return odometer_[e.mover] + (e.other_mover >= 0 ? odometer_[e.other_mover] : 0.0);
   }
   bool far(const Near& e, double r) const { return e.dist - (way_of(e) - e.way) > r; }
@@ -202,6 +217,17 @@ class World {
   bool behind_planes(const Near& e, const Placed& a, double r) const;
   void look(const Model& m, Poses& p, Near& e, double r);
   bool takes_part(const Near& e) const;
+  // Of two movers of one tree: do their bounding spheres keep them farther apart than r? May they
+  // touch on their way? The direction along which they overlap least.
+  bool spheres_apart(const Poses& p, Near& e, double r) const;
+  bool meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& sweep, Near& e) const;
+  void leave_together(const Model& m, Poses& start);
+  int waited_ = 0;  // substeps since those who leave themselves were last looked at
+  double depth_ = 1e300;  // how deep they all were then, along their ways out [m]
+  bool may_touch_itself(int a, int b) const {
+    return !self_.empty() && self_[a * movers.size() + b];
+  }
+  static Vec3 least_overlap(const Placed& a, const Placed& b, Vec3 guess);
   void demand(Candidate& c, double h);
   // Starting inside (inside.cpp).
   struct Overlap {
@@ -225,6 +251,8 @@ class World {
   Vec3 avoid_;  // a way out that is not to be tried again; 0: none
   std::vector<Near> near_;
   std::vector<double> odometer_, listed_, range_;  // per mover [m]
+  std::vector<char> self_;     // movers x movers: of one tree, and may touch; empty: none
+  std::vector<double> inner_;  // per mover: what it travelled within its root's frame [m]
   bool has_list_ = false;
   // Of mesh_clear(), for the end pose that has this stamp.
   struct Way {

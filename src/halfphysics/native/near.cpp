@@ -20,11 +20,14 @@ void World::forget() {
   odometer_.assign(movers.size(), 0);
   listed_.assign(movers.size(), 0);
   range_.assign(movers.size(), 0);
+  inner_.assign(movers.size(), 0);
 }
 
-void World::travel(const std::vector<double>& way) {
+void World::travel(const std::vector<double>& way, const std::vector<double>& inner) {
   for (size_t i = 0; i < movers.size(); i++)
     if (active[movers[i].body]) odometer_[i] += way[i];
+  for (size_t i = 0; i < inner.size(); i++)
+    if (active[movers[i].body]) inner_[i] += inner[i];
 }
 
 void World::list(const Model& m, const Poses& p, const std::vector<double>& way) {
@@ -79,11 +82,13 @@ void World::list(const Model& m, const Poses& p, const std::vector<double>& way)
       add(std::move(e));
     }
     for (int j = i + 1; j < n; j++) {
-      if (m.root[M.body] == m.root[movers[j].body]) continue;
+      const bool own = m.root[M.body] == m.root[movers[j].body];
+      if (own && self_.empty()) continue;
       if (!box[i].meets(box[j]) || !may_touch(m, i, j)) continue;
       Near e;
       e.mover = i;
       e.other_mover = j;
+      e.own = own;
       add(std::move(e));
     }
   }
@@ -135,6 +140,10 @@ void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& swe
     if (e.other_mover >= 0) {
       const int its = m.root[movers[e.other_mover].body];
       if (busy[mine] && busy[its]) continue;
+      if (e.own) {
+        busy[mine] = meets_itself(m, start, end, sweep, e);
+        continue;
+      }
       double r = sweep.way[e.mover] + sweep.way[e.other_mover] + clear;
       if (far(e, r)) continue;
       e.dist = separate(place(start, e.mover), place(start, e.other_mover), r + kMargin).dist;
@@ -166,6 +175,10 @@ void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& swe
 void World::save_near(std::vector<double>& out) const {
   out.push_back(has_list_ ? 1 : 0);
   for (const auto* v : {&odometer_, &listed_, &range_}) out.insert(out.end(), v->begin(), v->end());
+  if (self_contact()) {
+    out.insert(out.end(), inner_.begin(), inner_.end());
+    out.insert(out.end(), {(double)waited_, depth_});
+  }
   out.push_back((double)near_.size());
   for (const Near& e : near_) {
     out.insert(out.end(), {(double)e.mover, (double)e.other_static, (double)e.other_mover, e.dist,
@@ -183,12 +196,19 @@ const double* World::load_near(const double* in) {
     v->assign(in, in + movers.size());
     in += movers.size();
   }
+  if (self_contact()) {
+    inner_.assign(in, in + movers.size());
+    in += movers.size();
+    waited_ = (int)*in++;
+    depth_ = *in++;
+  }
   near_.clear();
   for (int n = (int)*in++; n > 0; n--) {
     Near e;
     e.mover = (int)in[0], e.other_static = (int)in[1], e.other_mover = (int)in[2];
     e.dist = in[3], e.way = in[4], e.reach = in[5];
     e.axis = load3(in + 6);
+    e.own = self_contact() && e.other_mover >= 0 && self_[e.mover * movers.size() + e.other_mover];
     int planes = (int)in[9];
     in += 10;
     for (; planes > 0; planes--, in += 7)

@@ -63,7 +63,8 @@ void Stepper::commit(double h, const std::vector<double>& share) {
   }
   remember(share);
   ways(world.movers, start_, end_, world.active, way_);
-  world.travel(way_);
+  world.inner_ways(model, start_, end_, sweep_.inner);
+  world.travel(way_, sweep_.inner);
   world.come_out(share);
   std::swap(start_, end_);
   qpos_ = q_end_;

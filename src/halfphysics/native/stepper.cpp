@@ -187,6 +187,7 @@ void Stepper::find_busy(double dt, std::vector<char>& busy) {
     assumed_[i] = world.travelled((int)i) + sweep_.way[i];
   }
   ways(world.movers, start_, end_, world.active, sweep_.straight);
+  world.inner_ways(model, start_, end_, sweep_.inner);
   for (const Drive& d : drives_) sweep_of(d, dt, busy);
   world.active.assign(model.nbody, 1);
   world.list(model, start_, sweep_.way);
@@ -264,9 +265,10 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
     end_.kin.update(model, qpos_.data());
     world.start_poses(end_);
     ways(world.movers, followed_, end_, world.active, way_);
-    world.travel(way_);
+    world.inner_ways(model, followed_, end_, sweep_.inner);
+    world.travel(way_, sweep_.inner);
   } else {
-    world.travel(sweep_.straight);
+    world.travel(sweep_.straight, sweep_.inner);
   }
   std::swap(start_, end_);
   world.active.assign(model.nbody, 1);

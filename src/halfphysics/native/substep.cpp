@@ -444,6 +444,7 @@ void Stepper::try_step(double h) {
 void Stepper::substep(int k, double h) {
   inertia_ready_ = false;
   if (world.any_inside()) world.reroute(model, start_);
+  if (world.self_contact()) world.choose_again(model, start_);
   if (keep_times) solve_times.push_back(0);
   // Twists need the dofs' axes.
   start_.kin.update_dofs(model, qpos_.data(), world.active.data());

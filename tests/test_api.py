@@ -38,7 +38,7 @@ PARAMETERS = {
     "Scene.save": "self path",
     "Scene.add_static": "self name shape * scale position quaternion up friction restitution",
     "Scene.add_object": "self name shape * mass density friction restitution com position "
-    "quaternion velocity angular_velocity scale up",
+    "quaternion velocity angular_velocity scale up pieces threshold max_pieces",
     "Scene.friction": "self a b mu",
     "Scene.ignore": "self a b",
     "Plane": "normal offset",

@@ -40,7 +40,8 @@ def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
         add_shape(static.shape)
     for thing in scene.objects.values():
         add(thing.name, thing.com, thing.inertia, np.float64(thing.mass))
-        add_shape(thing.shape)
+        for piece in thing.pieces:
+            add_shape(piece)
     for body in bodies:
         add(body.rest_joints, *(part.vertices for part in body.variant.parts))
     return f"{len(scene.statics)} statics, {len(scene.objects)} objects, {number:08x}"

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from halfphysics.decomposition import USUAL
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.io.atomic import atomic_write
 from halfphysics.io.tree import Entry, plain_tree, read_tree
@@ -36,6 +37,7 @@ _SHAPES: dict[str, tuple[type[Shape], tuple[str, ...], tuple[str, ...]]] = {
 _MESH_KEYS = ("scale", "up", "sha256")
 _STATIC_KEYS = ("position", "quaternion", "friction", "restitution")
 _OBJECT_KEYS = ("mass", "density", "com", *_STATIC_KEYS, "velocity", "angular_velocity")
+_PIECE_KEYS = ("pieces", "threshold", "max_pieces")
 _SCENE_KEYS = ("version", "gravity", "statics", "objects", "friction", "ignore")
 
 Read = Callable[[Entry], Any]
@@ -114,6 +116,8 @@ def _add(
         options = {key: _READ[key](given[key]) for key in keys if key in given}
         _guarded(entry, lambda: add(name, cls(**size), **options))
     elif mesh is not None:
+        if "mass" in keys:  # of an object
+            keys = (*keys, *_PIECE_KEYS)
         _mapping(entry, ("mesh", *_MESH_KEYS, *keys), " for a mesh")
         _add_mesh(add, name, entry, keys, base)
 
@@ -126,11 +130,7 @@ def _add_mesh(
     options = {key: _READ[key](given[key]) for key in (*keys, "scale", "up") if key in given}
     source: Any
     if isinstance(mesh.value, dict):
-        arrays = _mapping(mesh, ("vertices", "faces"))
-        if len(arrays) != 2:
-            raise mesh.error("a mesh written out needs vertices and faces")
-        rows = (_rows(arrays["vertices"], float), _rows(arrays["faces"], int))
-        source = _guarded(mesh, Mesh, *rows)
+        source = _written_out(mesh)
     else:
         source = base / _text(mesh)
     try:
@@ -149,6 +149,20 @@ def _add_mesh(
                 HalfPhysicsWarning,
                 stacklevel=6,
             )
+
+
+def _written_out(mesh: Entry) -> Mesh:
+    arrays = _mapping(mesh, ("vertices", "faces"))
+    if len(arrays) != 2:
+        raise mesh.error("a mesh written out needs vertices and faces")
+    rows = (_rows(arrays["vertices"], float), _rows(arrays["faces"], int))
+    return _guarded(mesh, Mesh, *rows)
+
+
+def _pieces(entry: Entry) -> str | list[Mesh]:
+    if isinstance(entry.value, list):
+        return [_written_out(piece) for piece in entry.value]
+    return _choice(entry, ("auto", "hull"))
 
 
 def _guarded(entry: Entry, make: Callable[..., Any], *args: Any) -> Any:
@@ -257,6 +271,9 @@ _READ: dict[str, Read] = {
     ),
     "quaternion": _vector(4),
     "up": lambda entry: _choice(entry, ("y", "z")),
+    "threshold": _number,
+    "max_pieces": _number,
+    "pieces": _pieces,
 }
 
 
@@ -335,6 +352,16 @@ def _moving(thing: Object) -> dict[str, Any]:
     result: dict[str, Any] = {"mass": thing.mass}
     if thing.com.tolist() != thing.filling.centre.tolist():
         result["com"] = thing.com.tolist()
+    cut = thing.cut
+    if thing.decomposition is not None and cut.pieces == "given":
+        pieces = thing.decomposition.pieces
+        result["pieces"] = [
+            {"vertices": p.vertices.tolist(), "faces": p.faces.tolist()} for p in pieces
+        ]
+    elif thing.visual is not None:
+        for key in _PIECE_KEYS:
+            if getattr(cut, key) != getattr(USUAL, key):
+                result[key] = getattr(cut, key)
     for key in ("velocity", "angular_velocity"):
         value = getattr(thing, key).tolist()
         if any(value):

@@ -153,6 +153,11 @@ def _solids(mesh: Mesh) -> list[Mesh]:
     faces = mesh.faces
     of_face = _sheets(faces)
     parts = [Mesh(mesh.vertices, faces[of_face == k]) for k in np.unique(of_face)]
+    if mesh.closed and not all(part.closed for part in parts):
+        # Solids that share edges all around a face: what hangs together at all is cut as one.
+        links = np.concatenate([faces[:, :2], faces[:, 1:]])
+        of_face = mesh_queries.components(len(mesh.vertices), links)[faces[:, 0]]
+        parts = [Mesh(mesh.vertices, faces[of_face == k]) for k in np.unique(of_face)]
     solids = [_bridged(part) for part in parts]
     if any(s.closed and _signed_volume(s) <= 0.0 for s in solids):
         return [mesh]

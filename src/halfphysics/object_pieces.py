@@ -88,13 +88,13 @@ def touching(
             "gives your own"
         )
         said.append(
-            f"its {many} pieces stick out of the mesh by up to {made.outside_mm:.1f} mm and leave up "
-            f"to {made.inside_mm:.1f} mm of it bare. {way}"
+            f"its {many} pieces stick out of the mesh by up to {made.outside_mm:.1f} mm and leave "
+            f"up to {made.inside_mm:.1f} mm of it bare. {way}"
         )
     if not given.closed:
         said.append(
-            f"the mesh is not a closed surface: its holes count as filled, mass and inertia are spread over its "
-            f"{f'{many} pieces' if many > 1 else 'hull'}"
+            f"the mesh is not a closed surface: its holes count as filled, "
+            f"mass and inertia are spread over its {f'{many} pieces' if many > 1 else 'hull'}"
         )
     for text in said:
         warnings.warn(f"{what}: {text}.", HalfPhysicsWarning, stacklevel=3)

@@ -1,7 +1,7 @@
 """Pieces of meshes kept between runs: one small npz per mesh and set of options.
 
-The folder is $HALFPHYSICS_CACHE, else $XDG_CACHE_HOME/halfphysics, else ~/.cache/halfphysics; it may
-be deleted at any time.
+The folder is $HALFPHYSICS_CACHE, else $XDG_CACHE_HOME/halfphysics, else ~/.cache/halfphysics; it
+may be deleted at any time.
 """
 
 from __future__ import annotations

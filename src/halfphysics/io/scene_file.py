@@ -128,11 +128,7 @@ def _add_mesh(
     given: dict[str, Entry] = entry.value
     mesh = given["mesh"]
     options = {key: _READ[key](given[key]) for key in (*keys, "scale", "up") if key in given}
-    source: Any
-    if isinstance(mesh.value, dict):
-        source = _written_out(mesh)
-    else:
-        source = base / _text(mesh)
+    source: Any = _written_out(mesh) if isinstance(mesh.value, dict) else base / _text(mesh)
     try:
         added = add(name, source, **options)
     except HalfPhysicsError as error:

@@ -232,9 +232,9 @@ def _by_coacd(solid: Mesh, threshold: float, most: int) -> list[Mesh]:
     return pieces or [solid.hull]
 
 
-def _any_faces(count: int) -> NDArray[np.int64]:
+def _any_faces(count: int) -> NDArray[np.int32]:
     """Triangles that name every one of `count` vertices: of a hull only the points matter."""
     if count < 3:
-        return np.zeros((0, 3), dtype=np.int64)
-    i = np.arange(count)
+        return np.zeros((0, 3), dtype=np.int32)
+    i = np.arange(count, dtype=np.int32)
     return np.stack([i, np.roll(i, -1), np.roll(i, -2)], axis=1)

@@ -9,6 +9,12 @@ from pathlib import Path
 import pytest
 
 
+@pytest.fixture(scope="session", autouse=True)
+def kept_pieces(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Pieces of meshes are kept in a folder of this run, not in the home of whoever runs it."""
+    os.environ["HALFPHYSICS_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+
+
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
     """Folder with real motions and meshes; tests that need it skip where it is absent."""

@@ -38,7 +38,8 @@ PARAMETERS = {
     "Scene.save": "self path",
     "Scene.add_static": "self name shape * scale position quaternion up friction restitution",
     "Scene.add_object": "self name shape * mass density friction restitution com position "
-    "quaternion velocity angular_velocity scale up start",
+    "quaternion velocity angular_velocity scale up start pieces "
+    "threshold max_pieces",
     "Scene.add_moving": "self name shape positions quaternions * fps friction restitution loop "
     "scale up",
     "Scene.add_articulated": "self name source * position quaternion friction restitution joints "

@@ -143,22 +143,33 @@ def test_convex_mesh_moves_as_it_is() -> None:
     assert len(thing.shape.vertices) == 8
 
 
-def test_other_meshes_move_as_their_hull_with_a_figure() -> None:
+def test_solids_that_share_an_edge_move_as_two_pieces() -> None:
     v, f = Box((2.0, 1.0, 1.0)).triangles()
     w, g = Box((1.0, 1.0, 1.0)).triangles()
     step = Mesh(np.vstack([v, w + np.array([-0.5, 0.0, 1.0])]), np.vstack([f, g + len(v)]))
-    with pytest.warns(
-        HalfPhysicsWarning, match=r"object 'x': .*not convex.*adds 1[67]\.. %"
-    ) as got:
-        thing = Scene().add_object("x", step, density=10)
-    assert [warning.filename for warning in got] == [__file__]
-    assert thing.mass == pytest.approx(30.0)  # of the mesh itself, not of its hull
+    thing = Scene().add_object("x", step, density=10)
+    assert thing.mass == pytest.approx(30.0)
     assert thing.visual is step
-    assert isinstance(thing.shape, Mesh)
-    assert thing.shape.volume == pytest.approx(3.5)
-    with pytest.warns(HalfPhysicsWarning, match="not a closed surface.*spread over the hull"):
-        lidless = Scene().add_object("x", Mesh(v, f[1:]), density=10)
-    assert lidless.mass == pytest.approx(20.0)
+    assert thing.decomposition is not None
+    assert sorted(p.volume for p in thing.pieces) == pytest.approx([1.0, 2.0])
+    assert thing.decomposition.outside_mm == thing.decomposition.inside_mm == 0.0
+    hull = Scene().add_object("x", step, density=10, pieces="hull")
+    assert hull.mass == pytest.approx(30.0)  # of the mesh itself, not of its hull
+    assert hull.shape.volume == pytest.approx(3.5)
+
+
+def test_an_open_mesh_needs_a_mass() -> None:
+    v, f = Box((2.0, 1.0, 1.0)).triangles()
+    with pytest.raises(InputError, match=r"object 'x': the mesh is not a closed.*expected mass="):
+        Scene().add_object("x", Mesh(v, f[1:]), density=10)
+    with pytest.warns(
+        HalfPhysicsWarning, match="not a closed surface.*spread over its hull"
+    ) as got:
+        open_ = Scene().add_object("x", Mesh(v, f[1:]), mass=20)
+    assert [warning.filename for warning in got] == [__file__]
+    np.testing.assert_allclose(
+        open_.inertia, 20.0 * Box((2.0, 1.0, 1.0)).unit_inertia(), atol=1e-12
+    )
 
 
 def test_trimesh_objects() -> None:

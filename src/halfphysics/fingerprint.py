@@ -42,7 +42,8 @@ def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
         add_shape(static.shape)
     for thing in scene.objects.values():
         add(thing.name, thing.com, thing.inertia, np.float64(thing.mass))
-        add_shape(thing.shape)
+        for piece in thing.pieces:
+            add_shape(piece)
         if isinstance(thing, Moving):
             add(thing.positions, thing.quaternions, np.float64(thing.fps), np.float64(thing.loop))
         elif thing.start == "asleep":

@@ -52,7 +52,7 @@ def merge_vertices(vertices: Array, faces: ArrayLike) -> tuple[Array, Indices]:
     return merged[kept], renumbered.reshape(-1, 3).astype(np.int32)
 
 
-def _components(n: int, edges: NDArray) -> NDArray:
+def components(n: int, edges: NDArray) -> NDArray:
     """Label (n,) of the connected component of every vertex; edges (k, 2)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -84,7 +84,7 @@ def is_closed(faces: Indices, n_vertices: int) -> bool:
 
 def piece_count(faces: Indices, n_vertices: int) -> int:
     """Number of pieces that share no vertex; expects merged vertices, all of them used."""
-    return int(_components(n_vertices, np.concatenate([faces[:, :2], faces[:, 1:]])).max()) + 1
+    return int(components(n_vertices, np.concatenate([faces[:, :2], faces[:, 1:]])).max()) + 1
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def _split(vertices: Array, faces: Indices) -> _Split:
     n = len(vertices)
     if not len(faces):
         return _Split(vertices, faces, vertices, faces)
-    piece = _components(n, np.concatenate([faces[:, :2], faces[:, 1:]]))
+    piece = components(n, np.concatenate([faces[:, :2], faces[:, 1:]]))
     rim = boundary_edges(faces, n)
     size = int(piece.max()) + 1
     in_faces = np.bincount(piece[faces[:, 0]], minlength=size)
@@ -118,7 +118,7 @@ def _split(vertices: Array, faces: Indices) -> _Split:
     if not len(rim):
         return _Split(vertices, faces[keep], vertices, faces[~keep])
     # One apex per connected rim: the mean of its edges' ends.
-    rims = _components(n, rim)
+    rims = components(n, rim)
     used, rank = np.unique(rims[rim[:, 0]], return_inverse=True)
     apex = np.zeros((len(used), 3))
     np.add.at(apex, rank, 0.5 * (vertices[rim[:, 0]] + vertices[rim[:, 1]]))

@@ -46,6 +46,8 @@ class SceneRecord:
             for thing in document.get(group, {}).values():
                 if isinstance(thing.get("mesh"), dict):
                     thing["mesh"] = {IN_MEMORY: _identity(thing["mesh"])}
+                if isinstance(thing.get("pieces"), list):
+                    thing["pieces"] = {IN_MEMORY: [_identity(piece) for piece in thing["pieces"]]}
         return SceneRecord(document, "this session")
 
     def missing(self) -> dict[str, str]:
@@ -56,6 +58,8 @@ class SceneRecord:
                 mesh = thing.get("mesh")
                 if isinstance(mesh, dict):
                     lost[name] = "its mesh came from no file"
+                elif isinstance(thing.get("pieces"), dict):
+                    lost[name] = "its pieces came from no file"
                 elif mesh is not None and not Path(mesh).is_file():
                     lost[name] = f"{mesh} is not there"
         for name, thing in self.document.get("articulated", {}).items():
@@ -89,7 +93,7 @@ class SceneRecord:
             document[group] = [pair for pair in pairs if not set(pair[:2]) & set(lost)]
         with warnings.catch_warnings():
             # Said when the scene was first built.
-            warnings.filterwarnings("ignore", ".*convex hull", HalfPhysicsWarning)
+            warnings.filterwarnings("ignore", ".*(convex hull|pieces)", HalfPhysicsWarning)
             return scene_from_document(document, Path(self.origin))
 
 

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import difflib
 import os
-import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -16,8 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.decomposition import THRESHOLD, USUAL, Cut, Decomposition
+from halfphysics.errors import InputError
 from halfphysics.mesh import Mesh, MeshSource
+from halfphysics.object_pieces import asked, joined, touching
 from halfphysics.shape_base import Shape, Triangles
 from halfphysics.shapes import Plane
 from halfphysics.validation import number, quaternion, shown, vector
@@ -59,12 +60,13 @@ class Static:
 class Object:
     """Something that moves by contact and gravity alone.
 
-    `shape` is what touches: a primitive or a convex mesh, the hull of the mesh as given, which
-    is kept as `visual` (None for a primitive). `mass` [kg], `com` (3,) centre of mass [m] and
-    `inertia` (3, 3) about it [kg m^2] in the object's frame; at the start `position` (3,) and
-    `quaternion` (4,) of that frame, `velocity` (3,) of its origin [m/s] and `angular_velocity`
-    (3,) [rad/s], all in the world; `start` "awake", or "asleep": held where it is until something
-    that moves touches it.
+    `pieces` are what touches, all convex: one primitive or mesh, or those that a mesh was cut
+    into, with their error in `decomposition` (None where it is convex by itself). `shape` is the
+    one piece, or the solid that several stand for; the mesh as given is kept as `visual` (None
+    for a primitive). `mass` [kg], `com` (3,) centre of mass [m] and `inertia` (3, 3) about it
+    [kg m^2] in the object's frame; at the start `position` (3,) and `quaternion` (4,) of that
+    frame, `velocity` (3,) of its origin [m/s] and `angular_velocity` (3,) [rad/s], all in the
+    world; `start` "awake", or "asleep": held where it is until something that moves touches it.
     """
 
     name: str
@@ -81,10 +83,17 @@ class Object:
     source: MeshSource | None = None
     visual: Mesh | None = None
     start: str = "awake"
+    cut: Cut = USUAL
+    decomposition: Decomposition | None = None
+
+    @property
+    def pieces(self) -> tuple[Shape, ...]:
+        """The convex pieces that touch, in the object's frame."""
+        return (self.shape,) if self.decomposition is None else self.decomposition.pieces
 
     def mesh(self) -> Triangles:
         """Vertices (V, 3) [m] and faces (F, 3) of what touches, in the object's frame."""
-        return self.shape.triangles()
+        return self.shape.triangles() if len(self.pieces) == 1 else joined(self.pieces).triangles()
 
     @property
     def filling(self) -> Shape:
@@ -186,14 +195,18 @@ class Scene:
         scale: float = 1.0,
         up: str | None = None,
         start: str = "awake",
+        pieces: str | Sequence[Any] = "auto",
+        threshold: float = THRESHOLD,
+        max_pieces: int | None = None,
     ) -> Object:
         """Add something that moves by contact and gravity.
 
         Args:
             name: New in this scene.
             shape: A shape that has a volume, the path of a mesh file, or a trimesh. A mesh that
-                is not convex touches as its convex hull (with a `HalfPhysicsWarning`).
-            mass, density: Exactly one of them [kg], [kg/m^3].
+                is not convex touches as convex pieces, whose error is in `decomposition`.
+            mass, density: Exactly one of them [kg], [kg/m^3]; a mesh that is not closed needs a
+                mass.
             friction, restitution: As for statics.
             com: Centre of mass (3,) in the object's frame [m]; None: that of an even filling.
                 The inertia about it stays that of the even filling.
@@ -203,6 +216,14 @@ class Scene:
             start: "asleep": it is held where it is, whatever carries it or not, until a person or
                 something else that moves touches it (or something asleep that lies on it); then
                 it is awake for good.
+            pieces: How a mesh touches. "auto": as it is where it is convex, else cut by coacd
+                (kept in a cache). "hull": as its convex hull. Or a sequence of convex meshes, in
+                the object's frame [m].
+            threshold: How far pieces that are cut should stick out of the mesh at most [m].
+            max_pieces: The most pieces to cut into; None: as many as the threshold asks for.
+
+        Warns (`HalfPhysicsWarning`) where pieces are off by more than 5 mm, where coacd is needed
+        and not installed (the hull is taken), and where a mesh is not closed.
 
         Raises:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
@@ -234,8 +255,14 @@ class Scene:
                 f"{what}: a Plane has no volume to move, expected Box, Sphere, "
                 "Capsule, Cylinder or a mesh; add_static takes planes"
             )
-        solid = _convex(what, given)
+        own, cut = asked(what, given, pieces, threshold, max_pieces)
         visual = given if isinstance(given, Mesh) else None
+        if visual is not None and not visual.closed and density is not None:
+            raise InputError(
+                f"{what}: the mesh is not a closed surface, so it has no volume for a density; "
+                "expected mass= [kg], or a mesh without holes"
+            )
+        solid, decomposition = touching(what, given, cut, own)
         filled = given if visual is None or visual.closed else solid
         properties = filled.mass_properties(mass=mass, density=density)
         centre = properties.com if com is None else vector(com, f"{what}: com", unit="m")
@@ -248,6 +275,8 @@ class Scene:
             source=source,
             visual=visual,
             start=start,
+            cut=cut,
+            decomposition=decomposition,
             **pose,
             **material,
             **motion,
@@ -304,10 +333,14 @@ class Scene:
                 f"{what}: a Plane has no volume to move, expected Box, Sphere, "
                 "Capsule, Cylinder or a mesh; add_static takes planes"
             )
+        own, cut = asked(what, given, "auto", THRESHOLD, None)
+        solid, decomposition = touching(what, given, cut, own)
         velocity, spin = start_velocity(places, turns, rate)
         thing = Moving(
             name=name,
-            shape=_convex(what, given),
+            shape=solid,
+            cut=cut,
+            decomposition=decomposition,
             mass=np.inf,
             com=_fixed(np.zeros(3)),
             inertia=_fixed(np.diag([np.inf] * 3)),
@@ -588,29 +621,3 @@ def _shape(what: str, given: Any, scale: float, up: str | None) -> tuple[Shape, 
             "Cylinder, Mesh, the path of a mesh file or a trimesh.Trimesh"
         )
     return meshes.turned(given, scale=scale, up=up or "z"), None
-
-
-def _convex(what: str, given: Shape) -> Shape:
-    """What touches; warns where that is more than the mesh as given."""
-    if not isinstance(given, Mesh):
-        return given
-    try:
-        hull = given.hull
-    except InputError as error:
-        raise InputError(f"{what}: {error}") from None
-    if given.is_convex:
-        return hull
-    solid = given.solid_volume
-    if solid > 0.0:
-        added = f"which adds {100.0 * (hull.volume / solid - 1.0):.1f} % to its volume"
-    else:
-        added = f"of {1000.0 * hull.volume:.3g} litres; the mesh itself encloses nothing"
-    kind = "not convex" if given.closed else "not a closed surface"
-    weight = "" if given.closed else " Mass and inertia are spread over the hull."
-    warnings.warn(
-        f"{what}: the mesh is {kind}: it touches as its convex hull, {added}.{weight} "
-        "Moving things are convex for now; give a primitive or a convex mesh to choose the shape.",
-        HalfPhysicsWarning,
-        stacklevel=3,
-    )
-    return hull

@@ -34,7 +34,18 @@ _STATIC = {
     "scale": ("scale", 1),
     "up": ("up", 0),
 }
-_OBJECT = {"mass": ("mass", 1), "density": ("density", 1), "velocity": ("velocity", 3), **_STATIC}
+_OBJECT = {
+    "mass": ("mass", 1),
+    "density": ("density", 1),
+    "velocity": ("velocity", 3),
+    **_STATIC,
+    "pieces": ("pieces", 0),
+    "threshold": ("threshold", 1),
+    "max_pieces": ("max_pieces", 1),
+}
+
+#: What the keys with text may say.
+_WORDS = {"up": ("y", "z"), "pieces": ("auto", "hull")}
 
 Parsed = tuple[str, Shape | str, dict[str, Any]]
 
@@ -42,8 +53,8 @@ Parsed = tuple[str, Shape | str, dict[str, Any]]
 def parse_object(text: str) -> Parsed:
     """(name, shape or mesh path, keyword arguments of `Scene.add_object`) of one line.
 
-    Keys: mass, density, friction, restitution, at, quat, velocity, scale, up. Raises
-    `InputError` with all that is wrong in one message.
+    Keys: mass, density, friction, restitution, at, quat, velocity, scale, up, pieces,
+    threshold, max_pieces. Raises `InputError` with all that is wrong in one message.
     """
     return _parse(text, _OBJECT, "object", "ball=sphere:0.11,mass=0.43,at=1:0:0.11")
 
@@ -79,8 +90,8 @@ def _parse(text: str, keys: dict[str, tuple[str, int]], kind: str, example: str)
         elif argument in options:
             problems.append(f"{key} is given twice")
         elif count == 0:
-            if value not in ("y", "z"):
-                problems.append(f"{key}={value}: expected y or z")
+            if value not in _WORDS[key]:
+                problems.append(f"{key}={value}: expected {' or '.join(_WORDS[key])}")
             options[argument] = value
         else:
             numbers = _numbers(value.split(":"))
@@ -99,7 +110,7 @@ def _parse(text: str, keys: dict[str, tuple[str, int]], kind: str, example: str)
 
 def _form(key: str, count: int) -> str:
     if count == 0:
-        return f"{key}=y or {key}=z"
+        return " or ".join(f"{key}={word}" for word in _WORDS[key])
     return f"{key}={':'.join(['NUMBER'] * count)}"
 
 

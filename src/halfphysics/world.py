@@ -210,19 +210,23 @@ class World:
             names += [name_of[person.name]] * len(mine)
             parts += mine
         for thing in self.scene.objects.values():
-            collider = convex_collider(thing.shape).moved(np.eye(3), -np.array(thing.com))
-            self.stepper.add_mover(
-                model.body(f"object/{thing.name}").id,
-                name_of[thing.name],
-                -1,
-                -1,
-                collider.vertices,
-                collider.normals,
-                collider.radius,
-                collider.rim,
-            )
-            names.append(name_of[thing.name])
-            parts.append(-1)
+            body, cut = model.body(f"object/{thing.name}").id, thing.decomposition
+            for piece in thing.pieces:
+                collider = convex_collider(piece).moved(np.eye(3), -np.array(thing.com))
+                self.stepper.add_mover(
+                    body,
+                    name_of[thing.name],
+                    -1,
+                    -1,
+                    collider.vertices,
+                    collider.normals,
+                    collider.radius,
+                    collider.rim,
+                )
+                if cut is not None:
+                    self.stepper.set_slack(1e-3 * cut.outside_mm)
+                names.append(name_of[thing.name])
+                parts.append(-1)
         for articulated in self.scene.articulated.values():
             for i, link in enumerate(articulated.links):
                 body = model.body(f"articulated/{articulated.name}/{i}").id

@@ -121,7 +121,7 @@ class SceneOptions:
     friction, restitution, scale, up."""
     object: Things = ()
     """Something that moves, such as ball=sphere:0.11,mass=0.43,at=1:0:0.11; also the keys mass
-    or density, and velocity."""
+    or density, velocity, and for meshes pieces (auto, hull), threshold and max_pieces."""
     ground: bool = True
     """A floor at z = 0, where the scene brings no plane of its own."""
 

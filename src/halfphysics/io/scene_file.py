@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from halfphysics.decomposition import USUAL
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.io.atomic import atomic_write
 from halfphysics.io.tree import Entry, plain_tree, read_tree
@@ -52,6 +53,7 @@ _SCENE_KEYS = (
     "friction",
     "ignore",
 )
+_PIECE_KEYS = ("pieces", "threshold", "max_pieces")
 
 Read = Callable[[Entry], Any]
 
@@ -136,6 +138,8 @@ def _add(
         options = {key: _READ[key](given[key]) for key in keys if key in given}
         _guarded(entry, lambda: add(name, cls(**size), **options))
     elif mesh is not None:
+        if "mass" in keys:  # of an object
+            keys = (*keys, *_PIECE_KEYS)
         _mapping(entry, ("mesh", *_MESH_KEYS, *keys), " for a mesh")
         _add_mesh(add, name, entry, keys, base)
 
@@ -146,15 +150,7 @@ def _add_mesh(
     given: dict[str, Entry] = entry.value
     mesh = given["mesh"]
     options = {key: _READ[key](given[key]) for key in (*keys, "scale", "up") if key in given}
-    source: Any
-    if isinstance(mesh.value, dict):
-        arrays = _mapping(mesh, ("vertices", "faces"))
-        if len(arrays) != 2:
-            raise mesh.error("a mesh written out needs vertices and faces")
-        rows = (_rows(arrays["vertices"], float), _rows(arrays["faces"], int))
-        source = _guarded(mesh, Mesh, *rows)
-    else:
-        source = base / _text(mesh)
+    source: Any = _written_out(mesh) if isinstance(mesh.value, dict) else base / _text(mesh)
     try:
         added = add(name, source, **options)
     except HalfPhysicsError as error:
@@ -199,6 +195,20 @@ def _joint_value(entry: Entry) -> Any:
     if isinstance(entry.value, list):
         return [_number(child) for child in entry.value]
     return _number(entry)
+
+
+def _written_out(mesh: Entry) -> Mesh:
+    arrays = _mapping(mesh, ("vertices", "faces"))
+    if len(arrays) != 2:
+        raise mesh.error("a mesh written out needs vertices and faces")
+    rows = (_rows(arrays["vertices"], float), _rows(arrays["faces"], int))
+    return _guarded(mesh, Mesh, *rows)
+
+
+def _pieces(entry: Entry) -> str | list[Mesh]:
+    if isinstance(entry.value, list):
+        return [_written_out(piece) for piece in entry.value]
+    return _choice(entry, ("auto", "hull"))
 
 
 def _guarded(entry: Entry, make: Callable[..., Any], *args: Any) -> Any:
@@ -318,6 +328,9 @@ _READ: dict[str, Read] = {
     "loop": lambda entry: _flag(entry),
     "positions": lambda entry: np.array([_vector(3)(row) for row in _items(entry)]),
     "quaternions": lambda entry: np.array([_vector(4)(row) for row in _items(entry)]),
+    "threshold": _number,
+    "max_pieces": _number,
+    "pieces": _pieces,
 }
 
 
@@ -436,6 +449,16 @@ def _moving(thing: Object) -> dict[str, Any]:
     result: dict[str, Any] = {"mass": thing.mass}
     if thing.com.tolist() != thing.filling.centre.tolist():
         result["com"] = thing.com.tolist()
+    cut = thing.cut
+    if thing.decomposition is not None and cut.pieces == "given":
+        pieces = thing.decomposition.pieces
+        result["pieces"] = [
+            {"vertices": p.vertices.tolist(), "faces": p.faces.tolist()} for p in pieces
+        ]
+    elif thing.visual is not None:
+        for key in _PIECE_KEYS:
+            if getattr(cut, key) != getattr(USUAL, key):
+                result[key] = getattr(cut, key)
     for key in ("velocity", "angular_velocity"):
         value = getattr(thing, key).tolist()
         if any(value):

@@ -118,6 +118,12 @@ void bind_physics(nb::module_& m) {
            [](Stepper& s, Stepper& old, Ints body, Ints mover) {
              s.adopt(old, list<int>(body), list<int>(mover));
            })
+      .def("set_slack",
+           // Of the last mover: how far it sticks out of the surface that it stands for [m].
+           [](Stepper& s, double slack) {
+             need(!s.world.movers.empty() && slack >= 0, "set_slack: no mover, or less than 0");
+             s.world.movers.back().slack = slack;
+           })
       .def("add_skin",
            // bend: (vertices, 3, features), or of no vertices: no pose blend shapes.
            [](Stepper& s, Ints body, Ints parent, Rows3 joint, Rows3 rest, Ints first, Ints at,

@@ -58,6 +58,8 @@ void World::demand(Candidate& c, double h) {
     c.target = clear;
   else if (c.dist >= 0)
     c.target = c.dist + std::min(clear - c.dist, kGiveWay * h);
+  else if (it != pairs_.end() && it->second.kept)
+    c.target = c.dist;
   else
     c.target = c.dist + std::min(settings.depenetration_speed * h, -c.dist);
   if (c.dist <= 0) {
@@ -217,6 +219,8 @@ void World::reset(const Model& m, Poses& start) {
         movers[c.other_mover].person >= 0 &&
         m.root[movers[c.mover].body] != m.root[movers[c.other_mover].body])
       pairs_[key(c)].through = true;
+    if (c.dist < -kTouch && c.other_mover >= 0 && movers[c.mover].person < 0)
+      pairs_[key(c)].kept = -c.dist <= movers[c.mover].slack + movers[c.other_mover].slack;
     if (c.inside >= 0 || c.dist < -kTouch || c.dist >= settings.clearance) continue;
     double own = std::max(c.dist, 0.0);
     auto [it, added] = pairs_.insert({key(c), {own, false, {}, false}});
@@ -383,7 +387,7 @@ void World::save(std::vector<double>& out) const {
   for (const auto& [k, s] : pairs_)
     out.insert(out.end(), {(double)(k >> 32), (double)(k & 0xffffffff), s.clearance,
                            s.inside ? 1.0 : 0.0, s.exit.x, s.exit.y, s.exit.z,
-                           s.through ? 1.0 : 0.0});
+                           (s.through ? 1.0 : 0.0) + (s.kept ? 2.0 : 0.0)});
   out.push_back((double)inside_.size());
   for (const Inside& i : inside_)
     out.insert(out.end(), {(double)i.mover, (double)i.other_static, (double)i.other_mover, i.exit.x,
@@ -396,7 +400,7 @@ const double* World::load(const double* in) {
   pairs_.clear();
   for (int n = (int)*in++; n > 0; n--, in += 8)
     pairs_[((int64_t)in[0] << 32) | (int64_t)in[1]] = {in[2], in[3] != 0, load3(in + 4),
-                                                       in[7] != 0};
+                                                       ((int)in[7] & 1) != 0, ((int)in[7] & 2) != 0};
   inside_.clear();
   for (int n = (int)*in++; n > 0; n--, in += 9)
     inside_.push_back({(int)in[0], (int)in[1], (int)in[2], load3(in + 3), in[6], in[6], in[7] != 0, 0,

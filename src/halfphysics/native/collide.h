@@ -191,6 +191,7 @@ class World {
     bool inside = false;   // of two movers
     Vec3 exit;             // direction out, where inside
     bool through = false;  // two people who start in one place pass through until they are out
+    bool kept = false;  // pieces that overlap where their surfaces are clear get no deeper
   };
   static int64_t key(const Candidate& c) {
     return ((int64_t)c.mover << 32) | (int64_t)(c.other_static >= 0 ? 2 * c.other_static

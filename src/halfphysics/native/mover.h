@@ -39,6 +39,7 @@ struct Mover {
   int name = 0;     // index into the names
   int person = -1;  // -1: an object
   int part = -1;    // joint index, -1: an object
+  double slack = 0;  // how far it sticks out of the surface that it stands for [m]
   std::shared_ptr<const Skin> skin;
   std::vector<int> vertex;  // of the skin
   std::vector<Tie> ties;

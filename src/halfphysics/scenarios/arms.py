@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
-from halfphysics.scenarios.legs import about
 from halfphysics.skeleton import JOINT_INDEX
 
 if TYPE_CHECKING:
@@ -23,26 +22,24 @@ REACH = 0.98
 
 @dataclass(frozen=True)
 class Arm:
-    """One arm of a body at rest, lengths [m].
+    """One arm of a body at rest, rest frame [m].
 
     Attributes:
         collar: Index of the joint it hangs from.
         joints: Indices of shoulder, elbow and wrist.
-        upper: Length from shoulder to elbow.
-        fore: Length from elbow to wrist.
-        out: Where the arm points at rest along x: 1 the left one, -1 the right one.
+        upper: Elbow from shoulder, (3,).
+        fore: Wrist from elbow, (3,).
     """
 
     collar: int
     joints: tuple[int, int, int]
-    upper: float
-    fore: float
-    out: float
+    upper: Array
+    fore: Array
 
     @property
     def length(self) -> float:
         """Longest distance from shoulder to wrist that the arm is used at [m]."""
-        return REACH * (self.upper + self.fore)
+        return REACH * float(np.linalg.norm(self.upper) + np.linalg.norm(self.fore))
 
 
 def arm_of(body: Body, side: str) -> Arm:
@@ -52,9 +49,8 @@ def arm_of(body: Body, side: str) -> Arm:
     return Arm(
         collar,
         (joints[0], joints[1], joints[2]),
-        float(np.linalg.norm(elbow - shoulder)),
-        float(np.linalg.norm(wrist - elbow)),
-        1.0 if side == "left" else -1.0,
+        elbow - shoulder,
+        wrist - elbow,
     )
 
 
@@ -78,7 +74,7 @@ def solve(
     Returns:
         Joint index -> axis-angle (T, 3) in the parent's frame.
     """
-    a, b = arm.upper, arm.fore
+    a, b = float(np.linalg.norm(arm.upper)), float(np.linalg.norm(arm.fore))
     line = wrist - shoulder
     distance = np.clip(np.linalg.norm(line, axis=1), abs(a - b) + 1e-6, arm.length)
     line = line / np.linalg.norm(line, axis=1, keepdims=True)
@@ -88,11 +84,13 @@ def solve(
     sine = np.sqrt(np.clip(1.0 - cosine**2, 0.0, None))
     along = cosine[:, None] * line + sine[:, None] * front  # of the upper arm, unit
     end = (distance[:, None] * line - a * along) / b
-    # Rest: bones along x, elbows bend about y.
-    hinge = np.cross(line, front)
-    upper, fore = (_frame(arm.out * bone, arm.out * hinge) for bone in (along, end))
+    # The elbow bends about what is y at rest.
+    hinge = np.cross(line, front) * np.sign(arm.upper[0])
+    upper, fore = _bone(arm.upper, along, hinge), _bone(arm.fore, end, hinge)
     turn = rot.normalize(rot.from_matrix(np.swapaxes(fore, 1, 2) @ hand))
-    half = about(0, 0.5 * np.unwrap(2.0 * np.arctan2(turn[:, 1], turn[:, 0])))
+    axis = arm.fore / b
+    twist = np.unwrap(2.0 * np.arctan2(turn[:, 1:] @ axis, turn[:, 0]))
+    half = rot.rotvec_to_matrix(0.5 * twist[:, None] * axis)
     locals_ = (
         np.swapaxes(collar, 1, 2) @ upper,
         np.swapaxes(upper, 1, 2) @ fore @ half,
@@ -101,6 +99,13 @@ def solve(
     return {j: rot.matrix_to_rotvec(m) for j, m in zip(arm.joints, locals_, strict=True)}
 
 
-def _frame(x: Array, y: Array) -> Array:
-    """Rotations (T, 3, 3) with the given first two columns, unit and at right angles."""
-    return np.stack([x, y, np.cross(x, y)], axis=-1)
+def _bone(rest: Array, actual: Array, hinge: Array) -> Array:
+    """Rotations (T, 3, 3) taking a rest vector (3,) to `actual` (T, 3) and y toward `hinge`."""
+
+    def frame(along: Array, across: Array) -> Array:
+        along = along / np.linalg.norm(along, axis=-1, keepdims=True)
+        across = across - np.sum(across * along, axis=-1, keepdims=True) * along
+        across = across / np.linalg.norm(across, axis=-1, keepdims=True)
+        return np.stack([along, across, np.cross(along, across)], axis=-1)
+
+    return frame(actual, hinge) @ frame(rest, np.array([0.0, 1.0, 0.0])).T

@@ -17,7 +17,7 @@ from halfphysics import rotations as rot
 from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.motion import Motion
 from halfphysics.scenarios import stage
-from halfphysics.scenarios.arms import arm_of, solve
+from halfphysics.scenarios.arms import REACH, arm_of, solve
 from halfphysics.scenarios.gait import Walk, ease, walk
 from halfphysics.scenarios.grip import grip
 from halfphysics.scenarios.legs import about
@@ -160,7 +160,7 @@ def start(body: Body) -> Array:
     arm = arm_of(body, "right")
     standing = walk(body, Walk(distance=1.0), 30.0)[0]
     shoulder = body.joints(standing)[arm.joints[0]]
-    unit = arm.upper + arm.fore
+    unit = arm.length / REACH
     place: Array = shoulder + unit * _PLACE
     return place
 

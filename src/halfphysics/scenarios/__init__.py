@@ -27,11 +27,11 @@ _MODULES = {
     "leg_through_table": "leg_through_table",
     "lift_suitcase": "lift_suitcase",
     "place_glass": "place_glass",
+    "reach_past_monitor": "reach_past_monitor",
     "sit_on_bed": "sit_on_bed",
     "sit_on_sofa": "sit_on_sofa",
     "step_back_onto_cabinet": "step_back_onto_cabinet",
     "stretch_on_bed": "stretch_on_bed",
-    "reach_past_monitor": "reach_past_monitor",
     "walk_into_wall": "walk_into_wall",
 }
 

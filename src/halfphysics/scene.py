@@ -8,20 +8,31 @@ from __future__ import annotations
 import difflib
 import os
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.decomposition import THRESHOLD, USUAL, Cut, Decomposition
+from halfphysics.decomposition import THRESHOLD
 from halfphysics.errors import InputError
-from halfphysics.mesh import Mesh, MeshSource
-from halfphysics.object_pieces import asked, joined, touching
-from halfphysics.shape_base import Shape, Triangles
+from halfphysics.mesh import Mesh
+from halfphysics.object_pieces import asked, touching
+from halfphysics.pairs import PERSON, check_part, ends, of_person, wider
+from halfphysics.shape_base import Shape
 from halfphysics.shapes import Plane
-from halfphysics.validation import number, quaternion, shown, vector
+from halfphysics.things import (
+    OBJECT_FRICTION,
+    PERSON_FRICTION,
+    STATIC_FRICTION,
+    Object,
+    Static,
+    checked_material,
+    checked_pose,
+    checked_shape,
+    fixed,
+)
+from halfphysics.validation import number, shown, vector
 
 if TYPE_CHECKING:
     from halfphysics.articulated import Articulated
@@ -29,77 +40,6 @@ if TYPE_CHECKING:
     from halfphysics.rays import Hit
 
 Array = NDArray[np.float64]
-
-#: Stands for every part of every person, where a pair of things is named.
-PERSON = "person"
-
-#: Coulomb friction where nothing else is said; a pair has the smaller of its two.
-PERSON_FRICTION = 1.0
-STATIC_FRICTION = 1.0
-OBJECT_FRICTION = 0.8
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Static:
-    """Something that never moves; `position` (3,), `quaternion` (4,) of its frame in the world."""
-
-    name: str
-    shape: Shape
-    position: Array
-    quaternion: Array
-    friction: float = STATIC_FRICTION
-    restitution: float = 0.0
-    source: MeshSource | None = None
-
-    def mesh(self) -> Triangles:
-        """Vertices (V, 3) [m] and faces (F, 3) in its own frame; a plane is a large square."""
-        return self.shape.triangles()
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Object:
-    """Something that moves by contact and gravity alone.
-
-    `pieces` are what touches, all convex: one primitive or mesh, or those that a mesh was cut
-    into, with their error in `decomposition` (None where it is convex by itself). `shape` is the
-    one piece, or the solid that several stand for; the mesh as given is kept as `visual` (None
-    for a primitive). `mass` [kg], `com` (3,) centre of mass [m] and `inertia` (3, 3) about it
-    [kg m^2] in the object's frame; at the start `position` (3,) and `quaternion` (4,) of that
-    frame, `velocity` (3,) of its origin [m/s] and `angular_velocity` (3,) [rad/s], all in the
-    world; `start` "awake", or "asleep": held where it is until something that moves touches it.
-    """
-
-    name: str
-    shape: Shape
-    mass: float
-    com: Array
-    inertia: Array
-    friction: float = OBJECT_FRICTION
-    restitution: float = 0.0
-    position: Array
-    quaternion: Array
-    velocity: Array
-    angular_velocity: Array
-    source: MeshSource | None = None
-    visual: Mesh | None = None
-    start: str = "awake"
-    cut: Cut = USUAL
-    decomposition: Decomposition | None = None
-
-    @property
-    def pieces(self) -> tuple[Shape, ...]:
-        """The convex pieces that touch, in the object's frame."""
-        return (self.shape,) if self.decomposition is None else self.decomposition.pieces
-
-    def mesh(self) -> Triangles:
-        """Vertices (V, 3) [m] and faces (F, 3) of what touches, in the object's frame."""
-        return self.shape.triangles() if len(self.pieces) == 1 else joined(self.pieces).triangles()
-
-    @property
-    def filling(self) -> Shape:
-        """The solid whose even filling mass, centre and inertia come from."""
-        given = self.visual
-        return given if given is not None and given.closed else self.shape
 
 
 class Scene:
@@ -171,9 +111,9 @@ class Scene:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
         """
         what = self._new(name, "static")
-        pose = _pose(what, position, quaternion)
-        material = _material(what, friction, restitution)
-        made, source = _shape(what, shape, scale, up)
+        pose = checked_pose(what, position, quaternion)
+        material = checked_material(what, friction, restitution)
+        made, source = checked_shape(what, shape, scale, up)
         static = Static(name=name, shape=made, source=source, **pose, **material)
         self._statics[name] = static
         return static
@@ -229,8 +169,8 @@ class Scene:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
         """
         what = self._new(name, "object")
-        pose = _pose(what, position, quaternion)
-        material = _material(what, friction, restitution)
+        pose = checked_pose(what, position, quaternion)
+        material = checked_material(what, friction, restitution)
         if (mass is None) == (density is None):
             found = "neither" if mass is None else f"both, {shown(mass)} and {shown(density)}"
             raise InputError(f"{what}: expected mass= [kg] or density= [kg/m^3], found {found}")
@@ -249,7 +189,7 @@ class Scene:
                 f"{what}: found a velocity and start='asleep'; what is asleep does not move. "
                 "Leave one of them out"
             )
-        given, source = _shape(what, shape, scale, up)
+        given, source = checked_shape(what, shape, scale, up)
         if isinstance(given, Plane):
             raise InputError(
                 f"{what}: a Plane has no volume to move, expected Box, Sphere, "
@@ -270,8 +210,8 @@ class Scene:
             name=name,
             shape=solid,
             mass=properties.mass,
-            com=_fixed(centre),
-            inertia=_fixed(properties.inertia),
+            com=fixed(centre),
+            inertia=fixed(properties.inertia),
             source=source,
             visual=visual,
             start=start,
@@ -322,12 +262,12 @@ class Scene:
         from halfphysics.moving import Moving, start_velocity, trajectory
 
         what = self._new(name, "moving thing")
-        material = _material(what, friction, restitution)
+        material = checked_material(what, friction, restitution)
         places, turns = trajectory(what, positions, quaternions)
         rate = number(fps, f"{what}: fps", above=0.0, unit="1/s")
         if not isinstance(loop, bool):
             raise InputError(f"{what}: loop: expected True or False, found {shown(loop)}")
-        given, source = _shape(what, shape, scale, up)
+        given, source = checked_shape(what, shape, scale, up)
         if isinstance(given, Plane):
             raise InputError(
                 f"{what}: a Plane has no volume to move, expected Box, Sphere, "
@@ -342,12 +282,12 @@ class Scene:
             cut=cut,
             decomposition=decomposition,
             mass=np.inf,
-            com=_fixed(np.zeros(3)),
-            inertia=_fixed(np.diag([np.inf] * 3)),
-            position=_fixed(places[0]),
-            quaternion=_fixed(turns[0]),
-            velocity=_fixed(velocity),
-            angular_velocity=_fixed(spin),
+            com=fixed(np.zeros(3)),
+            inertia=fixed(np.diag([np.inf] * 3)),
+            position=fixed(places[0]),
+            quaternion=fixed(turns[0]),
+            velocity=fixed(velocity),
+            angular_velocity=fixed(spin),
             source=source,
             visual=given if isinstance(given, Mesh) else None,
             positions=places,
@@ -393,8 +333,8 @@ class Scene:
         from halfphysics.io.mjcf import load_articulated
 
         what = self._new(name, "articulated")
-        pose = _pose(what, position, quaternion)
-        material = _material(what, friction, restitution)
+        pose = checked_pose(what, position, quaternion)
+        material = checked_material(what, friction, restitution)
         thing = load_articulated(
             name, source, joints=joints, velocities=velocities, **pose, **material
         )
@@ -418,19 +358,19 @@ class Scene:
     def friction_of(self, a: str, b: str) -> float:
         """Coulomb friction between two things (names as in `friction`)."""
         self._pair("friction_of", a, b)
-        said = [self._friction[p] for p in _wider(a, b) if p in self._friction]
+        said = [self._friction[p] for p in wider(a, b) if p in self._friction]
         return said[0] if said else min(self._own_friction(a), self._own_friction(b))
 
     def restitution_of(self, a: str, b: str) -> float:
         """Restitution between two things: the larger of the two (a person has 0)."""
         self._pair("restitution_of", a, b)
         things: dict[str, Any] = {**self._statics, **self._objects, **self._articulated}
-        return max(0.0 if _of_person(n) else things[n].restitution for n in (a, b))
+        return max(0.0 if of_person(n) else things[n].restitution for n in (a, b))
 
     def ignores(self, a: str, b: str) -> bool:
         """Whether two things pass through each other (names as in `friction`)."""
         self._pair("ignores", a, b)
-        return any(pair in self._ignored for pair in _wider(a, b))
+        return any(pair in self._ignored for pair in wider(a, b))
 
     def ray(
         self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
@@ -451,12 +391,12 @@ class Scene:
     @property
     def friction_pairs(self) -> tuple[tuple[str, str, float], ...]:
         """What `friction` was called with: (a, b, mu), names sorted."""
-        return tuple((*_ends(pair), mu) for pair, mu in self._friction.items())
+        return tuple((*ends(pair), mu) for pair, mu in self._friction.items())
 
     @property
     def ignored_pairs(self) -> tuple[tuple[str, str], ...]:
         """What `ignore` was called with: (a, b), names sorted."""
-        return tuple(_ends(pair) for pair in self._ignored)
+        return tuple(ends(pair) for pair in self._ignored)
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Scene:
@@ -522,7 +462,7 @@ class Scene:
         known = [*self._statics, *self._objects, *self._articulated, PERSON]
         for name in (a, b):
             if isinstance(name, str) and name.startswith(f"{PERSON}/"):
-                _check_part(what, name)
+                check_part(what, name)
             elif name not in known:
                 close = difflib.get_close_matches(str(name), known, n=1)
                 hint = f"; did you mean {close[0]!r}?" if close else ""
@@ -530,12 +470,12 @@ class Scene:
                     f"{what}: the scene has nothing called {shown(name)}{hint}. "
                     f"It has: {', '.join(known)}. Add it first."
                 )
-        if a == b and not _of_person(a):
+        if a == b and not of_person(a):
             raise InputError(f"{what}: found {a!r} twice, expected two different things")
         return frozenset((a, b))
 
     def _own_friction(self, name: str) -> float:
-        if _of_person(name):
+        if of_person(name):
             return PERSON_FRICTION
         things: dict[str, Any] = {**self._statics, **self._objects, **self._articulated}
         return float(things[name].friction)
@@ -543,81 +483,3 @@ class Scene:
 
 def _article(kind: str) -> str:
     return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
-
-
-def _of_person(name: str) -> bool:
-    return name == PERSON or name.startswith(f"{PERSON}/")
-
-
-def _wider(a: str, b: str) -> list[frozenset[str]]:
-    """The pairs under which something may have been said of two, the closest first."""
-    of_a, of_b = ([n, PERSON] if _of_person(n) and n != PERSON else [n] for n in (a, b))
-    return [frozenset((x, y)) for x in of_a for y in of_b]
-
-
-def _check_part(what: str, name: str) -> None:
-    from halfphysics.skeleton import JOINT_NAMES
-
-    part = name.removeprefix(f"{PERSON}/")
-    if part not in JOINT_NAMES:
-        close = difflib.get_close_matches(part, JOINT_NAMES, n=1)
-        hint = f"; did you mean '{PERSON}/{close[0]}'?" if close else ""
-        raise InputError(
-            f"{what}: a person has no part called {part!r}{hint}. Parts are named by their joints, "
-            "see halfphysics.JOINT_NAMES"
-        )
-
-
-def _ends(pair: frozenset[str]) -> tuple[str, str]:
-    names = sorted(pair)
-    return names[0], names[-1]
-
-
-def _fixed(array: Array) -> Array:
-    result = np.array(array, dtype=np.float64)
-    result.setflags(write=False)
-    return result
-
-
-def _pose(what: str, position: ArrayLike, turn: ArrayLike) -> dict[str, Any]:
-    return {
-        "position": vector(position, f"{what}: position", unit="m"),
-        "quaternion": quaternion(turn, f"{what}: quaternion"),
-    }
-
-
-def _material(what: str, friction: float, restitution: float) -> dict[str, Any]:
-    return {
-        "friction": number(friction, f"{what}: friction", least=0.0),
-        "restitution": number(restitution, f"{what}: restitution", least=0.0, most=1.0),
-    }
-
-
-def _shape(what: str, given: Any, scale: float, up: str | None) -> tuple[Shape, MeshSource | None]:
-    """The shape that was meant, and its file if it came from one."""
-    from halfphysics.io import meshes
-
-    scale = number(scale, f"{what}: scale", above=0.0)
-    if up not in (None, "y", "z"):
-        raise InputError(f"{what}: up: expected 'y', 'z' or None, found {shown(up)}")
-    if isinstance(given, str | os.PathLike):
-        return meshes.load_mesh(given, scale=scale, up=up)
-    if isinstance(given, Shape) and not isinstance(given, Mesh):
-        if scale != 1.0 or up is not None:
-            name = type(given).__name__
-            raise InputError(f"{what}: scale and up are for meshes; give the {name} its size")
-        return given, None
-    if not isinstance(given, Mesh):
-        try:
-            if hasattr(given, "graph") and hasattr(given, "geometry"):
-                given = Mesh(*meshes.flatten(given))
-            elif hasattr(given, "vertices") and hasattr(given, "faces"):
-                given = Mesh(np.asarray(given.vertices), np.asarray(given.faces))
-        except InputError as error:
-            raise InputError(f"{what}: {error}") from None
-    if not isinstance(given, Mesh):
-        raise InputError(
-            f"{what}: found {shown(given)} as shape, expected Plane, Box, Sphere, Capsule, "
-            "Cylinder, Mesh, the path of a mesh file or a trimesh.Trimesh"
-        )
-    return meshes.turned(given, scale=scale, up=up or "z"), None

@@ -27,6 +27,7 @@ _MODULES = {
     "leg_through_table": "leg_through_table",
     "lift_suitcase": "lift_suitcase",
     "place_glass": "place_glass",
+    "push_door": "push_door",
     "reach_past_monitor": "reach_past_monitor",
     "sit_on_bed": "sit_on_bed",
     "sit_on_sofa": "sit_on_sofa",

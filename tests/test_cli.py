@@ -339,7 +339,9 @@ def test_every_setting_is_an_option(capsys):
     run("simulate", "--help")
     out = capsys.readouterr().out
     for field in dataclasses.fields(hp.Settings):
-        assert f"--{field.name.replace('_', '-')} " in out
+        # A flag is followed by its opposite, all else by what it takes.
+        option = f"--{field.name.replace('_', '-')}"
+        assert f"{option} " in out or f"{option}, --no-" in out
 
 
 def program(*arguments, **options):

@@ -10,7 +10,7 @@ import pytest
 from halfphysics import rotations as rot
 from halfphysics import scenarios
 from halfphysics.errors import InputError
-from halfphysics.scenarios import reach
+from halfphysics.scenarios import arms
 from halfphysics.scenarios.lift_suitcase import RISE, UP, WALK
 from halfphysics.simulation import simulate
 from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES
@@ -148,15 +148,15 @@ def test_arms_reach_what_they_are_asked_to(side):
     body, motion = story.body, story.motion
     positions, quaternions = body.joint_frames(motion)
     turns = rot.to_matrix(quaternions)
-    arm = reach.arm_of(body, side)
+    arm = arms.arm_of(body, side)
     shoulder = positions[:, arm.joints[0]]
     rng = np.random.default_rng(1)
     away = rng.normal(size=(len(motion), 3))
     away *= (rng.uniform(0.2, 0.95, len(motion)) * arm.length / np.linalg.norm(away, axis=1))[
         :, None
     ]
-    hand = reach.palm_frame(side, rng.normal(size=(len(motion), 3)), rng.normal(size=3))
-    solved = reach.solve(
+    hand = arms.palm_frame(side, rng.normal(size=(len(motion), 3)), rng.normal(size=3))
+    solved = arms.solve(
         arm, turns[:, arm.collar], shoulder, shoulder + away, hand, np.array([0.1, 0.2, -1.0])
     )
     rotations = np.array(motion.rotations)

@@ -69,7 +69,7 @@ def solve(
         shoulder: World position of the shoulder [m], (T, 3).
         wrist: Where the wrist should be [m], (T, 3).
         hand: World rotation that the hand should have, (T, 3, 3).
-        pole: Where the elbow points to, (T, 3), not along the line from shoulder to wrist.
+        pole: Where the elbow points to, (3,) or (T, 3), not along the line from shoulder to wrist.
 
     Returns:
         Joint index -> axis-angle (T, 3) in the parent's frame.
@@ -78,8 +78,9 @@ def solve(
     line = wrist - shoulder
     distance = np.clip(np.linalg.norm(line, axis=1), abs(a - b) + 1e-6, arm.length)
     line = line / np.linalg.norm(line, axis=1, keepdims=True)
+    pole = np.broadcast_to(pole, line.shape)
     front = pole - np.sum(pole * line, axis=1, keepdims=True) * line
-    front /= np.linalg.norm(front, axis=1, keepdims=True)
+    front = front / np.linalg.norm(front, axis=1, keepdims=True)
     cosine = (a * a + distance**2 - b * b) / (2.0 * a * distance)
     sine = np.sqrt(np.clip(1.0 - cosine**2, 0.0, None))
     along = cosine[:, None] * line + sine[:, None] * front  # of the upper arm, unit
@@ -97,6 +98,24 @@ def solve(
         np.swapaxes(fore @ half, 1, 2) @ hand,
     )
     return {j: rot.matrix_to_rotvec(m) for j, m in zip(arm.joints, locals_, strict=True)}
+
+
+def palm_frame(side: str, fingers: Array, facing: Array) -> Array:
+    """World rotation (T, 3, 3) of a flat hand.
+
+    Args:
+        side: "left" or "right".
+        fingers: Where the fingers point, (T, 3) or (3,).
+        facing: Where the palm faces, (T, 3) or (3,), made square to `fingers`.
+    """
+    left = 1.0 if side == "left" else -1.0
+    along, facing = np.broadcast_arrays(np.atleast_2d(fingers), np.atleast_2d(facing))
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    facing = facing - np.sum(facing * along, axis=1, keepdims=True) * along
+    facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)
+    # At rest the fingers of the left hand point along x, those of the right one back, palms down.
+    x, y = left * along, -facing
+    return np.stack([x, y, np.cross(x, y)], axis=-1)
 
 
 def _bone(rest: Array, actual: Array, hinge: Array) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.scenarios import reach, stage
+from halfphysics.scenarios import arms, stage
 from halfphysics.scenarios.gait import WALK_RATIO, Walk, ease, walk
 from halfphysics.scenarios.legs import about, leg_of
 from halfphysics.scenarios.legs import solve as solve_leg
@@ -176,18 +176,18 @@ def _with_hands(body: Body, motion: Motion, wrists: Wrists) -> Array:
     surface = _palm(body)[1]
     lifted = wrists.lifted
     for side, left in (("left", 1.0), ("right", -1.0)):
-        arm = reach.arm_of(body, side)
+        arm = arms.arm_of(body, side)
         wrist = np.empty((len(motion), 3))
         wrist[:, 0] = positions[:, 0, 0] + _TAKEN + (_CARRIED - _TAKEN) * lifted
         wrist[:, 0] += (1.0 - lifted) * _BACK
         wrist[:, 1] = left * (0.5 * SIZE[1] + surface + wrists.apart)
         wrist[:, 2] = wrists.height
         down = np.array([np.cos(_FINGERS), 0.0, -np.sin(_FINGERS)])
-        hand = reach.palm_frame(side, down, np.array([0.0, -left, 0.0]))
+        hand = arms.palm_frame(side, down, np.array([0.0, -left, 0.0]))
         hand = np.broadcast_to(hand, (len(motion), 3, 3))
         collar, shoulder = turns[:, arm.collar], positions[:, arm.joints[0]]
         elbow = np.array(_ELBOW) * (1.0, left, 1.0)
-        for joint, turn in reach.solve(arm, collar, shoulder, wrist, hand, elbow).items():
+        for joint, turn in arms.solve(arm, collar, shoulder, wrist, hand, elbow).items():
             rotations[:, joint] = turn
         own = [j for j in range(25, N_JOINTS) if JOINT_NAMES[j].startswith(f"{side}_")]
         rotations[:, own] = (0.0, 0.0, -left * _BEND)

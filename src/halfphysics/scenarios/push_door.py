@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from halfphysics import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.motion import Motion
-from halfphysics.scenarios import reach, stage
+from halfphysics.scenarios import arms, stage
 from halfphysics.scenarios.gait import Walk, ease, walk
 from halfphysics.sequence import Sequence
 from halfphysics.shapes import Box
@@ -91,15 +91,15 @@ def _pushing(body: Body, base: Motion) -> Motion:
     """The walk with the right hand held out, palm ahead, until the door is passed."""
     positions, quaternions = body.joint_frames(base)
     turns = rot.to_matrix(quaternions)
-    arm = reach.arm_of(body, "right")
+    arm = arms.arm_of(body, "right")
     # Steady above the path: the pelvis sways, a hand that pushes does not.
     steady = np.array(positions[:, 0])
     steady[:, 1:] = steady[:, 1:].mean(axis=0)
     up = np.array([0.0, -0.2, 1.0])
     hand = np.broadcast_to(
-        reach.palm_frame("right", up, np.array([1.0, 0.0, 0.0])), (len(base), 3, 3)
+        arms.palm_frame("right", up, np.array([1.0, 0.0, 0.0])), (len(base), 3, 3)
     )
-    held = reach.solve(
+    held = arms.solve(
         arm,
         turns[:, arm.collar],
         positions[:, arm.joints[0]],

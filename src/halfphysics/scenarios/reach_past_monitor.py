@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.scenarios import reach, stage
+from halfphysics.scenarios import arms, stage
 from halfphysics.scenarios.gait import Walk, ease, pose_at
 from halfphysics.scenarios.legs import about
 from halfphysics.sequence import Sequence
@@ -67,18 +67,18 @@ def build(
     leaning = base.with_frames(base.translation, rotations)
     positions, quaternions = actor.joint_frames(leaning)
     turns = rot.to_matrix(quaternions)
-    arm = reach.arm_of(actor, "right")
+    arm = arms.arm_of(actor, "right")
     middle = float(positions[0, 0, 0])
     # Up beside the body first, then ahead: over the table's edge, past the screen.
     edge = -0.5 * SCREEN[1] - beside
     start = np.array([middle + 0.05, -0.36, TABLE[2] + 0.16])
     end = np.array([middle + _MONITOR - 0.02, edge, TABLE[2] + 0.24])
     wrist = start + share[:, None] * (end - start)
-    hand = reach.palm_frame("right", np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, -0.3]))
+    hand = arms.palm_frame("right", np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, -0.3]))
     hand = np.broadcast_to(hand, (count, 3, 3))
     elbow = np.array([-0.6, -0.6, -1.0])
     collar, shoulder = turns[:, arm.collar], positions[:, arm.joints[0]]
-    for joint, turn in reach.solve(arm, collar, shoulder, wrist, hand, elbow).items():
+    for joint, turn in arms.solve(arm, collar, shoulder, wrist, hand, elbow).items():
         rotations[:, joint] = turn
     scene = stage.floor()
     length, width, height, thickness = TABLE

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: An arm is never stretched further than this part of its length: a straight elbow snaps.
-REACH = 0.98
+REACH = 0.99
 
 
 @dataclass(frozen=True)

@@ -14,19 +14,23 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
-Result Scene Sequence Settings Simulator Sphere __version__ attach errors metrics scenarios simulate
+Result Scene Sequence Settings Simulator Sphere __version__ attach clips errors load_sequence
+metrics scenarios simulate
 """
 
 # What is called from outside: name -> parameters, * before keyword-only ones.
 PARAMETERS = {
     "Motion": "translation rotations fps betas gender model axes origin",
-    "Motion.load": "path fps up hands model * gender frames",
+    "Motion.load": "path fps up hands model * gender frames clip assets",
     "Motion.from_smplx": "* fps global_orient transl body_pose jaw_pose leye_pose reye_pose "
     "left_hand_pose right_hand_pose betas expression gender model up hands_mean",
     "Motion.to_smplx": "self",
     "Motion.resample": "self fps",
     "Motion.grounded": "self body z * percentile",
-    "Motion.save": "self path format",
+    "Motion.save": "self path format * body",
+    "Motion.rebased": "self body up",
+    "clips": "path",
+    "load_sequence": "path assets * objects fps up hands model gender frames clip",
     "Pose": "translation rotations axes",
     "Body.default": "betas stature",
     "Body.load": "path betas gender * model v_template",

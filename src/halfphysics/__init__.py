@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from halfphysics.body import Body
     from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
     from halfphysics.hosted import attach
+    from halfphysics.io import load_sequence
+    from halfphysics.io.walk import clips
     from halfphysics.motion import Motion
     from halfphysics.pose import Pose
     from halfphysics.result import Result
@@ -50,7 +52,9 @@ __all__ = [
     "Sphere",
     "__version__",
     "attach",
+    "clips",
     "errors",
+    "load_sequence",
     "metrics",
     "scenarios",
     "simulate",
@@ -79,6 +83,8 @@ _FROM: dict[str, str | None] = {
     "Simulator": "simulator",
     "Sphere": "shapes",
     "attach": "hosted",
+    "clips": "io.walk",
+    "load_sequence": "io",
     "simulate": "simulation",
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, overload
@@ -19,6 +20,7 @@ from halfphysics.validation import frame_rate, number
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.io.formats import Assets
 
 Array = NDArray[np.float64]
 
@@ -315,6 +317,24 @@ class Motion:
             return self.translation.copy(), self.rotations.copy()
         return turned(self.translation, self.rotations, self.axes.T)
 
+    def rebased(self, body: Body, up: str = "z") -> Motion:
+        """The same movement of `body`, with `translation` as files with `up` up have it.
+
+        `axes` says in which axes the pelvis at rest J0 is added to `translation`; with other
+        axes, the same place of the pelvis is another translation.
+
+        Args:
+            body: Whose pelvis at rest it is.
+            up: "z" or "y".
+        """
+        axes = axes_of(up)
+        if np.array_equal(self.axes, axes):
+            return self
+        shift = (self.axes - axes) @ body.rest_joints[0]
+        return dataclasses.replace(
+            self, translation=self.translation + shift, axes=axes, origin=None
+        )
+
     # -- files -----------------------------------------------------------------------------
 
     @staticmethod
@@ -327,11 +347,13 @@ class Motion:
         *,
         gender: str | None = None,
         frames: tuple[int | None, int | None] | None = None,
+        clip: str | None = None,
+        assets: Assets = None,
     ) -> Motion:
         """Read a motion file; the format is found by content.
 
         Args:
-            path: The file.
+            path: The file, or the folder of a data set that comes as one.
             fps: Frames per second where the file does not say (or says it wrongly).
             up: "z" or "y" where it is not what the format prescribes.
             hands: "flat" or "mean": what zero fingers mean, where the format does not say.
@@ -339,6 +361,9 @@ class Motion:
                 the file does not say which model it is for.
             gender: "neutral", "male" or "female" where the file does not say.
             frames: Read only frames start <= i < stop, as in a slice.
+            clip: Which one, where the file holds several (`halfphysics.clips` names them).
+            assets: Folders of the data set's other files (meshes, templates), searched before
+                $HALFPHYSICS_MODELS and the file's own folder.
 
         Raises:
             FileError: The file is missing, damaged, of an unknown format, or holds a value that
@@ -348,23 +373,36 @@ class Motion:
         from halfphysics.io import load_motion
 
         return load_motion(
-            path, fps=fps, up=up, hands=hands, model=model, gender=gender, frames=frames
+            path,
+            fps=fps,
+            up=up,
+            hands=hands,
+            model=model,
+            gender=gender,
+            frames=frames,
+            clip=clip,
+            assets=assets,
         )
 
-    def save(self, path: str | os.PathLike[str], format: str | None = None) -> None:
-        """Write under the keys of the file it came from, else AMASS keys for its `model`.
+    def save(
+        self, path: str | os.PathLike[str], format: str | None = None, *, body: Body | None = None
+    ) -> None:
+        """Write under the keys of the file it came from, else by suffix, else AMASS keys.
 
         Reading back gives equal arrays: the file's number types are kept where they hold the
         values exactly, otherwise float64 is written. The file appears whole or not at all.
 
         Args:
-            path: Where to.
+            path: Where to. The suffix chooses the format where it is not the origin's; .npz is
+                AMASS for the motion's `model`.
             format: Name of another format to write (`halfphysics.io.FORMATS`).
+            body: Whose motion it is, needed by formats that hold its joints (BVH) and for a
+                format whose up axis is another than that of the motion's file (`rebased`).
 
         Raises:
             FileError: The folder does not exist or cannot be written.
-            InputError: An unknown format name.
+            InputError: An unknown format name, or `body` is missing.
         """
         from halfphysics.io import save_motion
 
-        save_motion(self, path, format=format)
+        save_motion(self, path, format=format, body=body)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.result import ObjectTrack
     from halfphysics.scene import Scene
 
 
@@ -23,12 +25,15 @@ class Sequence:
         body: The person's body, a tuple of one each where there are several people; None where
             the source names none.
         settings: How to simulate it.
+        recorded: Name of an object -> how it moved in the data set, frame by frame of the motion;
+            empty where nothing was recorded.
     """
 
     motion: Motion | tuple[Motion, ...]
     scene: Scene
     body: Body | tuple[Body, ...] | None = None
     settings: Settings = field(default_factory=Settings)
+    recorded: Mapping[str, ObjectTrack] = field(default_factory=dict)
 
     @property
     def motions(self) -> tuple[Motion, ...]:

@@ -7,7 +7,6 @@ fingers) go into the extra key ``poses_smplx (T, 165)``, which other readers pas
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,8 +16,10 @@ from numpy.typing import NDArray
 from halfphysics import skeleton
 from halfphysics.axes import axes_of, turned
 from halfphysics.errors import FileError, InputError
+from halfphysics.io.building import mean_hands, rotations_of, same_length, warn_of_degrees
 from halfphysics.io.formats import Options, Source
 from halfphysics.io.npz import Npz
+from halfphysics.io.record import Record
 from halfphysics.io.report import warn
 from halfphysics.motion import GENDERS, MODELS, Motion
 from halfphysics.origin import Origin
@@ -50,8 +51,6 @@ _KNOWN = {
     "trans", "poses", "betas", "num_betas", "gender", "surface_model_type", "mocap_time_length",
     FULL_KEY, *SPLIT, *FPS_KEYS,
 }  # fmt: skip
-# More than three turns about one axis is no joint; degrees taken for radians are.
-_DEGREES = 20.0
 
 
 def width_of(source: Source) -> int | None:
@@ -79,39 +78,12 @@ def width_of(source: Source) -> int | None:
     return None
 
 
-def _numbers(npz: Npz, key: str, width: int, frames: slice) -> NDArray[Any]:
-    """Field `key`, (T, width), cut to `frames` and checked."""
-    if key not in npz:
-        near = [k for k in npz if k not in _KNOWN and "trans" in k.lower()]
-        hint = f"; is it '{near[0]}'? Rename it" if near and key == "trans" else ""
-        raise FileError(
-            f"{npz.path}: field '{key}' is missing, found {npz.describe()}; expected "
-            f"{key} (T, {width}){hint}"
-        )
-    array = npz[key]
-    if array.ndim != 2 or array.shape[1] != width or array.dtype.kind not in "fiu":
-        raise FileError(
-            f"{npz.path}: field '{key}': found shape {array.shape} of {array.dtype}, expected "
-            f"numbers of shape (T, {width})"
-        )
-    array = array[frames]
-    bad = ~np.isfinite(array)
-    if bad.any():
-        row = int(np.argwhere(bad)[0][0])
-        raise FileError(
-            f"{npz.path}: field '{key}': {int(bad.sum())} values are NaN or infinite, the first "
-            f"in frame {row}; expected finite numbers. Fill those frames, or read others with "
-            "frames=(start, stop)"
-        )
-    return array
-
-
 def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None]:
     """Rotations (T, 55, 3) in file axes, and SMPL's rigid hands (T, 2, 3) if it has them."""
     rigid = None
     if "poses" in npz:
         columns = COLUMNS[width]
-        poses = _numbers(npz, "poses", width, frames).astype(np.float64)
+        poses = Record(npz.path, npz).array("poses", None, width, frames=frames)
         poses = poses.reshape(-1, len(columns), 3)
         full = np.zeros((len(poses), skeleton.N_JOINTS, 3))
         kept = [i for i, joint in enumerate(columns) if joint >= 0]
@@ -120,24 +92,18 @@ def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None
             rigid = poses[:, [i for i, joint in enumerate(columns) if joint < 0]]
     else:
         parts = {
-            key: _numbers(npz, key, 3 * len(joints), frames)
+            key: Record(npz.path, npz).numbers(key, None, 3 * len(joints), frames=frames)
             for key, joints in SPLIT.items()
             if key in npz
         }
-        counts = {key: len(part) for key, part in parts.items()}
-        if len(set(counts.values())) > 1:
-            raise FileError(
-                f"{npz.path}: fields of different length: found {counts}, expected as many rows "
-                "in each as there are frames"
-            )
-        full = np.zeros((next(iter(counts.values())), skeleton.N_JOINTS, 3))
-        for key, part in parts.items():
-            full[:, list(SPLIT[key])] = part.reshape(len(part), -1, 3)
+        same_length(str(npz.path), {key: len(part) for key, part in parts.items()})
+        full = rotations_of({SPLIT[key]: part for key, part in parts.items()})
     if FULL_KEY in npz:
-        whole = _numbers(npz, FULL_KEY, 3 * skeleton.N_JOINTS, frames).reshape(-1, 55, 3)
+        whole = Record(npz.path, npz).array(FULL_KEY, None, 3 * skeleton.N_JOINTS, frames=frames)
+        whole = whole.reshape(-1, 55, 3)
         held = [joint for joint in COLUMNS[width] if joint >= 0]
         if whole.shape == full.shape and np.array_equal(whole[:, held], full[:, held]):
-            full = whole.astype(np.float64)
+            full = whole
         else:
             warn(f"{npz.path}: field '{FULL_KEY}' does not belong to the poses beside it: ignored")
     return full, rigid
@@ -198,26 +164,6 @@ def _model(npz: Npz, width: int, options: Options) -> str:
     )
 
 
-def mean_hands(path: str | os.PathLike[str] | None, gender: str) -> Array:
-    """The relaxed hand (30, 3) of the user's body-model file.
-
-    Raises:
-        InputError: No file was named: only a licensed model knows its mean hand.
-    """
-    if path is None or str(path) in MODELS:
-        raise InputError(
-            "hands: 'mean' hands need the body-model file they were made with, found none. Name "
-            "it with model=, for example model='SMPLX_NEUTRAL.npz'"
-        )
-    from halfphysics.body import Body
-
-    # The clip's gender picks a file from a folder; a file named outright is taken as it is.
-    mean = Body.load(path, gender=gender if os.path.isdir(path) else None).hands_mean
-    if mean is None:
-        raise FileError(f"{path}: this body model has no mean hands, expected SMPL-X or SMPL-H")
-    return np.asarray(mean, dtype=np.float64).reshape(30, 3)
-
-
 def load(source: Source, options: Options, format: str) -> Motion:
     """A motion of any AMASS layout."""
     npz, width = source.npz, width_of(source)
@@ -225,7 +171,7 @@ def load(source: Source, options: Options, format: str) -> Motion:
         raise FileError(f"{source.path}: not an AMASS file")
     model = _model(npz, width, options)
     fps, fps_key = _fps(npz, options)
-    trans = _numbers(npz, "trans", 3, options.frames)
+    trans = Record(npz.path, npz).array("trans", None, 3, frames=options.frames)
     rotations, rigid = _rotations(npz, width, options.frames)
     if len(trans) != len(rotations):
         raise FileError(
@@ -233,12 +179,7 @@ def load(source: Source, options: Options, format: str) -> Motion:
             "expected the same number"
         )
     gender = _gender(npz, options)
-    largest = float(np.linalg.norm(rotations[:, 1:], axis=-1).max(initial=0.0))
-    if largest > _DEGREES:
-        warn(
-            f"{source.path}: a joint is turned by {largest:.0f} rad; expected axis-angle in "
-            "radians. Are these degrees?"
-        )
+    warn_of_degrees(str(source.path), rotations)
     mean = None
     if options.hands == "mean":
         if width not in (165, 156):
@@ -254,7 +195,7 @@ def load(source: Source, options: Options, format: str) -> Motion:
             raise FileError(f"{source.path}: field '{error}'") from None
         betas_shape = value.shape
     axes = axes_of(options.up or "z")
-    translation = trans.astype(np.float64)
+    translation = trans
     if (options.up or "z") != "z":
         translation, rotations = turned(translation, rotations, axes)
     origin = _origin(npz, format, options.frames, len(trans), rigid)

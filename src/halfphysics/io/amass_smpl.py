@@ -6,11 +6,15 @@ SMPL-X has no match for the rigid hands: they are kept only to be written back.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from halfphysics.io import amass
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.npz import write_npz
 from halfphysics.motion import Motion
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
 
 NAME = "amass-smpl"
 WIDTH = 72
@@ -30,7 +34,7 @@ def encode(motion: Motion) -> amass.Fields:
     return amass.encode(motion, NAME, WIDTH, FPS_KEY)
 
 
-def _save(motion: Motion, path: Path) -> None:
+def _save(motion: Motion, path: Path, body: Body | None) -> None:
     write_npz(path, encode(motion))
 
 

@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from halfphysics.errors import FileError
+from halfphysics.io import stored
+from halfphysics.io.npy import Npy
 from halfphysics.io.npz import Npz
+from halfphysics.io.record import Record
 from halfphysics.motion import Motion
 from halfphysics.validation import file_path
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.sequence import Sequence
 
 _HEAD = 4096
 
 
 class Source:
-    """A file to read a motion from, opened as far as a sniffer needs it.
+    """A file or folder to read a motion from, opened as far as a sniffer needs it.
 
     Raises:
-        FileError: The file does not exist, is a folder, is empty or cannot be read.
+        FileError: It does not exist, is empty or cannot be read.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -28,11 +36,14 @@ class Source:
         if not self.path.exists():
             near = self._near()
             raise FileError(f"{self.path}: no such file.{near}")
-        if self.path.is_dir():
-            raise FileError(f"{self.path}: this is a folder, expected a motion file in it")
+        #: Whether it is a folder: some data sets come as one.
+        self.is_folder = self.path.is_dir()
+        #: The first 4096 bytes of a file.
+        self.head = b""
+        if self.is_folder:
+            return
         try:
             with self.path.open("rb") as handle:
-                #: The first 4096 bytes.
                 self.head = handle.read(_HEAD)
         except OSError as error:
             raise FileError(f"{self.path}: cannot read: {error.strerror}") from None
@@ -50,13 +61,52 @@ class Source:
 
     @cached_property
     def npz(self) -> Npz | None:
-        """Its arrays if it is a zip archive (by content), else None."""
-        return Npz(self.path) if self.head[:2] == b"PK" else None
+        """Its arrays if it is an npz (by content), else None."""
+        if self.head[:2] != b"PK":
+            return None
+        npz = Npz(self.path)
+        return npz if len(npz) else None
+
+    @cached_property
+    def npy(self) -> Npy | None:
+        """Header and memory-mapped numbers if it is an npy (by content), else None."""
+        return Npy(self.path) if self.head[:6] == b"\x93NUMPY" else None
+
+    @cached_property
+    def data(self) -> Any:
+        """What is in a pickle, a joblib dump, a pickled npy or a torch file; else None.
+
+        Read by the restricted unpickler: arrays, numbers, strings and containers only.
+        """
+        return stored.read(self.path) if stored.is_stored(self.path, self.head) else None
+
+    def describe(self) -> str:
+        """What it is, for the message that no format fits."""
+        if self.is_folder:
+            names = sorted(entry.name for entry in self.path.iterdir())
+            return f"a folder with {', '.join(names[:12]) or 'nothing in it'}"
+        if self.npz is not None:
+            return f"an .npz with {self.npz.describe()}"
+        if self.npy is not None and not self.npy.dtype.hasobject:
+            return f"an .npy of shape {self.npy.shape}, {self.npy.dtype}"
+        if self.data is not None:
+            if isinstance(self.data, dict):
+                return f"a pickle with {Record(self.path, self.data).describe()}"
+            return f"a pickle of a {type(self.data).__name__}"
+        return "a file that is not an .npz archive"
+
+
+#: Folders that a caller names.
+Assets: TypeAlias = str | os.PathLike[str] | Iterable[str | os.PathLike[str]] | None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What the caller of `Motion.load` said; None where the file is to say it."""
+    """What the caller of `Motion.load` or `load_sequence` said; None where the file is to say it.
+
+    `objects` is "free" (pushed about from where they are at the first frame) or "replayed" (along
+    the recorded trajectory).
+    """
 
     fps: float | None = None
     up: str | None = None
@@ -64,6 +114,13 @@ class Options:
     model: str | os.PathLike[str] | None = None
     gender: str | None = None
     frames: slice = field(default_factory=lambda: slice(None))
+    clip: str | None = None
+    assets: tuple[Path, ...] = ()
+    objects: str = "free"
+
+
+def _nothing(motion: Motion) -> tuple[str, ...]:
+    return ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,8 +132,18 @@ class Format:
     #: What its files hold, for the message that no format fits.
     expects: str
     #: Whether this file's content is of this format. May raise FileError to explain a near
-    #: miss that no other format could claim either.
-    sniff: Callable[[Source], bool]
-    load: Callable[[Source, Options], Motion]
-    #: None where it can only be read.
-    save: Callable[[Motion, Path], None] | None = None
+    #: miss that no other format could claim either. None where it can only be written.
+    sniff: Callable[[Source], bool] | None
+    load: Callable[[Source, Options], Motion] | None
+    #: Motion and scene, where the data set has objects; None: the motion on an empty scene.
+    load_sequence: Callable[[Source, Options], Sequence] | None = None
+    #: The names of the clips in a file that holds several; it loads the one of `Options.clip`.
+    clips: Callable[[Source], Iterable[str]] | None = None
+    #: Writes a motion that is in the axes of its file or of `up`; None: it can only be read.
+    save: Callable[[Motion, Path, Body | None], None] | None = None
+    #: Of the files that are written, the first for preference.
+    suffixes: tuple[str, ...] = (".npz",)
+    #: The up axis of the files that are written; None where the format says which it is.
+    up: str | None = "z"
+    #: What of this motion a file of this format cannot hold, one line each.
+    loses: Callable[[Motion], tuple[str, ...]] = _nothing

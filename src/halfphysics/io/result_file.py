@@ -72,7 +72,7 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
     """The work behind `Result.save`; see there."""
     from halfphysics import __version__
 
-    fields: Fields = dict(_on_top(result.motion))
+    fields: Fields = dict(_on_top(result.people[0]))
     fields |= _track_fields("", result.objects)
     fields |= {f"{JOINT}{name}": values for name, values in result.joints.items()}
     fields |= _columns(CONTACT, result.contacts)
@@ -271,14 +271,19 @@ def _with_origin(path: Path, motion: Motion, reference: Motion) -> tuple[Motion,
     """The motions with what the keys on top say besides, which must be the same motion."""
     top = load_motion(path, gender=motion.gender, model=motion.model)
     trans, rotations = top.translation, top.rotations
-    if not np.array_equal(motion.axes, np.eye(3)):
-        trans, rotations = turned(trans, rotations, motion.axes)
+    straight = np.array_equal(motion.axes, np.eye(3))
     # Fingers are left out: on top they may be relative to a mean hand.
     same = len(top) == len(motion) and (
-        np.abs(trans - motion.translation).max() < _SAME
-        and np.abs(rotations[:, 1:22] - motion.rotations[:, 1:22]).max() < _SAME
+        np.abs(rotations[:, 1:22] - motion.rotations[:, 1:22]).max() < _SAME
     )
-    if not same:
+    if same and not straight and np.abs(rotations[:, 0] - motion.rotations[:, 0]).max() < _SAME:
+        # From a format with another axis up: on top is `Motion.rebased`, a shift of it.
+        shift = trans - motion.translation
+        if np.abs(shift - shift[0]).max() < _SAME:
+            return motion, reference
+    if same and not straight:
+        trans, rotations = turned(trans, rotations, motion.axes)
+    if not same or np.abs(trans - motion.translation).max() >= _SAME:
         raise InputError(
             "the fields on top ('trans', 'poses') are not the motion under 'meta/': the file was "
             "changed after it was written. Motion.load reads the motion on top"
@@ -334,10 +339,13 @@ def _prefix(index: int) -> str:
     return "meta/" if index == 0 else f"person/{index}/"
 
 
-def _on_top(motion: Motion) -> Fields:
-    """The keys of the file the motion came from, or AMASS keys for its model."""
+def _on_top(person: PersonResult) -> Fields:
+    """The keys of the AMASS file that the motion came from, or AMASS keys for its model."""
+    motion = person.motion
     own = motion.origin.format if motion.origin is not None else None
     by_name: Mapping[str | None, Any] = {layout.NAME: layout for layout in _LAYOUTS.values()}
+    if own not in by_name and not np.array_equal(motion.axes, np.eye(3)):
+        motion = motion.rebased(person.body)
     return by_name.get(own, _LAYOUTS[motion.model]).encode(motion)
 
 

@@ -161,6 +161,4 @@ def _shaking(
     wrist[:, 2] += clasp.lifted
     curl = _CURLS[0] + clasp.closed * (_CURLS[1] - _CURLS[0])
     elbow = turn @ np.array([-0.3, -0.5, -1.0])
-    return reaching.reach(
-        body, base, "right", wrist, hand, clasp.share, pole=elbow, curl=curl
-    )
+    return reaching.reach(body, base, "right", wrist, hand, clasp.share, pole=elbow, curl=curl)

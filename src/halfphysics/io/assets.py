@@ -1,0 +1,51 @@
+"""The other files of a data set: object meshes, subject templates, scenes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from halfphysics.errors import FileError
+from halfphysics.io.formats import Options, Source
+
+#: The default folder for licensed models and data sets' assets.
+VARIABLE = "HALFPHYSICS_MODELS"
+# A clip lies a few folders under the root of its data set (GRAB: grab/s1/cup_lift.npz).
+_PARENTS = 3
+
+
+def folders(source: Source, options: Options) -> Iterator[Path]:
+    """Where assets are looked for, in this order."""
+    yield from options.assets
+    own = os.environ.get(VARIABLE)
+    if own:
+        yield Path(own)
+    here = source.path.resolve()
+    yield from list(here.parents)[:_PARENTS]
+
+
+def find(source: Source, options: Options, names: Iterable[str], what: str) -> Path:
+    """The first file there is of `names` (paths below the folders).
+
+    Args:
+        source, options: Of the clip.
+        names: For example "tools/object_meshes/contact_meshes/cup.ply", the best first.
+        what: For the message, for example "the mesh of the object 'cup'".
+
+    Raises:
+        FileError: There is none: it says what was looked for, and where.
+    """
+    names = list(names)
+    looked = list(dict.fromkeys(folders(source, options)))
+    for folder in looked:
+        for name in names:
+            path = folder / name
+            if path.is_file():
+                return path
+    variable = "" if os.environ.get(VARIABLE) else f" or set ${VARIABLE}"
+    raise FileError(
+        f"{source.path}: needs {what}, which is not in the file. Looked for "
+        f"{' or '.join(names)} in {', '.join(str(folder) for folder in looked)}. Name the folder "
+        f"with assets={variable}"
+    )

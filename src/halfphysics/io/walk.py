@@ -1,0 +1,84 @@
+"""Libraries of motions: folders, globs and files of many clips, walked lazily."""
+
+from __future__ import annotations
+
+import glob
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from halfphysics.errors import FileError
+from halfphysics.io import identify, load_motion, load_sequence
+from halfphysics.io.formats import Source
+from halfphysics.validation import file_path
+
+if TYPE_CHECKING:
+    from halfphysics.motion import Motion
+    from halfphysics.sequence import Sequence
+
+
+@dataclass(frozen=True)
+class Clip:
+    """One motion of a library.
+
+    Attributes:
+        path: The file (or folder) it is in.
+        format: Name of its format.
+        name: Its name in a file of several, else None.
+    """
+
+    path: Path
+    format: str
+    name: str | None = None
+
+    def load(self, **options: Any) -> Sequence:
+        """Motion and scene, as `load_sequence(path, clip=name, **options)`."""
+        return load_sequence(self.path, clip=self.name, **options)
+
+    def motion(self, **options: Any) -> Motion:
+        """The motion alone, as `Motion.load(path, clip=name, **options)`."""
+        return load_motion(self.path, clip=self.name, **options)
+
+
+def clips(path: str | os.PathLike[str]) -> Iterator[Clip]:
+    """The motions in a file, in all files under a folder, or in those that a glob names.
+
+    Nothing but heads of files is read before a clip is asked for, and files of no known format
+    are passed over. In the order of the names.
+
+    Args:
+        path: For example "AMASS/", "AMASS/**/*_stageii.npz" or one file.
+
+    Raises:
+        FileError: There is nothing of that name.
+    """
+    given = file_path(path)
+    if given.exists():
+        yield from _under(given, asked=True)
+        return
+    found = False
+    for name in sorted(glob.iglob(str(given), recursive=True)):
+        found = True
+        yield from _under(Path(name), asked=False)
+    if not found:
+        raise FileError(f"{given}: no such file or folder, and no file fits it as a pattern")
+
+
+def _under(path: Path, asked: bool) -> Iterator[Clip]:
+    folder = path.is_dir()
+    try:
+        source = Source(path)
+        format = identify(source)
+    except FileError:
+        if asked and not folder:
+            raise
+        format = None
+    if format is not None:
+        names = format.clips(source) if format.clips is not None else (None,)
+        for name in names:
+            yield Clip(path, format.name, name)
+    elif folder:
+        for entry in sorted(path.iterdir()):
+            yield from _under(entry, asked=False)

@@ -14,8 +14,8 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
-Result Scene Sequence Settings Simulator Sphere __version__ attach clips errors load_sequence
-metrics scenarios simulate
+Result Scene Sequence Settings Simulator Sphere __version__ attach clips errors export
+load_sequence metrics scenarios simulate
 """
 
 # What is called from outside: name -> parameters, * before keyword-only ones.
@@ -30,6 +30,7 @@ PARAMETERS = {
     "Motion.save": "self path format * body",
     "Motion.rebased": "self body up",
     "clips": "path",
+    "export": "what path * body fps",
     "load_sequence": "path assets * objects fps up hands model gender frames clip",
     "Pose": "translation rotations axes",
     "Body.default": "betas stature",

@@ -266,7 +266,7 @@ def test_mistakes_of_simulate(what, mistaken, monkeypatch, capsys):
         (["evaluate", "walk.npz"], r"walk\.npz: a motion alone.*--scene.*--reference"),
         (["evaluate", "walk.npz", "--reference", "no.npz"], r"no\.npz: no such file"),
         (["convert", "walk.npz"], "OUT"),
-        (["convert", "walk.npz", "x.bvh"], r"found suffix '\.bvh', expected \.npz"),
+        (["convert", "walk.npz", "x.fbx"], r"found suffix '\.fbx', expected one of .*\.npz"),
         (["convert", "walk.npz", "x.npz", "--format", "amas"], "expected one of amass-smplx"),
         (["convert", "walk.npz", "x.npz", "--to-fps", "-1"], "fps: found -1"),
         (

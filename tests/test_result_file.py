@@ -72,7 +72,10 @@ def test_a_motion_reader_opens_it(tmp_path, body, axes, model):
     motion = Motion.load(tmp_path / "r.npz")
     # AMASS is z-up whatever the motion came from; rounding only, of numbers of size 1.
     np.testing.assert_allclose(
-        body.joints(motion), body.joints(result.motion), rtol=0, atol=1e-14 if axes == "z" else 1e-13
+        body.joints(motion),
+        body.joints(result.motion),
+        rtol=0,
+        atol=1e-14 if axes == "z" else 1e-13,
     )
     np.testing.assert_allclose(
         rot.rotvec_to_matrix(motion.rotations),

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from halfphysics.simulation import simulate
     from halfphysics.simulator import Simulator
     from halfphysics.skeleton import JOINT_NAMES
+    from halfphysics.writers import export
 
 __version__ = "0.1.0"
 
@@ -54,6 +55,7 @@ __all__ = [
     "attach",
     "clips",
     "errors",
+    "export",
     "load_sequence",
     "metrics",
     "scenarios",
@@ -84,6 +86,7 @@ _FROM: dict[str, str | None] = {
     "Sphere": "shapes",
     "attach": "hosted",
     "clips": "io.walk",
+    "export": "writers",
     "load_sequence": "io",
     "simulate": "simulation",
 }

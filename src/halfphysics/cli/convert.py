@@ -1,15 +1,20 @@
-"""halfphysics convert: write a motion in another format or at another frame rate."""
+"""halfphysics convert: write a motion or a result in another format or at another frame rate."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from halfphysics.cli.options import MotionOptions, check_output
+from halfphysics.cli.options import BodyOptions, MotionOptions, check_output
 from halfphysics.errors import InputError
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.motion import Motion
+    from halfphysics.result import Result
 
 EXAMPLES = """\
 halfphysics convert result.npz corrected.npz
@@ -21,29 +26,52 @@ halfphysics convert walk_smpl.npz walk_smplx.npz --format amass-smplx"""
 class Command:
     """Read a motion (or the corrected motion of a result) and write it.
 
-    Written are the keys of the file it came from, or those of --format.
+    Written are the keys of the file it came from, those of --format, or what the suffix of OUT
+    says. What such a file cannot hold is printed.
     """
 
     source: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="IN")]
     """Motion or result file."""
     target: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="OUT")]
-    """File to write (.npz)."""
+    """File to write."""
     format: str | None = None
-    """Format to write: amass-smplx, amass-smplh or amass-smpl."""
+    """Format to write, where the suffix does not say which."""
     to_fps: float | None = None
     """Frame rate to write; rotations are interpolated along the shortest arc."""
+    person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
     motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
 
     def run(self) -> None:
         """Convert."""
-        if self.target.suffix.lower() != ".npz":
-            raise InputError(
-                f"{self.target}: found suffix {self.target.suffix!r}, expected .npz: all formats "
-                "that can be written are npz archives"
-            )
+        from halfphysics.io import losses, writer_of
+        from halfphysics.io.result_file import is_result
+        from halfphysics.result import Result
+        from halfphysics.sequence import Sequence
+        from halfphysics.writers import export, is_kind
+
         check_output(self.target, self.source)
-        motion = self.motion_file.load(self.source)
-        if self.to_fps is not None:
-            motion = motion.resample(self.to_fps)
-        motion.save(self.target, format=self.format)
+        scene = is_kind(self.target)
+        if scene and self.format is not None:
+            raise InputError(
+                f"--format: {self.target.suffix} files are of one format. Leave out --format"
+            )
+        result = Result.load(self.source) if is_result(self.source) else None
+        if scene:
+            what = self.motion_file.sequence(self.source) if result is None else result
+            motion = what.motions[0] if isinstance(what, Sequence) else what.motion
+            export(what, self.target, body=self._body(motion, None), fps=self.to_fps)
+        else:
+            motion = self.motion_file.load(self.source) if result is None else result.motion
+            writer_of(motion, self.target, self.format)  # before the work
+            if self.to_fps is not None:
+                motion = motion.resample(self.to_fps)
+            motion.save(self.target, format=self.format, body=self._body(motion, result))
+            for loss in losses(motion, self.target, self.format):
+                print(f"not in the file: {loss}")
         print(f"{motion}\nwritten: {self.target}")
+
+    def _body(self, motion: Motion, result: Result | None) -> Body | None:
+        """Whose motion it is, where that is known."""
+        if self.person.body is not None or self.person.stature is not None:
+            return self.person.load(motion)
+        return None if result is None else result.people[0].body

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from halfphysics.body import Body
     from halfphysics.motion import Motion
     from halfphysics.scene import Scene
+    from halfphysics.sequence import Sequence
 
 #: A file that may be left out, and things that are said once each.
 File = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
@@ -48,19 +49,34 @@ class MotionOptions:
     frames: str | None = None
     """Frames to read, START:STOP (counted from 0, STOP left out); either may be missing."""
 
+    clip: str | None = None
+    """Name of the clip to read, where the file holds several."""
+    assets: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
+    """Folder of the data set's other files (object meshes, templates); may be said repeatedly."""
+
     def load(self, path: Path) -> Motion:
         """The motion in a file."""
-        from halfphysics.motion import Motion
+        from halfphysics.io import load_motion
 
-        return Motion.load(
-            path,
-            fps=self.fps,
-            up=self.up,
-            hands=self.hands,
-            model=self.model,
-            gender=self.gender,
-            frames=self._range(),
-        )
+        return load_motion(path, **self._said())
+
+    def sequence(self, path: Path) -> Sequence:
+        """The motion in a file with the objects and the scene that were recorded around it."""
+        from halfphysics.io import load_sequence
+
+        return load_sequence(path, **self._said())
+
+    def _said(self) -> dict[str, Any]:
+        return {
+            "fps": self.fps,
+            "up": self.up,
+            "hands": self.hands,
+            "model": self.model,
+            "gender": self.gender,
+            "frames": self._range(),
+            "clip": self.clip,
+            "assets": self.assets,
+        }
 
     def _range(self) -> tuple[int | None, int | None] | None:
         if self.frames is None:

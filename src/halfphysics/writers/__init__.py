@@ -1,0 +1,61 @@
+"""Files of animated scenes: the body with its skin, the objects, the room.
+
+A new kind is one file here with a function ``write(take, path)`` and one line below.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from halfphysics.errors import InputError
+from halfphysics.validation import file_path
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.writers.take import Exportable
+
+__all__ = ["KINDS", "export", "is_kind"]
+
+#: Suffix -> module of this package that writes such files.
+KINDS: Mapping[str, str] = MappingProxyType({})
+
+
+def is_kind(path: Path) -> bool:
+    """Whether `export` writes files of this suffix."""
+    return path.suffix.lower() in KINDS
+
+
+def export(
+    what: Exportable,
+    path: str | os.PathLike[str],
+    *,
+    body: Body | None = None,
+    fps: float | None = None,
+) -> None:
+    """Write an animated scene for other programs; the suffix says which kind.
+
+    Args:
+        what: A `Result` (as simulated), a `Sequence` or a `Motion` (as asked for).
+        path: Where to. The file appears whole or not at all.
+        body: Whose motion it is, where `what` does not say; None: the default body.
+        fps: Frame rate to write; None: that of the motion.
+
+    Raises:
+        FileError: The folder does not exist or cannot be written.
+        InputError: Another suffix, or a package that the kind needs is missing.
+    """
+    from halfphysics.writers.take import take_of
+
+    path = file_path(path)
+    if not is_kind(path):
+        raise InputError(
+            f"{path}: found suffix {path.suffix!r}, expected one of {', '.join(KINDS)}. Motions "
+            "alone are written by Motion.save"
+        )
+    module = importlib.import_module(f"{__name__}.{KINDS[path.suffix.lower()]}")
+    module.write(take_of(what, body, fps=fps), path)

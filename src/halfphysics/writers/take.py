@@ -1,0 +1,160 @@
+"""A take: people and things over time, as the writers of animated scenes need them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError
+from halfphysics.motion import Motion
+from halfphysics.validation import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from halfphysics.body import Body
+    from halfphysics.result import ObjectTrack, Result
+    from halfphysics.scene import Scene
+    from halfphysics.sequence import Sequence
+
+    Exportable: TypeAlias = Result | Sequence | Motion
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Actor:
+    """A person: `body` moves along `motion`, T frames in the z-up world."""
+
+    name: str
+    motion: Motion
+    body: Body
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prop:
+    """A thing: a mesh (V, 3), (F, 3) in its own frame [m] and that frame's pose over time.
+
+    `position` (T, 3) [m] and `quaternion` (T, 4) in the z-up world; one row where it never moves.
+    """
+
+    name: str
+    vertices: Array
+    faces: NDArray[np.integer]
+    position: Array
+    quaternion: Array
+
+    @property
+    def moves(self) -> bool:
+        """Whether it has a pose of its own in every frame."""
+        return len(self.position) > 1
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Take:
+    """All that an animated scene holds: `frames` of them, `fps` to the second."""
+
+    actors: tuple[Actor, ...]
+    props: tuple[Prop, ...]
+    fps: float
+    frames: int
+
+
+def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = None) -> Take:
+    """The take of a result (as simulated), a sequence or a motion (as asked).
+
+    Args:
+        what: A `Result`, `Sequence` or `Motion`.
+        body: Whose motion it is, where `what` does not say; None: the default body.
+        fps: Frame rate of the take; None: that of the motion.
+
+    Raises:
+        InputError: Another type.
+    """
+    from halfphysics.body import Body
+    from halfphysics.result import Result
+    from halfphysics.scene import Scene
+    from halfphysics.sequence import Sequence
+
+    if isinstance(what, Result):
+        actors = tuple(
+            Actor(name=p.name, motion=p.motion, body=body or p.body) for p in what.people
+        )
+        props = _props(what.scene, what.objects)
+    elif isinstance(what, Sequence | Motion):
+        motions = what.motions if isinstance(what, Sequence) else (what,)
+        bodies = what.bodies if isinstance(what, Sequence) else (None,)
+        names = ["person"] if len(motions) == 1 else [f"person{i}" for i in range(len(motions))]
+        actors = tuple(
+            Actor(name=name, motion=motion, body=body or own or Body.default())
+            for name, motion, own in zip(names, motions, bodies, strict=True)
+        )
+        sequence = what if isinstance(what, Sequence) else Sequence(what, Scene())
+        props = _props(sequence.scene, sequence.recorded)
+    else:
+        raise InputError(f"export: expected a Result, a Sequence or a Motion, found {shown(what)}")
+    take = Take(actors=actors, props=props, fps=actors[0].motion.fps, frames=len(actors[0].motion))
+    return take if fps is None else resampled(take, fps)
+
+
+def _props(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[Prop, ...]:
+    props = []
+    for name, static in scene.statics.items():
+        props.append(_prop(name, static.mesh(), static.position, static.quaternion))
+    for name, thing in scene.objects.items():
+        mesh = thing.mesh() if thing.visual is None else thing.visual.triangles()
+        track = tracks.get(name)
+        place = (thing.position, thing.quaternion)
+        props.append(_prop(name, mesh, *(place if track is None else _rows(track))))
+    for jointed in scene.articulated.values():
+        for link, name in zip(jointed.links, jointed.link_names, strict=True):
+            vertices, faces = link.mesh()
+            if len(faces) and name in tracks:
+                props.append(_prop(name, (vertices, faces), *_rows(tracks[name])))
+    return tuple(props)
+
+
+def _rows(track: ObjectTrack) -> tuple[Array, Array]:
+    return track.position, track.quaternion
+
+
+def _prop(
+    name: str, mesh: tuple[Array, NDArray[np.integer]], position: Array, quaternion: Array
+) -> Prop:
+    return Prop(
+        name=name,
+        vertices=np.asarray(mesh[0], dtype=np.float64),
+        faces=np.asarray(mesh[1]),
+        position=np.asarray(position, dtype=np.float64).reshape(-1, 3),
+        quaternion=np.asarray(quaternion, dtype=np.float64).reshape(-1, 4),
+    )
+
+
+def resampled(take: Take, fps: float) -> Take:
+    """The take at another frame rate: positions linear, rotations by SLERP."""
+    from halfphysics import rotations as rot
+    from halfphysics.origin import neighbours
+
+    actors = tuple(
+        Actor(name=a.name, motion=a.motion.resample(fps), body=a.body) for a in take.actors
+    )
+    frames = len(actors[0].motion)
+    low, high, weight = neighbours(np.arange(frames, dtype=np.float64) * (take.fps / fps))
+    high = np.minimum(high, take.frames - 1)
+    w = weight[:, None]
+    props = tuple(
+        Prop(
+            name=p.name,
+            vertices=p.vertices,
+            faces=p.faces,
+            position=(1.0 - w) * p.position[low] + w * p.position[high],
+            quaternion=rot.slerp(p.quaternion[low], p.quaternion[high], weight),
+        )
+        if p.moves
+        else p
+        for p in take.props
+    )
+    return Take(actors=actors, props=props, fps=float(fps), frames=frames)

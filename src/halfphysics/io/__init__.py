@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.io import amass_smpl, amass_smplh, amass_smplx
+from halfphysics.io import aist, amass_smpl, amass_smplh, amass_smplx, motionx
 from halfphysics.io.formats import Assets, Format, Options, Source
 from halfphysics.motion import GENDERS, MODELS, Motion
 from halfphysics.validation import file_path, frame_rate, shown
@@ -35,6 +35,8 @@ FORMATS: dict[str, Format] = {
         amass_smplx.FORMAT,
         amass_smplh.FORMAT,
         amass_smpl.FORMAT,
+        aist.FORMAT,
+        motionx.FORMAT,
     )
 }
 

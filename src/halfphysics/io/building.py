@@ -7,12 +7,13 @@ rate, gender, warnings) are here.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics import rotations as rot
 from halfphysics import skeleton
 from halfphysics.axes import axes_of, turned
 from halfphysics.errors import FileError, InputError
@@ -27,6 +28,9 @@ Array = NDArray[np.float64]
 _HANDS = list(skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS)
 # More than three turns about one axis is no joint; degrees taken for radians are.
 _DEGREES = 20.0
+# How far along an axis the trunk points, on the average, of who stands along it or across.
+_UPRIGHT, _ACROSS = 0.8, 0.3
+_AXIS = {"y": 1, "z": 2}
 
 
 def rotations_of(parts: Mapping[tuple[int, ...], Array]) -> Array:
@@ -59,6 +63,17 @@ def warn_of_degrees(where: str, rotations: Array) -> None:
         warn(
             f"{where}: a joint is turned by {largest:.0f} rad; expected axis-angle in radians. "
             "Are these degrees?"
+        )
+
+
+def warn_of_axes(where: str, rotations: Array, up: str) -> None:
+    """Warn of a body that stands along the other axis from beginning to end."""
+    spine = rot.to_matrix(rot.exp(rotations[:, 0]))[:, :, 1].mean(axis=0)
+    other = "z" if up == "y" else "y"
+    if spine[_AXIS[other]] > _UPRIGHT and abs(spine[_AXIS[up]]) < _ACROSS:
+        warn(
+            f"{where}: read with {up} up, and the body stands along {other} all the time. If it "
+            f"should not lie, say up={other!r}"
         )
 
 
@@ -137,6 +152,7 @@ def motion_of(
     if options.model is not None and str(options.model) in MODELS:
         model = str(options.model)
     warn_of_degrees(where, rotations)
+    warn_of_axes(where, rotations, options.up or up)
     mean = None
     if options.hands is not None and hands is None:
         raise InputError(
@@ -179,3 +195,14 @@ def file_parameters(motion: Motion, format: str) -> tuple[Array, Array, Mapping[
     if fields.get("hands_mean") is not None:
         rotations[:, _HANDS] -= fields["hands_mean"]
     return translation, rotations, fields
+
+
+def lost_joints(motion: Motion, held: Sequence[int]) -> tuple[str, ...]:
+    """What a file that holds only these joints leaves out of a motion, for `Format.loses`."""
+    lost = [j for j in range(skeleton.N_JOINTS) if j not in held and motion.rotations[:, j].any()]
+    groups = {"the fingers": _HANDS, "jaw and eyes": skeleton.FACE_JOINTS}
+    lines = [name for name, joints in groups.items() if set(joints) & set(lost)]
+    rest = [skeleton.JOINT_NAMES[j] for j in lost if not any(j in g for g in groups.values())]
+    if rest:
+        lines.append(f"rotations of {', '.join(rest)}")
+    return tuple(lines)

@@ -7,7 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.io import aist, amass_smpl, amass_smplh, amass_smplx, motionx
+from halfphysics.io import (
+    aist,
+    amass_smpl,
+    amass_smplh,
+    amass_smplx,
+    motionx,
+    smpl_codec,
+    trumans_clip,
+)
 from halfphysics.io.formats import Assets, Format, Options, Source
 from halfphysics.motion import GENDERS, MODELS, Motion
 from halfphysics.validation import file_path, frame_rate, shown
@@ -37,6 +45,8 @@ FORMATS: dict[str, Format] = {
         amass_smpl.FORMAT,
         aist.FORMAT,
         motionx.FORMAT,
+        smpl_codec.FORMAT,
+        trumans_clip.FORMAT,
     )
 }
 

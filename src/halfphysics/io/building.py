@@ -109,7 +109,7 @@ def motion_of(
     model: str,
     gender: str | None = None,
     betas: ArrayLike | None = None,
-    hands: Literal["flat", "mean"] | None = "flat",
+    hands: Literal["flat", "mean", "unsaid"] | None = "flat",
     fields: Mapping[str, Any] | None = None,
     per_frame: Mapping[str, NDArray[Any]] | None = None,
 ) -> Motion:
@@ -126,7 +126,8 @@ def motion_of(
         model: "smplx", "smplh" or "smpl".
         gender: Any spelling; None where the file does not say: neutral, with a warning.
         betas: (n,), (1, n) or equal rows (T, n); None or empty where the file does not say.
-        hands: What zero fingers mean; None: the file has no fingers.
+        hands: What zero fingers mean; "unsaid": the caller must say it; None: the file has no
+            fingers.
         fields, per_frame: What the format's writer needs besides; see `Origin`.
 
     Raises:
@@ -157,6 +158,12 @@ def motion_of(
     if options.hands is not None and hands is None:
         raise InputError(
             f"hands: found {options.hands!r}, but {where} has no fingers. Leave it out"
+        )
+    if hands == "unsaid" and options.hands is None:
+        raise FileError(
+            f"{where}: files of this format do not say whether zero fingers are a flat hand or "
+            "the model's relaxed one. Say hands='flat', or hands='mean' with model= (the "
+            "body-model file)"
         )
     if (options.hands or hands) == "mean":
         mean = mean_hands(options.model, gender)

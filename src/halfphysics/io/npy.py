@@ -33,8 +33,8 @@ class Npy:
                     raise ValueError(f"array format version {version}")
                 #: Shape, order and type that the header promises.
                 self.shape, self.fortran, self.dtype = readers[version](stream)
-                self._offset = stream.tell()
-                size = self.path.stat().st_size - self._offset
+                self.offset = stream.tell()
+                size = self.path.stat().st_size - self.offset
         except (ValueError, SyntaxError, tokenize.TokenError, EOFError, OSError) as error:
             raise FileError(
                 f"{self.path}: damaged .npy file ({error}). Download or copy the file again"
@@ -63,7 +63,7 @@ class Npy:
             self.path,
             dtype=self.dtype,
             mode="r",
-            offset=self._offset,
+            offset=self.offset,
             shape=self.shape,
             order="F" if self.fortran else "C",
         )

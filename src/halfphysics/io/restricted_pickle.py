@@ -15,7 +15,8 @@ from __future__ import annotations
 import io
 import os
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -30,11 +31,15 @@ MAX_DENSE = 2**30
 _SIMPLE_KINDS = "biufcSUO"
 
 
-class _Refused(Exception):
+# Arrays of objects in a joblib dump are pickles of their own, which may hold such arrays again.
+_MAX_DEPTH = 8
+
+
+class Refused(Exception):
     """The pickle wants something that is not data; the text says what."""
 
 
-class _Placeholder:
+class Placeholder:
     """Stands for an object until its state has been read; `value` is what it becomes."""
 
     origin = "object"
@@ -47,39 +52,48 @@ class _Placeholder:
         self.state = state
 
     def resolve(self, settle: Callable[[Any], Any]) -> Any:
-        raise _Refused(f"{self.origin}: unknown contents")
+        raise Refused(f"{self.origin}: unknown contents")
 
 
-class _Dtype(_Placeholder):
+@dataclass(frozen=True, kw_only=True)
+class Guests:
+    """What a format built on pickles (torch) names: functions and classes of ours that stand for
+    its own, by module and name, and what its persistent objects are."""
+
+    globals: Mapping[str, Mapping[str, Any]]
+    persistent: Callable[[Any], Any]
+
+
+class _Dtype(Placeholder):
     """numpy.dtype, built by numpy from its text; its own state is used for the byte order only."""
 
     origin = "numpy.dtype"
 
     def __init__(self, code: Any, *flags: Any) -> None:
         if not isinstance(code, str):
-            raise _Refused(f"numpy.dtype of {type(code).__name__}")
+            raise Refused(f"numpy.dtype of {type(code).__name__}")
         self.dtype = np.dtype(code)
         self._check()
 
     def __setstate__(self, state: Any) -> None:
         order = state[1]
         if order not in ("<", ">", "|", "="):
-            raise _Refused(f"numpy.dtype with byte order {order!r}")
+            raise Refused(f"numpy.dtype with byte order {order!r}")
         if state[2] is not None or state[3] is not None or state[4] is not None:
-            raise _Refused("numpy.dtype with fields")
+            raise Refused("numpy.dtype with fields")
         if order in "<>":
             self.dtype = self.dtype.newbyteorder(order)
         self._check()
 
     def _check(self) -> None:
         if self.dtype.kind not in _SIMPLE_KINDS or self.dtype.names is not None:
-            raise _Refused(f"numpy.dtype {self.dtype}")
+            raise Refused(f"numpy.dtype {self.dtype}")
 
     def resolve(self, settle: Callable[[Any], Any]) -> Any:
         return self.dtype
 
 
-class _Array(_Placeholder):
+class _Array(Placeholder):
     """numpy.ndarray."""
 
     origin = "numpy.ndarray"
@@ -91,7 +105,7 @@ class _Array(_Placeholder):
         return _array(data, dtype, shape, "F" if fortran else "C")
 
 
-class _Sparse(_Placeholder):
+class _Sparse(Placeholder):
     """scipy.sparse matrices in csc, csr or coo form -> dense arrays."""
 
     def resolve(self, settle: Callable[[Any], Any]) -> Any:
@@ -99,9 +113,9 @@ class _Sparse(_Placeholder):
         rows, columns = (int(n) for n in state["shape"])
         data = np.asarray(state["data"])
         if data.dtype.kind not in "biuf":
-            raise _Refused(f"{self.origin} of {data.dtype}")
+            raise Refused(f"{self.origin} of {data.dtype}")
         if rows < 0 or columns < 0 or rows * columns * 8 > MAX_DENSE:
-            raise _Refused(f"{self.origin} of shape ({rows}, {columns}): too large")
+            raise Refused(f"{self.origin} of shape ({rows}, {columns}): too large")
         if "indptr" in state:
             pointers = np.asarray(state["indptr"])
             if pointers[0] != 0 or pointers[-1] != len(data) or np.any(np.diff(pointers) < 0):
@@ -123,7 +137,7 @@ class _Sparse(_Placeholder):
         return dense
 
 
-class _Chumpy(_Placeholder):
+class _Chumpy(Placeholder):
     """chumpy.ch.Ch (its array is `x`) and chumpy.reordering.Select (rows `idxs` of `a`)."""
 
     def resolve(self, settle: Callable[[Any], Any]) -> Any:
@@ -135,13 +149,42 @@ class _Chumpy(_Placeholder):
             picked = flat[np.asarray(settle(state["idxs"]), dtype=np.int64).reshape(-1)]
             shape = settle(state.get("preferred_shape"))
             return picked if shape is None else picked.reshape([int(n) for n in shape])
-        raise _Refused(f"{self.origin} (only plain arrays and selections of chumpy are read)")
+        raise Refused(f"{self.origin} (only plain arrays and selections of chumpy are read)")
+
+
+class _InLine(Placeholder):
+    """joblib.numpy_pickle.NumpyArrayWrapper: the array's bytes follow in the file itself."""
+
+    origin = "joblib.numpy_pickle.NumpyArrayWrapper"
+    array: Any = None
+
+    def read(self, stream: io.BytesIO, depth: int) -> None:
+        """Takes the array off the stream, which stands right behind the wrapper's own state."""
+        state = dict(self.state)
+        shape, dtype = tuple(int(n) for n in state["shape"]), state["dtype"]
+        if not isinstance(dtype, _Dtype):
+            raise Refused(f"{self.origin} with a type that is no numpy.dtype")
+        if dtype.dtype.hasobject:
+            self.array = _Unpickler(stream, depth=depth + 1).load()  # a pickle of its own
+            return
+        if state.get("numpy_array_alignment_bytes") is not None:
+            stream.read(int.from_bytes(stream.read(1), "little"))
+        count = 1
+        for n in shape:
+            count *= n
+        if count < 0 or count > MAX_BYTES:
+            raise ValueError(f"numpy.ndarray of shape {shape}")
+        data = stream.read(count * dtype.dtype.itemsize)
+        self.array = _array(data, dtype, shape, str(state["order"]))
+
+    def resolve(self, settle: Callable[[Any], Any]) -> Any:
+        return settle(self.array)
 
 
 def _array(data: Any, dtype: Any, shape: Any, order: str) -> np.ndarray:
     """An array from raw bytes, or from a list where it holds objects; sizes must agree."""
     if not isinstance(dtype, _Dtype) or order not in ("C", "F"):
-        raise _Refused("numpy.ndarray with a type that is no numpy.dtype")
+        raise Refused("numpy.ndarray with a type that is no numpy.dtype")
     shape = tuple(int(n) for n in shape)
     # A plain product of ints: numpy's own would wrap around.
     count = 1
@@ -181,22 +224,22 @@ def _reconstruct(*args: Any) -> _Array:
 
 def _reconstructor(cls: Any, base: Any, state: Any) -> Any:
     """copyreg._reconstructor: how protocols 0 and 1 make an object."""
-    if isinstance(cls, type) and issubclass(cls, _Placeholder) and base is _Object:
+    if isinstance(cls, type) and issubclass(cls, Placeholder) and base is _Object:
         return cls()
-    raise _Refused("copyreg._reconstructor of something that is no data")
+    raise Refused("copyreg._reconstructor of something that is no data")
 
 
 def _encode(text: str, encoding: str = "latin1") -> bytes:
     """_codecs.encode: how protocol 2 of Python 3 writes bytes."""
     if encoding not in ("latin1", "latin-1"):
-        raise _Refused(f"_codecs.encode with {encoding!r}")
+        raise Refused(f"_codecs.encode with {encoding!r}")
     return text.encode("latin1")
 
 
 def _bytes(*args: Any) -> bytes:
     # bytes(10**12) would allocate a terabyte.
     if args and not isinstance(args[0], (bytes, bytearray, list)):
-        raise _Refused(f"bytes of {type(args[0]).__name__}")
+        raise Refused(f"bytes of {type(args[0]).__name__}")
     return bytes(args[0]) if args else b""
 
 
@@ -210,7 +253,7 @@ def _defaultdict(*args: Any) -> dict[Any, Any]:
     return {}
 
 
-class _Object(_Placeholder):
+class _Object(Placeholder):
     """The class `object`: allowed as the base of a reconstruction only."""
 
 
@@ -233,6 +276,7 @@ _GLOBALS: dict[str, dict[str, Any]] = {
     "numpy._core.multiarray": _MULTIARRAY,
     "numpy.core.numeric": _NUMERIC,
     "numpy._core.numeric": _NUMERIC,
+    "joblib.numpy_pickle": {"NumpyArrayWrapper": _InLine},
 }
 _SPARSE_NAMES = {f"{form}_{kind}" for form in ("csc", "csr", "coo") for kind in ("matrix", "array")}
 
@@ -245,11 +289,18 @@ class _Unpickler(_PythonUnpickler):  # type: ignore[misc,valid-type]
 
     dispatch: ClassVar[dict[int, Any]] = dict(_PythonUnpickler.dispatch)
 
-    def __init__(self, data: bytes) -> None:
-        super().__init__(io.BytesIO(data), encoding="latin1")
+    def __init__(self, stream: io.BytesIO, guests: Guests | None = None, depth: int = 0) -> None:
+        if depth > _MAX_DEPTH:
+            raise ValueError("pickles within pickles")
+        super().__init__(stream, encoding="latin1")
+        self._stream = stream
+        self._guests = guests
+        self._depth = depth
 
     def find_class(self, module: str, name: str) -> Any:
         known = _GLOBALS.get(module, {})
+        if self._guests is not None:
+            known = {**known, **self._guests.globals.get(module, {})}
         if name in known:
             return known[name]
         origin = f"{module}.{name}"
@@ -257,21 +308,25 @@ class _Unpickler(_PythonUnpickler):  # type: ignore[misc,valid-type]
             return type("_Chumpy", (_Chumpy,), {"origin": origin})
         if module.startswith("scipy.sparse") and name in _SPARSE_NAMES:
             return type("_Sparse", (_Sparse,), {"origin": origin})
-        raise _Refused(origin)
+        raise Refused(origin)
 
     def persistent_load(self, pid: Any) -> Any:
-        raise _Refused("a persistent object")
+        if self._guests is None:
+            raise Refused("a persistent object")
+        return self._guests.persistent(pid)
 
     def get_extension(self, code: int) -> None:
-        raise _Refused(f"the registered extension {code}")
+        raise Refused(f"the registered extension {code}")
 
     def load_build(self) -> None:
         # Only on placeholders: the original sets attributes on anything, classes included.
         state = self.stack.pop()
         target = self.stack[-1]
-        if not isinstance(target, _Placeholder):
-            raise _Refused(f"setting the state of {type(target).__name__}")
+        if not isinstance(target, Placeholder):
+            raise Refused(f"setting the state of {type(target).__name__}")
         target.__setstate__(state)
+        if isinstance(target, _InLine):
+            target.read(self._stream, self._depth)
 
     def load_bytearray8(self) -> None:
         # The original allocates the size that the file claims before it reads.
@@ -289,9 +344,9 @@ def _settled(root: Any) -> Any:
     busy = object()
 
     def settle(value: Any) -> Any:
-        if not isinstance(value, (dict, list, tuple, set, frozenset, _Placeholder)):
+        if not isinstance(value, (dict, list, tuple, set, frozenset, Placeholder)):
             if callable(value):
-                raise _Refused("a class or function in place of data")
+                raise Refused("a class or function in place of data")
             return value
         key = id(value)
         if key in done:
@@ -301,7 +356,7 @@ def _settled(root: Any) -> Any:
         alive.append(value)
         # Lists and dicts are filled in place, so that they may contain themselves.
         done[key] = value if isinstance(value, (dict, list)) else busy
-        if isinstance(value, _Placeholder):
+        if isinstance(value, Placeholder):
             done[key] = value.resolve(settle)
         elif isinstance(value, dict):
             for name in value:
@@ -316,8 +371,8 @@ def _settled(root: Any) -> Any:
 
     def plain(value: Any) -> Any:
         """Keys and members of sets: numbers, strings, tuples."""
-        if isinstance(value, _Placeholder) or callable(value):
-            raise _Refused(f"{type(value).__name__} as a key")
+        if isinstance(value, Placeholder) or callable(value):
+            raise Refused(f"{type(value).__name__} as a key")
         if isinstance(value, (tuple, frozenset)):
             for item in value:
                 plain(item)
@@ -326,15 +381,19 @@ def _settled(root: Any) -> Any:
     return settle(root)
 
 
-def loads(data: bytes, name: str | os.PathLike[str] = "pickle") -> Any:
+def loads(
+    data: bytes, name: str | os.PathLike[str] = "pickle", guests: Guests | None = None
+) -> Any:
     """The data of a pickle in memory; `name` is what messages call it.
+
+    `guests`: what a format that is built on pickles names besides.
 
     Raises:
         FileError: It holds or calls anything but data, or is damaged or truncated.
     """
     try:
-        return _settled(_Unpickler(data).load())
-    except _Refused as refused:
+        return _settled(_Unpickler(io.BytesIO(data), guests).load())
+    except Refused as refused:
         raise FileError(
             f"{name}: unsafe or unknown content: the pickle names {refused}. Read are only numpy "
             "arrays, numbers, strings, containers, scipy.sparse matrices and chumpy arrays; "

@@ -15,6 +15,7 @@ from halfphysics.io import (
     motionx,
     smpl_codec,
     trumans_clip,
+    trumans_release,
 )
 from halfphysics.io.formats import Assets, Format, Options, Source
 from halfphysics.motion import GENDERS, MODELS, Motion
@@ -47,6 +48,7 @@ FORMATS: dict[str, Format] = {
         motionx.FORMAT,
         smpl_codec.FORMAT,
         trumans_clip.FORMAT,
+        trumans_release.FORMAT,
     )
 }
 

@@ -30,7 +30,7 @@ _RIGID_HANDS = "_rigid_hands"
 
 def _sniff(source: Source) -> bool:
     data = source.data
-    return isinstance(data, dict) and "smpl_poses" in data and "smpl_trans" in data
+    return isinstance(data, dict) and ("smpl_poses" in data or "smpl_trans" in data)
 
 
 def _load(source: Source, options: Options) -> Motion:

@@ -38,7 +38,7 @@ def rotations_of(parts: Mapping[tuple[int, ...], Array]) -> Array:
     frames = len(next(iter(parts.values())))
     full = np.zeros((frames, skeleton.N_JOINTS, 3))
     for joints, part in parts.items():
-        full[:, list(joints)] = np.asarray(part).reshape(len(part), -1, 3)
+        full[:, list(joints)] = np.asarray(part).reshape(len(part), len(joints), 3)
     return full
 
 
@@ -58,7 +58,7 @@ def same_length(where: str, lengths: Mapping[str, int]) -> int:
 
 def warn_of_degrees(where: str, rotations: Array) -> None:
     """Warn of rotations (T, J, 3) that cannot be radians."""
-    largest = float(np.linalg.norm(rotations[:, 1:], axis=-1).max(initial=0.0))
+    largest = float(np.abs(rotations[:, 1:]).max(initial=0.0))
     if largest > _DEGREES:
         warn(
             f"{where}: a joint is turned by {largest:.0f} rad; expected axis-angle in radians. "
@@ -68,6 +68,8 @@ def warn_of_degrees(where: str, rotations: Array) -> None:
 
 def warn_of_axes(where: str, rotations: Array, up: str) -> None:
     """Warn of a body that stands along the other axis from beginning to end."""
+    if not len(rotations):
+        return  # Motion says so
     spine = rot.to_matrix(rot.exp(rotations[:, 0]))[:, :, 1].mean(axis=0)
     other = "z" if up == "y" else "y"
     if spine[_AXIS[other]] > _UPRIGHT and abs(spine[_AXIS[up]]) < _ACROSS:

@@ -90,7 +90,7 @@ def _unpacked(path: Path, data: bytes) -> bytes:
             if total > MAX_BYTES:
                 raise _too_large(path, total)
             if not piece and not data and getattr(unpacker, "needs_input", True):
-                break  # it ends in the middle: the pickle says so
+                raise EOFError("it ends in the middle")
             pieces.append(piece)
     except (zlib.error, lzma.LZMAError, OSError, ValueError, EOFError) as error:
         raise FileError(

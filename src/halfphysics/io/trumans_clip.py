@@ -30,7 +30,8 @@ _EXPRESSION = "expression"
 
 def _sniff(source: Source) -> bool:
     data = source.data
-    return isinstance(data, dict) and {"global_orient", "body_pose", "transl"} <= data.keys()
+    named = {"global_orient", "body_pose", "transl"}
+    return isinstance(data, dict) and len(named & data.keys()) >= 2
 
 
 def _load(source: Source, options: Options) -> Motion:
@@ -38,7 +39,7 @@ def _load(source: Source, options: Options) -> Motion:
     parts = {
         key: record.array(key, None, 3 * len(joints), frames=options.frames)
         for key, joints in PARTS.items()
-        if key in record
+        if key in record or key in ("global_orient", "body_pose")
     }
     translation = record.array("transl", None, 3, frames=options.frames)
     lengths = {key: len(part) for key, part in parts.items()}

@@ -125,7 +125,11 @@ def _rows(source: Source, options: Options) -> tuple[Record, slice]:
     assert options.clip is not None
     start, stop = _clips(source)[options.clip]
     rows = range(start, stop)[options.frames]
-    return Record(source.path, _Arrays(source.path)), slice(rows.start, rows.stop, rows.step)
+    arrays = _Arrays(source.path)
+    per_frame = (*_NEEDED, *_HANDS, "scene_flag", "object_flag", "object_mat")
+    lengths = {k: arrays[k].shape[0] for k in per_frame if k in arrays and arrays[k].ndim}
+    same_length(str(source.path), lengths)
+    return Record(source.path, arrays), slice(rows.start, rows.stop, rows.step)
 
 
 def _load(source: Source, options: Options) -> Motion:
@@ -141,7 +145,6 @@ def _load(source: Source, options: Options) -> Motion:
         if key in record
     }
     translation = record.array("human_transl", None, 3, frames=rows)
-    same_length(where, {"human_transl": len(translation), "human_orient": len(parts[(0,)])})
     if "bad_frames" in record:
         bad = np.asarray(record.raw("bad_frames")).reshape(-1)
         count = int(((bad >= rows.start) & (bad < rows.stop)).sum())

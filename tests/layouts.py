@@ -1,0 +1,22 @@
+"""Synthetic movement to fill the layouts of data sets with: smooth, plausible, all joints bent."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from halfphysics import rotations as rot
+
+#: An upright body in files with z up stands turned by this about x.
+UPRIGHT = {"y": np.zeros(3), "z": np.array([np.pi / 2, 0.0, 0.0])}
+
+
+def movement(frames: int = 12, seed: int = 0, up: str = "z") -> tuple[np.ndarray, np.ndarray]:
+    """Translation (T, 3) and rotations (T, 55, 3) of somebody upright who wiggles all joints."""
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0.0, 1.0, frames)[:, None]
+    phase, size = rng.uniform(0, 2 * np.pi, 165), rng.normal(0, 0.3, 165)
+    rotations = (size * np.sin(2 * np.pi * t + phase)).reshape(frames, 55, 3)
+    lean = rot.multiply(rot.exp(0.5 * rotations[:, 0]), rot.exp(UPRIGHT[up]))
+    rotations[:, 0] = rot.log(lean)
+    translation = rng.normal(0, 0.2, 3) + 0.3 * np.sin(t * 2 + rng.uniform(0, 6, 3))
+    return translation, rotations

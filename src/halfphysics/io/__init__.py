@@ -35,6 +35,8 @@ __all__ = [
     "load_sequence",
     "losses",
     "save_motion",
+    "unknown",
+    "writer_of",
 ]
 
 #: Every motion format, tried in this order.
@@ -262,7 +264,7 @@ def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Form
     source = Source(path)
     format = identify(source)
     if format is None:
-        raise _unknown(source)
+        raise unknown(source)
     if format.clips is None:
         if options.clip is not None:
             raise InputError(
@@ -290,7 +292,8 @@ def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Form
     return source, format, options
 
 
-def _unknown(source: Source) -> FileError:
+def unknown(source: Source) -> FileError:
+    """What to raise for a file of no known format."""
     npz = source.npz
     if npz is not None and {"v_template", "J_regressor"} & set(npz):
         return FileError(

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.errors import FileError
-from halfphysics.io import identify, load_motion, load_sequence
+from halfphysics.io import identify, load_motion, load_sequence, unknown
 from halfphysics.io.formats import Source
 from halfphysics.validation import file_path
 
@@ -52,7 +52,7 @@ def clips(path: str | os.PathLike[str]) -> Iterator[Clip]:
         path: For example "AMASS/", "AMASS/**/*_stageii.npz" or one file.
 
     Raises:
-        FileError: There is nothing of that name.
+        FileError: There is nothing of that name, or one file that is no motion.
     """
     given = file_path(path)
     if given.exists():
@@ -79,6 +79,8 @@ def _under(path: Path, asked: bool) -> Iterator[Clip]:
         names = format.clips(source) if format.clips is not None else (None,)
         for name in names:
             yield Clip(path, format.name, name)
+    elif asked and not folder:
+        raise unknown(source)
     elif folder:
         for entry in sorted(path.iterdir()):
             yield from _under(entry, asked=False)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import functools
+import re
 
 import numpy as np
 import pytest
 from pair_judge import PairJudge
 
 import halfphysics as hp
+from halfphysics.cli import main
 from halfphysics.errors import InputError
 from halfphysics.scenarios import shake_hands
 from halfphysics.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
@@ -18,10 +19,10 @@ STILL = 0.01
 HAND = [JOINT_INDEX["right_wrist"], *RIGHT_HAND_JOINTS]
 
 
-@functools.cache
-def run(name, fps=30.0, stature=1.60):
-    sequence = hp.scenarios.load(name, fps=fps, stature=stature)
-    return sequence, simulated(sequence)
+def bodies():
+    """Two people who are not just scaled: one heavy, one light, by the default body's shapes."""
+    rng = np.random.default_rng(3)
+    return [hp.Body.default(betas=rng.normal(size=10)) for _ in range(2)]
 
 
 def simulated(sequence, **options):
@@ -39,8 +40,8 @@ def motions(result):
 
 def check_clear(sequence, result, asked_depth):
     """Clear of each other and of the floor where the motions alone are deep inside."""
-    judge = PairJudge(sequence.body)
-    asked = judge.judge([p.reference[::4] for p in result.people], skin_every=10**9)
+    judge, step = PairJudge(sequence.body), round(result.fps / 7.5)
+    asked = judge.judge([p.reference[::step] for p in result.people], skin_every=10**9)
     assert asked.gap < -asked_depth  # it can tell
     verdict = judge.judge(motions(result), skin_every=12)
     assert verdict.clear, str(verdict)
@@ -59,7 +60,8 @@ def pelvis(result):
 
 @pytest.mark.parametrize("stature", [1.60, 1.85])
 def test_two_people_who_meet_stop_clear_of_each_other(stature):
-    sequence, result = run("meet", stature=stature)
+    sequence = hp.scenarios.load("meet", stature=stature)
+    result = simulated(sequence)
     check_clear(sequence, result, 0.10)
     at = pelvis(result)
     touched = int(result.contacts.frame[result.contacts.other_part >= 0].min())
@@ -107,9 +109,11 @@ def hands(result):
     return (c.person == 0) & np.isin(c.part, HAND) & np.isin(c.other_part, HAND)
 
 
-@pytest.mark.parametrize(("fps", "stature"), [(30.0, 1.60), (60.0, 1.60), (30.0, 1.90)])
+@pytest.mark.parametrize(("fps", "stature"), [(30.0, 1.60), (60.0, 1.60), (30.0, 1.90), (30.0, 0)])
 def test_hands_are_clasped_shaken_and_let_go(fps, stature):
-    sequence, result = run("shake_hands", fps, stature)
+    who = {"stature": stature} if stature else dict(zip(("body", "other"), bodies(), strict=True))
+    sequence = hp.scenarios.load("shake_hands", fps=fps, **who)
+    result = simulated(sequence)
     check_clear(sequence, result, 0.015)
     contacts, times = result.contacts, shake_hands.held(3)
     frames = np.arange(round(times[0] * fps), round(times[1] * fps) + 1)
@@ -162,6 +166,24 @@ def test_limp_and_firm_hands():
         assert PairJudge(sequence.body).judge(motions(result), skin_every=40).clear
     assert force[2] > 1.5 * max(force[:2])
     assert bent[1][0] > 3.0 * bent[1][1]
+
+
+# -- both ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "depth"), [("meet", 50.0), ("shake_hands", 5.0)])
+def test_from_the_command_line(name, depth, tmp_path, capsys):
+    target = tmp_path / "r.npz"
+    assert main(["scenario", name, "--fps", "10", "--out", str(target)]) == 0
+    assert hp.Result.load(target).summary() in capsys.readouterr().out
+    assert main(["evaluate", str(target)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    rows = re.findall(r"^deepest in other people \[mm\] +(\S+) +(\S+)$", out, re.MULTILINE)
+    assert len(rows) == 2  # one a person
+    for asked, got in rows:
+        assert float(asked) > depth
+        assert float(got) == 0.0
 
 
 def test_mistakes():

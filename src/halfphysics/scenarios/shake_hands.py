@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.body import Body as Person
 from halfphysics.errors import InputError
 from halfphysics.motion import Motion
 from halfphysics.scenarios import arms, clasp, reaching, stage
@@ -93,6 +92,7 @@ def build(
     press: float = 0.003,
     stature: float = 1.60,
     body: Body | None = None,
+    other: Body | None = None,
 ) -> Sequence:
     """Two people walk up to each other, clasp right hands, shake them and let go.
 
@@ -103,13 +103,14 @@ def build(
         press: How far each palm wants to go into the other's [m]: the firmness of the grip.
         stature: Of the second person [m].
         body: The first person; None: the default body.
+        other: The second person; None: the default body of that stature.
     """
     if not 0 <= shakes <= 50:
         raise InputError(f"shakes: found {shakes!r}, expected 0 to 50")
     for name, value, most in (("height", height, 0.10), ("press", press, 0.02)):
         if not 0.0 <= value <= most:
             raise InputError(f"{name}: found {value!r}, expected 0 to {most:g} m")
-    people = (stage.actor(body), Person.default(stature=stature))
+    people = (stage.actor(body), stage.partner(other, stature))
     level = _HEIGHT * float(np.mean([one.stature for one in people]))
     start, plan = _start(), Walk(distance=DISTANCE, speed=SPEED)
     after = held(shakes)[1] - start + _GRIP + _MEET + _DOWN - _EARLY + 0.3

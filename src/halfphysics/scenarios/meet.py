@@ -32,7 +32,7 @@ def build(
     Args:
         fps: Frames per second.
         speed: Of both walks [m/s].
-        offset: Of one path beside the other [m]; over about 0.8 they pass each other.
+        offset: Of one path beside the other [m]; from 0.1 they brush past, from 0.8 untouched.
         stature: Of the second person [m].
         body: The first person; None: the default body.
         other: The second person; None: the default body of that stature.

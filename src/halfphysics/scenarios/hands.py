@@ -1,0 +1,96 @@
+"""Hands as they work: the thumb laid aside, fingers bent, one hand at a time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.motion import Motion
+from halfphysics.skeleton import JOINT_INDEX
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+
+Array = NDArray[np.float64]
+
+_FINGERS = ("index", "middle", "pinky", "ring")
+
+
+def thumb_aside(body: Body, side: str) -> Array:
+    """Axis-angle (3,) of the thumb's first joint that lays the thumb into the palm's plane.
+
+    At rest the thumb stands before the palm, and a flat hand that pushes meets all with it first.
+    """
+    joints = np.asarray(body.rest_joints)
+    first, last = (joints[JOINT_INDEX[f"{side}_thumb{k}"]] for k in (1, 3))
+    rest = (last - first) / np.linalg.norm(last - first)
+    flat = rest * np.array([1.0, 0.0, 1.0])  # y is up from the palm at rest
+    axis = np.cross(rest, flat)
+    out: Array = axis * (np.arctan2(np.linalg.norm(axis), rest @ flat) / np.linalg.norm(axis))
+    return out
+
+
+def pad(body: Body, side: str, curls: ArrayLike) -> Array:
+    """The middle finger's pad from the wrist: along the flat hand and toward where the palm faces.
+
+    Args:
+        body: Whose hand.
+        side: "left" or "right".
+        curls: Flexion of the finger's three joints [degrees], (T, 3).
+
+    Returns:
+        (T, 2) [m].
+    """
+    joints = np.asarray(body.rest_joints)
+    chain = joints[[JOINT_INDEX[f"{side}_{n}"] for n in ("wrist", "middle1", "middle2", "middle3")]]
+    own = np.argmax(body.weights, axis=1) == JOINT_INDEX[f"{side}_middle3"]
+    skin = np.asarray(body.rest_vertices)[own] - chain[3]
+    tip = float(np.abs(skin[:, 0]).max())
+    turned = np.cumsum(np.radians(curls), axis=-1)
+    out = np.zeros((len(turned), 2))
+    out[:, 0] = np.linalg.norm(chain[1] - chain[0])
+    # The pad is half way along the last bone, on its palm side.
+    lengths = (*np.linalg.norm(np.diff(chain[1:], axis=0), axis=1), 0.5 * tip)
+    for length, angle in zip(lengths, turned.T, strict=True):
+        out += length * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    last = turned[:, -1]
+    out += -float(skin[:, 1].min()) * np.stack([-np.sin(last), np.cos(last)], axis=-1)
+    return out
+
+
+def shaped(
+    body: Body,
+    motion: Motion,
+    side: str,
+    share: ArrayLike,
+    *,
+    curls: ArrayLike = (0.0, 0.0, 0.0),
+    thumb: bool = True,
+) -> Motion:
+    """A motion with the fingers of one hand bent as they should be.
+
+    Args:
+        body: Whose motion.
+        motion: T frames.
+        side: "left" or "right".
+        share: How much of that is done at every frame, 0 (as in `motion`) to 1, (T,) or a number.
+        curls: Flexion of the three joints of every finger [degrees], (T, 3) or (3,).
+        thumb: Whether the thumb is laid aside; else it stays as it is.
+    """
+    sign = -1.0 if side == "left" else 1.0
+    flexed = np.broadcast_to(np.radians(curls), (len(motion), 3))
+    share = np.broadcast_to(share, (len(motion),))
+    rotations = np.array(motion.rotations)
+    for finger in _FINGERS:
+        for k in range(3):
+            joint = JOINT_INDEX[f"{side}_{finger}{k + 1}"]
+            goal = np.zeros((len(motion), 3))
+            goal[:, 2] = sign * flexed[:, k]
+            rotations[:, joint] += share[:, None] * (goal - rotations[:, joint])
+    if thumb:
+        joint = JOINT_INDEX[f"{side}_thumb1"]
+        way = thumb_aside(body, side) - rotations[:, joint]
+        rotations[:, joint] += share[:, None] * way
+    return motion.with_frames(motion.translation, rotations)

@@ -1,0 +1,167 @@
+"""A drawer and a laptop's lid moved by a hand: by their joints, to their stops, by its force."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+from jointed import Jointed
+
+import halfphysics as hp
+from halfphysics.errors import InputError
+from halfphysics.scenarios import chest, close_laptop, laptop
+
+#: Scenario -> thing, link and joint that the hand moves, where it starts and where it ends.
+MOVED = {
+    "close_drawer": ("chest", "top", "top_rail", 0.28, 0.0),
+    "close_laptop": ("laptop", "lid", "hinge", laptop.OPEN, 0.0),
+}
+#: The hand is within this of what it pushes [m]: the clearance, 1 mm, and as much again.
+TOUCH = 0.002
+
+
+@functools.cache
+def done(name, fps=30.0, stiffness=0.0, options=()):
+    sequence = hp.scenarios.load(name, fps=fps, **dict(options))
+    settings = hp.Settings(stiffness=stiffness)
+    result = hp.simulate(sequence.motion, sequence.scene, body=sequence.body, settings=settings)
+    thing, link, joint, *_ = MOVED[name]
+    return sequence, result, Jointed(result, thing), link, result.joints[f"{thing}/{joint}"]
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 1.0])
+@pytest.mark.parametrize("name", MOVED)
+def test_it_moves_about_its_joint_to_its_stop_and_nobody_is_in_it(name, stiffness):
+    _, result, thing, link, value = done(name, stiffness=stiffness)
+    *_, start, end = MOVED[name]
+    place, turn = thing.off()
+    assert place < 1e-12
+    assert turn < 1e-12
+    assert thing.beyond() <= 0.0
+    assert value[0] == start
+    np.testing.assert_allclose(value[-1], end, atol=1e-6)
+    assert result.lost_time.sum() == 0.0
+    force = np.linalg.norm(thing.force(link), axis=1)
+    touched = np.flatnonzero(force > 0.5)
+    assert len(touched) > 30
+    # Where nobody touched it yet it stood still.
+    assert np.ptp(value[: touched[0] - 1]) == 0.0
+    # Other joints stay where they are.
+    own = [v for n, v in result.joints.items() if v is not value]
+    assert all(np.ptp(v) == 0.0 for v in own)
+    near = np.arange(max(0, touched[0] - 6), min(len(value), touched[-1] + 7), 2)
+    gaps = thing.gap(near)
+    assert gaps.min() > 0.0
+    assert thing.gap(touched[2:-2:4], [link]).max() < TOUCH
+    parts = {hp.JOINT_NAMES[p] for p in result.contacts.part[thing.rows(link)]}
+    assert all(p.startswith("right_") for p in parts)
+
+
+@pytest.mark.parametrize("name", MOVED)
+def test_the_motion_asked_for_goes_through_it(name):
+    """So that nothing passes through is the simulation's doing."""
+    sequence, result, *_ = done(name)
+    asked = hp.metrics.penetration(
+        sequence.motion, sequence.body, sequence.scene, objects=result.objects
+    )
+    found = hp.metrics.penetration(
+        result.motion, sequence.body, sequence.scene, objects=result.objects
+    )
+    thing, link, *_ = MOVED[name]
+    assert asked.by_name[f"{thing}/{link}"].max() > 3.0  # of 8 and 20 mm of thickness
+    assert found.depth_max_mm == 0.0
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 1.0])
+@pytest.mark.parametrize("name", MOVED)
+def test_the_same_at_other_frame_rates(name, stiffness):
+    *_, slow_thing, _, slow = done(name, 30.0, stiffness)
+    for fps in (60.0, 120.0):
+        *_, thing, link, value = done(name, fps, stiffness)
+        assert np.abs(value[:: round(fps / 30.0)] - slow).max() < 0.01 * np.ptp(slow)
+        assert thing.result.lost_time.sum() == 0.0
+        # And with the same push, over all of it [N s].
+        given = np.linalg.norm(thing.force(link), axis=1).sum() / fps
+        before = np.linalg.norm(slow_thing.force(link), axis=1).sum() / 30.0
+        assert given == pytest.approx(before, rel=0.05)
+
+
+def test_the_drawer_gets_what_the_hand_gives():
+    """Impulse along the rail: momentum gained and what the rail's damping took."""
+    mass, damping = 4.0, 20.0
+    sequence, _, thing, link, out = done("close_drawer", 120.0)
+    fps = sequence.motion.fps
+    given = np.cumsum(thing.force(link)[:, 0]) / fps
+    speed = -np.gradient(out, 1.0 / fps)
+    until = int(np.argmax(out < 0.05))  # before the stop takes any
+    pushed = int(np.argmax(out < 0.20))
+    for t in (pushed, (pushed + until) // 2, until):
+        expected = mass * speed[t] + damping * (out[0] - out[t])
+        assert given[t] == pytest.approx(expected, rel=0.02)
+    assert given[until] > 4.0
+
+
+def test_the_drawer_goes_with_the_palm():
+    """As far as the palm was meant to, from where it meets the front to where that stops."""
+    sequence, result, thing, link, out = done("close_drawer", 60.0, 1.0)
+    skin = sequence.body.vertices(sequence.motion)
+    hand = np.isin(
+        np.argmax(sequence.body.weights, axis=1),
+        [k for k, n in enumerate(hp.JOINT_NAMES) if n in ("right_wrist", "right_thumb1")],
+    )
+    ahead = np.array([v[hand, 0].max() for v in skin])
+    front = result.objects["chest/top"].position[:, 0]
+    pushing = (np.linalg.norm(thing.force(link), axis=1) > 0.5) & (out > 0.005)
+    assert pushing.sum() > 20
+    assert np.ptp(out[pushing]) > 0.2
+    np.testing.assert_allclose(front[pushing], ahead[pushing], atol=0.008)
+    assert ahead.max() > front.max() + 0.01  # and it wants to go on
+
+
+def test_the_lid_gets_what_the_fingers_give():
+    """Moment about the hinge: angular momentum, damping and weight."""
+    mass, damping = 0.6, 0.8
+    sequence, result, thing, link, angle = done("close_laptop", 120.0)
+    fps, contacts = sequence.motion.fps, result.contacts
+    rows = thing.rows(link)
+    hinge = np.add(close_laptop.HINGE, (0.0, 0.0, laptop.hinge_height()))
+    moment = np.zeros(len(angle))
+    twist = np.cross(contacts.position[rows] - hinge, -contacts.impulse[rows])[:, 1]
+    np.add.at(moment, contacts.frame[rows], twist)
+    half = 0.5 * np.array([laptop.DEPTH, laptop.LID])
+    about = mass * ((half**2).sum() * 4.0 / 3.0)
+    # The middle of the lid hangs before the hinge by so much; its weight shuts the lid.
+    before = half[0] * np.cos(angle) - half[1] * np.sin(angle)
+    weight = np.cumsum(-mass * 9.81 * before) / fps
+    speed = np.gradient(angle, 1.0 / fps)
+    start = int(np.argmax(angle < angle[0] - 1e-3))  # off the stop
+    for share in (0.8, 0.5, 0.2):
+        end = int(np.argmax(angle < share * angle[0]))
+        expected = about * (speed[end] - speed[start]) + damping * (angle[end] - angle[start])
+        given = moment[start + 1 : end + 1].sum() + weight[end] - weight[start]
+        assert given == pytest.approx(expected, rel=0.05)
+
+
+def test_the_lid_goes_with_the_finger_pads():
+    *_, angle = done("close_laptop")
+    times = np.arange(len(angle)) / 30.0
+    meant = close_laptop.lid_angle(times)
+    pulled = (times > 1.9) & (times < 3.1)
+    # Fingers of flesh and blood lie on it at an angle: within a finger's thickness of the meant.
+    assert np.abs(angle - meant)[pulled].max() < 0.02 / close_laptop.ALONG
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "words"),
+    [
+        ("close_drawer", {"mass": 0.0}, "mass"),
+        ("close_drawer", {"damping": -1.0}, "damping"),
+        ("close_drawer", {"out": chest.TRAVEL + 0.01}, "out"),
+        ("close_laptop", {"mass": 0.0}, "mass"),
+        ("close_laptop", {"press": 1.0}, "press"),
+    ],
+)
+def test_impossible_options_are_refused(name, options, words):
+    with pytest.raises(InputError, match=words):
+        hp.scenarios.load(name, **options)

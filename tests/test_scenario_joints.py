@@ -157,7 +157,7 @@ def test_the_lid_goes_with_the_finger_pads():
     [
         ("close_drawer", {"mass": 0.0}, "mass"),
         ("close_drawer", {"damping": -1.0}, "damping"),
-        ("close_drawer", {"out": chest.TRAVEL + 0.01}, "out"),
+        ("close_drawer", {"travel": chest.TRAVEL + 0.01}, "travel"),
         ("close_laptop", {"mass": 0.0}, "mass"),
         ("close_laptop", {"press": 1.0}, "press"),
     ],

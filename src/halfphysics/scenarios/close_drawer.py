@@ -30,7 +30,7 @@ def build(
     fps: float = 30.0,
     mass: float = 4.0,
     damping: float = 20.0,
-    out: float = 0.28,
+    travel: float = 0.28,
     press: float = 0.02,
     body: Body | None = None,
 ) -> Sequence:
@@ -40,20 +40,20 @@ def build(
         fps: Frames per second.
         mass: Of the drawer and what is in it [kg].
         damping: Of its rails [N s/m].
-        out: How far it is out at first [m].
+        travel: How far it is out at first, and so is pushed [m].
         press: How far beyond the shut front the palm wants to go [m].
         body: Who pushes; None: the default body, which the chest is sized for.
     """
-    out = number(out, "out", least=0.0, most=chest.TRAVEL, unit="m")
+    travel = number(travel, "travel", least=0.0, most=chest.TRAVEL, unit="m")
     press = number(press, "press", least=0.0, most=0.05, unit="m")
     actor = stage.actor(body)
     scene = stage.floor()
-    chest.add_chest(scene, FRONT, mass=mass, damping=damping, out={"top": out})
+    chest.add_chest(scene, FRONT, mass=mass, damping=damping, out={"top": travel})
 
     wrist_y = _PLACE[0]
     wrist_z = chest.DRAWERS["top"] + _PLACE[1] - reaching.palm_ahead(actor, "right")
     depth = reaching.palm_depth(actor, "right")
-    before = (FRONT - out - _BEFORE - depth, wrist_y, wrist_z)
+    before = (FRONT - travel - _BEFORE - depth, wrist_y, wrist_z)
     shut = (FRONT + press - depth, wrist_y, wrist_z)
     act = Act(actor)
     # Palm ahead, fingers up: turned so beside the chest, before the hand goes up to the front.

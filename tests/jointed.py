@@ -14,6 +14,8 @@ from coal_shapes import coal_hull, coal_shape
 from posed_skin import Skinner
 
 from halfphysics import rotations as rot
+from halfphysics.metrics import penetration
+from halfphysics.result import ObjectTrack
 
 #: Farther than this two things are not looked at [m].
 NEAR = 0.03
@@ -36,7 +38,7 @@ class Jointed:
         return self.result.scene.articulated[self.name]
 
     def values(self):
-        """Of every joint the values (T,), as MuJoCo's own model of the same text has them."""
+        """MuJoCo's own model of the same text, and of every joint the values (T, ...)."""
         own = {n.split("/", 1)[1]: v for n, v in self.result.joints.items()}
         model = mujoco.MjModel.from_xml_string(self.thing.xml)
         return model, [own[model.joint(j).name] for j in range(model.njnt)]
@@ -46,14 +48,18 @@ class Jointed:
         model, values = self.values()
         data = mujoco.MjData(model)
         out = {}
+        base, origin = rot.to_matrix(self.thing.quaternion), self.thing.position
+        free = [j for j in range(model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_FREE]
+        # A free joint's coordinates are of the world, all others are of the thing's frame.
+        loose = {int(model.body_rootid[model.jnt_bodyid[j]]) for j in free}
         for t in range(len(values[0])):
-            data.qpos[:] = [v[t] for v in values]
+            data.qpos[:] = np.concatenate([np.atleast_1d(v[t]) for v in values])
             mujoco.mj_kinematics(model, data)
             for b in range(model.nbody):
-                x, m = data.xpos[b], data.xmat[b].reshape(3, 3)
-                turn = rot.to_matrix(self.thing.quaternion)
-                place = turn @ x + self.thing.position, turn @ m
-                out.setdefault(model.body(b).name, []).append(place)
+                x, m = data.xpos[b].copy(), data.xmat[b].reshape(3, 3).copy()
+                if int(model.body_rootid[b]) not in loose:
+                    x, m = base @ x + origin, base @ m
+                out.setdefault(model.body(b).name, []).append((x, m))
         return {
             name: (np.array([p for p, _ in places]), np.array([m for _, m in places]))
             for name, places in out.items()
@@ -73,8 +79,9 @@ class Jointed:
     def beyond(self):
         """How far joints are past their limits at most, in MuJoCo's reading [rad or m]."""
         model, values = self.values()
-        low = [model.jnt_range[j, 0] - v.min() for j, v in enumerate(values)]
-        high = [v.max() - model.jnt_range[j, 1] for j, v in enumerate(values)]
+        limited = [j for j in range(model.njnt) if model.jnt_limited[j]]
+        low = [model.jnt_range[j, 0] - values[j].min() for j in limited]
+        high = [values[j].max() - model.jnt_range[j, 1] for j in limited]
         return max(*low, *high)
 
     def gap(self, frames, links=None):
@@ -114,6 +121,17 @@ class Jointed:
                     coal.distance(made[h], coal.Transform3s(), solid, there, request, found)
                     out[k] = min(out[k], found.min_distance)
         return out
+
+    def penetration(self, motion, every=4):
+        """`metrics.penetration` of a motion, things where the result has them; some frames."""
+        objects = {
+            name: ObjectTrack(
+                position=track.position[::every], quaternion=track.quaternion[::every]
+            )
+            for name, track in self.result.objects.items()
+        }
+        body, scene = self.result.people[0].body, self.result.scene
+        return penetration(motion[::every], body, scene, objects=objects)
 
     def force(self, link):
         """Of the person on a link, mean over each frame [N], (T, 3)."""

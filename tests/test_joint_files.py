@@ -52,7 +52,7 @@ def test_a_laptop_from_urdf_closes_as_the_one_from_mjcf(stiffness):
         )
     scene.add_articulated(
         "laptop",
-        urdf(0.6, 0.8),
+        urdf(*(hp.scenarios.options("close_laptop")[n] for n in ("mass", "damping"))),
         position=close_laptop.HINGE,
         friction=stage.WOOD,
         joints={"hinge": laptop.OPEN},

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 #: Point of the desk below the middle of the hinge [m].
 HINGE = (0.47, -0.08, laptop.DESK)
+#: Near edge of the desk ahead of the person [m].
+_EDGE = 0.22
 #: Where the finger pads are on the lid [m] from the hinge.
 ALONG = 0.185
 #: Before they touch: behind the lid, and above it [m].
@@ -33,8 +35,8 @@ _START, _UP, _OVER, _BEHIND_IT, _PULL, _SHUT, _LEAVE, _END = 0.2, 0.9, 1.2, 1.6,
 def build(
     *,
     fps: float = 30.0,
-    mass: float = 0.6,
-    damping: float = 0.8,
+    mass: float = 0.35,
+    damping: float = 0.5,
     press: float = 0.01,
     body: Body | None = None,
 ) -> Sequence:
@@ -52,7 +54,7 @@ def build(
     scene = stage.floor()
     laptop.add_laptop(scene, HINGE, mass=mass, damping=damping, angle=laptop.OPEN)
     lean = laptop.Lean(start=_START, back=_LEAVE, seconds=1.0, degrees=16.0)
-    base = laptop.seated(actor, scene, _END + 0.3, fps, lean)
+    base = laptop.seated(actor, scene, _END + 0.3, fps, edge=_EDGE, lean=lean)
     return Sequence(_closing(actor, base, press), scene, actor)
 
 

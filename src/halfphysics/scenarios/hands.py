@@ -32,6 +32,27 @@ def thumb_aside(body: Body, side: str) -> Array:
     return out
 
 
+def _chain(body: Body, side: str) -> tuple[Array, Array]:
+    """Of the middle finger: its joints from the wrist on (4, 3), skin of its end from the last."""
+    joints = np.asarray(body.rest_joints)
+    chain = joints[[JOINT_INDEX[f"{side}_{n}"] for n in ("wrist", "middle1", "middle2", "middle3")]]
+    own = np.argmax(body.weights, axis=1) == JOINT_INDEX[f"{side}_middle3"]
+    return chain, np.asarray(body.rest_vertices)[own] - chain[3]
+
+
+def _on_last(body: Body, side: str, curls: ArrayLike, ahead: float, toward: float) -> Array:
+    """A point of the middle finger's last bone from the wrist, as `pad`."""
+    chain, _ = _chain(body, side)
+    turned = np.cumsum(np.radians(curls), axis=-1)
+    out = np.zeros((len(turned), 2))
+    out[:, 0] = np.linalg.norm(chain[1] - chain[0])
+    lengths = (*np.linalg.norm(np.diff(chain[1:], axis=0), axis=1), ahead)
+    for length, angle in zip(lengths, turned.T, strict=True):
+        out += length * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    last = turned[:, -1]
+    return out + toward * np.stack([-np.sin(last), np.cos(last)], axis=-1)
+
+
 def pad(body: Body, side: str, curls: ArrayLike) -> Array:
     """The middle finger's pad from the wrist: along the flat hand and toward where the palm faces.
 
@@ -43,21 +64,17 @@ def pad(body: Body, side: str, curls: ArrayLike) -> Array:
     Returns:
         (T, 2) [m].
     """
-    joints = np.asarray(body.rest_joints)
-    chain = joints[[JOINT_INDEX[f"{side}_{n}"] for n in ("wrist", "middle1", "middle2", "middle3")]]
-    own = np.argmax(body.weights, axis=1) == JOINT_INDEX[f"{side}_middle3"]
-    skin = np.asarray(body.rest_vertices)[own] - chain[3]
-    tip = float(np.abs(skin[:, 0]).max())
-    turned = np.cumsum(np.radians(curls), axis=-1)
-    out = np.zeros((len(turned), 2))
-    out[:, 0] = np.linalg.norm(chain[1] - chain[0])
-    # The pad is half way along the last bone, on its palm side.
-    lengths = (*np.linalg.norm(np.diff(chain[1:], axis=0), axis=1), 0.5 * tip)
-    for length, angle in zip(lengths, turned.T, strict=True):
-        out += length * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    last = turned[:, -1]
-    out += -float(skin[:, 1].min()) * np.stack([-np.sin(last), np.cos(last)], axis=-1)
-    return out
+    skin = _chain(body, side)[1]
+    return _on_last(body, side, curls, 0.5 * np.abs(skin[:, 0]).max(), -float(skin[:, 1].min()))
+
+
+def tip(body: Body, side: str, curls: ArrayLike) -> tuple[Array, float]:
+    """A ball in the middle finger's tip: its middle (T, 2) as `pad`, its radius [m]."""
+    skin = _chain(body, side)[1]
+    low, high = float(skin[:, 1].min()), float(skin[:, 1].max())
+    radius = 0.5 * (high - low)
+    ahead = float(np.abs(skin[:, 0]).max()) - radius
+    return _on_last(body, side, curls, ahead, -0.5 * (low + high)), radius
 
 
 def shaped(

@@ -25,10 +25,10 @@ GAP, FEET = 0.003, 0.004
 #: How far the lid opens [rad].
 OPEN = np.radians(110.0)
 #: The recess in the base's front edge under the lid [m]: half its width, its depth.
-RECESS_HALF, RECESS_DEEP = 0.065, 0.035
+RECESS_HALF, RECESS_DEEP = 0.075, 0.035
 
-#: Near right and far left corner of the desk, height of its top [m].
-DESK_LOW, DESK_HIGH, DESK = (0.22, -0.60), (0.85, 0.60), 0.74
+#: Of the desk [m]: depth, width, height of its top.
+_DEEP, _WIDE, DESK = 0.63, 1.20, 0.74
 #: Height of the pelvis of who sits there [m].
 _SITS = 0.56
 #: Palms that rest are this far over the desk [m].
@@ -115,7 +115,16 @@ def add_laptop(
     )
 
 
-def seated(body: Body, scene: Scene, seconds: float, fps: float, lean: Lean) -> Motion:
+def seated(
+    body: Body,
+    scene: Scene,
+    seconds: float,
+    fps: float,
+    *,
+    edge: float,
+    lean: Lean,
+    right: tuple[float, float, float] | None = None,
+) -> Motion:
     """A person who sits at a desk, hands over it; adds "table", its legs and "chair".
 
     Args:
@@ -123,15 +132,19 @@ def seated(body: Body, scene: Scene, seconds: float, fps: float, lean: Lean) -> 
         scene: Gets the furniture.
         seconds: How long.
         fps: Frames per second.
+        edge: The desk's near edge ahead of the person [m].
         lean: When the trunk leans ahead, and how far.
+        right: Where the right wrist is (3,) [m]; None: on the desk, as the left one.
     """
-    table(scene, DESK_LOW, DESK_HIGH, DESK)
+    table(scene, (edge, -0.5 * _WIDE), (edge + _DEEP, 0.5 * _WIDE), DESK)
     act = Act(body)
     ankle = act["left_foot"][2]
     act.begin(pelvis=(0.0, 0.0, _SITS), bend=(4.0, 0.0, 0.0), knees=(1.0, 0.0, 0.4), nod=8.0)
     act.begin(elbows=(-0.5, 0.7, -0.8))
     level = DESK + reaching.palm_depth(body, "left") + _OVER
-    act.begin(**act.both(foot=(0.38, 0.11, ankle), hand=(0.25, 0.37, level), hold=1.0))
+    act.begin(**act.both(foot=(0.38, 0.11, ankle), hand=(edge + 0.03, 0.37, level), hold=1.0))
+    if right is not None:
+        act.begin(right_hand=right)
     act.move(lean.start, lean.seconds, bend=(lean.degrees, 0.0, 0.0))
     act.move(lean.back, lean.seconds, bend=(4.0, 0.0, 0.0))
     motion = act.motion(seconds, fps)

@@ -10,12 +10,13 @@ from jointed import Jointed
 
 import halfphysics as hp
 from halfphysics.errors import InputError
-from halfphysics.scenarios import chest, close_laptop, laptop, open_laptop
+from halfphysics.scenarios import chest, close_laptop, laptop, open_drawer, open_laptop
 
 #: Scenario -> thing, link and joint that the hand moves, where it starts and where it ends.
 MOVED = {
     "close_drawer": ("chest", "top", "top_rail", 0.28, 0.0),
     "close_laptop": ("laptop", "lid", "hinge", laptop.OPEN, 0.0),
+    "open_drawer": ("chest", "top", "top_rail", 0.0, chest.TRAVEL),
     "open_laptop": ("laptop", "lid", "hinge", 0.0, laptop.OPEN),
 }
 #: Fingers whose joints have no stiffness bend rather than lift a lid.
@@ -44,7 +45,9 @@ def test_it_moves_about_its_joint_to_its_stop_and_nobody_is_in_it(name, stiffnes
     assert thing.beyond() <= 0.0
     assert value[0] == start
     if (name, stiffness) != LIMP:
-        np.testing.assert_allclose(value[-1], end, atol=1e-6)
+        np.testing.assert_allclose(np.abs(value - end).min(), 0.0, atol=1e-6)
+        # A hand that unhooks may take it along a little.
+        assert abs(value[-1] - end) < 0.01 * abs(end - start)
     assert result.lost_time.sum() == 0.0
     force = np.linalg.norm(thing.force(link), axis=1)
     touched = np.flatnonzero(force > 0.5)
@@ -88,19 +91,19 @@ def test_the_same_at_other_frame_rates(name, stiffness):
         assert given == pytest.approx(before, rel=0.05)
 
 
-def test_the_drawer_gets_what_the_hand_gives():
+@pytest.mark.parametrize("name", ["close_drawer", "open_drawer"])
+def test_the_drawer_gets_what_the_hand_gives(name):
     """Impulse along the rail: momentum gained and what the rail's damping took."""
-    mass, damping = (hp.scenarios.options("close_drawer")[n] for n in ("mass", "damping"))
-    sequence, _, thing, link, out = done("close_drawer", 120.0)
-    fps = sequence.motion.fps
-    given = np.cumsum(thing.force(link)[:, 0]) / fps
-    speed = -np.gradient(out, 1.0 / fps)
-    until = int(np.argmax(out < 0.05))  # before the stop takes any
-    pushed = int(np.argmax(out < 0.20))
-    for t in (pushed, (pushed + until) // 2, until):
-        expected = mass * speed[t] + damping * (out[0] - out[t])
+    mass, damping = (hp.scenarios.options(name)[n] for n in ("mass", "damping"))
+    sequence, _, thing, link, out = done(name, 120.0)
+    fps, (*_, start, end) = sequence.motion.fps, MOVED[name]
+    given = -np.cumsum(thing.force(link)[:, 0]) / fps  # the rail leads toward -x
+    speed = np.gradient(out, 1.0 / fps)
+    for share in (0.3, 0.5, 0.8):  # before the stop takes any
+        t = int(np.argmax(np.abs(out - start) > share * abs(end - start)))
+        expected = mass * speed[t] + damping * (out[t] - out[0])
         assert given[t] == pytest.approx(expected, rel=0.02)
-    assert given[until] > 4.0
+        assert abs(given[t]) > 1.0
 
 
 def test_the_drawer_goes_with_the_palm():
@@ -156,6 +159,14 @@ def test_the_lid_goes_with_the_fingers(scenario):
     assert np.abs(angle - meant)[moving].max() < 0.02 / scenario.ALONG
 
 
+def test_the_drawer_goes_with_the_hooked_fingers():
+    *_, out = done("open_drawer", 30.0, 1.0)
+    meant = open_drawer.meant(np.arange(len(out)) / 30.0, 0.015)
+    moving = (meant > 0.03) & (meant < chest.TRAVEL)
+    assert moving.sum() > 10
+    assert np.abs(out - meant)[moving].max() < 0.02  # a finger's thickness
+
+
 def test_limp_fingers_bend_and_do_not_lift_the_lid():
     """Who has no stiffness is moved by the lid, not the lid by them; the fingers stay below it."""
     sequence, result, *_, angle = done("open_laptop")
@@ -175,6 +186,7 @@ def test_limp_fingers_bend_and_do_not_lift_the_lid():
         ("close_drawer", {"travel": chest.TRAVEL + 0.01}, "travel"),
         ("close_laptop", {"mass": 0.0}, "mass"),
         ("close_laptop", {"press": 1.0}, "press"),
+        ("open_drawer", {"beyond": 0.2}, "beyond"),
         ("open_laptop", {"press": -0.1}, "press"),
         ("open_laptop", {"damping": -1.0}, "damping"),
     ],

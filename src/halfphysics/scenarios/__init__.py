@@ -29,6 +29,7 @@ _MODULES = {
     "leg_through_table": "leg_through_table",
     "lift_suitcase": "lift_suitcase",
     "meet": "meet",
+    "open_drawer": "open_drawer",
     "open_laptop": "open_laptop",
     "place_glass": "place_glass",
     "push_door": "push_door",

@@ -40,16 +40,21 @@ def _chain(body: Body, side: str) -> tuple[Array, Array]:
     return chain, np.asarray(body.rest_vertices)[own] - chain[3]
 
 
-def _on_last(body: Body, side: str, curls: ArrayLike, ahead: float, toward: float) -> Array:
-    """A point of the middle finger's last bone from the wrist, as `pad`."""
+def _on_bone(
+    body: Body, side: str, curls: ArrayLike, bone: int, ahead: float, toward: float
+) -> Array:
+    """A point by a bone (0 to 2) of the middle finger, from the wrist, as `pad`.
+
+    `ahead` of the bone's joint, `toward` where its inner side faces [m].
+    """
     chain, _ = _chain(body, side)
     turned = np.cumsum(np.radians(curls), axis=-1)
     out = np.zeros((len(turned), 2))
     out[:, 0] = np.linalg.norm(chain[1] - chain[0])
-    lengths = (*np.linalg.norm(np.diff(chain[1:], axis=0), axis=1), ahead)
-    for length, angle in zip(lengths, turned.T, strict=True):
+    lengths = (*np.linalg.norm(np.diff(chain[1:], axis=0), axis=1)[:bone], ahead)
+    for length, angle in zip(lengths, turned.T[: bone + 1], strict=True):
         out += length * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    last = turned[:, -1]
+    last = turned[:, bone]
     return out + toward * np.stack([-np.sin(last), np.cos(last)], axis=-1)
 
 
@@ -65,7 +70,14 @@ def pad(body: Body, side: str, curls: ArrayLike) -> Array:
         (T, 2) [m].
     """
     skin = _chain(body, side)[1]
-    return _on_last(body, side, curls, 0.5 * np.abs(skin[:, 0]).max(), -float(skin[:, 1].min()))
+    return _on_bone(body, side, curls, 2, 0.5 * np.abs(skin[:, 0]).max(), -float(skin[:, 1].min()))
+
+
+def hook(body: Body, side: str, curls: ArrayLike) -> Array:
+    """The inner side of the middle finger's second bone, near its end, (T, 2) as `pad`."""
+    chain, skin = _chain(body, side)
+    long = float(np.linalg.norm(chain[3] - chain[2]))
+    return _on_bone(body, side, curls, 1, 0.8 * long, -float(skin[:, 1].min()))
 
 
 def tip(body: Body, side: str, curls: ArrayLike) -> tuple[Array, float]:
@@ -74,7 +86,7 @@ def tip(body: Body, side: str, curls: ArrayLike) -> tuple[Array, float]:
     low, high = float(skin[:, 1].min()), float(skin[:, 1].max())
     radius = 0.5 * (high - low)
     ahead = float(np.abs(skin[:, 0]).max()) - radius
-    return _on_last(body, side, curls, ahead, -0.5 * (low + high)), radius
+    return _on_bone(body, side, curls, 2, ahead, -0.5 * (low + high)), radius
 
 
 def shaped(

@@ -84,11 +84,14 @@ class Jointed:
         high = [values[j].max() - model.jnt_range[j, 1] for j in limited]
         return max(*low, *high)
 
-    def gap(self, frames, links=None):
-        """Smallest distances of the person's skin hulls from solids of links [m], (frames,)."""
+    def gap(self, frames, links=None, motion=None):
+        """Smallest distances of the person's skin hulls from solids of links [m], (frames,).
+
+        `motion`: another than the result's; negative where it is inside.
+        """
         person = self.result.people[0]
         hulls = person.body.skin_corners
-        motion = person.motion
+        motion = person.motion if motion is None else motion
         skin = Skinner(person.body, samples=0).vertices(
             motion.translation[frames], motion.rotations[frames], np.eye(3)
         )[:, hulls.vertex]

@@ -23,6 +23,8 @@ MOVED = {
 LIMP = ("open_laptop", 0.0)
 #: The hand is within this of what it pushes [m]: the clearance, 1 mm, and as much again.
 TOUCH = 0.002
+#: Fingers that push bend back by so much [m], and lie on things at an angle.
+GIVE = 0.025
 
 
 @functools.cache
@@ -73,6 +75,9 @@ def test_the_motion_asked_for_goes_through_it(name):
     thing, link, *_ = MOVED[name]
     assert asked.by_name[f"{thing}/{link}"].max() > 3.0  # of half their 8 and 20 mm
     assert found.depth_max_mm == 0.0
+    # The other judge can tell, too.
+    frames = np.arange(0, len(sequence.motion), 4)
+    assert seen.gap(frames, [link], sequence.motion).min() < -0.003
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 1.0])
@@ -106,21 +111,20 @@ def test_the_drawer_gets_what_the_hand_gives(name):
         assert abs(given[t]) > 1.0
 
 
-def test_the_drawer_goes_with_the_palm():
-    """As far as the palm was meant to, from where it meets the front to where that stops."""
+def test_the_drawer_goes_with_the_finger_pads():
+    """As far as they were meant to, from where they meet the front to where that stops."""
     sequence, result, thing, link, out = done("close_drawer", 60.0, 1.0)
     skin = sequence.body.vertices(sequence.motion)
-    hand = np.isin(
-        np.argmax(sequence.body.weights, axis=1),
-        [k for k, n in enumerate(hp.JOINT_NAMES) if n in ("right_wrist", "right_thumb1")],
-    )
+    part = np.argmax(sequence.body.weights, axis=1)
+    hand = np.isin(part, [k for k, n in enumerate(hp.JOINT_NAMES) if n == "right_middle3"])
     ahead = np.array([v[hand, 0].max() for v in skin])
     front = result.objects["chest/top"].position[:, 0]
     pushing = (np.linalg.norm(thing.force(link), axis=1) > 0.5) & (out > 0.005)
     assert pushing.sum() > 20
     assert np.ptp(out[pushing]) > 0.2
-    np.testing.assert_allclose(front[pushing], ahead[pushing], atol=0.008)
-    assert ahead.max() > front.max() + 0.01  # and it wants to go on
+    np.testing.assert_allclose(front[pushing], ahead[pushing], atol=GIVE)
+    np.testing.assert_allclose(np.ptp(front), 0.28, atol=1e-6)
+    assert ahead.max() > front.max() + 0.01  # and they want to go on
 
 
 def test_the_lid_gets_what_the_fingers_give():
@@ -149,14 +153,13 @@ def test_the_lid_gets_what_the_fingers_give():
 
 @pytest.mark.parametrize("scenario", [close_laptop, open_laptop])
 def test_the_lid_goes_with_the_fingers(scenario):
-    """Within what a finger that lies on it at an angle makes of its own thickness."""
     name = scenario.__name__.rsplit(".", 1)[1]
     *_, angle = done(name, 30.0, 1.0)
     times = np.arange(len(angle)) / 30.0
     meant = scenario.lid_angle(times)
     moving = (meant > 0.1) & (meant < laptop.OPEN - 0.3)
     assert moving.sum() > 20
-    assert np.abs(angle - meant)[moving].max() < 0.02 / scenario.ALONG
+    assert np.abs(angle - meant)[moving].max() < GIVE / scenario.ALONG
 
 
 def test_the_drawer_goes_with_the_hooked_fingers():
@@ -164,7 +167,7 @@ def test_the_drawer_goes_with_the_hooked_fingers():
     meant = open_drawer.meant(np.arange(len(out)) / 30.0, 0.015)
     moving = (meant > 0.03) & (meant < chest.TRAVEL)
     assert moving.sum() > 10
-    assert np.abs(out - meant)[moving].max() < 0.02  # a finger's thickness
+    assert np.abs(out - meant)[moving].max() < GIVE
 
 
 def test_limp_fingers_bend_and_do_not_lift_the_lid():

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from halfphysics.scenarios import arms, hands, laptop, reaching, stage
 from halfphysics.scenarios.gait import ease
+from halfphysics.scenarios.legs import about
 from halfphysics.sequence import Sequence
 from halfphysics.validation import number
 
@@ -19,15 +20,17 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: Point of the desk below the middle of the hinge [m].
-HINGE = (0.47, -0.08, laptop.DESK)
+HINGE = (0.49, -0.08, laptop.DESK)
 #: Near edge of the desk ahead of the person [m].
-_EDGE = 0.22
+_EDGE = 0.24
 #: Where the finger pads are on the lid [m] from the hinge.
 ALONG = 0.185
 #: Before they touch: behind the lid, and above it [m].
-_BEHIND, _ABOVE = 0.03, 0.16
+_BEHIND, _ABOVE = 0.03, 0.12
 #: At the open lid and at the shut one [degrees]: how far the fingers point down, their flexion.
-_PITCH, _CURLS = (55.0, 2.0), ((22.0, 22.0, 16.0), (6.0, 4.0, 4.0))
+_PITCH, _CURLS = (45.0, 0.0), ((32.0, 25.0, 15.0), (8.0, 4.0, 4.0))
+#: Fingers point this much to the left of ahead [degrees]: the elbow is out at the right.
+_YAW = 30.0
 # Seconds: the hand is up, above the lid, behind it, has closed it, leaves it, rests again.
 _START, _UP, _OVER, _BEHIND_IT, _PULL, _SHUT, _LEAVE, _END = 0.2, 0.9, 1.2, 1.6, 1.6, 3.2, 3.6, 4.5
 
@@ -53,7 +56,7 @@ def build(
     actor = stage.actor(body)
     scene = stage.floor()
     laptop.add_laptop(scene, HINGE, mass=mass, damping=damping, angle=laptop.OPEN)
-    lean = laptop.Lean(start=_START, back=_LEAVE, seconds=1.0, degrees=16.0)
+    lean = laptop.Lean(start=_START, back=_LEAVE, seconds=1.0, degrees=22.0)
     base = laptop.seated(actor, scene, _END + 0.3, fps, edge=_EDGE, lean=lean)
     return Sequence(_closing(actor, base, press), scene, actor)
 
@@ -84,8 +87,9 @@ def _closing(body: Body, base: Motion, press: float) -> Motion:
     pads = np.add(HINGE, (0.0, 0.0, laptop.hinge_height()))
     pads = pads + ALONG * along + off[:, None] * outward
     pads[:, 2] += _ABOVE * (1.0 - gone(_OVER, _BEHIND_IT))
-    fingers = np.stack([np.cos(pitch), zero, -np.sin(pitch)], axis=-1)
-    facing = np.stack([-np.sin(pitch), zero, -np.cos(pitch)], axis=-1)
+    turned = about(2, np.radians(_YAW))
+    fingers = np.stack([np.cos(pitch), zero, -np.sin(pitch)], axis=-1) @ turned.T
+    facing = np.stack([-np.sin(pitch), zero, -np.cos(pitch)], axis=-1) @ turned.T
     way = hands.pad(body, "right", curls)
     wrist = pads - way[:, :1] * fingers - way[:, 1:] * facing
     # Up beside the laptop first, then over its lid; when it is shut, up a little and aside.
@@ -95,6 +99,6 @@ def _closing(body: Body, base: Motion, press: float) -> Motion:
     hand = arms.palm_frame("right", fingers, facing)
     share = gone(_START, _UP) * (1.0 - gone(_LEAVE + 0.3, _END))
     motion = reaching.reach(
-        body, base, "right", wrist, hand, share, pole=np.array([-0.5, -0.7, -0.6])
+        body, base, "right", wrist, hand, share, pole=np.array([-0.3, -1.0, -0.3])
     )
     return hands.shaped(body, motion, "right", share, curls=curls, thumb=False)

@@ -170,6 +170,43 @@ def test_the_drawer_goes_with_the_hooked_fingers():
     assert np.abs(out - meant)[moving].max() < GIVE
 
 
+@pytest.mark.parametrize("stiffness", [0.0, 1.0])
+def test_a_door_that_swings_to_its_stop(stiffness):
+    """The same judge, for a door whose hinge hardly holds it back."""
+    sequence = hp.scenarios.load("push_door", damping=0.05)
+    settings = hp.Settings(stiffness=stiffness)
+    result = hp.simulate(sequence.motion, sequence.scene, body=sequence.body, settings=settings)
+    thing, angle = Jointed(result, "door"), result.joints["door/hinge"]
+    assert max(thing.off()) < 1e-12
+    assert thing.beyond() <= 0.0
+    assert np.radians(110.0) - angle.max() < 1e-6
+    assert result.lost_time.sum() == 0.0
+    touched = np.flatnonzero(np.linalg.norm(thing.force("panel"), axis=1) > 0.5)
+    assert len(touched) > 3
+    near = np.arange(max(0, touched[0] - 6), min(len(angle), touched[-1] + 12), 3)
+    assert thing.gap(near).min() > 0.0
+
+
+@pytest.mark.parametrize("name", MOVED)
+def test_motions_are_smooth_and_wrists_bend_as_wrists_do(name):
+    fps = 120.0
+    sequence = hp.scenarios.load(name, fps=fps)
+    motion, body = sequence.motion, sequence.body
+    joints = body.joints(motion)
+    assert np.linalg.norm(np.diff(joints, axis=0), axis=-1).max() * fps < 3.0
+    assert np.linalg.norm(np.diff(joints, 2, axis=0), axis=-1).max() * fps**2 < 40.0
+    slow = body.joints(hp.scenarios.load(name, fps=30.0).motion)
+    assert np.abs(joints[::4][: len(slow)] - slow).max() < 1e-9
+    elbow, wrist, knuckle = (
+        joints[:, hp.JOINT_NAMES.index(f"right_{n}")] for n in ("elbow", "wrist", "middle1")
+    )
+    fore, hand = wrist - elbow, knuckle - wrist
+    cosine = np.sum(fore * hand, axis=1) / np.prod(
+        [np.linalg.norm(v, axis=1) for v in (fore, hand)], axis=0
+    )
+    assert np.degrees(np.arccos(cosine)).max() < 95.0
+
+
 def test_limp_fingers_bend_and_do_not_lift_the_lid():
     """Who has no stiffness is moved by the lid, not the lid by them; the fingers stay below it."""
     sequence, result, *_, angle = done("open_laptop")

@@ -24,7 +24,7 @@ HINGE = (0.49, -0.08, laptop.DESK)
 #: Near edge of the desk ahead of the person [m].
 _EDGE = 0.24
 #: Where the finger pads are on the lid [m] from the hinge.
-ALONG = 0.185
+ALONG = 0.198
 #: Before they touch: behind the lid, and above it [m].
 _BEHIND, _ABOVE = 0.03, 0.12
 #: At the open lid and at the shut one [degrees]: how far the fingers point down, their flexion.

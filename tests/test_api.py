@@ -79,7 +79,7 @@ PARAMETERS = {
     "Result.parts": "self person",
     "metrics.mpjpe": "a b body",
     "metrics.mpjpe_global": "a b body",
-    "metrics.penetration": "motion body scene * objects threads progress",
+    "metrics.penetration": "motion body scene * objects people threads progress",
     "scenarios.names": "",
     "scenarios.load": "name ** chosen",
 }

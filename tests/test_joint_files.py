@@ -10,6 +10,7 @@ from test_scenario_joints import done
 import halfphysics as hp
 from halfphysics.scenarios import arms, close_laptop, laptop, reaching, stage
 from halfphysics.scenarios.gait import Walk, ease, pose_at
+from halfphysics.skeleton import RIGHT_HAND_JOINTS
 
 _BOX = """<collision><origin xyz="{at[0]} {at[1]} {at[2]}"/>
 <geometry><box size="{size[0]} {size[1]} {size[2]}"/></geometry></collision>"""
@@ -98,7 +99,10 @@ def cut(free, stiffness=0.0, fps=30.0):
     wrist[:] = (RIVET[0] - 0.18, 0.0, TABLE + 0.056)
     wrist[:, 1] = palm - reaching.palm_depth(body, "right")
     hand = np.repeat(arms.palm_frame("right", [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), len(base), axis=0)
-    motion = reaching.reach(body, base, "right", wrist, hand, share, pole=(-0.3, -1.0, -0.3))
+    flat = {j: np.zeros((len(base), 3)) for j in RIGHT_HAND_JOINTS}
+    motion = reaching.reach(
+        body, base, "right", wrist, hand, share, pole=(-0.3, -1.0, -0.3), fingers=flat
+    )
     scene = stage.floor()
     scene.add_static("table", hp.Box((0.5, 0.5, 0.04)), position=(0.46, 0.05, TABLE - 0.02))
     joint = '<freejoint name="base"/>' if free else ""

@@ -27,7 +27,7 @@ _TRIANGLES = 100_000
 def near(options: Options) -> Iterator[Record]:
     """Floor and boxes, floor and meshes; both drives at stiffness 1."""
     who = body()
-    motion = options.short(story().motion)
+    motion = options.short(story().motions[0])
     frames = len(motion) - 1
     low, high = reached(motion)
     pieces = _furniture(low - OFF, high + OFF)

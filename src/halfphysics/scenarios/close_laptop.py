@@ -99,6 +99,6 @@ def _closing(body: Body, base: Motion, press: float) -> Motion:
     hand = arms.palm_frame("right", fingers, facing)
     share = gone(_START, _UP) * (1.0 - gone(_LEAVE + 0.3, _END))
     motion = reaching.reach(
-        body, base, "right", wrist, hand, share, pole=np.array([-0.3, -1.0, -0.3])
+        body, base, "right", wrist, hand, share, pole=np.array([-0.3, -1.0, -0.3]), fingers={}
     )
     return hands.shaped(body, motion, "right", share, curls=curls, thumb=False)

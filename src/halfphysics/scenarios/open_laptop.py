@@ -96,6 +96,6 @@ def _opening(body: Body, base: Motion, press: float) -> Motion:
     hand = arms.palm_frame("right", fingers, facing)
     share = gone(_START, _BESIDE) * (1.0 - gone(_LEAVE + 0.6, _END))
     motion = reaching.reach(
-        body, base, "right", wrist, hand, share, pole=np.array([-0.4, -0.7, -1.0])
+        body, base, "right", wrist, hand, share, pole=np.array([-0.4, -0.7, -1.0]), fingers={}
     )
     return hands.shaped(body, motion, "right", share, curls=curls)

@@ -146,12 +146,12 @@ def test_the_lid_gets_what_the_fingers_give():
     before = half[0] * np.cos(angle) - half[1] * np.sin(angle)
     weight = np.cumsum(-mass * 9.81 * before) / fps
     speed = np.gradient(angle, 1.0 / fps)
-    start = int(np.argmax(angle < angle[0] - 1e-3))  # off the stop
-    for share in (0.8, 0.5, 0.2):
+    start = int(np.argmax(angle < angle[0] - 0.05))  # off the stop, which gives moments, too
+    for share in (0.8, 0.5, 0.1):
         end = int(np.argmax(angle < share * angle[0]))
         expected = about * (speed[end] - speed[start]) + damping * (angle[end] - angle[start])
         given = moment[start + 1 : end + 1].sum() + weight[end] - weight[start]
-        assert given == pytest.approx(expected, rel=0.05)
+        assert given == pytest.approx(expected, rel=0.01)
 
 
 @pytest.mark.parametrize("scenario", [close_laptop, open_laptop])

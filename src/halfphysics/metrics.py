@@ -22,6 +22,7 @@ from halfphysics.validation import number, shown
 
 if TYPE_CHECKING:
     from halfphysics.articulated import Link, LinkGeom
+    from halfphysics.things import Object
 
 Array = NDArray[np.float64]
 
@@ -113,7 +114,8 @@ def penetration(
     Args:
         motion: T frames, or a single pose.
         body: Whose skin; every vertex counts.
-        scene: Its statics, pair by pair unless `scene.ignore(name, "person")` excuses them.
+        scene: Its statics, pair by pair unless `scene.ignore(name, "person")` excuses them. Of an
+            object that touches by convex pieces it is the mesh they stand for that counts.
         objects: Tracks of objects (name -> `.position (T, 3)`, `.quaternion (T, 4)`), as in
             `result.objects`; objects without a track are left out.
         threads: Threads to use; the numbers do not depend on it.
@@ -131,7 +133,7 @@ def penetration(
     frames = np.asarray(motion.rotations).shape[0] if np.ndim(motion.rotations) == 3 else 1
     tracks = _tracks(scene, objects or {}, frames)
     things: dict[str, Shape] = {n: s.shape for n, s in scene.statics.items()}
-    things |= {n: scene.objects[n].shape for n in tracks if n in scene.objects}
+    things |= {n: _true_shape(scene.objects[n]) for n in tracks if n in scene.objects}
     links = _links(scene)
     # Links of articulated objects: several solids each.
     solids = {n: links[n][1].geoms for n in tracks if n in links}
@@ -173,6 +175,12 @@ def penetration(
         deepest=deepest,
         by_name=by_name,
     )
+
+
+def _true_shape(thing: Object) -> Shape:
+    """What the thing is: where pieces stand for a mesh, the mesh itself."""
+    cut = thing.decomposition is not None
+    return thing.visual if cut and thing.visual is not None else thing.shape
 
 
 def _depth(shape: Shape, points: Array, position: Array, turn: Array, threads: int) -> Array:

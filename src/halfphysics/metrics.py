@@ -23,6 +23,7 @@ from halfphysics.validation import number, shown
 
 if TYPE_CHECKING:
     from halfphysics.articulated import Link, LinkGeom
+    from halfphysics.things import Object
 
 Array = NDArray[np.float64]
 
@@ -116,7 +117,8 @@ def penetration(
     Args:
         motion: T frames, or a single pose.
         body: Whose skin; every vertex counts.
-        scene: Its statics, pair by pair unless `scene.ignore(name, "person")` excuses them.
+        scene: Its statics, pair by pair unless `scene.ignore(name, "person")` excuses them. Of an
+            object that touches by convex pieces it is the mesh they stand for that counts.
         objects: Tracks of objects (name -> `.position (T, 3)`, `.quaternion (T, 4)`), as in
             `result.objects`; objects without a track are left out.
         people: Other people at the same frames, name -> (motion, body): their skins count as
@@ -138,7 +140,7 @@ def penetration(
     tracks = _tracks(scene, objects or {}, frames)
     others = _others(scene, people or {}, frames)
     things: dict[str, Shape] = {n: s.shape for n, s in scene.statics.items()}
-    things |= {n: scene.objects[n].shape for n in tracks if n in scene.objects}
+    things |= {n: _true_shape(scene.objects[n]) for n in tracks if n in scene.objects}
     links = _links(scene)
     # Links of articulated objects: several solids each.
     solids = {n: links[n][1].geoms for n in tracks if n in links}
@@ -220,6 +222,10 @@ def _others(scene: Scene, people: Any, frames: int) -> dict[str, tuple[Any, Any]
         if found != frames:
             raise InputError(f"{what}: expected {frames} frames as of motion, found {found}")
     return dict(people)
+def _true_shape(thing: Object) -> Shape:
+    """What the thing is: where pieces stand for a mesh, the mesh itself."""
+    cut = thing.decomposition is not None
+    return thing.visual if cut and thing.visual is not None else thing.shape
 
 
 def _depth(shape: Shape, points: Array, position: Array, turn: Array, threads: int) -> Array:

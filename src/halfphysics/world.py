@@ -213,16 +213,7 @@ class World:
             body, cut = model.body(f"object/{thing.name}").id, thing.decomposition
             for piece in thing.pieces:
                 collider = convex_collider(piece).moved(np.eye(3), -np.array(thing.com))
-                self.stepper.add_mover(
-                    body,
-                    name_of[thing.name],
-                    -1,
-                    -1,
-                    collider.vertices,
-                    collider.normals,
-                    collider.radius,
-                    collider.rim,
-                )
+                self.stepper.add_mover(body, name_of[thing.name], -1, -1, *collider.arrays)
                 if cut is not None:
                     self.stepper.set_slack(1e-3 * cut.outside_mm)
                 names.append(name_of[thing.name])
@@ -232,10 +223,7 @@ class World:
                 body = model.body(f"articulated/{articulated.name}/{i}").id
                 index = name_of[articulated.link_names[i]]
                 for geom in () if link.fixed else link.geoms:
-                    c = geom.collider()
-                    self.stepper.add_mover(
-                        body, index, -1, -1, c.vertices, c.normals, c.radius, c.rim
-                    )
+                    self.stepper.add_mover(body, index, -1, -1, *geom.collider().arrays)
                     names.append(index)
                     parts.append(-1)
         self.mover_name = np.array(names, dtype=np.int64)
@@ -262,9 +250,7 @@ class World:
                 self.stepper.add_mesh(index, _mesh_tree(static, rotation, position))
             else:
                 collider = convex_collider(shape).moved(rotation, position)
-                self.stepper.add_hull(
-                    index, collider.vertices, collider.normals, collider.radius, collider.rim
-                )
+                self.stepper.add_hull(index, *collider.arrays)
         place = {link.name: link for link in self.links}
         for thing in self.scene.articulated.values():
             for link, name in zip(thing.links, thing.link_names, strict=True):
@@ -276,7 +262,7 @@ class World:
                 for geom in link.geoms:
                     c = geom.collider().moved(rotation, position)
                     index = self.names.index(name)
-                    self.stepper.add_hull(index, c.vertices, c.normals, c.radius, c.rim)
+                    self.stepper.add_hull(index, *c.arrays)
                     static_name.append(index)
         self.static_name = np.array(static_name, dtype=np.int64)
 

@@ -72,6 +72,15 @@ void World::demand(Candidate& c, double h) {
                     std::max(c.dist - 2 * settings.tolerance, std::min(c.dist, kLastFloor)));
 }
 
+void World::take(Candidate& c, const Plane& p, double h, std::vector<Candidate>& out) {
+  c.n = p.n;
+  c.offset = p.offset;
+  c.dist = p.dist;
+  c.triangle = p.triangle;
+  demand(c, h);
+  out.push_back(c);
+}
+
 bool World::takes_part(const Near& e) const {
   const int a = movers[e.mover].body;
   if (e.other_mover < 0) return active[a] && !asleep[a];
@@ -154,7 +163,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
     }
     if (behind_planes(e, A, r)) continue;
     // What was near is asked again anyhow.
-    look(m, start, e, e.dist > r || e.dist == Near().dist ? r + kAhead : r);
+    look(start, e, e.dist > r || e.dist == Near().dist ? r + kAhead : r);
     const Static& S = statics[e.other_static];
     if (S.kind == Static::Kind::Hull) {
       if (e.dist > r) continue;
@@ -171,12 +180,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
     if (overlaps) continue;  // only a solver that failed can have let it in
     for (const Plane& p : e.planes) {
       if (p.dist > r) continue;
-      c.n = p.n;
-      c.offset = p.offset;
-      c.dist = p.dist;
-      c.triangle = p.triangle;
-      demand(c, h);
-      out.push_back(c);
+      take(c, p, h, out);
     }
   }
 }
@@ -198,7 +202,7 @@ void World::reset(const Model& m, Poses& start) {
         overlaps.push_back({e.mover, -1, e.other_mover});
       continue;
     }
-    look(m, start, e, settings.clearance);
+    look(start, e, settings.clearance);
     if (statics[e.other_static].kind == Static::Kind::Mesh)
       for (const Plane& p : e.planes) inside |= p.overlaps;
     else
@@ -373,12 +377,7 @@ void World::search_behind(Poses& start, const std::vector<double>& reach, double
     for (const Candidate& k : all)
       known |= k.mover == c.mover && k.other_static == c.other_static && k.triangle == p.triangle;
     if (known) continue;
-    c.n = p.n;
-    c.offset = p.offset;
-    c.dist = p.dist;
-    c.triangle = p.triangle;
-    demand(c, h);
-    all.push_back(c);
+    take(c, p, h, all);
   }
 }
 

@@ -216,7 +216,7 @@ class World {
   void save_near(std::vector<double>& out) const;
   const double* load_near(const double* in);
   bool behind_planes(const Near& e, const Placed& a, double r) const;
-  void look(const Model& m, Poses& p, Near& e, double r);
+  void look(Poses& p, Near& e, double r);
   bool takes_part(const Near& e) const;
   // Of two movers of one tree: do their bounding spheres keep them farther apart than r? May they
   // touch on their way? The direction along which they overlap least.
@@ -230,6 +230,8 @@ class World {
   }
   static Vec3 least_overlap(const Placed& a, const Placed& b, Vec3 guess);
   void demand(Candidate& c, double h);
+  // Of a pair, the plane that it is to stay behind, among the candidates.
+  void take(Candidate& c, const Plane& p, double h, std::vector<Candidate>& out);
   // Starting inside (inside.cpp).
   struct Overlap {
     int mover, other_static, other_mover;

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
@@ -20,6 +20,7 @@ from halfphysics.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.holding import Hold
     from halfphysics.rays import Hit
     from halfphysics.scene import Scene
     from halfphysics.world import Person, World
@@ -150,6 +151,7 @@ class State:
     numbers: bytes
     axes: tuple[Array, ...]
     signature: str
+    held: Mapping[str, Hold] = field(default_factory=dict)
 
 
 class Simulator:
@@ -207,6 +209,8 @@ class Simulator:
     def reset(self, pose: Pose | Sequence[Pose]) -> Frame:
         """Put the people at a pose (one each), objects at their start; everything forgets."""
         poses = self._checked(pose)
+        if self.world.held:
+            self.world = running().rebuilt(self.world, self.world.scene, False, {})
         self._axes = tuple(np.array(p.axes, dtype=np.float64) for p in poses)
         self.world.stepper.reset(*self.world.start(poses))
         self._set_firmness(np.tile(self.world.stiffness, (len(poses), 1)))
@@ -267,10 +271,13 @@ class Simulator:
         """Everything the simulation remembers: continue from it with `set_state`, bit for bit."""
         if not self._started:
             raise InputError("get_state: the simulator has no pose yet; call reset(pose) first")
-        return State(self.world.stepper.save().tobytes(), self._axes, self.world.signature)
+        world = self.world
+        return State(world.stepper.save().tobytes(), self._axes, world.signature, world.held)
 
     def set_state(self, state: State) -> None:
         """Return to a state of this simulator or of one with the same people, scene and settings.
+
+        What was held then is held again, nothing else is.
 
         Raises:
             InputError: The state belongs to another model.
@@ -280,10 +287,14 @@ class Simulator:
                 "set_state: the state is of another simulator; expected one with the same people "
                 f"and things: {', '.join(self.names)}"
             )
+        world = self.world
+        if state.held != world.held:
+            world = running().rebuilt(world, world.scene, False, state.held)
         try:
-            self.world.stepper.load(np.frombuffer(state.numbers))
+            world.stepper.load(np.frombuffer(state.numbers))
         except ValueError as error:
             raise InputError(f"set_state: {error}; expected one that get_state gave") from None
+        self.world = world
         self._axes = state.axes
         self._firmness = self.world.firmness_of(self.world.stepper.stiffness())
         self._started = True
@@ -354,6 +365,41 @@ class Simulator:
         running().removable(self.world, name)
         scene = self.world.scene._copied(without=name)
         self.world = running().rebuilt(self.world, scene, self._started)
+
+    def attach(self, name: str, part: str = "right_wrist", person: int = 0) -> None:
+        """Tie an object to a part of a person, where it is at this moment.
+
+        From then on it moves with the part as one rigid body: the part has its mass and inertia,
+        and what it meets acts on the person. It meets everything but its holder and what the same
+        person holds. It takes over the part's velocity; what is asleep wakes. `reset` lets go.
+
+        Args:
+            name: Of an object.
+            part: Name of a joint; `"right_wrist"` is the right hand.
+            person: Index of who holds it.
+
+        Raises:
+            InputError: Before `reset`; another name, part or person; something held already, on a
+                trajectory or articulated.
+        """
+        self._must_run("attach")
+        held = running().holding.with_held(self.world, name, part, person)
+        self.world = running().rebuilt(self.world, self.world.scene, True, held)
+
+    def release(self, name: str) -> None:
+        """Let go of what `attach` tied: a free object again, with the velocity that it has.
+
+        Raises:
+            InputError: Before `reset`, another name, or something that nobody holds.
+        """
+        self._must_run("release")
+        held = running().holding.without_held(self.world, name)
+        self.world = running().rebuilt(self.world, self.world.scene, True, held)
+
+    @property
+    def held(self) -> Mapping[str, tuple[int, str]]:
+        """Name of what is held -> index of the person and name of the part."""
+        return {name: (hold.person, hold.part) for name, hold in self.world.held.items()}
 
     def ray(
         self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()

@@ -127,6 +127,13 @@ void Stepper::sweep_of(const Drive& d, double dt, const std::vector<char>& busy)
     speed_bound_[b] =
         speed_bound_[p] + (spin_bound_[p] * spin_bound_[p] + turn_bound_[p]) * arm;
   }
+  for (int b = d.body(0) + 1; b < model.nbody && model.root[b] == d.body(0); b++) {
+    if (model.dof_count[b] > 0) continue;  // what a part holds moves with it
+    const int p = model.parent[b];
+    spin_bound_[b] = spin_bound_[p], turn_bound_[b] = turn_bound_[p];
+    speed_bound_[b] = speed_bound_[p] +
+                      (spin_bound_[p] * spin_bound_[p] + turn_bound_[p]) * norm(model.pos[b]);
+  }
   for (size_t i = 0; i < world.movers.size(); i++) {
     const Mover& m = world.movers[i];
     if (model.root[m.body] != model.root[d.body(0)]) continue;

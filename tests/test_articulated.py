@@ -305,3 +305,22 @@ def test_penetration_counts_links(body):
     report = penetration(motion, body, scene, objects={n: Track(n) for n in ("door/panel", "ball")})
     assert report.by_name["ball"].max() == 0.0
     assert 5.0 < report.by_name["door/panel"].max() <= 30.1  # the panel is 40 mm thick, its knob 60
+
+
+def test_a_door_goes_on_when_things_come_and_go():
+    scene = Scene(gravity=9.81)
+    scene.add_articulated("door", DOOR, velocities={"hinge": 1.0})
+
+    def angles(come_and_go):
+        simulator = Simulator(scene, body=[])
+        simulator.reset([])
+        found = []
+        for i in range(30):
+            if come_and_go and i == 10:
+                simulator.add_object("ball", Sphere(0.1), mass=1.0, position=(5, 5, 5))
+            if come_and_go and i == 20:
+                simulator.remove_object("ball")
+            found.append(simulator.step([]).joints["door/hinge"])
+        return found
+
+    assert angles(True) == angles(False)

@@ -64,7 +64,7 @@ def test_settings_stay_values():
         ),
         ({"stiffness": {"legs": -1.0}}, r"stiffness\['legs'\].*at least 0.*found -1"),
         ({"stiffness": {"legs": float("nan")}}, r"stiffness\['legs'\].*found nan"),
-        ({"strength": "strong"}, "strength is 'strong'; expected a mapping"),
+        ({"strength": "strong"}, "strength is 'strong'; expected None, 'human', or a mapping"),
         ({"strength": {"rot": 1.0}}, "no joint 'rot'; did you mean 'root'"),
         ({"strength": "human", "drive_time": None}, "None without drive_time"),
     ],

@@ -258,6 +258,8 @@ def test_mistakes_say_what_was_expected():
         control.step(t_pose(), dt=1.0 / 30.0)
     with pytest.raises(InputError, match="expected one that get_state gave"):
         control.set_state(control.get_state()[:-8])
+    with pytest.raises(InputError, match="has no contact with itself yet"):
+        human.bind(model, mujoco.MjData(model), settings=hp.Settings(self_contact=True))
     alone = spec_of().compile()
     with pytest.raises(InputError, match="no person with prefix"):
         human.bind(alone, mujoco.MjData(alone))

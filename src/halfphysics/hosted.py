@@ -109,6 +109,11 @@ class Control:
 
         if not isinstance(settings, Settings):
             raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
+        if settings.self_contact:
+            raise InputError(
+                "bind: Settings.self_contact is True; a person in a MuJoCo world of one's own has "
+                "no contact with itself yet. Leave it False, or use halfphysics.Simulator"
+            )
         at = addresses(model, human.prefix)
         _check_masses(model, human, at.body)
         count = 7 + 4 * (N_JOINTS - 1)

@@ -122,7 +122,7 @@ def joint_values(
     for key, given in value.items():
         if key not in known:
             close = difflib.get_close_matches(str(key), known, n=3)
-            hint = f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
+            hint = f"; did you mean {' or '.join(map(repr, close))}?" if close else "."
             raise InputError(
                 f"{what}: there is no joint {key!r}{hint} Expected one of the groups "
                 f"{', '.join((*JOINT_GROUPS, *extra))}, or a name of halfphysics.JOINT_NAMES"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.errors import InputError
 from halfphysics.joint_groups import ROOT_FORCE, JointValues, joint_values
 
 if TYPE_CHECKING:
@@ -72,6 +73,11 @@ def checked_strength(value: Any) -> str | JointValues | None:
     """
     if value is None or value == "human":
         return value  # type: ignore[no-any-return]
+    if isinstance(value, str):
+        raise InputError(
+            f"Settings.strength is {value!r}; expected None, 'human', or a mapping from joints or "
+            "groups of them to limits [N m]"
+        )
     return joint_values(
         value, "Settings.strength", extra=(ROOT_FORCE,), unit=f"N m; N of {ROOT_FORCE!r}"
     )

@@ -25,6 +25,7 @@ void Stepper::finish(const std::vector<int>& person_roots) {
     drives_.emplace_back(model, root);
     person_[root] = 1;
   }
+  find_carried();
   objects_.clear();
   std::vector<int> tree_size(model.nbody, 0);
   for (int b = 1; b < model.nbody; b++) tree_size[model.root[b]]++;
@@ -49,7 +50,7 @@ void Stepper::finish(const std::vector<int>& person_roots) {
     }
   qpos_.assign(model.nq, 0);
   for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_, &pull_, &resist_, &change_,
-                  &pushed_, &exerted_})
+                  &pushed_, &exerted_, &load_, &sag_})
     v->assign(model.nv, 0);
   world.standing.assign(model.nbody, 0);
   scale_.assign(model.nv, 1);
@@ -127,13 +128,6 @@ void Stepper::sweep_of(const Drive& d, double dt, const std::vector<char>& busy)
     speed_bound_[b] =
         speed_bound_[p] + (spin_bound_[p] * spin_bound_[p] + turn_bound_[p]) * arm;
   }
-  for (int b = d.body(0) + 1; b < model.nbody && model.root[b] == d.body(0); b++) {
-    if (model.dof_count[b] > 0) continue;  // what a part holds moves with it
-    const int p = model.parent[b];
-    spin_bound_[b] = spin_bound_[p], turn_bound_[b] = turn_bound_[p];
-    speed_bound_[b] = speed_bound_[p] +
-                      (spin_bound_[p] * spin_bound_[p] + turn_bound_[p]) * norm(model.pos[b]);
-  }
   for (size_t i = 0; i < world.movers.size(); i++) {
     const Mover& m = world.movers[i];
     if (model.root[m.body] != model.root[d.body(0)]) continue;
@@ -165,7 +159,7 @@ void Stepper::find_busy(double dt, std::vector<char>& busy) {
   q_free_ = qpos_;
   bool any = false;
   for (const Drive& d : drives_) {
-    if (!d.settled(drive_settings, qpos_.data())) continue;
+    if (carries(d) || !d.settled(drive_settings, qpos_.data())) continue;
     busy[d.body(0)] = 0;
     d.follow(1, q_free_.data());
     any = true;
@@ -262,7 +256,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
       for (int k = 0; k < n; k++)
         arrive((k + 1.0) / n, &(*poses)[first_row + (size_t)k * model.nq]);
     arrive(1, qpos_.data());
-    d.followed();
+    d.followed(carries(d));
     if (busy_[d.body(0)]) pose_known_ = false;  // the last step ended a rounding away
   }
   if (!any_free) return;

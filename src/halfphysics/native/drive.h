@@ -54,6 +54,8 @@ class Drive {
   const std::vector<double>& stiffness() const { return stiffness_; }
   int ball_count() const { return (int)balls_.size(); }
   int ball_dof(int ball) const { return dof0_ + balls_[ball].dof; }
+  // The first of three dofs that a limit is of: 0 the root's position, i + 1 ball i.
+  int limit_dof(int limit) const { return limit == 0 ? dof0_ : ball_dof(limit - 1); }
   // lambda * mean of each joint's diagonal entries of M, into extra[nv of the model].
   void added_inertia(const Model& m, const Inertia& inertia, std::vector<double>& extra) const;
   double scale(const DriveSettings& s, double h) const;

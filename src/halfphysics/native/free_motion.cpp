@@ -102,6 +102,7 @@ void Stepper::free_velocity(int k, double h) {
   }
   find_load();
   limit_strength(h);
+  bear_load(h);
   object_velocity(h);
   given_velocity(h);
 }

@@ -50,7 +50,7 @@ void Stepper::finish(const std::vector<int>& person_roots) {
     }
   qpos_.assign(model.nq, 0);
   for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_, &pull_, &resist_, &change_,
-                  &pushed_, &exerted_, &load_, &sag_})
+                  &pushed_, &exerted_, &load_})
     v->assign(model.nv, 0);
   world.standing.assign(model.nbody, 0);
   scale_.assign(model.nv, 1);

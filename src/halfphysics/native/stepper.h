@@ -139,11 +139,11 @@ class Stepper {
   void find_carried();
   bool carries(const Drive& d) const { return carried_[d.body(0)]; }
   void find_load();
-  void bear(const Drive& d, double h, std::vector<double>& left);
+  void bear_load(double h);
+  void bear(const Drive& d, double h);
 
   // What the drive exerts (strength.cpp).
   void limit_strength(double h);
-  void limit_pull(const Drive& d, double h, const std::vector<double>& left);
   void tally(double h);
   // out = s (M + diag(extra)) x on one person's rows; without `extra` M x.
   void weigh(const Drive& d, const double* x, double s, const double* extra, double* out) const;
@@ -205,7 +205,7 @@ class Stepper {
   std::vector<double> resist_;  // M^ without M, as factored last
   std::vector<double> v_star_, change_, pushed_, exerted_;
   std::vector<char> carried_;  // per body: what people hold, and the roots of those who hold something
-  std::vector<double> load_, sag_;  // generalised forces, and what they make of the velocity
+  std::vector<double> load_;  // per dof: generalised force
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;
   Poses start_, end_;

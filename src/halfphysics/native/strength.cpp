@@ -15,10 +15,7 @@ namespace {
 
 constexpr double kRest = 1e-9;  // smaller changes of velocity are rounding [m/s, rad/s]
 
-// A limit's dofs, relative to the person's first: 0 the root's position, i + 1 ball i.
-int first_of(const Drive& d, int limit) {
-  return limit == 0 ? d.first_dof() : d.ball_dof(limit - 1);
-}
+int first_of(const Drive& d, int limit) { return d.limit_dof(limit); }
 
 // Scales the limit's three entries of x (nv of the model) to at most `most`; true if they were more.
 bool cap(const Drive& d, int limit, double most, double* x) {
@@ -92,68 +89,34 @@ void Stepper::weigh(const Drive& d, const double* x, double s, const double* ext
 // the body with M^ D. Neither any joint's own share of it, M^_jj |D_j|, nor what the joints' coupling
 // makes of it may exceed the joint's allowance. Where nothing is capped v* stays as it is, bit for bit.
 void Stepper::limit_strength(double h) {
-  std::vector<double> left;
   for (const Drive& d : drives_) {
     if (d.limits.empty() || !world.active[d.body(0)] || d.gentle()) continue;
-    left.resize(d.limits.size());
-    for (size_t k = 0; k < left.size(); k++) left[k] = d.allowance((int)k, h);
-    if (!carries(d)) {
-      limit_pull(d, h, left);
-      continue;
+    d.unhindered(change_.data());
+    const int first = d.first_dof(), end = first + d.dof_count();
+    for (int i = first; i < end; i++) change_[i] -= v_free_[i];
+    if (largest(d, change_.data()) < kRest) continue;
+    build_inertia(h);
+    const double s = d.scale(drive_settings, h);
+    bool capped = false;
+    for (int k = 0; k <= d.ball_count(); k++) {
+      const int at = first_of(d, k);
+      double own = 0;
+      for (int c = 0; c < 3; c++) own += s * (inertia_.diagonal(model, at + c) + resist_[at + c]) / 3;
+      capped |= cap(d, k, d.allowance(k, h) / own, change_.data());
     }
-    bear(d, h, left);
-    limit_pull(d, h, left);
-    for (int i = d.first_dof(); i < d.first_dof() + d.dof_count(); i++) v_free_[i] -= sag_[i];
+    std::fill(pushed_.begin(), pushed_.end(), 0.0);
+    weigh(d, change_.data(), s, resist_.data(), pushed_.data());
+    bool coupled = false;
+    for (int k = 0; k <= d.ball_count(); k++)
+      coupled |= cap(d, k, d.allowance(k, h), pushed_.data());
+    if (coupled) {
+      inertia_.solve(model, pushed_.data());
+      std::copy(pushed_.begin() + first, pushed_.begin() + end, change_.begin() + first);
+    }
+    if (!capped && !coupled) continue;
+    d.unhindered(v_free_.data());
+    for (int i = first; i < end; i++) v_free_[i] -= change_[i];
   }
-}
-
-void Stepper::limit_pull(const Drive& d, double h, const std::vector<double>& left) {
-  d.unhindered(change_.data());
-  const int first = d.first_dof(), end = first + d.dof_count();
-  for (int i = first; i < end; i++) change_[i] -= v_free_[i];
-  if (largest(d, change_.data()) < kRest) return;
-  build_inertia(h);
-  const double s = d.scale(drive_settings, h);
-  bool capped = false;
-  for (int k = 0; k <= d.ball_count(); k++) {
-    const int at = first_of(d, k);
-    double own = 0;
-    for (int c = 0; c < 3; c++) own += s * (inertia_.diagonal(model, at + c) + resist_[at + c]) / 3;
-    capped |= cap(d, k, left[k] / own, change_.data());
-  }
-  std::fill(pushed_.begin(), pushed_.end(), 0.0);
-  weigh(d, change_.data(), s, resist_.data(), pushed_.data());
-  bool coupled = false;
-  for (int k = 0; k <= d.ball_count(); k++) coupled |= cap(d, k, left[k], pushed_.data());
-  if (coupled) {
-    inertia_.solve(model, pushed_.data());
-    std::copy(pushed_.begin() + first, pushed_.begin() + end, change_.begin() + first);
-  }
-  if (!capped && !coupled) return;
-  d.unhindered(v_free_.data());
-  for (int i = first; i < end; i++) v_free_[i] -= change_[i];
-}
-
-// Of what held things ask for the drive bears what it may, before it pulls: `left` is what it then may
-// still exert. What it does not bear the body gives way to as it is, M sag_ = h (load - borne).
-void Stepper::bear(const Drive& d, double h, std::vector<double>& left) {
-  const int first = d.first_dof(), end = first + d.dof_count();
-  std::fill(sag_.begin(), sag_.end(), 0.0);
-  for (int i = first; i < end; i++) sag_[i] = pushed_[i] = h * load_[i];
-  bool capped = false;
-  for (int k = 0; k <= d.ball_count(); k++) {
-    capped |= cap(d, k, left[k], pushed_.data());
-    left[k] = std::max(0.0, left[k] - norm(load3(&pushed_[first_of(d, k)])));
-  }
-  for (int i = first; i < end; i++) sag_[i] -= pushed_[i];
-  if (!capped) return;
-  disturbed_[d.body(0)] = 1;
-  build_inertia(h);
-  Inertia body;
-  body.M = inertia_.M;
-  const std::vector<double> whole(model.nv, 1), none(model.nv, 0);
-  body.factor(model, whole, none, world.active.data());
-  body.solve(model, sag_.data());
 }
 
 // Adds up what the drives exerted in a substep that has ended with qvel_.

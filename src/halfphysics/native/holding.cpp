@@ -47,19 +47,82 @@ void Stepper::find_carried() {
     if (is_person(b) && model.dof_count[b] == 0) carried_[b] = carried_[model.root[b]] = 1;
 }
 
-void Stepper::find_load() {
+// What a body has of momentum about its centre of mass.
+struct Momentum {
+  Vec3 centre, linear, angular;
+};
+
+Momentum momentum_of(const Model& m, const Kinematics& k, const std::vector<Twist>& twists, int b) {
+  const Vec3 at = k.xpos[b] + k.xmat[b] * m.ipos[b];
+  const Mat3 R = k.xmat[b] * to_matrix(m.iquat[b]);
+  const Vec3 w = mul_t(R, twists[b].w);
+  const Vec3 own{m.inertia[b].x * w.x, m.inertia[b].y * w.y, m.inertia[b].z * w.z};
+  return {at, m.mass[b] * (twists[b].v + cross(twists[b].w, at - k.reference(m, b))), R * own};
+}
+
+void Stepper::find_load(double h) {
   for (const Drive& d : drives_) {
     const int root = d.body(0);
     if (!carries(d) || !world.active[root]) continue;
     std::vector<char> massive = carried_;
     massive[root] = 0;
-    std::vector<double> velocity(model.nv), acceleration(model.nv);
-    d.unhindered(velocity.data());
-    d.reference_change(acceleration.data());
+    std::vector<double> asked(model.nv, 0), change(model.nv, 0), now(model.nv, 0), off(model.nv, 0);
+    d.reference(asked.data());
+    d.reference_change(change.data());
     std::vector<int> bodies;
     for (int b = root; b < model.nbody && model.root[b] == root; b++) bodies.push_back(b);
-    bias_forces(model, start_.kin, velocity.data(), gravity, bodies, load_.data(),
-                acceleration.data(), &massive);
+    bias_forces(model, start_.kin, asked.data(), gravity, bodies, load_.data(), change.data(), &massive);
+    d.unhindered(now.data());
+    double most = 0;
+    for (int i = d.first_dof(); i < d.first_dof() + d.dof_count(); i++) {
+      off[i] = now[i] - asked[i];
+      most = std::max(most, std::fabs(off[i]));
+    }
+    if (most < kRest) continue;
+    add_drift(d, h, now, off, 1);
+    add_drift(d, h, asked, std::vector<double>(model.nv, 0), -1);
+  }
+}
+
+// Adds to load_ what keeping joint velocities took in the substep before: the change of momentum from its
+// start to its end. Velocities `held` move what is held, `own` the person's bodies. With it what gives way
+// keeps the momentum that it had, as far as the joints let it: its energy does not grow. The joints'
+// velocities alone, or their Coriolis forces taken at one pose, would gain some, and heavy things run away.
+void Stepper::add_drift(const Drive& d, double h, const std::vector<double>& held,
+                        const std::vector<double>& own, double sign) {
+  std::vector<double> q = qpos_, v(model.nv, 0);
+  d.unhindered(v.data());
+  integrate(model, q.data(), v.data(), -h, world.active.data());
+  Kinematics before;
+  before.resize(model);
+  before.update(model, q.data(), world.active.data());
+  before.update_dofs(model, q.data(), world.active.data());
+  std::vector<Twist> of_held[2], of_own[2];
+  const Kinematics* at[2] = {&before, &start_.kin};
+  for (int i = 0; i < 2; i++) {
+    body_twists(model, *at[i], held.data(), of_held[i]);
+    body_twists(model, *at[i], own.data(), of_own[i]);
+  }
+  std::vector<Twist> force(model.nbody);
+  const int root = d.body(0);
+  int last = root;
+  for (int b = root; b < model.nbody && model.root[b] == root; b++) {
+    const bool thing = carried_[b] && b != root;
+    const auto& twists = thing ? of_held : of_own;
+    const Momentum p = momentum_of(model, before, twists[0], b),
+                   now = momentum_of(model, start_.kin, twists[1], b);
+    const Vec3 push = (sign / h) * (now.linear - p.linear);
+    force[b] = {(sign / h) * (now.angular - p.angular) +
+                    cross(now.centre - start_.kin.reference(model, b), push),
+                push};
+    last = b;
+  }
+  for (int b = last; b >= root; b--) {
+    for (int i = model.dof_first[b]; i < model.dof_first[b] + model.dof_count[b]; i++)
+      load_[i] += dot(start_.kin.cdof[i].w, force[b].w) + dot(start_.kin.cdof[i].v, force[b].v);
+    if (b == root) break;
+    force[model.parent[b]].w += force[b].w;
+    force[model.parent[b]].v += force[b].v;
   }
 }
 

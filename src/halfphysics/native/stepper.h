@@ -138,7 +138,9 @@ class Stepper {
   // What people hold (holding.cpp): what it asks of the drives, and of that what they do not bear.
   void find_carried();
   bool carries(const Drive& d) const { return carried_[d.body(0)]; }
-  void find_load();
+  void find_load(double h);
+  void add_drift(const Drive& d, double h, const std::vector<double>& held,
+                 const std::vector<double>& own, double sign);
   void bear_load(double h);
   void bear(const Drive& d, double h);
 

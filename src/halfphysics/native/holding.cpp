@@ -17,27 +17,11 @@ namespace hp {
 namespace {
 
 constexpr double kRest = 1e-9;  // smaller changes of velocity are rounding [m/s, rad/s]
-constexpr double kOver = 1 + 1e-9;
-// Joints join those that give way one by one, and leave them again: so often at most, per joint.
-constexpr int kRounds = 3;
-
-// Solves A x = b in place by Cholesky; A (n x n) is symmetric and positive definite.
-void solve_dense(std::vector<double>& A, int n, std::vector<double>& x) {
-  for (int i = 0; i < n; i++)
-    for (int j = 0; j <= i; j++) {
-      double s = A[i * n + j];
-      for (int k = 0; k < j; k++) s -= A[i * n + k] * A[j * n + k];
-      A[i * n + j] = i == j ? std::sqrt(s) : s / A[j * n + j];
-    }
-  for (int i = 0; i < n; i++) {
-    for (int k = 0; k < i; k++) x[i] -= A[i * n + k] * x[k];
-    x[i] /= A[i * n + i];
-  }
-  for (int i = n; i-- > 0;) {
-    for (int k = i + 1; k < n; k++) x[i] -= A[k * n + i] * x[k];
-    x[i] /= A[i * n + i];
-  }
-}
+// Joints give way no more slowly than this where another one gives way, too [rad/s]; what is exerted meets
+// the limits to this share, in so many rounds. One that has none resists as if it had so much inertia more.
+constexpr double kCreep = 1e-3, kShare = 0.02, kHold = 1e10;
+constexpr int kRounds = 60;
+constexpr double kStride = 1.5;  // over-relaxation, of logarithms
 
 }  // namespace
 
@@ -132,85 +116,54 @@ void Stepper::bear_load(double h) {
 }
 
 // Without contact a substep changes the deviation of velocity by x, M x = u - h load, u what the drive exerts.
-// It wants the x that v_free_ has. A joint that this would take more than it may exerts as much as it may,
-// in the same direction, and gives way; what that leaves the others to do is less or more than before. Those
-// that would be driven beyond what they want hold after all.
+// It wants the x that v_free_ has. Where that takes more than it may, joints give way by y, x = wanted + y,
+// as dry friction does: u_j <= limit_j, and equal and against y_j where y_j is not zero. That is a convex
+// problem, solved as a row of linear ones with resistances limit_j / |y_j| (iteratively reweighted).
 void Stepper::bear(const Drive& d, double h) {
   const int first = d.first_dof(), end = first + d.dof_count(), count = d.ball_count() + 1;
-  std::vector<double> x(model.nv, 0), wanted(model.nv, 0), u(model.nv, 0);
+  std::vector<double> wanted(model.nv, 0), need(model.nv, 0);
   d.unhindered(wanted.data());
   double most = 0;
   for (int i = first; i < end; i++) {
     wanted[i] = v_free_[i] - wanted[i];
     most = std::max(most, std::fabs(wanted[i]));
   }
-  x = wanted;
-  auto needed = [&] {  // to change by x
-    std::fill(u.begin(), u.end(), 0.0);
-    if (most >= kRest) weigh(d, x.data(), 1, nullptr, u.data());
-    for (int i = first; i < end; i++) u[i] += h * load_[i];
-  };
-  std::vector<double> may(count), exerted(model.nv, 0);
-  for (int k = 0; k < count; k++) may[k] = d.allowance(k, h);
-  std::vector<char> gives(count, 0);
-  if (most >= kRest) build_inertia(h);
-  bool any = false;
-  for (int round = 0; round < kRounds * count; round++) {
-    needed();
-    int worst = -1;
-    double over = kOver;
-    for (int k = 0; k < count; k++) {
-      const double size = norm(load3(&u[d.limit_dof(k)]));
-      if (gives[k] || size <= over * may[k] || size == 0) continue;
-      worst = k;
-      if (may[k] == 0) break;
-      over = size / may[k];
-    }
-    if (worst >= 0) {
-      if (!any) build_inertia(h);
-      any = true;
-      most = kRest;  // M takes part from now on
-      gives[worst] = 1;
-      const int at = d.limit_dof(worst);
-      const Vec3 all = load3(&u[at]);
-      store3(&exerted[at], (may[worst] / norm(all)) * all);
-    } else {
-      bool back = false;
-      for (int k = 0; k < count; k++) {
-        const int at = d.limit_dof(k);
-        if (!gives[k] || dot(load3(&x[at]) - load3(&wanted[at]), load3(&exerted[at])) <= 0) continue;
-        gives[k] = 0, back = true;
-      }
-      if (!back) break;
-    }
-    // Who gives way moves as the rest of them, and those who hold, let it.
-    std::vector<int> dofs, row(model.nv, -1);
-    x = wanted;
-    for (int k = 0; k < count; k++)
-      for (int c = 0; c < 3 && gives[k]; c++) {
-        const int i = d.limit_dof(k) + c;
-        row[i] = (int)dofs.size();
-        dofs.push_back(i);
-        x[i] = 0;
-      }
-    needed();
-    const int n = (int)dofs.size();
-    std::vector<double> A((size_t)n * n, 0), b(n);
-    for (int r = 0; r < n; r++) {
-      const int i = dofs[r];
-      b[r] = exerted[i] - u[i];
-      const double* m = &inertia_.M[model.row_start[i]];
-      const int* dof = &model.chain[model.row_start[i]];
-      for (int a = 0; a < model.row_size[i]; a++)
-        if (row[dof[a]] >= 0) A[(size_t)r * n + row[dof[a]]] = A[(size_t)row[dof[a]] * n + r] = m[a];
-    }
-    solve_dense(A, n, b);
-    for (int r = 0; r < n; r++) x[dofs[r]] = b[r];
+  if (most >= kRest) {
+    build_inertia(h);
+    weigh(d, wanted.data(), 1, nullptr, need.data());
   }
-  if (!any) return;
+  for (int i = first; i < end; i++) need[i] += h * load_[i];
+  std::vector<double> may(count), rate(count, kCreep);
+  bool enough = true;
+  for (int k = 0; k < count; k++) {
+    may[k] = d.allowance(k, h);
+    enough &= norm(load3(&need[d.limit_dof(k)])) <= may[k] + kRest * kRest;
+  }
+  if (enough) return;
+  build_inertia(h);
+  const std::vector<double> whole(model.nv, 1);
+  std::vector<double> resistance(model.nv, 0), y;
+  Inertia body;
+  body.M = inertia_.M;
+  for (int round = 0; round < kRounds; round++) {
+    for (int k = 0; k < count; k++)
+      std::fill_n(&resistance[d.limit_dof(k)], 3, std::min(kHold, may[k] / rate[k]));
+    body.factor(model, whole, resistance, world.active.data());
+    y.assign(model.nv, 0);
+    for (int i = first; i < end; i++) y[i] = -need[i];
+    body.solve(model, y.data());
+    bool good = true;
+    for (int k = 0; k < count; k++) {
+      const double share = norm(load3(&y[d.limit_dof(k)])) / rate[k];  // of the limit
+      if (may[k] == 0 || may[k] / rate[k] >= kHold || (rate[k] == kCreep && share <= 1)) continue;
+      good &= std::fabs(share - 1) <= kShare;
+      rate[k] = std::max(kCreep, rate[k] * std::pow(share, kStride));
+    }
+    if (good) break;
+  }
   disturbed_[d.body(0)] = 1;
   d.unhindered(v_free_.data());
-  for (int i = first; i < end; i++) v_free_[i] += x[i];
+  for (int i = first; i < end; i++) v_free_[i] += wanted[i] + y[i];
 }
 
 }  // namespace hp

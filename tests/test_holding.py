@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
-from people import FACING_X, along_x, t_pose, violent
+from people import t_pose, violent
 
 from halfphysics import rotations as rot
 from halfphysics.body import Body
@@ -23,6 +23,10 @@ SHOULDER = JOINT_INDEX["right_shoulder"]
 PARTS = Settings(contact="parts")
 G = 9.81
 STICK = Box((0.6, 0.03, 0.03))
+DOOR = """
+<mujoco><worldbody><body name="leaf"><joint type="hinge" axis="0 0 1"/>
+<geom type="box" size="0.4 0.02 1" mass="20"/></body></worldbody></mujoco>
+"""
 
 
 @pytest.fixture(scope="module")
@@ -189,33 +193,56 @@ def test_without_gravity_it_weighs_nothing(body):
 def test_who_is_strong_enough_carries_it_to_rounding(body):
     motion = pointing(20, swing=0.2 * np.sin(np.arange(20) * 0.3))
     simulator = holding(
-        body, motion, mass=2.0, settings=Settings(contact="parts", strength="human")
+        body, motion, mass=1.0, settings=Settings(contact="parts", strength="human")
     )
     for t in range(1, len(motion)):
         frame = simulator.step(motion[t])
-        np.testing.assert_allclose(
-            body.joints(frame.pose), body.joints(motion[t]), atol=1e-12
-        )
-    assert 10.0 < np.linalg.norm(frame.torque[SHOULDER]) < 80.0
+        np.testing.assert_allclose(body.joints(frame.pose), body.joints(motion[t]), atol=1e-12)
+    assert 10.0 < np.linalg.norm(frame.torque[SHOULDER]) < 80.0  # of 80
 
 
-def test_who_is_not_sags(body):
-    """30 kg at arm's length: the arm comes down, nothing exerts more than it can, and it ends
-    where the arm hangs."""
-    motion = pointing(90)
-    settings = Settings(contact="parts", strength="human")
-    simulator = holding(body, motion, shape=Box((0.1, 0.1, 0.1)), out=0.3, mass=30.0, settings=settings)
+def test_who_is_not_gives_way(body):
+    """30 kg at arm's length: first the wrist, then the arm comes down, and swings; nothing exerts
+    more than it can, and with a sixteenth of the step it is the same."""
     limits = limits_of("human", body)[1]
-    heights, shares = [], []
-    for t in range(1, len(motion)):
-        frame = simulator.step(motion[t])
-        heights.append(frame.objects["stick"][0][2])
-        shares.append(np.linalg.norm(frame.torque, axis=1) / limits)
-    assert np.max(shares) <= 1.03  # as all torques (test_firmness)
-    assert shares[0][SHOULDER] > 0.9
-    start = body.joints(motion[0])
-    print(heights[::10], start[HAND], start[SHOULDER])
-    assert heights[-1] < start[SHOULDER, 2] - 0.3
+    ways = []
+    for substeps in (8, 128):
+        motion = pointing(16)
+        settings = Settings(contact="parts", strength="human", substeps=substeps)
+        simulator = holding(
+            body, motion, shape=Box((0.1, 0.1, 0.1)), out=0.3, mass=30.0, settings=settings
+        )
+        frames = [simulator.step(motion[t]) for t in range(1, 16)]
+        ways.append([f.objects["stick"][0] for f in frames])
+        shares = np.array([np.linalg.norm(f.torque, axis=1) / limits for f in frames])
+        assert np.max(shares) <= 1.03
+        assert shares[0][HAND] > 0.97  # 12 of the 88 N m that it would take
+        assert shares[8][SHOULDER] > 0.97
+    np.testing.assert_allclose(*ways, atol=0.05)  # of first order: g h t alone is 2 cm
+    assert ways[0][0][2] - ways[0][-1][2] > 0.6
+
+
+def test_limp_arms_and_what_hangs_on_them_gain_no_energy(body):
+    """An arm without strength, 10 kg in the hand: a pendulum, for 5 s, as heavy as that."""
+    arm = [f"right_{j}" for j in ("shoulder", "elbow", "wrist")]
+    settings = Settings(contact="parts", strength=dict.fromkeys(arm, 0.0))
+    motion = pointing(2)
+    simulator = holding(
+        body, motion, shape=Box((0.1, 0.1, 0.1)), out=0.3, mass=10.0, settings=settings
+    )
+    top = simulator.world.things[0].pose(simulator.world.stepper.qpos())[0][2]
+    lowest = top
+    for t in range(150):
+        frame = simulator.step(motion[0])
+        at, v = frame.objects["stick"][0], simulator.velocity("stick")[0]
+        energy = G * (at[2] - top) + 0.5 * v @ v  # per kg, without its spin
+        assert energy < 1e-3 * G
+        for j in arm:
+            assert np.linalg.norm(frame.torque[JOINT_INDEX[j]]) < 0.01
+        lowest = min(lowest, at[2])
+        if t == 2:  # 0.1 s
+            assert top - at[2] > 0.8 * 0.5 * G * 0.1**2
+    assert top - lowest > 0.5
 
 
 # -- in the way ----------------------------------------------------------------------------
@@ -266,9 +293,15 @@ def test_what_it_hits_flies(body):
         motion = pointing(len(swing), swing=swing)
         scene = Scene(gravity=0.0)
         hand = body.joints(motion[0])[HAND]
-        ball = hand + [0.55 + 0.1, -0.25, 0.0]
+        ball = [*hand, 0.55 + 0.1, -0.25, 0.0]
         scene.add_object("ball", Sphere(0.08), mass=0.5, position=ball)
-        simulator = holding(body, motion, scene=scene, mass=mass, settings=Settings(contact="parts", record="substeps"))
+        simulator = holding(
+            body,
+            motion,
+            scene=scene,
+            mass=mass,
+            settings=Settings(contact="parts", record="substeps"),
+        )
         clear = np.inf
         for t in range(1, len(motion)):
             frame = simulator.step(motion[t])
@@ -279,10 +312,9 @@ def test_what_it_hits_flies(body):
                 out = np.maximum(np.abs(local) - 0.5 * np.asarray(STICK.size), 0.0)
                 clear = min(clear, np.linalg.norm(out) - 0.08)
         assert clear > 0.0
-        speeds.append(np.linalg.norm(simulator.velocity("ball")[0]))
-    print(speeds)
-    assert speeds[0] > 1.0
-    assert speeds[1] > speeds[0]
+        speeds.append(simulator.velocity("ball")[0])
+    for v in speeds:
+        assert v[1] < -2.0  # the stick's middle comes at 3 m/s
 
 
 def test_it_meets_neither_its_holder_nor_what_the_holder_holds(body):
@@ -290,7 +322,7 @@ def test_it_meets_neither_its_holder_nor_what_the_holder_holds(body):
     scene = Scene(gravity=0.0)
     at = body.joints(motion[0])[HAND]
     scene.add_object("ring", Box((0.3, 0.3, 0.3)), mass=1.0, position=at)
-    scene.add_object("other", Box((0.3, 0.3, 0.3)), mass=1.0, position=at + [0.1, 0, 0])
+    scene.add_object("other", Box((0.3, 0.3, 0.3)), mass=1.0, position=[*at, 0.1, 0, 0])
     simulator = Simulator(scene, body=body, settings=PARTS)
     simulator.reset(motion[0])
     simulator.attach("ring")
@@ -303,30 +335,37 @@ def test_it_meets_neither_its_holder_nor_what_the_holder_holds(body):
     assert len(frame.inside.person) == 0
 
 
-def test_it_meets_another_person_and_what_that_one_holds(body):
-    """One stands with a stick ahead, the other walks into it."""
-    frames = 40
-    a = pointing(frames)
-    path = np.zeros((frames, 3))
-    path[:, 0] = 3.0 - 1.5 * np.arange(frames) / 30
+@pytest.mark.parametrize("shield", [False, True])
+def test_it_meets_another_person_and_what_that_one_holds(body, shield):
+    """One stands with a stick ahead, the other walks into it, with a shield or without."""
+    a = pointing(55)
+    path = np.zeros((55, 3))
+    path[:, 0] = 3.0 - 1.5 * np.arange(55) / 30
     path[:, 1] = body.joints(a[0])[HAND, 1]
     b = t_pose(path)
     scene = Scene()
     scene.add_object("stick", STICK, **in_front(body, a[0]))
+    ahead = body.joints(a[0])[HAND] + [2.45, 0.0, 0.0]
+    scene.add_object("shield", Box((0.02, 0.5, 0.5)), mass=1.0, position=ahead)
     simulator = Simulator(scene, body=[body, body], settings=PARTS)
     simulator.reset([a[0], b[0]])
     simulator.attach("stick", person=0)
+    if shield:
+        simulator.attach("shield", "spine3", person=1)
+    else:
+        simulator.remove_object("shield")
     touched = set()
-    for t in range(1, frames):
+    for t in range(1, 55):
         frame = simulator.step([a[t], b[t]])
-        c = frame.contacts
+        c, names = frame.contacts, simulator.names
         for k in range(len(c.part)):
-            touched.add((int(c.person[k]), simulator.names[c.other[k]]))
-    assert touched >= {(1, "stick")}
-    assert all(person == 1 for person, _ in touched)
+            who = names[c.subject[k]] if c.person[k] < 0 else int(c.person[k])
+            touched.add((who, names[c.other[k]]))
+    assert (("stick", "shield") if shield else (1, "stick")) in touched
+    assert not touched & {(0, "stick"), (1, "shield")}
     assert len(frame.inside.person) == 0
-    assert frame.poses[1].translation[0] > path[-1, 0] + 0.1  # stopped
-    assert np.abs(body.joints(frame.poses[0]) - body.joints(a[0])).max() > 0.01  # and pushed
+    assert frame.poses[1].translation[0] > path[-1, 0] + 0.05  # held up
+    assert frame.poses[0].translation[0] < -0.01  # pushed back
 
 
 # -- let go --------------------------------------------------------------------------------
@@ -341,9 +380,7 @@ def test_let_go_it_flies_on_as_a_free_body(body):
     for t in range(1, 12):
         frame = simulator.step(motion[t])
     position, quat = frame.objects["stick"]
-    # The joint turns at one rate within a frame: the velocity at its end, by differences.
-    still = [Simulator(Scene(), body=body, settings=PARTS, fps=f) for f in (30.0,)]
-    del still
+    # The shoulder turns at one rate within a frame.
     v, w = simulator.velocity("stick")
     x = body.joints(frame.pose)[SHOULDER]
     rate = (swing[11] - swing[10]) * 30
@@ -353,14 +390,241 @@ def test_let_go_it_flies_on_as_a_free_body(body):
     np.testing.assert_allclose(simulator.velocity("stick"), (v, w), atol=1e-12)
     alone = Scene()
     alone.add_object(
-        "stick", STICK, mass=0.7, com=(0.1, 0.02, 0.0), position=position, quaternion=quat,
-        velocity=v, angular_velocity=w,
+        "stick",
+        STICK,
+        mass=0.7,
+        com=(0.1, 0.02, 0.0),
+        position=position,
+        quaternion=quat,
+        velocity=v,
+        angular_velocity=w,
     )
     free = Simulator(alone, body=[])
     free.reset([])
-    for t in range(12, 20):
+    for _ in range(12, 20):
         x, y = simulator.step(motion[11]), free.step([])
-        np.testing.assert_allclose(x.objects["stick"], y.objects["stick"], atol=1e-9) if False else None
         np.testing.assert_allclose(x.objects["stick"][0], y.objects["stick"][0], atol=1e-9)
         np.testing.assert_allclose(x.objects["stick"][1], y.objects["stick"][1], atol=1e-9)
     assert dict(simulator.held) == {}
+
+
+@pytest.mark.parametrize("contact", ["parts", "skin"])
+def test_let_go_in_the_hand_it_comes_out_gently(body, contact):
+    """A ball through the palm: it never gets deeper, nothing jumps, and it ends outside."""
+    motion = pointing(40)
+    scene = Scene(gravity=0.0)
+    scene.add_object(
+        "ball", Sphere(0.05), mass=0.3, position=body.joints(motion[0])[HAND] + [0.08, 0.0, 0.0]
+    )
+    simulator = Simulator(scene, body=body, settings=Settings(contact=contact))
+    simulator.reset(motion[0])
+    simulator.attach("ball")
+    for t in range(1, 5):
+        frame = simulator.step(motion[t])
+        assert len(frame.inside.person) == 0
+    before, joints = frame.objects["ball"][0], body.joints(frame.pose)
+    simulator.release("ball")
+    depth = np.inf
+    for t in range(5, 40):
+        frame = simulator.step(motion[t])
+        inside = frame.inside.depth.max(initial=0.0)
+        assert inside <= depth + 1e-6
+        depth = inside
+        moved = np.linalg.norm(frame.objects["ball"][0] - before)
+        assert moved < 0.85 / 30  # nobody is thrown
+        assert np.abs(body.joints(frame.pose) - joints).max() < 0.85 / 30
+        before, joints = frame.objects["ball"][0], body.joints(frame.pose)
+    assert depth == 0.0
+
+
+def test_let_go_against_a_wall_it_stays_out(body):
+    """Pressed to a wall, then free: it falls along it."""
+    path = np.zeros((60, 3))
+    path[:, 0] = np.minimum(1.0 * np.arange(60) / 30, 0.6)
+    motion = pointing(path=path)
+    scene = Scene()
+    tip = body.joints(motion[0])[HAND, 0] + 0.55 + 0.3
+    scene.add_static("wall", Box((1, 8, 8)), position=(tip + 0.3 + 0.5, 0, 0))
+    scene.add_static("floor", Plane(offset=-1.5))
+    settings = Settings(contact="parts", record="substeps")
+    simulator = holding(body, motion, scene=scene, settings=settings)
+    for t in range(1, 60):
+        if t == 30:
+            simulator.release("stick")
+        frame = simulator.step(motion[t])
+        place = simulator.world.things[0]
+        for q in frame.substeps:
+            points = corners(STICK.size, place.pose(q))
+            assert points[:, 0].max() < tip + 0.3
+            assert points[:, 2].min() > -1.5
+    assert points[:, 2].max() < -1.0
+
+
+# -- states, and what comes and goes -------------------------------------------------------
+
+
+def states(body):
+    """A run with everything: wall, other things, held twice, let go; frames, states."""
+    path = np.zeros((36, 3))
+    path[:, 0] = 1.2 * np.arange(36) / 30
+    motion = pointing(path=path, swing=0.2 * np.sin(np.arange(36) * 0.5))
+    scene = Scene()
+    tip = body.joints(motion[0])[HAND, 0] + 0.55 + 0.3
+    scene.add_static("wall", Box((1, 8, 8)), position=(tip + 0.2 + 0.5, 0, 0))
+    scene.add_object("ball", Sphere(0.1), mass=0.5, position=(tip + 0.05, -0.5, 0.3))
+    scene.add_object(
+        "cube", Box((0.1, 0.1, 0.1)), mass=0.5, position=(0.0, 1.2, 0.4), start="asleep"
+    )
+    scene.add_object("stick", STICK, **in_front(body, motion[0]))
+    settings = Settings(contact="parts", strength="human", stiffness={"hands": 0.5})
+    simulator = Simulator(scene, body=body, settings=settings)
+    simulator.reset(motion[0])
+    kept, frames = [], []
+    for t in range(1, 36):
+        if t == 4:
+            simulator.attach("stick")
+        if t == 12:
+            simulator.attach("cube", "left_wrist")
+        if t == 20:
+            simulator.set_stiffness({"right_wrist": 0.2})
+        if t == 24:
+            simulator.release("stick")
+        kept.append(simulator.get_state())
+        frames.append(simulator.step(motion[t]))
+    return simulator, motion, kept, frames
+
+
+def test_a_state_says_who_holds_what_and_goes_on_bit_by_bit(body):
+    simulator, motion, kept, frames = states(body)
+    assert max(len(f.contacts.part) for f in frames) > 0
+    assert dict(simulator.held) == {"cube": (0, "left_wrist")}
+    other = Simulator(simulator.world.scene, body=body, settings=simulator.settings)
+    for t in (14, 2, 30, 8, 22):
+        for one in (simulator, other):
+            one.set_state(kept[t])
+            expected = {"stick"} if 3 <= t < 11 else {"stick", "cube"} if t < 23 else {"cube"}
+            assert set(one.held) == (expected if t >= 3 else set())
+            # Until somebody takes or leaves something.
+            for k in range(t, min(t + 8, next((c for c in (3, 11, 19, 23) if c > t), 35))):
+                same(one.step(motion[k + 1]), frames[k])
+
+
+def test_twice_the_same(body):
+    for a, b in zip(states(body)[3], states(body)[3], strict=True):
+        same(a, b)
+
+
+def test_a_reset_lets_go(body):
+    motion = pointing(10)
+    simulator = holding(body, motion)
+    simulator.step(motion[1])
+    first = simulator.reset(motion[0])
+    assert dict(simulator.held) == {}
+    fresh = Simulator(simulator.world.scene, body=body, settings=PARTS)
+    same(first, fresh.reset(motion[0]))
+    for t in range(1, 10):
+        same(simulator.step(motion[t]), fresh.step(motion[t]))
+
+
+def test_things_come_and_go_while_something_is_held(body):
+    motion = pointing(20, swing=0.2 * np.sin(np.arange(20) * 0.4))
+    simulator, alone = holding(body, motion, mass=2.0), holding(body, motion, mass=2.0)
+    for t in range(1, 20):
+        if t == 6:
+            simulator.add_object("lamp", Sphere(0.1), mass=1.0, position=(0, 30, 0))
+        if t == 12:
+            simulator.remove_object("lamp")
+        a, b = simulator.step(motion[t]), alone.step(motion[t])
+        np.testing.assert_allclose(a.objects["stick"][0], b.objects["stick"][0], atol=1e-12)
+        np.testing.assert_allclose(a.torque, b.torque, atol=1e-9)
+    simulator.remove_object("stick")
+    assert dict(simulator.held) == {}
+    frame = simulator.step(motion[0])
+    assert frame.objects == {}
+    simulator.add_object("stick", STICK, **in_front(body, motion[0]))
+    assert dict(simulator.held) == {}
+
+
+def test_what_sleeps_or_lies_somewhere_is_picked_up(body):
+    path = np.zeros((30, 3))
+    path[:, 2] = np.maximum(0.0, np.arange(30) - 5) / 30
+    motion = pointing(path=path)
+    at = body.joints(motion[0])[HAND] + [0.5, 0.0, 0.0]
+    scene = Scene()
+    scene.add_static("table", Box((0.4, 0.4, 0.1)), position=at - [0.0, 0.0, 0.1])
+    scene.add_object("box", Box((0.1, 0.1, 0.1)), mass=1.0, position=at, start="asleep")
+    scene.add_object("lid", Box((0.1, 0.1, 0.02)), mass=0.2, position=[*at, 0, 0, 0.06])
+    simulator = Simulator(scene, body=body, settings=PARTS)
+    simulator.reset(motion[0])
+    for t in range(1, 5):
+        simulator.step(motion[t])
+    simulator.attach("box")
+    for t in range(5, 30):
+        frame = simulator.step(motion[t])
+    np.testing.assert_allclose(frame.objects["box"][0], at + path[-1], atol=1e-3)
+    np.testing.assert_allclose(
+        frame.objects["lid"][0] - frame.objects["box"][0], [0, 0, 0.06], atol=3e-3
+    )
+    names = {simulator.names[k] for k in frame.contacts.subject} | {
+        simulator.names[k] for k in frame.contacts.other
+    }
+    assert names == {"box", "lid"}
+
+
+def test_a_ray_and_a_velocity_find_it(body):
+    motion = pointing(10)
+    simulator = holding(body, motion)
+    frame = simulator.step(motion[1])
+    at = frame.objects["stick"][0]
+    hit = simulator.ray(at + np.array([0.0, 0.0, 1.0]), (0, 0, -1))
+    assert hit.name == "stick"
+    np.testing.assert_allclose(simulator.velocity("stick"), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("do", "says"),
+    [
+        (lambda s: s.attach("stik"), "attach: there is no object called 'stik'; did you mean"),
+        (lambda s: s.attach("wall"), "no object called 'wall'"),
+        (lambda s: s.attach("stick", "hand"), "part: found 'hand', expected a joint's name"),
+        (lambda s: s.attach("stick", "right_writs"), "did you mean 'right_wrist'"),
+        (lambda s: s.attach("stick", 3), "part: found 3"),
+        (lambda s: s.attach("stick", person=1), "person: found 1, expected 0 to 0"),
+        (lambda s: s.attach("stick", person=-1), "person: found -1"),
+        (lambda s: s.attach("stick", person=True), "person: found True"),
+        (lambda s: s.attach("stick", person="me"), "person: found 'me'"),
+        (lambda s: s.attach("cup"), "the left_wrist of 'person' holds it already"),
+        (lambda s: s.attach("lift"), "moves along its trajectory"),
+        (lambda s: s.attach("door"), "'door' is articulated"),
+        (lambda s: s.attach("door/leaf"), "'door/leaf' is articulated"),
+        (lambda s: s.release("stick"), "nobody holds 'stick'. Held: cup"),
+        (lambda s: s.release("cu"), "release: there is no object called 'cu'"),
+        (lambda s: s.release("door"), "'door' is articulated"),
+        (lambda s: s.apply_impulse("cup", (0, 0, 1)), "left_wrist of 'person' holds 'cup'"),
+        (lambda s: s.set_velocity("cup", (0, 0, 1)), "release\\('cup'\\) it first"),
+    ],
+)
+def test_what_is_wrong_is_said_and_changes_nothing(body, do, says):
+    motion = pointing(2)
+    scene = Scene()
+    scene.add_static("wall", Box((1, 1, 1)), position=(9, 0, 0))
+    scene.add_object("stick", STICK, **in_front(body, motion[0]))
+    scene.add_object("cup", Sphere(0.05), mass=0.3, position=(0, 2, 0))
+    scene.add_moving("lift", Box((1, 1, 1)), [[9, 9, 9]], fps=30)
+    scene.add_articulated("door", DOOR, position=(0, -9, 0))
+    simulator = Simulator(scene, body=body, settings=PARTS)
+    with pytest.raises(InputError, match="reset"):
+        simulator.attach("stick")
+    with pytest.raises(InputError, match="reset"):
+        simulator.release("stick")
+    simulator.reset(motion[0])
+    simulator.attach("cup", "left_wrist")
+    held, state = dict(simulator.held), simulator.get_state()
+    with pytest.raises(InputError, match=says):
+        do(simulator)
+    assert dict(simulator.held) == held
+    assert simulator.get_state().numbers == state.numbers
+    empty = Simulator(scene, body=[])
+    empty.reset([])
+    with pytest.raises(InputError, match="nobody is there"):
+        empty.attach("stick")

@@ -104,9 +104,7 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
     if place is None:
         raise InputError(f"attach: {_stranger(world, name)}")
     if isinstance(world.scene.objects[name], Moving):
-        raise InputError(
-            f"{what}: it moves along its trajectory; expected an object of add_object"
-        )
+        raise InputError(f"{what}: it moves along its trajectory; expected an object of add_object")
     if not isinstance(place, Thing):
         raise InputError(f"{what}: {_holder(world, name)} holds it already; release({name!r}) it")
     if part not in JOINT_NAMES:
@@ -167,6 +165,4 @@ def _stranger(world: World, name: str) -> str:
     known = [thing.name for thing in world.things]
     close = difflib.get_close_matches(str(name), known, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
-    return (
-        f"there is no object called {shown(name)}{hint}. There are: {', '.join(known) or 'none'}"
-    )
+    return f"there is no object called {shown(name)}{hint}. There are: {', '.join(known) or 'none'}"

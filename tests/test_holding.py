@@ -293,7 +293,7 @@ def test_what_it_hits_flies(body):
         motion = pointing(len(swing), swing=swing)
         scene = Scene(gravity=0.0)
         hand = body.joints(motion[0])[HAND]
-        ball = [*hand, 0.55 + 0.1, -0.25, 0.0]
+        ball = hand + np.array([0.55 + 0.1, -0.25, 0.0])
         scene.add_object("ball", Sphere(0.08), mass=0.5, position=ball)
         simulator = holding(
             body,
@@ -322,7 +322,7 @@ def test_it_meets_neither_its_holder_nor_what_the_holder_holds(body):
     scene = Scene(gravity=0.0)
     at = body.joints(motion[0])[HAND]
     scene.add_object("ring", Box((0.3, 0.3, 0.3)), mass=1.0, position=at)
-    scene.add_object("other", Box((0.3, 0.3, 0.3)), mass=1.0, position=[*at, 0.1, 0, 0])
+    scene.add_object("other", Box((0.3, 0.3, 0.3)), mass=1.0, position=at + np.array([0.1, 0, 0]))
     simulator = Simulator(scene, body=body, settings=PARTS)
     simulator.reset(motion[0])
     simulator.attach("ring")
@@ -553,7 +553,7 @@ def test_what_sleeps_or_lies_somewhere_is_picked_up(body):
     scene = Scene()
     scene.add_static("table", Box((0.4, 0.4, 0.1)), position=at - [0.0, 0.0, 0.1])
     scene.add_object("box", Box((0.1, 0.1, 0.1)), mass=1.0, position=at, start="asleep")
-    scene.add_object("lid", Box((0.1, 0.1, 0.02)), mass=0.2, position=[*at, 0, 0, 0.06])
+    scene.add_object("lid", Box((0.1, 0.1, 0.02)), mass=0.2, position=at + np.array([0, 0, 0.06]))
     simulator = Simulator(scene, body=body, settings=PARTS)
     simulator.reset(motion[0])
     for t in range(1, 5):

@@ -22,14 +22,9 @@ constexpr double kRest = 1e-9;  // smaller changes of velocity are rounding [m/s
 constexpr double kCreep = 1e-3, kShare = 0.02, kHold = 1e10;
 constexpr int kRounds = 60;
 constexpr double kStride = 1.5;  // over-relaxation, of logarithms
-
-}  // namespace
-
-void Stepper::find_carried() {
-  carried_.assign(model.nbody, 0);
-  for (int b = 1; b < model.nbody; b++)
-    if (is_person(b) && model.dof_count[b] == 0) carried_[b] = carried_[model.root[b]] = 1;
-}
+// What gives way turns no faster than that, or than the motion has it: a pitcher's shoulder, the fastest of
+// human joints [rad/s].
+constexpr double kFastest = 130;
 
 // What a body has of momentum about its centre of mass.
 struct Momentum {
@@ -44,34 +39,44 @@ Momentum momentum_of(const Model& m, const Kinematics& k, const std::vector<Twis
   return {at, m.mass[b] * (twists[b].v + cross(twists[b].w, at - k.reference(m, b))), R * own};
 }
 
+}  // namespace
+
+void Stepper::find_carried() {
+  carried_.assign(model.nbody, 0);
+  for (int b = 1; b < model.nbody; b++)
+    if (is_person(b) && model.dof_count[b] == 0) carried_[b] = carried_[model.root[b]] = 1;
+}
+
 void Stepper::find_load(double h) {
+  const std::vector<double> still(model.nv, 0);
   for (const Drive& d : drives_) {
     const int root = d.body(0);
     if (!carries(d) || !world.active[root]) continue;
     std::vector<char> massive = carried_;
     massive[root] = 0;
-    std::vector<double> asked(model.nv, 0), change(model.nv, 0), now(model.nv, 0), off(model.nv, 0);
+    std::vector<double> asked(still), change(still), now(still);
     d.reference(asked.data());
     d.reference_change(change.data());
-    std::vector<int> bodies;
-    for (int b = root; b < model.nbody && model.root[b] == root; b++) bodies.push_back(b);
-    bias_forces(model, start_.kin, asked.data(), gravity, bodies, load_.data(), change.data(), &massive);
     d.unhindered(now.data());
     double most = 0;
-    for (int i = d.first_dof(); i < d.first_dof() + d.dof_count(); i++) {
-      off[i] = now[i] - asked[i];
-      most = std::max(most, std::fabs(off[i]));
-    }
-    if (most < kRest) continue;
-    add_drift(d, h, now, off, 1);
-    add_drift(d, h, asked, std::vector<double>(model.nv, 0), -1);
+    for (int i = d.first_dof(); i < d.first_dof() + d.dof_count(); i++)
+      most = std::max(most, std::fabs(now[i] - asked[i]));
+    const bool follows = most < kRest;
+    std::vector<int> bodies;
+    for (int b = root; b < model.nbody && model.root[b] == root; b++) bodies.push_back(b);
+    bias_forces(model, start_.kin, follows ? asked.data() : still.data(), gravity, bodies, load_.data(),
+                change.data(), &massive);
+    if (follows) continue;
+    add_drift(d, h, now, now, 1);
+    add_drift(d, h, still, asked, -1);  // what the motion does with the person costs nothing
   }
 }
 
-// Adds to load_ what keeping joint velocities took in the substep before: the change of momentum from its
-// start to its end. Velocities `held` move what is held, `own` the person's bodies. With it what gives way
-// keeps the momentum that it had, as far as the joints let it: its energy does not grow. The joints'
-// velocities alone, or their Coriolis forces taken at one pose, would gain some, and heavy things run away.
+// Adds to load_, times `sign`, what keeping the joints' velocities took in the substep before: the change of
+// momentum from its start to its end. Velocities `held` move what is held, `own` the person's bodies. With
+// it what gives way keeps the momentum that it had, as far as the joints let it: its energy does not grow.
+// The joints' velocities alone, or their Coriolis forces taken at one pose, would gain some, and heavy things
+// run away.
 void Stepper::add_drift(const Drive& d, double h, const std::vector<double>& held,
                         const std::vector<double>& own, double sign) {
   std::vector<double> q = qpos_, v(model.nv, 0);
@@ -164,6 +169,14 @@ void Stepper::bear(const Drive& d, double h) {
   disturbed_[d.body(0)] = 1;
   d.unhindered(v_free_.data());
   for (int i = first; i < end; i++) v_free_[i] += wanted[i] + y[i];
+  std::vector<double> asked(model.nv, 0);
+  d.reference(asked.data());
+  for (int k = 1; k < count; k++) {
+    const int at = d.limit_dof(k);
+    const Vec3 w = load3(&v_free_[at]);
+    const double fastest = std::max(kFastest, norm(load3(&asked[at])));
+    if (norm(w) > fastest) store3(&v_free_[at], (fastest / norm(w)) * w);
+  }
 }
 
 }  // namespace hp

@@ -67,6 +67,8 @@ PARAMETERS = {
     "Simulator.apply_impulse": "self name impulse point angular",
     "Simulator.add_object": "self name shape ** options",
     "Simulator.remove_object": "self name",
+    "Simulator.attach": "self name part person",
+    "Simulator.release": "self name",
     "Simulator.get_state": "self",
     "Simulator.set_state": "self state",
     "attach": "spec body prefix",

@@ -23,9 +23,9 @@ from halfphysics.person_movers import add_person_movers
 from halfphysics.pose import Pose
 from halfphysics.scene import PERSON_FRICTION
 from halfphysics.settings import Settings
-from halfphysics.simulator import Touches, touches
 from halfphysics.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
 from halfphysics.strength import limits_of
+from halfphysics.touches import Touches, touches
 from halfphysics.world import FINGER_INERTIA, Person, model_arrays, set_settings
 
 if TYPE_CHECKING:

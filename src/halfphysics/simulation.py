@@ -16,8 +16,9 @@ from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_over_time
 from halfphysics.motion import Motion
 from halfphysics.result import DIAGNOSTICS, ObjectTrack, PersonResult, Result, Substeps
-from halfphysics.simulator import Simulator, several, touches
+from halfphysics.simulator import Simulator, several
 from halfphysics.skeleton import N_JOINTS
+from halfphysics.touches import touches
 
 if TYPE_CHECKING:
     from halfphysics.body import Body

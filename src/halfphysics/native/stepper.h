@@ -135,6 +135,15 @@ class Stepper {
   void build_inertia(double h);
   void stiffen();
 
+  // What people hold (holding.cpp): what it asks of the drives, and of that what they do not bear.
+  void find_carried();
+  bool carries(const Drive& d) const { return carried_[d.body(0)]; }
+  void find_load(double h);
+  void add_drift(const Drive& d, double h, const std::vector<double>& held,
+                 const std::vector<double>& own, double sign);
+  void bear_load(double h);
+  void bear(const Drive& d, double h);
+
   // What the drive exerts (strength.cpp).
   void limit_strength(double h);
   void tally(double h);
@@ -197,6 +206,8 @@ class Stepper {
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
   std::vector<double> resist_;  // M^ without M, as factored last
   std::vector<double> v_star_, change_, pushed_, exerted_;
+  std::vector<char> carried_;  // per body: what people hold, and the roots of those who hold something
+  std::vector<double> load_;  // per dof: generalised force
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;
   Poses start_, end_;

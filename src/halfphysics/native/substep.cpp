@@ -171,8 +171,8 @@ bool Stepper::verify(double h, int pass, double& worst) {
   // Things that lie on each other pass on what they carry, a pair more in every pass: of them only
   // points count that were solved for.
   auto of_things = [&](const Candidate& c) {
-    return world.movers[c.mover].person < 0 ||
-           (c.other_mover >= 0 && world.movers[c.other_mover].person < 0);
+    return !is_person(world.movers[c.mover].body) ||
+           (c.other_mover >= 0 && !is_person(world.movers[c.other_mover].body));
   };
   for (size_t i = 0; i < candidates_.size(); i++) {  // forgiven planes add to them
     double e = excess(i, h);
@@ -195,7 +195,7 @@ bool Stepper::verify(double h, int pass, double& worst) {
   for (size_t i = 0; i < contacts_.size(); i++) {
     Contact& c = contacts_[i];
     if (pass > 0) {
-      const bool thing = world.movers[candidates_[c.pair].mover].person < 0;
+      const bool thing = !is_person(world.movers[candidates_[c.pair].mover].body);
       c.shift = std::min(c.dist + h * approach(c, twists_, v_) - world.gap_at(start_, end_, c),
                          std::max(0.0, c.dist - c.target) + h * (thing ? kThingsPush : kPush));
     }

@@ -222,6 +222,8 @@ def _others(scene: Scene, people: Any, frames: int) -> dict[str, tuple[Any, Any]
         if found != frames:
             raise InputError(f"{what}: expected {frames} frames as of motion, found {found}")
     return dict(people)
+
+
 def _true_shape(thing: Object) -> Shape:
     """What the thing is: where pieces stand for a mesh, the mesh itself."""
     cut = thing.decomposition is not None

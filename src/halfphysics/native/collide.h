@@ -228,6 +228,11 @@ class World {
   bool may_touch_itself(int a, int b) const {
     return !self_.empty() && self_[a * movers.size() + b];
   }
+  // Of two bodies of one person the one that carries more: the way out turns with it.
+  int stays(const Model& m, const Candidate& c) const {
+    const int a = movers[c.mover].body, b = movers[c.other_mover].body;
+    return m.carried[a] > m.carried[b] ? a : b;
+  }
   static Vec3 least_overlap(const Placed& a, const Placed& b, Vec3 guess);
   void demand(Candidate& c, double h);
   // Starting inside (inside.cpp).

@@ -144,7 +144,7 @@ void World::choose_again(const Model& m, Poses& start) {
   for (const auto& [key, state] : pairs_) {
     const Candidate c = unpacked(key);
     if (!state.inside || c.other_mover < 0 || !may_touch_itself(c.mover, c.other_mover)) continue;
-    const Vec3 n = start.kin.xmat[movers[c.other_mover].body] * state.exit;
+    const Vec3 n = start.kin.xmat[stays(m, c)] * state.exit;
     const Placed &a = place(start, c.mover), &b = place(start, c.other_mover);
     depth += std::max(0.0, b.highest(n) - a.lowest(n));
   }
@@ -157,14 +157,14 @@ void World::choose_again(const Model& m, Poses& start) {
 void World::leave_together(const Model& m, Poses& start) {
   struct Pair {
     PairState* state;
-    int mover, other, group;
+    int mover, other, frame, group;
     double sign;
   };
   std::vector<Pair> all;
   for (auto& [key, state] : pairs_) {
     const Candidate c = unpacked(key);
     if (!state.inside || c.other_mover < 0 || !may_touch_itself(c.mover, c.other_mover)) continue;
-    all.push_back({&state, c.mover, c.other_mover, (int)all.size(), 1});
+    all.push_back({&state, c.mover, c.other_mover, stays(m, c), (int)all.size(), 1});
   }
   auto neighbours = [&](int i, int j) {
     const int a = movers[i].body, b = movers[j].body;
@@ -199,7 +199,7 @@ void World::leave_together(const Model& m, Poses& start) {
         },
         guesses);
     for (size_t k : group)
-      all[k].state->exit = mul_t(start.kin.xmat[movers[all[k].other].body], all[k].sign * n);
+      all[k].state->exit = mul_t(start.kin.xmat[all[k].frame], all[k].sign * n);
   }
 }
 

@@ -19,10 +19,10 @@ CONTACTS = ("skin", "parts")
 DRIVES = {"drive_time": {}, "paper": {"drive_time": None, "stiffness": 1.0}}
 #: What the judge may find where the core keeps 0.1 mm at least [m].
 ROUNDING = 1e-9
-#: Issue: no deeper than this half a second after the start [m].
+#: No deeper than this half a second after the start [m].
 LOOSE = 1e-3
-#: "Unchanged": what is followed exactly [m, rad], and how far with Algorithm 1, whose torques push all of a
-#: person, the reaction of arms moves legs [rad].
+#: "Unchanged": what is followed exactly [m, rad], and how far with Algorithm 1, whose torques push
+#: all of a person, the reaction of arms moves legs [rad].
 EXACT, REACTION = 1e-9, np.radians(1.0)
 #: What may give way in which case: the limbs that touch.
 INVOLVED = {

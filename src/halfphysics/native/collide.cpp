@@ -31,6 +31,7 @@ void World::start_poses(Poses& p) const {
   p.placed.resize(movers.size());
   p.fresh.assign(movers.size(), 0);
   p.bends.clear();
+  p.balls.clear();
 }
 
 const Placed& World::place(Poses& p, int i) const {

@@ -220,7 +220,7 @@ class World {
   bool takes_part(const Near& e) const;
   // Of two movers of one tree: do their bounding spheres keep them farther apart than r? May they
   // touch on their way? The direction along which they overlap least.
-  bool spheres_apart(const Poses& p, Near& e, double r) const;
+  bool spheres_apart(Poses& p, Near& e, double r) const;
   bool meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& sweep, Near& e) const;
   void leave_together(const Model& m, Poses& start);
   int waited_ = 0;  // substeps since those who leave themselves were last looked at

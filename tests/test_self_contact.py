@@ -209,3 +209,30 @@ def test_hands_on_hips_hold_by_friction_of_the_person_with_themselves():
 def test_self_contact_must_be_true_or_false():
     with pytest.raises(InputError, match="self_contact"):
         Settings(self_contact="yes")
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_pressed_together_by_a_wall(contact):
+    """With crossed arms into a wall: own contacts and the wall's are solved for together.
+
+    The wall stops all of the person, through the arms, and the arms stay out of the chest.
+    """
+    from halfphysics.scene import Scene
+    from halfphysics.shapes import Box
+
+    still = st.between([st.relaxed(BODY), *[st.arms_crossed(BODY)] * 2], [12, 24])
+    path = np.zeros((len(still), 3))
+    path[12:, 2] = 0.04 * np.arange(25)  # 1.2 m/s
+    motion = Motion(path, still.rotations, 30.0)
+    scene = Scene()
+    scene.add_static("wall", Box((4.0, 4.0, 0.1)), position=(0.0, 0.0, 0.9))
+    q, frames, simulator = st.run(motion, BODY, settings(contact), scene)
+    asked = st.targets(motion, simulator)
+    assert st.SelfJudge(simulator).deepest(q[1:]).max() <= ROUNDING
+    assert min(f.clearance for f in frames) > 0
+    assert sum(f.lost_time for f in frames) == 0.0
+    away = np.linalg.norm(q[:, :3] - asked[:, :3], axis=1)
+    assert away[:12].max() < EXACT  # arms alone move nobody
+    assert away[-1] > 0.2
+    others = {simulator.names[o] for o in frames[-1].contacts.other}
+    assert others == {"wall", "person"}

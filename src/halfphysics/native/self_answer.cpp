@@ -19,6 +19,9 @@ namespace {
 constexpr double kLimb = 0.25;
 // Of two limbs the lighter one gives way alone where the other has so many times its mass.
 constexpr double kHeavier = 2;
+// What carries less of the person than this is as hard to bend as if it had so much more inertia [kg m^2],
+// while something leaves.
+constexpr double kLight = 0.003, kStiff = 0.05;
 constexpr double kUnmet = 1e-5;  // demands that miss this cannot be met by the dofs that gave way [m]
 
 }  // namespace
@@ -64,6 +67,14 @@ bool Stepper::solve_self(double h) {
   if (own_.empty()) return false;
   for (int b = 1; b < model.nbody; b++) touched[b] = touched[model.root[b]];
   v_self_.resize(model.nv);
+  // Hands leave as a whole: fingers are light and would be flung.
+  std::vector<double> resist = resist_;
+  bool leaves = false;
+  for (const Contact& c : own_) leaves |= leaves_itself(candidates_[c.pair]);
+  for (int i = 0; leaves && i < model.nv; i++) {
+    const int b = model.dof_body[i];
+    if (model.carried[b] < kLight * model.carried[model.root[b]]) resist[i] += kStiff;
+  }
   giving_.M = inertia_.M;
   for (const bool whole : {false, true}) {
     gives_.assign(model.nv, 0);
@@ -71,7 +82,7 @@ bool Stepper::solve_self(double h) {
       const Candidate& k = candidates_[c.pair];
       make_room(world.movers[k.mover].body, world.movers[k.other_mover].body, whole);
     }
-    giving_.factor(model, scale_, resist_, touched.data(), gives_.data());
+    giving_.factor(model, scale_, resist, touched.data(), gives_.data());
     const SolveReport r = solver_.solve(model, start_.kin, giving_, h, v_free_.data(), v_self_.data(), own_,
                                         tolerance_ / h, world.settings.max_sweeps);
     diagnostics_.sweeps += r.sweeps;

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kGiveWay = 0.05;   // speed at which a clearance that was lost is regained [m/s]
 constexpr double kTouch = 1e-5;     // overlaps up to this at the start are contacts at rest [m]
+constexpr double kDeeper = 0.3;  // who leaves itself may get deeper by this share of the speed out
 constexpr double kAhead = 0.02;  // looked this much farther than asked, to know of the next [m]
 // A step that would end nearer than half of kLeastGap (or of the distance it starts from) is
 // shortened; under the first of these it may only wear the gap away as slowly as solving is exact,
@@ -30,6 +31,7 @@ void World::start_poses(Poses& p) const {
   p.placed.resize(movers.size());
   p.fresh.assign(movers.size(), 0);
   p.bends.clear();
+  p.balls.clear();
 }
 
 const Placed& World::place(Poses& p, int i) const {
@@ -63,7 +65,8 @@ void World::demand(Candidate& c, double h) {
   else
     c.target = c.dist + std::min(settings.depenetration_speed * h, -c.dist);
   if (c.dist <= 0) {
-    c.hard = c.dist - 1e-7;
+    const bool own = c.other_mover >= 0 && may_touch_itself(c.mover, c.other_mover);
+    c.hard = c.dist - (own ? kDeeper * settings.depenetration_speed * h : 1e-7);
     return;
   }
   c.hard = 0.5 * std::min(c.dist, kLeastGap);
@@ -155,7 +158,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
         c.n = least_overlap(A, B, c.n);
         c.dist = separate_along(A, B, c.n).dist;
       }
-      fixed_exit(c, e.own ? start.kin.xmat[movers[c.other_mover].body] : Mat3{},
+      fixed_exit(c, e.own ? start.kin.xmat[stays(m, c)] : Mat3{},
                  [&](Candidate& k) { k.dist = separate_along(A, B, k.n).dist; });
       demand(c, h);
       out.push_back(c);

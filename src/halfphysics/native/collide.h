@@ -220,13 +220,18 @@ class World {
   bool takes_part(const Near& e) const;
   // Of two movers of one tree: do their bounding spheres keep them farther apart than r? May they
   // touch on their way? The direction along which they overlap least.
-  bool spheres_apart(const Poses& p, Near& e, double r) const;
+  bool spheres_apart(Poses& p, Near& e, double r) const;
   bool meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& sweep, Near& e) const;
   void leave_together(const Model& m, Poses& start);
   int waited_ = 0;  // substeps since those who leave themselves were last looked at
   double depth_ = 1e300;  // how deep they all were then, along their ways out [m]
   bool may_touch_itself(int a, int b) const {
     return !self_.empty() && self_[a * movers.size() + b];
+  }
+  // Of two bodies of one person the one that carries more: the way out turns with it.
+  int stays(const Model& m, const Candidate& c) const {
+    const int a = movers[c.mover].body, b = movers[c.other_mover].body;
+    return m.carried[a] > m.carried[b] ? a : b;
   }
   static Vec3 least_overlap(const Placed& a, const Placed& b, Vec3 guess);
   void demand(Candidate& c, double h);

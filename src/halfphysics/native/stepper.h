@@ -158,6 +158,15 @@ class Stepper {
   // By how much the fastest point of those who come out of something is faster than asked [m/s].
   double hurled();
   void solve(double h);
+  // What the contacts make of v_free_: v_ and their impulses (self_answer.cpp).
+  SolveReport answer(double h);
+  bool solve_self(double h);
+  bool touches_itself(const Contact& c) const;
+  bool leaves_itself(const Candidate& c) const {
+    return c.dist < 0 && c.other_mover >= 0 && tree(c.mover) == tree(c.other_mover);
+  }
+  void make_room(int a, int b, bool whole);
+  void push(const Contact& c, std::vector<double>& f) const;
   // World::excess of candidate i; asks for what a plane that it forgives had hidden.
   double excess(size_t i, double h);
   double allowed(const Candidate& c) const;
@@ -234,6 +243,12 @@ class Stepper {
   std::vector<char> gave_way_;       // per body: its tree's clearance has
   std::vector<Remembered> warm_, next_warm_;
   ContactSolver solver_;
+  // What people do to themselves.
+  std::vector<char> gives_;      // per dof
+  Inertia giving_;
+  std::vector<Contact> own_;
+  std::vector<double> v_self_;
+  std::vector<Twist> self_twists_;
   std::vector<Track> tracks_;
   std::vector<double> clock_;         // per track: where on it the thing is [s]
   std::vector<double> behind_;        // per body: time lost in the substep under way [s]

@@ -19,7 +19,7 @@ constexpr double kSlackReach = 0.004;  // planes are asked for this much farther
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
 // A gap may miss what is asked of it by this share: curvature within a substep costs no more solves.
-constexpr double kSlack = 0.02, kWear = 0.1;
+constexpr double kSlack = 0.02, kWear = 0.1, kLeisure = 0.5, kLeast = 1.25;
 // Nobody is pushed apart faster than this for the sake of a curved way: a shorter step is straighter,
 // and things that spin fast would gain energy [m/s].
 constexpr double kPush = 3, kThingsPush = 0.05;
@@ -152,6 +152,9 @@ double Stepper::excess(size_t i, double h) {
 // What a candidate's gap may miss of its target.
 double Stepper::allowed(const Candidate& c) const {
   double miss = 2 * tolerance_ + kRounding;
+  // Who leaves itself need not do so at an exact speed.
+  if (leaves_itself(c))
+    return std::max(miss, (gave_way_[tree(c.mover)] ? kLeast : kLeisure) * (c.target - c.dist));
   if (c.target > 0) miss += kSlack * c.target;
   // What nothing stops must not wear a gap away either.
   auto held = [&](int mover) { return mover >= 0 && model.held[world.movers[mover].body]; };
@@ -239,6 +242,7 @@ bool Stepper::give_way() {
 void Stepper::relax() {
   for (Candidate& c : candidates_) {
     if (!gave_way_[tree(c.mover)] && (c.other_mover < 0 || !gave_way_[tree(c.other_mover)])) continue;
+    if (leaves_itself(c)) continue;
     c.target = std::min(c.target, c.dist >= 0 ? std::min(c.dist, kLeastGap) : c.dist);
     if (c.target >= 0 && c.target < kNarrow) tolerance_ = kFiner * world.settings.tolerance;
   }
@@ -257,8 +261,7 @@ void Stepper::solve(double h) {
   const size_t contacts = contacts_.size();
   for (size_t i = 0; i < limits_.size(); i++) limits_[i].pair = (int)(candidates_.size() + i);
   contacts_.insert(contacts_.end(), limits_.begin(), limits_.end());
-  SolveReport r = solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(),
-                                contacts_, tolerance_ / h, world.settings.max_sweeps);
+  const SolveReport r = answer(h);
   for (size_t i = 0; i < limits_.size(); i++) {
     // What solving leaves is cut: a joint goes no farther than it goes.
     Contact& c = limits_[i];

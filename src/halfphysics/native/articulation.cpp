@@ -19,7 +19,8 @@ Twist cross_force(Twist v, Twist f) { return {cross(v.w, f.w) + cross(v.v, f.v),
 }  // namespace
 
 void bias_forces(const Model& m, const Kinematics& k, const double* qvel, Vec3 gravity,
-                 const std::vector<int>& bodies, double* out) {
+                 const std::vector<int>& bodies, double* out, const double* qacc,
+                 const std::vector<char>* massive) {
   std::vector<Twist> velocity(m.nbody), acceleration(m.nbody), force(m.nbody);
   acceleration[0].v = -gravity;
   for (int b : bodies) {
@@ -32,17 +33,22 @@ void bias_forces(const Model& m, const Kinematics& k, const double* qvel, Vec3 g
         const Twist before = v;
         for (int i = 0; i < count; i++, d++) {
           a = a + scaled(qvel[d], cross_motion(before, k.cdof[d]));
+          if (qacc) a = a + scaled(qacc[d], k.cdof[d]);
           v = v + scaled(qvel[d], k.cdof[d]);
         }
       };
       if (m.jnt_type[j] == Joint::Free) {
-        for (int i = 0; i < 3; i++, d++) v = v + scaled(qvel[d], k.cdof[d]);
+        for (int i = 0; i < 3; i++, d++) {
+          v = v + scaled(qvel[d], k.cdof[d]);
+          if (qacc) a = a + scaled(qacc[d], k.cdof[d]);
+        }
         turn(3);
       } else {
         turn(m.jnt_type[j] == Joint::Ball ? 3 : 1);
       }
     }
     velocity[b] = v, acceleration[b] = a;
+    if (massive && !(*massive)[b]) continue;
     const Inertia::Composite I = Inertia::of_body(m, k, b);
     force[b] = I * a + cross_force(v, I * v);
   }

@@ -135,6 +135,15 @@ class Stepper {
   void build_inertia(double h);
   void stiffen();
 
+  // What people hold (holding.cpp): what it asks of the drives, and of that what they do not bear.
+  void find_carried();
+  bool carries(const Drive& d) const { return carried_[d.body(0)]; }
+  void find_load(double h);
+  void add_drift(const Drive& d, double h, const std::vector<double>& held,
+                 const std::vector<double>& own, double sign);
+  void bear_load(double h);
+  void bear(const Drive& d, double h);
+
   // What the drive exerts (strength.cpp).
   void limit_strength(double h);
   void tally(double h);
@@ -149,6 +158,15 @@ class Stepper {
   // By how much the fastest point of those who come out of something is faster than asked [m/s].
   double hurled();
   void solve(double h);
+  // What the contacts make of v_free_: v_ and their impulses (self_answer.cpp).
+  SolveReport answer(double h);
+  bool solve_self(double h);
+  bool touches_itself(const Contact& c) const;
+  bool leaves_itself(const Candidate& c) const {
+    return c.dist < 0 && c.other_mover >= 0 && tree(c.mover) == tree(c.other_mover);
+  }
+  void make_room(int a, int b, bool whole);
+  void push(const Contact& c, std::vector<double>& f) const;
   // World::excess of candidate i; asks for what a plane that it forgives had hidden.
   double excess(size_t i, double h);
   double allowed(const Candidate& c) const;
@@ -197,6 +215,8 @@ class Stepper {
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
   std::vector<double> resist_;  // M^ without M, as factored last
   std::vector<double> v_star_, change_, pushed_, exerted_;
+  std::vector<char> carried_;  // per body: what people hold, and the roots of those who hold something
+  std::vector<double> load_;  // per dof: generalised force
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;
   Poses start_, end_;
@@ -223,6 +243,12 @@ class Stepper {
   std::vector<char> gave_way_;       // per body: its tree's clearance has
   std::vector<Remembered> warm_, next_warm_;
   ContactSolver solver_;
+  // What people do to themselves.
+  std::vector<char> gives_;      // per dof
+  Inertia giving_;
+  std::vector<Contact> own_;
+  std::vector<double> v_self_;
+  std::vector<Twist> self_twists_;
   std::vector<Track> tracks_;
   std::vector<double> clock_;         // per track: where on it the thing is [s]
   std::vector<double> behind_;        // per body: time lost in the substep under way [s]

@@ -5,7 +5,8 @@
 //
 //   h tau = M (e - e_before) - M^ (v - v*)
 //
-// It is zero in free motion, and what balances the contacts in a static hold.
+// It is zero in free motion, and what balances the contacts in a static hold. What held things ask for
+// (holding.cpp) is added: it is no part of e.
 #include "stepper.h"
 
 namespace hp {
@@ -14,10 +15,7 @@ namespace {
 
 constexpr double kRest = 1e-9;  // smaller changes of velocity are rounding [m/s, rad/s]
 
-// A limit's dofs, relative to the person's first: 0 the root's position, i + 1 ball i.
-int first_of(const Drive& d, int limit) {
-  return limit == 0 ? d.first_dof() : d.ball_dof(limit - 1);
-}
+int first_of(const Drive& d, int limit) { return d.limit_dof(limit); }
 
 // Scales the limit's three entries of x (nv of the model) to at most `most`; true if they were more.
 bool cap(const Drive& d, int limit, double most, double* x) {
@@ -130,7 +128,12 @@ void Stepper::tally(double h) {
     const int first = d.first_dof(), end = first + d.dof_count();
     for (int i = first; i < end; i++) pushed_[i] = qvel_[i] - v_star_[i];
     const bool touched = largest(d, pushed_.data()) > 0;
-    if (!touched && largest(d, change_.data()) < kRest) continue;
+    if (!touched && largest(d, change_.data()) < kRest) {
+      if (!carries(d)) continue;
+      for (int i = first; i < end; i++) exerted_[i] = h * load_[i];
+      d.exert(exerted_.data(), h);
+      continue;
+    }
     if (!known) {
       start_.kin.update_dofs(model, qpos_.data(), world.active.data());
       inertia_.compose(model, start_.kin, world.active.data());
@@ -141,6 +144,8 @@ void Stepper::tally(double h) {
       weigh(d, pushed_.data(), d.scale(drive_settings, h), resist_.data(), change_.data());
       for (int i = first; i < end; i++) exerted_[i] -= change_[i];
     }
+    if (carries(d))
+      for (int i = first; i < end; i++) exerted_[i] += h * load_[i];
     d.exert(exerted_.data(), h);
   }
 }

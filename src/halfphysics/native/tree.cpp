@@ -19,6 +19,8 @@ void Model::finish() {
     last_dof[b] = dof_count[b] > 0 ? dof_first[b] + dof_count[b] - 1 : last_dof[parent[b]];
     for (int i = 0; i < dof_count[b]; i++) dof_body[dof_first[b] + i] = b;
   }
+  carried = mass;
+  for (int b = nbody - 1; b > 0; b--) carried[parent[b]] += carried[b];
   plain_ball.assign(nbody, 0);
   for (int b = 1; b < nbody; b++) {
     int j = jnt_first[b];
@@ -224,22 +226,25 @@ void Inertia::compose(const Model& m, const Kinematics& k, const char* active) {
 }
 
 void Inertia::factor(const Model& m, const std::vector<double>& scale,
-                     const std::vector<double>& extra, const char* active) {
+                     const std::vector<double>& extra, const char* active, const char* free) {
+  auto stays = [&](int dof) { return (active && !active[m.dof_body[dof]]) || (free && !free[dof]); };
   L.resize(M.size());
   inv_D.resize(m.nv);
   root_D.resize(m.nv);
   for (int i = 0; i < m.nv; i++) {
     int start = m.row_start[i], n = m.row_size[i];
-    if (active && !active[m.dof_body[i]]) {
+    if (stays(i)) {
       std::fill_n(&L[start], n, 0.0);
       inv_D[i] = root_D[i] = 0;
       continue;
     }
     for (int a = 0; a < n; a++) L[start + a] = scale[i] * M[start + a];
     L[start + n - 1] += scale[i] * extra[i];
+    for (int a = 0; free && a < n - 1; a++)
+      if (!free[m.chain[start + a]]) L[start + a] = 0;
   }
   for (int i = m.nv - 1; i >= 0; i--) {
-    if (active && !active[m.dof_body[i]]) continue;
+    if (stays(i)) continue;
     double* row = &L[m.row_start[i]];
     const int* dof = &m.chain[m.row_start[i]];
     int n = m.row_size[i] - 1;

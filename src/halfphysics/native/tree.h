@@ -31,6 +31,7 @@ struct Model {
   // Derived by finish():
   std::vector<int> root;                 // per body: the body of its tree that hangs on the world
   std::vector<int> last_dof;             // per body: last dof that moves it, -1: fixed
+  std::vector<double> carried;           // per body: mass of it and all that hangs on it [kg]
   std::vector<int> dof_body;             // per dof
   std::vector<int> row_start, row_size;  // per dof: its chain of ancestors, itself last
   std::vector<int> chain;                // dof indices of all rows, one after the other
@@ -79,9 +80,10 @@ struct Inertia {
   double diagonal(const Model& m, int dof) const {
     return M[m.row_start[dof] + m.row_size[dof] - 1];
   }
-  // Factors scale_i * (M + diag(extra)); scale is constant within a tree.
+  // Factors scale_i * (M + diag(extra)); scale is constant within a tree. With `free` (per dof) only of
+  // those, as if the others could not move.
   void factor(const Model& m, const std::vector<double>& scale, const std::vector<double>& extra,
-              const char* active = nullptr);
+              const char* active = nullptr, const char* free = nullptr);
   void solve(const Model& m, double* x) const;       // x <- matrix^-1 x
   void half_solve_back(const Model& m, double* x) const;  // x <- L^-1 x, the last half of solve()
 

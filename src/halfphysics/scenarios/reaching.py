@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,15 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics import rotations as rot
 from halfphysics.motion import Motion
 from halfphysics.scenarios import arms
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS
+from halfphysics.skeleton import JOINT_INDEX
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
 
 Array = NDArray[np.float64]
-
-#: First finger joint of either hand; the ones of a side are told by their names.
-_FIRST_FINGER = 25
 
 
 def between(start: Array, end: Array, share: Array) -> Array:
@@ -35,11 +33,11 @@ def palm_depth(body: Body, side: str) -> float:
     return float(np.asarray(body.rest_joints)[wrist, 1] - body.rest_vertices[own, 1].min())
 
 
-def palm_ahead(body: Body, side: str) -> float:
-    """How far the middle of the palm is before the wrist [m]."""
+def knuckle_ahead(body: Body, side: str) -> float:
+    """How far the middle finger's knuckle is before the wrist [m]."""
     joints = np.asarray(body.rest_joints)
     knuckle, wrist = (JOINT_INDEX[f"{side}_{name}"] for name in ("middle1", "wrist"))
-    return 0.7 * float(np.linalg.norm(joints[knuckle] - joints[wrist]))
+    return float(np.linalg.norm(joints[knuckle] - joints[wrist]))
 
 
 def reach(
@@ -51,7 +49,7 @@ def reach(
     share: Array,
     *,
     pole: ArrayLike,
-    curl: ArrayLike = 0.0,
+    fingers: Mapping[int, Array],
 ) -> Motion:
     """A motion with one hand taken where it should be.
 
@@ -63,7 +61,7 @@ def reach(
         hand: World rotation that the hand should have, (T, 3, 3), as of `arms.palm_frame`.
         share: How much of that is done at every frame, 0 (as in `base`) to 1, (T,).
         pole: Where the elbow points to, (3,) or (T, 3).
-        curl: Flexion of every finger joint but the thumb's [rad], (T,) or one number.
+        fingers: Rotations of the finger joints, joint index -> axis-angle (T, 3).
     """
     positions, quaternions = body.joint_frames(base)
     arm = arms.arm_of(body, side)
@@ -71,12 +69,7 @@ def reach(
     held = arms.solve(
         arm, collar, positions[:, arm.joints[0]], wrist, hand, np.asarray(pole, dtype=np.float64)
     )
-    fingers = [j for j in range(_FIRST_FINGER, N_JOINTS) if JOINT_NAMES[j].startswith(side)]
-    for joint in fingers:
-        held[joint] = np.zeros((len(base), 3))
-        if "thumb" not in JOINT_NAMES[joint]:
-            held[joint][:, 2] = np.asarray(curl) * (-1.0 if side == "left" else 1.0)
     rotations = np.array(base.rotations)
-    for joint, turn in held.items():
+    for joint, turn in (held | dict(fingers)).items():
         rotations[:, joint] = between(rotations[:, joint], turn, share)
     return base.with_frames(base.translation, rotations)

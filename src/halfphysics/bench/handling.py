@@ -54,7 +54,8 @@ def _handled(
     options: Options,
 ) -> Iterator[Record]:
     told = scenarios.load(scenario, body=body(), **chosen)
-    motion, first = told.motion, round(up * told.motion.fps)
+    motion = told.motions[0]
+    first = round(up * motion.fps)
     if options.quick:
         motion, first = motion[quick], first - quick.start
     (thing,) = told.scene.objects

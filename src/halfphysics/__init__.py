@@ -87,7 +87,7 @@ _FROM: dict[str, str | None] = {
     "attach": "hosted",
     "clips": "io.walk",
     "export": "writers",
-    "load_sequence": "io",
+    "load_sequence": "io.registry",
     "simulate": "simulation",
 }
 

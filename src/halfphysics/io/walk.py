@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.errors import FileError
-from halfphysics.io import identify, load_motion, load_sequence, unknown
 from halfphysics.io.formats import Source
+from halfphysics.io.registry import identify, load_motion, load_sequence, unknown
 from halfphysics.validation import file_path
 
 if TYPE_CHECKING:

@@ -77,12 +77,12 @@ def _ring(radius: float, height: float, sides: int) -> Array:
     )
 
 
-def _hull_faces(points: Array) -> NDArray[np.int64]:
+def _hull_faces(points: Array) -> NDArray[np.int32]:
     """Triangles of the hull of points that are all corners of it, seen from outside."""
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(points)
-    faces = np.asarray(hull.simplices, dtype=np.int64)
+    faces = np.asarray(hull.simplices, dtype=np.int32)
     first, second, third = (points[faces[:, i]] for i in range(3))
     normal = np.cross(second - first, third - first)
     inward = np.einsum("ij,ij->i", normal, hull.equations[:, :3]) < 0.0

@@ -31,12 +31,13 @@ Inertia inertia_at(Stepper& s, const Doubles& qpos) {
 }
 
 nb::dict contact_rows(const std::vector<Contact>& contacts) {
-  std::vector<double> n, t, u, imp, dist, target, shift, mu, bounce;
+  std::vector<double> n, t, u, imp, curve, dist, target, shift, mu, bounce;
   for (const Contact& c : contacts) {
     push(n, c.n);
     push(t, c.t);
     push(u, c.s);
     push(imp, c.impulse);
+    push(curve, c.curve);
     dist.push_back(c.dist);
     target.push_back(c.target);
     shift.push_back(c.shift);
@@ -49,6 +50,7 @@ nb::dict contact_rows(const std::vector<Contact>& contacts) {
   d["tangent"] = array({k, 3}, t);
   d["binormal"] = array({k, 3}, u);
   d["impulse"] = array({k, 3}, imp);
+  d["curve"] = array({k, 3}, curve);
   d["dist"] = array(dist);
   d["target"] = array(target);
   d["shift"] = array(shift);

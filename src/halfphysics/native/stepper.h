@@ -197,6 +197,7 @@ class Stepper {
   // The parts of a substep.
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
   void warm_start(Contact& c);
+  void bend_way(Contact& c);  // curvature.cpp
   void remember(const std::vector<double>& share);
 
   std::vector<Drive> drives_;
@@ -224,6 +225,7 @@ class Stepper {
   Inertia inertia_;
   bool inertia_ready_ = false;
   std::vector<Twist> twists_, moving_;
+  std::vector<Twist> turning_;  // what moving_ becomes with time; empty: not asked for yet
   std::vector<double> reach_, way_;
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;

@@ -76,6 +76,7 @@ void Stepper::warm_start(Contact& c) {
   if (!found) return;
   c.impulse = found->impulse;
   found->used = true;
+  bend_way(c);  // it lasts
 }
 
 // The trees that planes connect: island_[tree].
@@ -380,6 +381,7 @@ void Stepper::try_step(double h) {
   work_ = 0;
   gave_way_.assign(model.nbody, 0);
   body_twists(model, start_.kin, qvel_.data(), moving_);
+  turning_.clear();
   body_twists(model, start_.kin, v_free_.data(), twists_);
   reach_.resize(world.movers.size());
   fastest_.assign(model.nbody, 0);

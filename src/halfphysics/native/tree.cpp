@@ -156,6 +156,21 @@ void body_twists(const Model& m, const Kinematics& k, const double* qvel,
   }
 }
 
+void carry(const Model& m, const Kinematics& k, const double* qvel, int body, Twist& velocity,
+           Twist& acceleration) {
+  const int first = m.jnt_first[body];
+  for (int j = first; j < first + m.jnt_count[body]; j++) {
+    int d = m.jnt_dof[j];
+    const bool free = m.jnt_type[j] == Joint::Free;
+    for (int i = 0; free && i < 3; i++, d++) velocity = velocity + scaled(qvel[d], k.cdof[d]);
+    const Twist before = velocity;
+    for (int i = free || m.jnt_type[j] == Joint::Ball ? 3 : 1; i > 0; i--, d++) {
+      acceleration = acceleration + scaled(qvel[d], cross_motion(before, k.cdof[d]));
+      velocity = velocity + scaled(qvel[d], k.cdof[d]);
+    }
+  }
+}
+
 void integrate(const Model& m, double* qpos, const double* qvel, double t, const char* active) {
   for (int j = 0; j < m.njnt; j++) {
     if (active && !active[m.jnt_body[j]]) continue;

@@ -49,6 +49,13 @@ struct Twist {
   Vec3 w, v;
 };
 
+inline Twist operator+(Twist a, Twist b) { return {a.w + b.w, a.v + b.v}; }
+inline Twist scaled(double s, Twist a) { return {s * a.w, s * a.v}; }
+// Of a motion that is carried along by another one.
+inline Twist cross_motion(Twist v, Twist s) {
+  return {cross(v.w, s.w), cross(v.w, s.v) + cross(v.v, s.w)};
+}
+
 // Everything that follows from a pose.
 struct Kinematics {
   std::vector<Vec3> xpos;  // body frame in the world
@@ -65,6 +72,12 @@ struct Kinematics {
 
 // Spatial velocity of every body about its tree's reference point.
 void body_twists(const Model& m, const Kinematics& k, const double* qvel, std::vector<Twist>& out);
+
+// From its parent's velocity and acceleration to those of a body, if `qvel` stays as it is: axes are
+// carried along by what comes before them in the chain; those that a free joint shifts along stand
+// still.
+void carry(const Model& m, const Kinematics& k, const double* qvel, int body, Twist& velocity,
+           Twist& acceleration);
 
 // qpos <- qpos moved along qvel for a time t, on the manifold; with `active` only those trees.
 void integrate(const Model& m, double* qpos, const double* qvel, double t,

@@ -72,6 +72,6 @@ class Command:
 
     def _body(self, motion: Motion, result: Result | None) -> Body | None:
         """Whose motion it is, where that is known."""
-        if self.person.body is not None or self.person.stature is not None:
+        if self.person.given:
             return self.person.load(motion)
         return None if result is None else result.people[0].body

@@ -41,7 +41,8 @@ def test_simulate_takes_the_data_sets_objects(dataset, capsys):
     assert abs(fallen - 0.5 * 9.81 * time * (time + h)) < 1e-9
     assert run(*common, "--assets", "meshes", "--objects", "replayed") == 0
     replayed = hp.Result.load(dataset / "r.npz").objects["cup"]
-    recorded = hp.load_sequence(dataset / "TRUMANS", dataset / "meshes", clip="walk@1").recorded
+    options = {"clip": "walk@1", "objects": "replayed"}
+    recorded = hp.load_sequence(dataset / "TRUMANS", dataset / "meshes", **options).recorded
     assert np.abs(replayed.position - recorded["cup"].position).max() < 1e-9
     assert run(*common, "--objects", "none") == 0
     assert not hp.Result.load(dataset / "r.npz").objects

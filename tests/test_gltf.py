@@ -128,6 +128,16 @@ def test_links_of_articulated_things(tmp_path):
     assert_shows(tmp_path / "desk.glb", take)
 
 
+def test_links_that_nothing_was_recorded_of_stand_where_they_start(tmp_path):
+    scene = hp.Scene()
+    scene.add_articulated("desk", DRAWER, position=(1.0, 0.5, 0.3), joints={"slide": 0.25})
+    sequence = hp.Sequence(along_x(1.0, 3, 0.0), scene)
+    hp.export(sequence, tmp_path / "desk.glb")
+    file = assert_shows(tmp_path / "desk.glb", take_of(sequence))
+    middle = file.globals(0.0)[file.node("desk/drawer"), :3, 3]
+    np.testing.assert_allclose(middle, y_up(np.array([1.25, 0.5, 0.4])), atol=1e-6)
+
+
 def many_handed(influences, posedirs=0.0):
     """The default body with more joints to a vertex, and pose blend shapes of that size [m]."""
     body, rng = Body.default(), np.random.default_rng(2)
@@ -214,6 +224,27 @@ def test_trimesh_opens_it(tmp_path):
     np.testing.assert_array_equal(skin.faces, body.faces)
     matrix, _ = scene.graph.get("ball")  # a thing stands where it is at first
     np.testing.assert_allclose(matrix[:3, 3], y_up(result.objects["ball"].position[0]), atol=1e-6)
+
+
+def test_the_command_line_writes_the_same_bytes(tmp_path, monkeypatch, capsys):
+    from halfphysics.cli import main
+
+    result = make_result(Body.default(), people=2)
+    result.save(tmp_path / "result.npz")
+    along_x(1.0, 8, 0.0).save(tmp_path / "walk.npz")
+    monkeypatch.chdir(tmp_path)
+    for source, target in (("result.npz", "a.glb"), ("walk.npz", "b.glb"), ("walk.npz", "c.gltf")):
+        assert main(["convert", source, target]) == 0
+        assert capsys.readouterr().out.endswith(f"written: {target}\n")
+    hp.export(hp.Result.load("result.npz"), "a_too.glb")
+    hp.export(hp.Motion.load("walk.npz"), "b_too.glb")
+    assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "a_too.glb").read_bytes()
+    assert (tmp_path / "b.glb").read_bytes() == (tmp_path / "b_too.glb").read_bytes()
+    assert main(["convert", "walk.npz", "d.glb", "--to-fps", "60", "--stature", "1.5"]) == 0
+    file = assert_shows(
+        tmp_path / "d.glb", take_of(hp.Motion.load("walk.npz"), Body.default(stature=1.5), fps=60.0)
+    )
+    assert len(file.times) == 15
 
 
 def test_only_known_suffixes(tmp_path):

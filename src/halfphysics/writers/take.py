@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.articulated import start_poses
 from halfphysics.errors import InputError
 from halfphysics.motion import Motion
 from halfphysics.validation import shown
@@ -110,10 +111,13 @@ def _props(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[Prop, ...]:
         place = (thing.position, thing.quaternion)
         props.append(_prop(name, mesh, *(place if track is None else _rows(track))))
     for jointed in scene.articulated.values():
-        for link, name in zip(jointed.links, jointed.link_names, strict=True):
+        starts = start_poses(jointed)
+        for link, name, place in zip(jointed.links, jointed.link_names, starts, strict=True):
             vertices, faces = link.mesh()
-            if len(faces) and name in tracks:
-                props.append(_prop(name, (vertices, faces), *_rows(tracks[name])))
+            if len(faces):
+                track = tracks.get(name)
+                place = place if track is None else _rows(track)
+                props.append(_prop(name, (vertices, faces), *place))
     return tuple(props)
 
 

@@ -138,6 +138,42 @@ def test_links_that_nothing_was_recorded_of_stand_where_they_start(tmp_path):
     np.testing.assert_allclose(middle, y_up(np.array([1.25, 0.5, 0.4])), atol=1e-6)
 
 
+def test_a_plane_is_drawn_where_the_story_is(tmp_path):
+    """20 m of it around the person, however far off; tilted ones stay in their plane."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane(offset=0.5))
+    turn = [np.cos(0.2), np.sin(0.2), 0.0, 0.0]
+    scene.add_static("ramp", hp.Plane(), position=(3.0, 1.0, 0.0), quaternion=turn)
+    motion = along_x(1.0, 3, 400.0)
+    hp.export(hp.Sequence(motion, scene), tmp_path / "far.glb")
+    file = Gltf(tmp_path / "far.glb")
+    person = y_up(Body.default().joints(motion)[:, 0].mean(axis=0))
+    floor, ramp = file.vertices("floor", 0.0), file.vertices("ramp", 0.0)
+    np.testing.assert_allclose(floor[:, 1], 0.5, atol=1e-6)
+    np.testing.assert_allclose(np.ptp(floor, axis=0), [20.0, 0.0, 20.0], atol=1e-4)
+    np.testing.assert_allclose(floor.mean(axis=0)[[0, 2]], person[[0, 2]], atol=0.05)
+    up = y_up(np.array([0.0, -np.sin(0.4), np.cos(0.4)]))
+    offset = up @ y_up(np.array([3.0, 1.0, 0.0]))
+    np.testing.assert_allclose(ramp @ up, offset, atol=1e-4)
+    foot = person - up * (up @ person - offset)
+    np.testing.assert_allclose(ramp.mean(axis=0), foot, atol=0.05)
+
+
+def test_people_and_things_of_other_lengths_are_refused(tmp_path):
+    scene = hp.Scene()
+    scene.add_object("cup", hp.Sphere(0.1), mass=1.0)
+    one, other = along_x(1.0, 12, 0.0), along_x(1.0, 11, 2.0)
+    track = ObjectTrack(position=np.zeros((5, 3)), quaternion=np.tile([1.0, 0, 0, 0], (5, 1)))
+    for sequence, message in (
+        (hp.Sequence((one, other), scene), "person1 has 11 frames at 30 fps, person0 has 12 at 30"),
+        (hp.Sequence((one, one.resample(60.0)[:12]), scene), "person1 has 12 frames at 60 fps"),
+        (hp.Sequence(one, scene, recorded={"cup": track}), "cup has 5 frames, expected 12"),
+    ):
+        with pytest.raises(hp.errors.InputError, match=message):
+            hp.export(sequence, tmp_path / "a.glb")
+    assert not list(tmp_path.iterdir())
+
+
 def many_handed(influences, posedirs=0.0):
     """The default body with more joints to a vertex, and pose blend shapes of that size [m]."""
     body, rng = Body.default(), np.random.default_rng(2)

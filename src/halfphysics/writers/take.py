@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics import rotations as rot
+from halfphysics.articulated import start_poses
 from halfphysics.errors import InputError
 from halfphysics.motion import Motion
 from halfphysics.validation import shown
@@ -55,12 +57,32 @@ class Prop:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Take:
-    """All that an animated scene holds: `frames` of them, `fps` to the second."""
+    """All that an animated scene holds: `frames` of them, `fps` to the second.
+
+    Raises:
+        InputError: Somebody or something has another number of frames, or another rate.
+    """
 
     actors: tuple[Actor, ...]
     props: tuple[Prop, ...]
     fps: float
     frames: int
+
+    def __post_init__(self) -> None:
+        for actor in self.actors:
+            motion = actor.motion
+            if (len(motion), motion.fps) != (self.frames, self.fps):
+                raise InputError(
+                    f"export: {actor.name} has {len(motion)} frames at {motion.fps:g} fps, "
+                    f"{self.actors[0].name} has {self.frames} at {self.fps:g}; expected the same. "
+                    "Use motion.resample(fps) and motion[:frames]"
+                )
+        for prop in self.props:
+            if prop.moves and len(prop.position) != self.frames:
+                raise InputError(
+                    f"export: {prop.name} has {len(prop.position)} frames, expected "
+                    f"{self.frames}, as many as the motion has"
+                )
 
 
 def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = None) -> Take:
@@ -83,7 +105,7 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
         actors = tuple(
             Actor(name=p.name, motion=p.motion, body=body or p.body) for p in what.people
         )
-        props = _props(what.scene, what.objects)
+        props = _props(what.scene, what.objects, _middle(actors))
     elif isinstance(what, Sequence | Motion):
         motions = what.motions if isinstance(what, Sequence) else (what,)
         bodies = what.bodies if isinstance(what, Sequence) else (None,)
@@ -93,27 +115,44 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
             for name, motion, own in zip(names, motions, bodies, strict=True)
         )
         sequence = what if isinstance(what, Sequence) else Sequence(what, Scene())
-        props = _props(sequence.scene, sequence.recorded)
+        props = _props(sequence.scene, sequence.recorded, _middle(actors))
     else:
         raise InputError(f"export: expected a Result, a Sequence or a Motion, found {shown(what)}")
     take = Take(actors=actors, props=props, fps=actors[0].motion.fps, frames=len(actors[0].motion))
     return take if fps is None else resampled(take, fps)
 
 
-def _props(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[Prop, ...]:
+def _middle(actors: tuple[Actor, ...]) -> Array:
+    """Centre (3,) of the box around the people's pelvises at all frames [m]."""
+    ways = np.concatenate([a.body.joint_frames(a.motion)[0][:, 0] for a in actors])
+    return 0.5 * (ways.min(axis=0) + ways.max(axis=0))
+
+
+def _props(scene: Scene, tracks: Mapping[str, ObjectTrack], middle: Array) -> tuple[Prop, ...]:
+    """`middle`: where planes, which have no end, are drawn around."""
+    from halfphysics.shapes import Plane
+
     props = []
     for name, static in scene.statics.items():
-        props.append(_prop(name, static.mesh(), static.position, static.quaternion))
+        vertices, faces = static.mesh()
+        if isinstance(static.shape, Plane):
+            local = rot.rotate(rot.conjugate(static.quaternion), middle - static.position)
+            normal = np.asarray(static.shape.normal)
+            vertices = vertices + local - normal * (normal @ local)
+        props.append(_prop(name, (vertices, faces), static.position, static.quaternion))
     for name, thing in scene.objects.items():
         mesh = thing.mesh() if thing.visual is None else thing.visual.triangles()
         track = tracks.get(name)
         place = (thing.position, thing.quaternion)
         props.append(_prop(name, mesh, *(place if track is None else _rows(track))))
     for jointed in scene.articulated.values():
-        for link, name in zip(jointed.links, jointed.link_names, strict=True):
+        starts = start_poses(jointed)
+        for link, name, place in zip(jointed.links, jointed.link_names, starts, strict=True):
             vertices, faces = link.mesh()
-            if len(faces) and name in tracks:
-                props.append(_prop(name, (vertices, faces), *_rows(tracks[name])))
+            if len(faces):
+                track = tracks.get(name)
+                place = place if track is None else _rows(track)
+                props.append(_prop(name, (vertices, faces), *place))
     return tuple(props)
 
 
@@ -135,7 +174,6 @@ def _prop(
 
 def resampled(take: Take, fps: float) -> Take:
     """The take at another frame rate: positions linear, rotations by SLERP."""
-    from halfphysics import rotations as rot
     from halfphysics.origin import neighbours
 
     actors = tuple(

@@ -13,6 +13,7 @@ from halfphysics.io import (
     amass_smplh,
     amass_smplx,
     motionx,
+    omomo,
     smpl_codec,
     trumans_clip,
     trumans_release,
@@ -51,6 +52,7 @@ FORMATS: dict[str, Format] = {
         smpl_codec.FORMAT,
         trumans_clip.FORMAT,
         trumans_release.FORMAT,
+        omomo.FORMAT,
     )
 }
 

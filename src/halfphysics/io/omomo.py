@@ -165,7 +165,7 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
     words = title.split("_")
     if len(words) < 2:
         raise record.error(
-            "seq_name", f"found {title!r}, expected SUBJECT_OBJECT_NUMBER, to say which object it is"
+            "seq_name", f"found {title!r}, expected SUBJECT_OBJECT_NUMBER: which object"
         )
     parts = (_TOP, _BOTTOM) if any(k.startswith(_BOTTOM.fields) for k in record.fields) else None
     scene, tracks = Scene(), {}

@@ -12,6 +12,7 @@ from halfphysics.io import (
     amass_smpl,
     amass_smplh,
     amass_smplx,
+    intermimic,
     motionx,
     omomo,
     smpl_codec,
@@ -53,6 +54,7 @@ FORMATS: dict[str, Format] = {
         trumans_clip.FORMAT,
         trumans_release.FORMAT,
         omomo.FORMAT,
+        intermimic.FORMAT,
     )
 }
 

@@ -12,7 +12,9 @@ from halfphysics.io import (
     amass_smpl,
     amass_smplh,
     amass_smplx,
+    intermimic,
     motionx,
+    omomo,
     smpl_codec,
     trumans_clip,
     trumans_release,
@@ -51,6 +53,8 @@ FORMATS: dict[str, Format] = {
         smpl_codec.FORMAT,
         trumans_clip.FORMAT,
         trumans_release.FORMAT,
+        omomo.FORMAT,
+        intermimic.FORMAT,
     )
 }
 

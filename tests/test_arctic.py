@@ -135,6 +135,7 @@ def test_written_as_it_came(data_set, tmp_path):
     assert "shape" in lost
     assert "60" in lost
     assert "male" in lost
+    assert "subject_vtemplates/s01.obj" in " ".join(hp.io.losses(motion, tmp_path / "b.npz"))
 
 
 def test_the_body_is_the_subjects_own(data_set, tmp_path, monkeypatch):
@@ -184,6 +185,21 @@ def test_replayed_parts(data_set):
     assert np.array_equal(
         part.recorded["box_top"].position, sequence.recorded["box_top"].position[2:8]
     )
+
+
+def test_another_axis_up_turns_all_alike(data_set):
+    """Where somebody says that the file is y-up, person and object turn together."""
+    as_z, as_y = (quiet(data_set, up=up, objects="replayed") for up in ("z", "y"))
+    turn = as_y.motion.axes
+    body = hp.Body.default()
+    expected = body.vertices(as_z.motion) @ turn.T
+    assert np.abs(body.vertices(as_y.motion) - expected).max() < ROUNDING
+    for name in ("box_bottom", "box_top"):
+        a, b = as_z.recorded[name], as_y.recorded[name]
+        for frame in (0, 5, 11):
+            placed = rot.rotate(a.quaternion[frame], np.eye(3)) + a.position[frame]
+            found = rot.rotate(b.quaternion[frame], np.eye(3)) + b.position[frame]
+            assert np.abs(found - placed @ turn.T).max() < ROUNDING
 
 
 def test_a_free_object_has_a_hinge(data_set):

@@ -92,6 +92,7 @@ def _load(source: Source, options: Options) -> Motion:
         up="z",
         model="smplx",
         gender=_gender(source, options),
+        fields={"template": f"meta/subject_vtemplates/{_subject(source)}.obj"},
     )
 
 
@@ -140,7 +141,8 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
         fps=motion.fps,
         options=options,
     )
-    template = ends(f"meta/subject_vtemplates/{_subject(source)}.obj")
+    assert motion.origin is not None
+    template = ends(motion.origin.fields["template"])
     body = subject_body(source, options, gender=motion.gender, template=template)
     return Sequence(motion, scene, body, recorded=tracks)
 

@@ -40,6 +40,7 @@ Array = NDArray[np.float64]
 NAME = "grab"
 _KEYS = {"body", "lhand", "rhand", "object", "sbj_id", "obj_name", "motion_intent"}
 _ENOUGH = 3
+_NAMES = ("sbj_id", "obj_name", "motion_intent")
 _FULL = "fullpose"
 _HANDS = ("left_hand_pose", "right_hand_pose")
 _FINGERS = {"left_hand_pose": slice(75, 120), "right_hand_pose": slice(120, 165)}
@@ -104,9 +105,8 @@ def _load(source: Source, options: Options) -> Motion:
         model="smplx",
         gender=gender,
         fields={
-            key: record.text(key)
-            for key in ("sbj_id", "obj_name", "motion_intent")
-            if key in record
+            **{key: record.text(key) for key in _NAMES if key in record},
+            "template": _part(record, "body").text("vtemp"),
         },
     )
 
@@ -166,7 +166,8 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
         fps=motion.fps,
         options=options,
     )
-    template = ends(_part(record, "body").text("vtemp"))
+    assert motion.origin is not None
+    template = ends(motion.origin.fields["template"])
     body = subject_body(source, options, gender=motion.gender, template=template)
     return Sequence(motion, scene, body, recorded=tracks)
 

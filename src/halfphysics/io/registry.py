@@ -154,7 +154,13 @@ def save_motion(
 
 def losses(motion: Motion, path: str | os.PathLike[str], format: str | None = None) -> list[str]:
     """What of a motion the file that `save_motion` would write cannot hold, one line each."""
-    return list(writer_of(motion, file_path(path), format).loses(motion))
+    writer = writer_of(motion, file_path(path), format)
+    lost = list(writer.loses(motion))
+    origin = motion.origin
+    template = None if origin is None else origin.fields.get("template")
+    if template is not None and origin is not None and origin.format != writer.name:
+        lost.append(f"the subject's own shape: keep the template {template} beside it")
+    return lost
 
 
 def writer_of(motion: Motion, path: Path, format: str | None) -> Format:

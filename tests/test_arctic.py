@@ -354,7 +354,10 @@ def test_wrong_objects(data_set, tmp_path, name):
 
 def test_missing_neighbours(data_set):
     meta = data_set.parents[2] / "meta"
-    (meta / "object_vtemplates" / "box" / "top.obj").unlink()
+    top = meta / "object_vtemplates" / "box" / "top.obj"
+    top.write_text("v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n")
+    refused(data_set, "object 'box', top: .*span no volume")
+    top.unlink()
     refused(data_set, "mesh of the top of 'box'.*Looked for.*object_vtemplates/box/top.obj")
     (meta / "misc.json").write_text("{")
     refused(data_set, "misc.json cannot be read.*gender=")

@@ -325,6 +325,10 @@ WRONG = [
     ("hands missing", inside("body", without("right_hand_pose")), "'right_hand_pose' is missing"),
     ("full narrow", inside("body", changed("fullpose", lambda a: a[:, :150])), "'fullpose'"),
     ("object unknown", put("obj_name", np.zeros(3)), "'obj_name'.*expected text"),
+    ("object with a slash", put("obj_name", "cup/mug"), "without '/'"),
+    ("object called as the table", put("obj_name", "table"), "already"),
+    ("object called person", put("obj_name", "person"), "means the people"),
+    ("ragged", lambda f: f["body"]["params"].update(jaw_pose=[[1.0], [1.0, 2.0]]), "'jaw_pose'"),
     ("too fast", inside("body", changed("transl", lambda a: a * 1e4)), "m/s"),
     (
         "mesh elsewhere",
@@ -339,6 +343,33 @@ def test_wrong_files(data_set, tmp_path, spoil, message):
     content = fields()
     spoil(content)
     refused(written(tmp_path, content), message)
+
+
+def test_wrong_meshes(data_set, tmp_path):
+    import trimesh
+
+    tools = data_set.parents[2] / "tools"
+    cup = tools / "object_meshes" / "contact_meshes" / "cup.ply"
+    good = cup.read_bytes()
+    flat = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], process=False)
+    flat.export(cup)
+    refused(data_set, "span no volume")
+    refused(data_set, "moving thing 'cup'.*span no volume", objects="replayed")
+    cup.write_bytes(good[:40])
+    with pytest.raises(hp.HalfPhysicsError, match=r"cup\.ply: cannot be read"):
+        quiet(data_set)
+    cup.write_bytes(good)
+    models = tmp_path / "models"
+    write_npz(models / "SMPLX_MALE.npz", model_fields("smplx"))
+    small = trimesh.creation.box((1, 1, 1))
+    small.export(tools / "subject_meshes" / "male" / "s1.ply")
+    with pytest.raises(hp.HalfPhysicsError, match=r"s1\.ply: found shape \(8, 3\)"):
+        quiet(data_set, assets=models)
+
+
+def test_an_absurd_size_is_refused(data_set, monkeypatch):
+    monkeypatch.setattr("halfphysics.io.restricted_pickle.MAX_BYTES", 1000)
+    refused(data_set, "field 'body' unpacks to")
 
 
 def test_options_that_do_not_fit(data_set):

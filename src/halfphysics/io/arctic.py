@@ -25,6 +25,7 @@ from halfphysics.io.building import file_parameters, motion_of, rotations_of, sa
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.npy import Npy
 from halfphysics.io.record import Record
+from halfphysics.io.recorded import of_file
 from halfphysics.io.subject import subject_body
 from halfphysics.motion import Motion
 from halfphysics.scene import Scene
@@ -131,16 +132,17 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
         )
         for part in OBJECT_PARTS
     }
-    tracks = add_hinged(
-        scene,
-        name,
-        meshes,
-        pose,
-        where=str(source.path),
-        axes=motion.axes,
-        fps=motion.fps,
-        options=options,
-    )
+    with of_file(str(source.path)):
+        tracks = add_hinged(
+            scene,
+            name,
+            meshes,
+            pose,
+            where=str(source.path),
+            axes=motion.axes,
+            fps=motion.fps,
+            options=options,
+        )
     assert motion.origin is not None
     template = ends(motion.origin.fields["template"])
     body = subject_body(source, options, gender=motion.gender, template=template)

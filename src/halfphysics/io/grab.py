@@ -26,7 +26,7 @@ from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.meshes import load_mesh
 from halfphysics.io.npz_objects import NpzObjects
 from halfphysics.io.record import Record
-from halfphysics.io.recorded import add_recorded
+from halfphysics.io.recorded import add_recorded, of_file
 from halfphysics.io.report import warn
 from halfphysics.io.subject import model_names, named_model, subject_body
 from halfphysics.motion import Motion
@@ -67,14 +67,19 @@ def _part(record: Record, key: str) -> Record:
     return Record(f"{record.where}, {key}", part)
 
 
-def _params(part: Record, total: int) -> Record:
-    """The parameters of a part, as many frames of each as the clip has."""
+def _params(part: Record) -> Record:
+    """The parameters of a part."""
     params = part.raw("params", "(a dict of arrays)")
     if not isinstance(params, dict):
         raise part.error("params", f"found {type(params).__name__}, expected a dict of arrays")
-    lengths = {str(key): len(value) for key, value in params.items() if np.ndim(value)}
-    same_length(f"{part.where}.params", {"n_frames": total, **lengths})
     return Record(f"{part.where}.params", params)
+
+
+def _rows(params: Record, key: str, width: int, total: int, options: Options) -> Array:
+    """A parameter (T, width) of the frames asked for, of which the clip has `total`."""
+    rows = params.array(key, None, width, frames=options.frames)
+    same_length(params.where, {"n_frames": total, key: len(params.raw(key))})
+    return rows
 
 
 def _load(source: Source, options: Options) -> Motion:
@@ -86,19 +91,18 @@ def _load(source: Source, options: Options) -> Motion:
     record = _record(source)
     total = int(record.number("n_frames", above=0.0))
     gender = options.gender or record.text("gender").lower()
-    params = _params(_part(record, "body"), total)
-    frames = options.frames
+    params = _params(_part(record, "body"))
     parts = {
-        joints: params.array(key, None, 3 * len(joints), frames=frames)
+        joints: _rows(params, key, 3 * len(joints), total, options)
         for key, joints in PARTS.items()
         if key not in _HANDS
     }
-    hands = _hands(source, options, record, params, gender)
+    hands = _hands(source, options, record, params, gender, total)
     return motion_of(
         record.where,
         options,
         format=NAME,
-        translation=params.array("transl", None, 3, frames=frames),
+        translation=_rows(params, "transl", 3, total, options),
         rotations=rotations_of({**parts, **{PARTS[key]: part for key, part in hands.items()}}),
         fps=options.fps or record.number("framerate", above=0.0),
         up="z",
@@ -112,14 +116,14 @@ def _load(source: Source, options: Options) -> Motion:
 
 
 def _hands(
-    source: Source, options: Options, record: Record, params: Record, gender: str
+    source: Source, options: Options, record: Record, params: Record, gender: str, total: int
 ) -> dict[str, Array]:
     """Fingers (T, 45) of both hands on a flat hand."""
     count = int(record.number("n_comps", above=0.0, below=_COMPONENTS + 1))
-    components = {key: params.array(key, None, count, frames=options.frames) for key in _HANDS}
+    components = {key: _rows(params, key, count, total, options) for key in _HANDS}
     unfolded = None
     if _FULL in params:
-        full = params.array(_FULL, None, 165, frames=options.frames)
+        full = _rows(params, _FULL, 165, total, options)
         unfolded = {key: full[:, columns] for key, columns in _FINGERS.items()}
         if named_model(options) is None:
             return unfolded
@@ -150,40 +154,42 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
     scene = Scene()
     tracks: dict[str, ObjectTrack] = {}
     if "table" in record:
-        tracks.update(_add_table(source, options, scene, _part(record, "table"), motion, total))
+        with of_file(record.where):
+            tracks.update(_add_table(source, options, scene, _part(record, "table"), motion, total))
     name = record.text("obj_name")
     thing = _part(record, "object")
-    places, turns = _poses(_params(thing, total), options)
+    places, turns = _poses(thing, total, options)
     mesh = find(source, options, ends(thing.text("object_mesh")), f"the mesh of {name!r}")
-    tracks[name] = add_recorded(
-        scene,
-        name,
-        mesh,
-        places,
-        turns,
-        where=record.where,
-        axes=motion.axes,
-        fps=motion.fps,
-        options=options,
-    )
+    with of_file(record.where):
+        tracks[name] = add_recorded(
+            scene,
+            name,
+            mesh,
+            places,
+            turns,
+            where=record.where,
+            axes=motion.axes,
+            fps=motion.fps,
+            options=options,
+        )
     assert motion.origin is not None
     template = ends(motion.origin.fields["template"])
     body = subject_body(source, options, gender=motion.gender, template=template)
     return Sequence(motion, scene, body, recorded=tracks)
 
 
-def _poses(params: Record, options: Options) -> tuple[Array, Array]:
+def _poses(thing: Record, total: int, options: Options) -> tuple[Array, Array]:
     """Positions (T, 3) and rotations (T, 3, 3) of columns; the file's are for rows."""
-    places = params.array("transl", None, 3, frames=options.frames)
-    turns = params.array("global_orient", None, 3, frames=options.frames)
-    return places, rot.rotvec_to_matrix(-turns)
+    params = _params(thing)
+    turns = _rows(params, "global_orient", 3, total, options)
+    return _rows(params, "transl", 3, total, options), rot.rotvec_to_matrix(-turns)
 
 
 def _add_table(
     source: Source, options: Options, scene: Scene, table: Record, motion: Motion, total: int
 ) -> dict[str, ObjectTrack]:
     """The table as a static; where it was pushed or lifted, as it moved."""
-    places, turns = _poses(_params(table, total), options)
+    places, turns = _poses(table, total, options)
     mesh = find(source, options, ends(table.text("table_mesh")), "the mesh of the table")
     solid, _ = load_mesh(mesh, up="z")
     low, high = solid.vertices.min(axis=0), solid.vertices.max(axis=0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -55,12 +55,18 @@ class Prop:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Take:
-    """All that an animated scene holds: `frames` of them, `fps` to the second."""
+    """All that an animated scene holds: `frames` of them, `fps` to the second.
+
+    `scene` is what the props are of (by their names), `joints` the values of the joints of its
+    articulated objects as in `Result.joints`, empty where they are not known.
+    """
 
     actors: tuple[Actor, ...]
     props: tuple[Prop, ...]
     fps: float
     frames: int
+    scene: Scene
+    joints: Mapping[str, Array] = field(default_factory=dict)
 
 
 def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = None) -> Take:
@@ -83,7 +89,8 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
         actors = tuple(
             Actor(name=p.name, motion=p.motion, body=body or p.body) for p in what.people
         )
-        props = _props(what.scene, what.objects)
+        scene, joints = what.scene, what.joints
+        props = _props(scene, what.objects)
     elif isinstance(what, Sequence | Motion):
         motions = what.motions if isinstance(what, Sequence) else (what,)
         bodies = what.bodies if isinstance(what, Sequence) else (None,)
@@ -93,10 +100,14 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
             for name, motion, own in zip(names, motions, bodies, strict=True)
         )
         sequence = what if isinstance(what, Sequence) else Sequence(what, Scene())
-        props = _props(sequence.scene, sequence.recorded)
+        scene, joints = sequence.scene, {}
+        props = _props(scene, sequence.recorded)
     else:
         raise InputError(f"export: expected a Result, a Sequence or a Motion, found {shown(what)}")
-    take = Take(actors=actors, props=props, fps=actors[0].motion.fps, frames=len(actors[0].motion))
+    first = actors[0].motion
+    take = Take(
+        actors=actors, props=props, fps=first.fps, frames=len(first), scene=scene, joints=joints
+    )
     return take if fps is None else resampled(take, fps)
 
 
@@ -157,4 +168,13 @@ def resampled(take: Take, fps: float) -> Take:
         else p
         for p in take.props
     )
-    return Take(actors=actors, props=props, fps=float(fps), frames=frames)
+    joints = {}
+    for name, values in take.joints.items():
+        a, b = values[low], values[high]
+        if values.ndim == 1:
+            joints[name] = (1.0 - weight) * a + weight * b
+            continue
+        # Of a free joint the place, of free and ball joints the turn.
+        place = (1.0 - w) * a[:, :-4] + w * b[:, :-4]
+        joints[name] = np.hstack([place, rot.slerp(a[:, -4:], b[:, -4:], weight)])
+    return replace(take, actors=actors, props=props, fps=float(fps), frames=frames, joints=joints)

@@ -38,6 +38,10 @@ def wedge(size: float = 0.2) -> hp.Mesh:
     return hp.Mesh(corners, np.array(faces))
 
 
+#: The two halves of `corner`.
+APART = np.array([0.5, 0.0, 0.0])
+
+
 def sheet() -> hp.Mesh:
     """An open, flat surface of one triangle."""
     return hp.Mesh(np.array([[-3, -3, 0], [3, -3, 0], [0, 3, 0.0]]), np.array([[0, 1, 2]]))
@@ -47,7 +51,7 @@ def corner() -> hp.Mesh:
     """Two wedges as one mesh: not convex."""
     a = wedge()
     return hp.Mesh(
-        np.vstack([a.vertices, a.vertices + [0.5, 0, 0]]),
+        np.vstack([a.vertices, a.vertices + APART]),
         np.vstack([a.faces, a.faces + len(a.vertices)]),
     )
 
@@ -66,7 +70,7 @@ def scene(*, meshes: bool = True) -> hp.Scene:
     made.add_object(
         "ball", hp.Sphere(0.1), mass=0.5, position=[0.3, 0.9, 0.2], velocity=[0, -3.0, 1.0]
     )
-    pieces = [wedge(), hp.Mesh(wedge().vertices + [0.5, 0, 0], wedge().faces)]
+    pieces = [wedge(), hp.Mesh(wedge().vertices + APART, wedge().faces)]
     made.add_object("pair", corner(), mass=2.0, pieces=pieces, position=[0, -1.5, 1])
     way = np.linspace([1, -1, 0], [1, -1, 0.4], 5)
     turns = rot.exp(np.linspace([0, 0, 0], [0, 0, 1.0], 5))
@@ -86,8 +90,5 @@ def result(people: int = 1) -> hp.Result:
     motions = []
     for i in range(people):
         translation, rotations = movement(13, seed=i)
-        motions.append(hp.Motion(translation + [0, 3.0 * i, 0.2], rotations, 30.0))
+        motions.append(hp.Motion(translation + np.array([0, 3.0 * i, 0.2]), rotations, 30.0))
     return hp.simulate(motions if people > 1 else motions[0], scene())
-
-
-FRAMES = (0, 3, 7, 10, 12)

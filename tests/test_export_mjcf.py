@@ -159,10 +159,11 @@ def test_motions_and_sequences(tmp_path):
     # An articulated object that was recorded by its links moves as they did.
     scene = takes.scene(meshes=False)
     links = scene.articulated["cabinet"].link_names
+    turns = rot.exp(motion.rotations)
     tracks = {
-        name: ObjectTrack(position=motion.translation + i, quaternion=rot.exp(motion.rotations[:, i]))
+        name: ObjectTrack(position=motion.translation + i, quaternion=turns[:, i])
         for i, name in enumerate(links)
-    }  # fmt: skip
+    }
     hp.export(Sequence(motion, scene, recorded=tracks), tmp_path / "b.xml")
     model, data = opened(tmp_path / "b.xml")
     at_key(model, data, 4)

@@ -124,9 +124,7 @@ def to_mjcf(
     add_defaults(default)
     assets = ElementTree.SubElement(root, "asset")
     world = ElementTree.SubElement(root, "worldbody")
-    add_person_elements(
-        assets, world, variant, finger_armature=finger_armature, armature=armature
-    )
+    add_person_elements(assets, world, variant, finger_armature=finger_armature, armature=armature)
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode") + "\n"
 

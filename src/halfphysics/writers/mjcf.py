@@ -75,9 +75,7 @@ def _model(take: Take, path: Path) -> Element:
     world = ElementTree.SubElement(root, "worldbody")
     geoms = Geoms(assets)
     for actor in take.actors:
-        add_person_elements(
-            assets, world, actor.body.variant, f"{actor.name}/", childclass=_PERSON
-        )
+        add_person_elements(assets, world, actor.body.variant, f"{actor.name}/", childclass=_PERSON)
     drawn = []
     for name, static in scene.statics.items():
         body = _body(world, name, static.position, static.quaternion)

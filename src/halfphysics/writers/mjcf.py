@@ -89,14 +89,14 @@ def _model(take: Take, path: Path) -> Element:
         )
     for name, thing in scene.objects.items():
         _object(world, geoms, name, thing)
-    for thing in scene.articulated.values():
-        if _is_recorded(take, thing):
-            for link, name in zip(thing.links, thing.link_names, strict=True):
+    for whole in scene.articulated.values():
+        if _is_recorded(take, whole):
+            for link, name in zip(whole.links, whole.link_names, strict=True):
                 body = _body(world, name, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
                 body.set("mocap", "true")
-                _link_geoms(body, geoms, name, link, thing.friction)
+                _link_geoms(body, geoms, name, link, whole.friction)
         else:
-            _articulated(world, geoms, thing)
+            _articulated(world, geoms, whole)
     _excluded(ElementTree.SubElement(root, "contact"), take)
     return root
 

@@ -56,14 +56,28 @@ _WALL_HEIGHT, _WALL_WIDTH = 1.9, 3.0
 _PLANE_MARGIN = 7.0
 # The ghost shows where it is off the body by more than this [m]: where both agree, the body.
 _GHOST_BIAS = 0.004
-# Edges of scene meshes that bend by more stay sharp [degrees].
-_CREASE = 50.0
+#: Edges of scene meshes that bend by more stay sharp [degrees].
+CREASE = 50.0
 
 
 def _crease(shape: Any) -> float:
     from halfphysics.shapes import Capsule, Sphere
 
-    return 180.0 if isinstance(shape, Sphere | Capsule) else _CREASE
+    return 180.0 if isinstance(shape, Sphere | Capsule) else CREASE
+
+
+class StaticColors:
+    """Colours of what stands around: the building pale, each piece of furniture its own."""
+
+    def __init__(self) -> None:
+        self._pieces: dict[str, Color] = {}
+
+    def of(self, name: str, size: Array) -> Color:
+        """Of a thing that is `size` (3,) [m] along the world's axes."""
+        if size[2] >= _WALL_HEIGHT or max(size[:2]) >= _WALL_WIDTH:
+            return WALL
+        piece = name.split("_")[0]  # "table" and "table_leg_1" are of one piece of furniture
+        return self._pieces.setdefault(piece, FURNITURE[len(self._pieces) % len(FURNITURE)])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,7 +167,7 @@ class Drawing:
         from halfphysics.shapes import Plane
 
         items: dict[str, Item] = {}
-        pieces: dict[str, Color] = {}  # "table" and "table_leg_1" are of one piece of furniture
+        colors = StaticColors()
         for name, static in self.result.scene.statics.items():
             if isinstance(static.shape, Plane):
                 surface = _plane_surface(static, self.middle, self.radius)
@@ -165,12 +179,11 @@ class Drawing:
                     np.asarray(static.quaternion, dtype=np.float64).reshape(1, 4),
                 )
                 size = np.ptp(rot.rotate(pose[1][0], vertices), axis=0)
-                color = WALL
-                if size[2] < _WALL_HEIGHT and max(size[:2]) < _WALL_WIDTH:
-                    piece = name.split("_")[0]
-                    color = pieces.setdefault(piece, FURNITURE[len(pieces) % len(FURNITURE)])
                 surface = Surface(
-                    vertices=vertices, faces=faces, color=color, crease=_crease(static.shape)
+                    vertices=vertices,
+                    faces=faces,
+                    color=colors.of(name, size),
+                    crease=_crease(static.shape),
                 )
             items[f"static/{name}"] = Item(surface=surface, position=pose[0], quaternion=pose[1])
         return items
@@ -199,7 +212,7 @@ class Drawing:
                 track = self.result.objects[name]
                 color = OBJECTS[(len(items) + k) % len(OBJECTS)]
                 items[f"object/{name}"] = Item(
-                    surface=Surface(vertices=vertices, faces=faces, color=color, crease=_CREASE),
+                    surface=Surface(vertices=vertices, faces=faces, color=color, crease=CREASE),
                     position=np.asarray(track.position, dtype=np.float64),
                     quaternion=np.asarray(track.quaternion, dtype=np.float64),
                 )

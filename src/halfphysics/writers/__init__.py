@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["KINDS", "export", "is_kind"]
 
 #: Suffix -> module of this package that writes such files.
-KINDS: Mapping[str, str] = MappingProxyType({".xml": "mjcf"})
+KINDS: Mapping[str, str] = MappingProxyType({".glb": "gltf", ".gltf": "gltf", ".xml": "mjcf"})
 
 
 def is_kind(path: Path) -> bool:

@@ -1,0 +1,56 @@
+"""Pose blend shapes as few shapes as a take needs, for formats that can animate shapes.
+
+SMPL models add B vec(R_local - I) to the skin at rest: 486 columns B of V x 3 numbers, 60 MB. A
+take uses few directions of that space: with the features F (T, 486) of its frames, the singular
+value decomposition of C = F B^T, what they add (T, 3 V), gives weights and shapes of which a few
+dozen are enough. F = Q R and the eigenvectors of (R B^T)(R B^T)^T are those of C C^T, so that
+nothing larger than 486 x 3 V is made, however long the take.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+
+Array = NDArray[np.float64]
+
+#: Farthest that a vertex at rest may be from where all the shapes would put it [m].
+TOLERANCE = 5e-6
+
+
+def correctives(
+    posedirs: Array, rotations: Array, tolerance: float = TOLERANCE
+) -> tuple[Array, Array]:
+    """Shapes and their weights in every frame: weights @ shapes is what the pose adds.
+
+    Args:
+        posedirs: Pose blend shapes [m], shape (V, 3, 486).
+        rotations: Axis-angle [rad] in the parents' frames, shape (T, 55, 3).
+        tolerance: Bound on what is left out, of any vertex in any frame [m].
+
+    Returns:
+        Shapes (k, V, 3) [m] and weights (T, k), the largest of each shape being 1.
+    """
+    turned = rot.rotvec_to_matrix(rotations[:, 1:]) - np.eye(3)
+    basis, few = np.linalg.qr(turned.reshape(len(rotations), -1))  # F = basis @ few
+    offsets = few @ posedirs.reshape(-1, posedirs.shape[2]).T  # C = basis @ offsets
+    _, vectors = np.linalg.eigh(offsets @ offsets.T)
+    vectors = vectors[:, ::-1]  # the largest first
+    weights = basis @ vectors
+    shapes = (vectors.T @ offsets).reshape(-1, len(posedirs), 3)
+    # Of the shapes from k on a vertex gets at most |weights| |shapes| (Cauchy and Schwarz).
+    left = _tail(np.square(weights)).max(axis=1) * _tail(np.square(shapes).sum(axis=2).T).max(
+        axis=1
+    )
+    count = int(np.argmax(left <= tolerance**2))
+    weights, shapes = weights[:, :count], shapes[:count]
+    scale = np.abs(weights).max(axis=0, initial=1e-300)
+    return shapes * scale[:, None, None], weights / scale
+
+
+def _tail(rows: Array) -> Array:
+    """Sums of the last n - k columns of `rows` (m, n), for k = 0 to n: shape (n + 1, m)."""
+    sums = np.cumsum(rows[:, ::-1], axis=1)[:, ::-1]
+    return np.concatenate([sums, np.zeros((len(rows), 1))], axis=1).T

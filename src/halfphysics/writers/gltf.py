@@ -1,0 +1,320 @@
+"""glTF 2.0, binary (.glb) or as text (.gltf): skinned people and rigid things, animated.
+
+One scene, y-up: the node "world" turns it from z-up. Below it stand every person's 55 joints,
+as nodes named as `JOINT_NAMES`, and the things; the skins stand beside it, for glTF ignores the
+places of nodes that carry a skin. The first frame is also what the nodes hold, so that a channel
+that never changes is left out, and a program that plays nothing shows the first frame.
+
+The skinning of glTF is that of SMPL without pose blend shapes; where a body has them, they are
+morph targets (`correctives`), which act before the skinning, as they must.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import __version__
+from halfphysics import rotations as rot
+from halfphysics.body import Body
+from halfphysics.drawing import CREASE, FLOOR, OBJECTS, PEOPLE, StaticColors
+from halfphysics.io.atomic import atomic_write
+from halfphysics.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.writers.correctives import correctives
+from halfphysics.writers.gltf_buffer import INDICES, VERTICES, Buffer
+from halfphysics.writers.normals import creased, vertex_normals
+from halfphysics.writers.take import Actor, Prop, Take
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+Color = tuple[float, float, float]
+
+#: Most joints that a vertex hangs on in the file; the rest's weights go to these.
+MOST_INFLUENCES = 8
+
+_Y_UP = [-float(np.sqrt(0.5)), 0.0, 0.0, float(np.sqrt(0.5))]  # -90 degrees about x, xyzw
+_GLB, _JSON_CHUNK, _BIN_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
+
+
+def write(take: Take, path: Path) -> None:
+    """Write a take.
+
+    Raises:
+        FileError: The folder does not exist or cannot be written.
+    """
+    document, data = document_of(take)
+    text = path.suffix.lower() == ".gltf"
+    if text:
+        document["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(
+            data
+        ).decode("ascii")
+    encoded = json.dumps(document, separators=(",", ":"), allow_nan=False).encode("utf-8")
+    with atomic_write(path) as handle:
+        handle.write(encoded if text else _glb(encoded, data))
+
+
+def _glb(text: bytes, data: bytes) -> bytes:
+    """The binary container: a header and two chunks, each of whole words."""
+    text += b" " * (-len(text) % 4)
+    data += b"\0" * (-len(data) % 4)
+    size = 12 + 8 + len(text) + 8 + len(data)
+    return b"".join(
+        [
+            struct.pack("<III", _GLB, 2, size),
+            struct.pack("<II", len(text), _JSON_CHUNK) + text,
+            struct.pack("<II", len(data), _BIN_CHUNK) + data,
+        ]
+    )
+
+
+def document_of(take: Take) -> tuple[dict[str, Any], bytes]:
+    """The JSON of a take, and its buffer."""
+    builder = _Builder(take)
+    for k, actor in enumerate(take.actors):
+        builder.add_actor(actor, PEOPLE[k % len(PEOPLE)])
+    moving = 0
+    statics = StaticColors()
+    for prop in take.props:
+        if prop.moves:
+            color = OBJECTS[moving % len(OBJECTS)]
+            moving += 1
+        else:
+            size = np.ptp(rot.rotate(prop.quaternion[0], prop.vertices), axis=0)
+            color = FLOOR[0] if size[2] < 1e-9 else statics.of(prop.name, size)
+        builder.add_prop(prop, color)
+    return builder.document()
+
+
+class _Builder:
+    """Collects nodes, meshes, materials and channels."""
+
+    def __init__(self, take: Take) -> None:
+        self.buffer = Buffer()
+        self.nodes: list[dict[str, Any]] = [{"name": "world", "rotation": _Y_UP, "children": []}]
+        self.roots = [0]
+        self.meshes: list[dict[str, Any]] = []
+        self.skins: list[dict[str, Any]] = []
+        self.materials: list[dict[str, Any]] = []
+        self.channels: list[dict[str, Any]] = []
+        self.samplers: list[dict[str, Any]] = []
+        self.fps = take.fps
+        self.times = (np.arange(take.frames) / take.fps).astype(np.float32)
+        self._time: int | None = None  # accessor of `times`, once somebody moves
+        self._of_body: dict[int, tuple[dict[str, int], int, int]] = {}
+
+    def document(self) -> tuple[dict[str, Any], bytes]:
+        """What goes into the file."""
+        document: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": f"halfphysics {__version__}"},
+            "scene": 0,
+            "scenes": [{"nodes": self.roots}],
+            "nodes": self.nodes,
+            "meshes": self.meshes,
+            "skins": self.skins,
+            "materials": self.materials,
+        }
+        if self.channels:
+            document["animations"] = [
+                {
+                    "name": "take",
+                    "channels": self.channels,
+                    "samplers": self.samplers,
+                    "extras": {"fps": self.fps},
+                }
+            ]
+        document["accessors"] = self.buffer.accessors
+        document["bufferViews"] = self.buffer.views
+        document["buffers"] = [{"byteLength": len(self.buffer.data)}]
+        return document, bytes(self.buffer.data)
+
+    # -- people --------------------------------------------------------------------------------
+
+    def add_actor(self, actor: Actor, color: Color) -> None:
+        """A person: joints, a skinned mesh, and how they move."""
+        body, motion = actor.body, actor.motion
+        root = body.joint_frames(motion)[0][:, 0]
+        turns = _continuous(rot.exp(motion.rotations))
+        first = len(self.nodes) + 1
+        person = self._node({"name": actor.name, "children": [first]}, parent=0)
+        arms = body.rest_joints - body.rest_joints[PARENTS]
+        for j, name in enumerate(JOINT_NAMES):
+            node: dict[str, Any] = {"name": name}
+            children = [first + int(c) for c in np.flatnonzero(j == PARENTS)]
+            if children:
+                node["children"] = children
+            node["translation"] = _numbers(root[0] if j == 0 else arms[j])
+            node["rotation"] = _numbers(turns[0, j])
+            self._node(node)
+        self._animate(first, "translation", root)
+        self._animate_all(range(first, first + N_JOINTS), "rotation", np.moveaxis(turns, 1, 0))
+
+        attributes, indices, bind = self._skin_of(body)
+        self.skins.append(
+            {
+                "inverseBindMatrices": bind,
+                "joints": list(range(first, first + N_JOINTS)),
+                "skeleton": person,
+            }
+        )
+        mesh: dict[str, Any] = {"name": f"{actor.name}_skin"}
+        primitive = {
+            "attributes": attributes,
+            "indices": indices,
+            "material": self._material(actor.name, color),
+        }
+        mesh["primitives"] = [primitive]
+        weights = None
+        if body.posedirs is not None:
+            shapes, weights = correctives(body.posedirs, motion.rotations)
+            if len(shapes):
+                primitive["targets"] = [
+                    {"POSITION": self.buffer.add(s.astype(np.float32), VERTICES, bounds=True)}
+                    for s in shapes
+                ]
+                mesh["weights"] = _numbers(weights[0])
+        self.meshes.append(mesh)
+        skinned = self._node(
+            {
+                "name": f"{actor.name}_skin",
+                "mesh": len(self.meshes) - 1,
+                "skin": len(self.skins) - 1,
+            }
+        )
+        self.roots.append(skinned)
+        if "weights" in mesh and weights is not None:
+            self._animate(skinned, "weights", weights)
+
+    def _skin_of(self, body: Body) -> tuple[dict[str, int], int, int]:
+        """Accessors of a body's attributes, indices and bind matrices; once for each body."""
+        if id(body) not in self._of_body:
+            add = self.buffer.add
+            normals = vertex_normals(body.rest_vertices, body.faces)
+            attributes = {
+                "POSITION": add(body.rest_vertices.astype(np.float32), VERTICES, bounds=True),
+                "NORMAL": add(normals.astype(np.float32), VERTICES),
+            }
+            for k, (joints, weights) in enumerate(influences(body.weights)):
+                attributes[f"JOINTS_{k}"] = add(joints, VERTICES)
+                attributes[f"WEIGHTS_{k}"] = add(weights, VERTICES)
+            bind = np.tile(np.eye(4), (N_JOINTS, 1, 1))
+            bind[:, 3, :3] = -body.rest_joints  # columns one after the other
+            self._of_body[id(body)] = (
+                attributes,
+                self._indices(body.faces),
+                add(bind.reshape(-1, 16).astype(np.float32)),
+            )
+        return self._of_body[id(body)]
+
+    # -- things --------------------------------------------------------------------------------
+
+    def add_prop(self, prop: Prop, color: Color) -> None:
+        """A thing: its mesh, sharp where it bends, and how it moves."""
+        turns = _continuous(rot.normalize(prop.quaternion)[:, None])[:, 0]
+        node: dict[str, Any] = {"name": prop.name}
+        node["translation"] = _numbers(prop.position[0])
+        node["rotation"] = _numbers(turns[0])
+        if len(prop.faces):
+            vertices, faces, normals = creased(prop.vertices, prop.faces, CREASE)
+            primitive = {
+                "attributes": {
+                    "POSITION": self.buffer.add(vertices.astype(np.float32), VERTICES, bounds=True),
+                    "NORMAL": self.buffer.add(normals.astype(np.float32), VERTICES),
+                },
+                "indices": self._indices(faces),
+                "material": self._material(prop.name, color, both_sides=True),
+            }
+            self.meshes.append({"name": prop.name, "primitives": [primitive]})
+            node["mesh"] = len(self.meshes) - 1
+        index = self._node(node, parent=0)
+        if prop.moves:
+            self._animate(index, "translation", prop.position)
+            self._animate(index, "rotation", turns)
+
+    # -- parts of both -------------------------------------------------------------------------
+
+    def _node(self, node: dict[str, Any], parent: int | None = None) -> int:
+        self.nodes.append(node)
+        if parent is not None:
+            self.nodes[parent]["children"].append(len(self.nodes) - 1)
+        return len(self.nodes) - 1
+
+    def _indices(self, faces: NDArray[np.integer]) -> int:
+        # The largest index of a type is no vertex.
+        small = faces.max() < np.iinfo(np.uint16).max
+        return self.buffer.add(faces.ravel().astype(np.uint16 if small else np.uint32), INDICES)
+
+    def _material(self, name: str, color: Color, both_sides: bool = False) -> int:
+        material: dict[str, Any] = {
+            "name": name,
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [*_linear(color), 1.0],
+                "metallicFactor": 0.0,
+                "roughnessFactor": 0.8,
+            },
+        }
+        if both_sides:
+            material["doubleSided"] = True
+        self.materials.append(material)
+        return len(self.materials) - 1
+
+    def _animate(self, node: int, path: str, values: Array) -> None:
+        self._animate_all([node], path, values[None])
+
+    def _animate_all(self, nodes: range | list[int], path: str, values: Array) -> None:
+        """Channels of nodes (n) with values (n, T, k), of those whose value changes."""
+        if path == "rotation":
+            values = values[..., [1, 2, 3, 0]]
+        single = values.astype(np.float32)
+        changing = [k for k in range(len(single)) if (single[k] != single[k, :1]).any()]
+        if not changing:
+            return
+        if self._time is None:
+            self._time = self.buffer.add(self.times, bounds=True)
+        arrays = [single[k].ravel() if path == "weights" else single[k] for k in changing]
+        for k, accessor in zip(changing, self.buffer.add_all(arrays), strict=True):
+            self.channels.append(
+                {"sampler": len(self.samplers), "target": {"node": nodes[k], "path": path}}
+            )
+            self.samplers.append({"input": self._time, "output": accessor})
+
+
+def influences(weights: Array) -> list[tuple[NDArray[np.uint8], Floats]]:
+    """The joints (V, 4) that a vertex hangs on and their weights, in sets of four, largest first.
+
+    Programs that know only four joints for a vertex (JOINTS_0) get the four largest.
+    """
+    used = int(np.count_nonzero(weights, axis=1).max())
+    count = 4 if used <= 4 else MOST_INFLUENCES
+    order = np.argsort(-weights, axis=1, kind="stable")[:, :count]
+    values = np.take_along_axis(weights, order, axis=1)
+    values /= values.sum(axis=1, keepdims=True)
+    order = np.where(values > 0.0, order, 0)
+    return [
+        (order[:, k : k + 4].astype(np.uint8), values[:, k : k + 4].astype(np.float32))
+        for k in range(0, count, 4)
+    ]
+
+
+def _continuous(quaternions: Array) -> Array:
+    """Of (T, n, 4) the same rotations without jumps of sign from one frame to the next."""
+    dots = np.einsum("tni,tni->tn", quaternions[1:], quaternions[:-1])
+    signs = np.cumprod(np.where(dots < 0.0, -1.0, 1.0), axis=0)
+    return np.concatenate([quaternions[:1], signs[..., None] * quaternions[1:]])
+
+
+def _numbers(values: Array) -> list[float]:
+    """Numbers as they are in the buffer; quaternions (4,) as x, y, z, w."""
+    if values.shape == (4,):
+        values = values[[1, 2, 3, 0]]
+    return [float(v) for v in values.astype(np.float32)]
+
+
+def _linear(color: Color) -> list[float]:
+    """Light of an sRGB color."""
+    return [round(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4, 5) for c in color]

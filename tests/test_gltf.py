@@ -128,6 +128,52 @@ def test_links_of_articulated_things(tmp_path):
     assert_shows(tmp_path / "desk.glb", take)
 
 
+def test_links_that_nothing_was_recorded_of_stand_where_they_start(tmp_path):
+    scene = hp.Scene()
+    scene.add_articulated("desk", DRAWER, position=(1.0, 0.5, 0.3), joints={"slide": 0.25})
+    sequence = hp.Sequence(along_x(1.0, 3, 0.0), scene)
+    hp.export(sequence, tmp_path / "desk.glb")
+    file = assert_shows(tmp_path / "desk.glb", take_of(sequence))
+    middle = file.globals(0.0)[file.node("desk/drawer"), :3, 3]
+    np.testing.assert_allclose(middle, y_up(np.array([1.25, 0.5, 0.4])), atol=1e-6)
+
+
+def test_a_plane_is_drawn_where_the_story_is(tmp_path):
+    """20 m of it around the person, however far off; tilted ones stay in their plane."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane(offset=0.5))
+    turn = [np.cos(0.2), np.sin(0.2), 0.0, 0.0]
+    scene.add_static("ramp", hp.Plane(), position=(3.0, 1.0, 0.0), quaternion=turn)
+    motion = along_x(1.0, 3, 400.0)
+    hp.export(hp.Sequence(motion, scene), tmp_path / "far.glb")
+    file = Gltf(tmp_path / "far.glb")
+    person = y_up(Body.default().joints(motion)[:, 0].mean(axis=0))
+    floor, ramp = file.vertices("floor", 0.0), file.vertices("ramp", 0.0)
+    np.testing.assert_allclose(floor[:, 1], 0.5, atol=1e-6)
+    np.testing.assert_allclose(np.ptp(floor, axis=0), [20.0, 0.0, 20.0], atol=1e-4)
+    np.testing.assert_allclose(floor.mean(axis=0)[[0, 2]], person[[0, 2]], atol=0.05)
+    up = y_up(np.array([0.0, -np.sin(0.4), np.cos(0.4)]))
+    offset = up @ y_up(np.array([3.0, 1.0, 0.0]))
+    np.testing.assert_allclose(ramp @ up, offset, atol=1e-4)
+    foot = person - up * (up @ person - offset)
+    np.testing.assert_allclose(ramp.mean(axis=0), foot, atol=0.05)
+
+
+def test_people_and_things_of_other_lengths_are_refused(tmp_path):
+    scene = hp.Scene()
+    scene.add_object("cup", hp.Sphere(0.1), mass=1.0)
+    one, other = along_x(1.0, 12, 0.0), along_x(1.0, 11, 2.0)
+    track = ObjectTrack(position=np.zeros((5, 3)), quaternion=np.tile([1.0, 0, 0, 0], (5, 1)))
+    for sequence, message in (
+        (hp.Sequence((one, other), scene), "person1 has 11 frames at 30 fps, person0 has 12 at 30"),
+        (hp.Sequence((one, one.resample(60.0)[:12]), scene), "person1 has 12 frames at 60 fps"),
+        (hp.Sequence(one, scene, recorded={"cup": track}), "cup has 5 frames, expected 12"),
+    ):
+        with pytest.raises(hp.errors.InputError, match=message):
+            hp.export(sequence, tmp_path / "a.glb")
+    assert not list(tmp_path.iterdir())
+
+
 def many_handed(influences, posedirs=0.0):
     """The default body with more joints to a vertex, and pose blend shapes of that size [m]."""
     body, rng = Body.default(), np.random.default_rng(2)
@@ -214,6 +260,27 @@ def test_trimesh_opens_it(tmp_path):
     np.testing.assert_array_equal(skin.faces, body.faces)
     matrix, _ = scene.graph.get("ball")  # a thing stands where it is at first
     np.testing.assert_allclose(matrix[:3, 3], y_up(result.objects["ball"].position[0]), atol=1e-6)
+
+
+def test_the_command_line_writes_the_same_bytes(tmp_path, monkeypatch, capsys):
+    from halfphysics.cli import main
+
+    result = make_result(Body.default(), people=2)
+    result.save(tmp_path / "result.npz")
+    along_x(1.0, 8, 0.0).save(tmp_path / "walk.npz")
+    monkeypatch.chdir(tmp_path)
+    for source, target in (("result.npz", "a.glb"), ("walk.npz", "b.glb"), ("walk.npz", "c.gltf")):
+        assert main(["convert", source, target]) == 0
+        assert capsys.readouterr().out.endswith(f"written: {target}\n")
+    hp.export(hp.Result.load("result.npz"), "a_too.glb")
+    hp.export(hp.Motion.load("walk.npz"), "b_too.glb")
+    assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "a_too.glb").read_bytes()
+    assert (tmp_path / "b.glb").read_bytes() == (tmp_path / "b_too.glb").read_bytes()
+    assert main(["convert", "walk.npz", "d.glb", "--to-fps", "60", "--stature", "1.5"]) == 0
+    file = assert_shows(
+        tmp_path / "d.glb", take_of(hp.Motion.load("walk.npz"), Body.default(stature=1.5), fps=60.0)
+    )
+    assert len(file.times) == 15
 
 
 def test_only_known_suffixes(tmp_path):

@@ -260,6 +260,18 @@ def start_of(thing: Articulated, link: Link, joint: LinkJoint) -> Any:
     return thing.joints.get(joint.name, value)
 
 
+def start_poses(thing: Articulated) -> list[tuple[Array, Array]]:
+    """Of every link the position (3,) [m] and quaternion (4,) in the world that it starts with."""
+    import mujoco
+
+    spec = mujoco.MjSpec()
+    add_bodies(spec, thing)
+    model = spec.compile()
+    qpos, qvel = np.zeros(model.nq), np.zeros(model.nv)
+    start(model, thing, qpos, qvel)
+    return [link.pose(qpos) for link in places(model, thing)[0]]
+
+
 def placed(thing: Articulated, link: Link) -> tuple[Array, Array]:
     """A link's pose in its parent; in the world where it has none."""
     if link.parent >= 0:

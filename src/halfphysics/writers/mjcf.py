@@ -170,7 +170,7 @@ def _link_geoms(body: Element, geoms: Geoms, name: str, link: Link, friction: fl
 
 def _is_recorded(take: Take, thing: Articulated) -> bool:
     """Whether the poses of its links are known and those of its joints are not."""
-    moving = any(prop.name in thing.link_names for prop in take.props)
+    moving = any(prop.moves and prop.name in thing.link_names for prop in take.props)
     joints = [f"{thing.name}/{joint.name}" for link in thing.links for joint in link.joints]
     return moving and not all(name in take.joints for name in joints)
 

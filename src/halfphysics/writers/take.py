@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics import rotations as rot
+from halfphysics.articulated import start_poses
 from halfphysics.errors import InputError
 from halfphysics.motion import Motion
 from halfphysics.validation import shown
@@ -59,6 +61,9 @@ class Take:
 
     `scene` is what the props are of (by their names), `joints` the values of the joints of its
     articulated objects as in `Result.joints`, empty where they are not known.
+
+    Raises:
+        InputError: Somebody or something has another number of frames, or another rate.
     """
 
     actors: tuple[Actor, ...]
@@ -67,6 +72,22 @@ class Take:
     frames: int
     scene: Scene
     joints: Mapping[str, Array] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for actor in self.actors:
+            motion = actor.motion
+            if (len(motion), motion.fps) != (self.frames, self.fps):
+                raise InputError(
+                    f"export: {actor.name} has {len(motion)} frames at {motion.fps:g} fps, "
+                    f"{self.actors[0].name} has {self.frames} at {self.fps:g}; expected the same. "
+                    "Use motion.resample(fps) and motion[:frames]"
+                )
+        for prop in self.props:
+            if prop.moves and len(prop.position) != self.frames:
+                raise InputError(
+                    f"export: {prop.name} has {len(prop.position)} frames, expected "
+                    f"{self.frames}, as many as the motion has"
+                )
 
 
 def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = None) -> Take:
@@ -90,7 +111,7 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
             Actor(name=p.name, motion=p.motion, body=body or p.body) for p in what.people
         )
         scene, joints = what.scene, what.joints
-        props = _props(scene, what.objects)
+        props = _props(scene, what.objects, _middle(actors))
     elif isinstance(what, Sequence | Motion):
         motions = what.motions if isinstance(what, Sequence) else (what,)
         bodies = what.bodies if isinstance(what, Sequence) else (None,)
@@ -101,7 +122,7 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
         )
         sequence = what if isinstance(what, Sequence) else Sequence(what, Scene())
         scene, joints = sequence.scene, {}
-        props = _props(scene, sequence.recorded)
+        props = _props(scene, sequence.recorded, _middle(actors))
     else:
         raise InputError(f"export: expected a Result, a Sequence or a Motion, found {shown(what)}")
     first = actors[0].motion
@@ -111,20 +132,37 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
     return take if fps is None else resampled(take, fps)
 
 
-def _props(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[Prop, ...]:
+def _middle(actors: tuple[Actor, ...]) -> Array:
+    """Centre (3,) of the box around the people's pelvises at all frames [m]."""
+    ways = np.concatenate([a.body.joint_frames(a.motion)[0][:, 0] for a in actors])
+    return 0.5 * (ways.min(axis=0) + ways.max(axis=0))
+
+
+def _props(scene: Scene, tracks: Mapping[str, ObjectTrack], middle: Array) -> tuple[Prop, ...]:
+    """`middle`: where planes, which have no end, are drawn around."""
+    from halfphysics.shapes import Plane
+
     props = []
     for name, static in scene.statics.items():
-        props.append(_prop(name, static.mesh(), static.position, static.quaternion))
+        vertices, faces = static.mesh()
+        if isinstance(static.shape, Plane):
+            local = rot.rotate(rot.conjugate(static.quaternion), middle - static.position)
+            normal = np.asarray(static.shape.normal)
+            vertices = vertices + local - normal * (normal @ local)
+        props.append(_prop(name, (vertices, faces), static.position, static.quaternion))
     for name, thing in scene.objects.items():
         mesh = thing.mesh() if thing.visual is None else thing.visual.triangles()
         track = tracks.get(name)
         place = (thing.position, thing.quaternion)
         props.append(_prop(name, mesh, *(place if track is None else _rows(track))))
     for jointed in scene.articulated.values():
-        for link, name in zip(jointed.links, jointed.link_names, strict=True):
+        starts = start_poses(jointed)
+        for link, name, place in zip(jointed.links, jointed.link_names, starts, strict=True):
             vertices, faces = link.mesh()
-            if len(faces) and name in tracks:
-                props.append(_prop(name, (vertices, faces), *_rows(tracks[name])))
+            if len(faces):
+                track = tracks.get(name)
+                place = place if track is None else _rows(track)
+                props.append(_prop(name, (vertices, faces), *place))
     return tuple(props)
 
 
@@ -146,7 +184,6 @@ def _prop(
 
 def resampled(take: Take, fps: float) -> Take:
     """The take at another frame rate: positions linear, rotations by SLERP."""
-    from halfphysics import rotations as rot
     from halfphysics.origin import neighbours
 
     actors = tuple(

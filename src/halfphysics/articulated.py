@@ -196,7 +196,7 @@ def add_bodies(spec: Any, thing: Articulated) -> None:
     }
     bodies: list[Any] = []
     for i, link in enumerate(thing.links):
-        position, quat = _placed(thing, link)
+        position, quat = placed(thing, link)
         parent = spec.worldbody if link.parent < 0 else bodies[link.parent]
         b = parent.add_body(name=f"articulated/{thing.name}/{i}", pos=position, quat=quat)
         bodies.append(b)
@@ -237,7 +237,7 @@ def places(model: Any, thing: Articulated) -> tuple[tuple[LinkPlace, ...], tuple
         joints += mine
         parent = links[link.parent] if link.parent >= 0 else None
         name = f"{thing.name}/{link.name}"
-        links.append(LinkPlace(name, parent, *_placed(thing, link), tuple(mine)))
+        links.append(LinkPlace(name, parent, *placed(thing, link), tuple(mine)))
     return tuple(links), tuple(joints)
 
 
@@ -246,14 +246,18 @@ def start(model: Any, thing: Articulated, qpos: Array, qvel: Array) -> None:
     for link, place in zip(thing.links, places(model, thing)[0], strict=True):
         for at in place.joints:
             joint, (count, speeds) = at.joint, SIZES[at.joint.kind]
-            value: Any = joint.reference
-            if joint.kind == "free":
-                value = np.concatenate(_placed(thing, link))
-            elif joint.kind == "ball":
-                value = [1.0, 0.0, 0.0, 0.0]
-            value = thing.joints.get(joint.name, value)
-            qpos[at.qpos : at.qpos + count] = value
+            qpos[at.qpos : at.qpos + count] = start_of(thing, link, joint)
             qvel[at.dof : at.dof + speeds] = thing.velocities.get(joint.name, 0.0)
+
+
+def start_of(thing: Articulated, link: Link, joint: LinkJoint) -> Any:
+    """What a joint of a link starts with: its value, or the quaternion or pose of its kind."""
+    value: Any = joint.reference
+    if joint.kind == "free":
+        value = np.concatenate(placed(thing, link))
+    elif joint.kind == "ball":
+        value = [1.0, 0.0, 0.0, 0.0]
+    return thing.joints.get(joint.name, value)
 
 
 def start_poses(thing: Articulated) -> list[tuple[Array, Array]]:
@@ -268,7 +272,7 @@ def start_poses(thing: Articulated) -> list[tuple[Array, Array]]:
     return [link.pose(qpos) for link in places(model, thing)[0]]
 
 
-def _placed(thing: Articulated, link: Link) -> tuple[Array, Array]:
+def placed(thing: Articulated, link: Link) -> tuple[Array, Array]:
     """A link's pose in its parent; in the world where it has none."""
     if link.parent >= 0:
         return link.position, link.quaternion

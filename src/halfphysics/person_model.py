@@ -24,6 +24,8 @@ from halfphysics.skeleton import (
 )
 
 if TYPE_CHECKING:
+    from xml.etree import ElementTree
+
     from halfphysics.variant import Variant
 
 Array = NDArray[np.float64]
@@ -117,44 +119,74 @@ def to_mjcf(
     """MJCF of the parts alone, self-contained: any MuJoCo opens it. Arguments as `add_person`."""
     from xml.etree import ElementTree
 
-    inertia = _armature(finger_armature, armature)
-    start, turn = _start(variant, None, UPRIGHT)
     root = ElementTree.Element("mujoco", model=model)
     default = ElementTree.SubElement(root, "default")
+    add_defaults(default)
+    assets = ElementTree.SubElement(root, "asset")
+    world = ElementTree.SubElement(root, "worldbody")
+    add_person_elements(assets, world, variant, finger_armature=finger_armature, armature=armature)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def add_defaults(default: ElementTree.Element) -> None:
+    """What `add_person_elements` takes for granted of the `<default>` of its bodies and meshes."""
+    from xml.etree import ElementTree
+
     ElementTree.SubElement(default, "mesh", inertia="convex")
     ElementTree.SubElement(default, "geom", type="mesh", contype="1", conaffinity="0")
-    assets = ElementTree.SubElement(root, "asset")
+
+
+def add_person_elements(
+    assets: ElementTree.Element,
+    world: ElementTree.Element,
+    variant: Variant,
+    prefix: str = "",
+    *,
+    finger_armature: float = FINGER_ARMATURE,
+    armature: ArrayLike | None = None,
+    childclass: str | None = None,
+) -> None:
+    """`add_person` for MJCF as text: into its `<asset>` and `<worldbody>`.
+
+    Args:
+        childclass: The default class that `add_defaults` filled; None: the one of the whole model.
+    """
+    from xml.etree import ElementTree
+
+    inertia = _armature(finger_armature, armature)
+    start, turn = _start(variant, None, UPRIGHT)
+    of_body = {} if childclass is None else {"childclass": childclass}
+    of_mesh = {} if childclass is None else {"class": childclass}
     bodies: list[ElementTree.Element] = []
     for part in variant.parts:
-        i, name = part.index, part.name
+        i, name = part.index, prefix + part.name
         if i == 0:
-            world = ElementTree.SubElement(root, "worldbody")
             body = ElementTree.SubElement(
-                world, "body", name=name, pos=_text(start), quat=_text(turn)
+                world, "body", of_body, name=name, pos=text(start), quat=text(turn)
             )
             ElementTree.SubElement(body, "freejoint", name=name)
         else:
-            parent, offset = bodies[PARENTS[i]], _text(variant.joint_offsets[i])
+            parent, offset = bodies[PARENTS[i]], text(variant.joint_offsets[i])
             body = ElementTree.SubElement(parent, "body", name=name, pos=offset)
             ElementTree.SubElement(
-                body, "joint", name=name, type="ball", armature=_text([inertia[i]])
+                body, "joint", name=name, type="ball", armature=text([inertia[i]])
             )
         moments, axes = principal(part.inertia)
         ElementTree.SubElement(
             body,
             "inertial",
-            pos=_text(part.com),
-            quat=_text(axes),
-            mass=_text([part.mass]),
-            diaginertia=_text(moments),
+            pos=text(part.com),
+            quat=text(axes),
+            mass=text([part.mass]),
+            diaginertia=text(moments),
         )
         if len(part.vertices):
-            ElementTree.SubElement(assets, "mesh", name=name, vertex=_text(part.vertices.ravel()))
-            rgba = _text(np.round(part_color(i), 3))
+            vertices = text(part.vertices.ravel())
+            ElementTree.SubElement(assets, "mesh", of_mesh, name=name, vertex=vertices)
+            rgba = text(np.round(part_color(i), 3))
             ElementTree.SubElement(body, "geom", name=name, mesh=name, rgba=rgba)
         bodies.append(body)
-    ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -259,8 +291,8 @@ def principal(inertia: Array) -> tuple[Array, Array]:
     return moments, rotations.from_matrix(axes)
 
 
-def _text(values: ArrayLike) -> str:
-    """Numbers as text that reads back bit for bit."""
+def text(values: ArrayLike) -> str:
+    """Numbers as an MJCF attribute that reads back bit for bit."""
     return " ".join(_digits(np.asarray(values, dtype=np.float64)))
 
 

@@ -113,3 +113,11 @@ def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike) -> Array:
     a = np.asarray(a, dtype=np.float64)
     step = log(multiply(conjugate(a), b))
     return multiply(a, exp(step * np.asarray(t, dtype=np.float64)[..., None]))
+
+
+def continuous(quaternions: ArrayLike) -> Array:
+    """The same rotations (T, ..., 4) without jumps of sign from one frame to the next."""
+    q = np.asarray(quaternions, dtype=np.float64)
+    dots = np.einsum("t...i,t...i->t...", q[1:], q[:-1])
+    signs = np.cumprod(np.where(dots < 0.0, -1.0, 1.0), axis=0)
+    return np.concatenate([q[:1], signs[..., None] * q[1:]])

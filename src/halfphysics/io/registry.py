@@ -15,6 +15,7 @@ from halfphysics.io import (
     intermimic,
     arctic,
     grab,
+    blender,
     motionx,
     omomo,
     smpl_codec,
@@ -59,6 +60,7 @@ FORMATS: dict[str, Format] = {
         trumans_release.FORMAT,
         omomo.FORMAT,
         intermimic.FORMAT,
+        blender.FORMAT,
     )
 }
 

@@ -22,7 +22,17 @@ if TYPE_CHECKING:
 __all__ = ["KINDS", "export", "is_kind"]
 
 #: Suffix -> module of this package that writes such files.
-KINDS: Mapping[str, str] = MappingProxyType({".glb": "gltf", ".gltf": "gltf"})
+KINDS: Mapping[str, str] = MappingProxyType(
+    {
+        ".glb": "gltf",
+        ".gltf": "gltf",
+        ".usd": "usd",
+        ".usda": "usd",
+        ".usdc": "usd",
+        ".usdz": "usd",
+        ".xml": "mjcf",
+    }
+)
 
 
 def is_kind(path: Path) -> bool:

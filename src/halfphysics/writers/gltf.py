@@ -23,17 +23,18 @@ from numpy.typing import NDArray
 from halfphysics import __version__
 from halfphysics import rotations as rot
 from halfphysics.body import Body
-from halfphysics.drawing import CREASE, FLOOR, OBJECTS, PEOPLE, StaticColors
+from halfphysics.drawing import CREASE
 from halfphysics.io.atomic import atomic_write
+from halfphysics.render import Color
 from halfphysics.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
 from halfphysics.writers.correctives import correctives
 from halfphysics.writers.gltf_buffer import INDICES, VERTICES, Buffer
+from halfphysics.writers.looks import actors_coloured, linear, props_coloured
 from halfphysics.writers.normals import creased, vertex_normals
 from halfphysics.writers.take import Actor, Prop, Take
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
-Color = tuple[float, float, float]
 
 #: Most joints that a vertex hangs on in the file; the rest's weights go to these.
 MOST_INFLUENCES = 8
@@ -76,17 +77,9 @@ def _glb(text: bytes, data: bytes) -> bytes:
 def document_of(take: Take) -> tuple[dict[str, Any], bytes]:
     """The JSON of a take, and its buffer."""
     builder = _Builder(take)
-    for k, actor in enumerate(take.actors):
-        builder.add_actor(actor, PEOPLE[k % len(PEOPLE)])
-    moving = 0
-    statics = StaticColors()
-    for prop in take.props:
-        if prop.moves:
-            color = OBJECTS[moving % len(OBJECTS)]
-            moving += 1
-        else:
-            size = np.ptp(rot.rotate(prop.quaternion[0], prop.vertices), axis=0)
-            color = FLOOR[0] if size[2] < 1e-9 else statics.of(prop.name, size)
+    for actor, color in actors_coloured(take.actors):
+        builder.add_actor(actor, color)
+    for prop, color in props_coloured(take.props):
         builder.add_prop(prop, color)
     return builder.document()
 
@@ -139,7 +132,7 @@ class _Builder:
         """A person: joints, a skinned mesh, and how they move."""
         body, motion = actor.body, actor.motion
         root = body.joint_frames(motion)[0][:, 0]
-        turns = _continuous(rot.exp(motion.rotations))
+        turns = rot.continuous(rot.exp(motion.rotations))
         first = len(self.nodes) + 1
         person = self._node({"name": actor.name, "children": [first]}, parent=0)
         arms = body.rest_joints - body.rest_joints[PARENTS]
@@ -215,7 +208,7 @@ class _Builder:
 
     def add_prop(self, prop: Prop, color: Color) -> None:
         """A thing: its mesh, sharp where it bends, and how it moves."""
-        turns = _continuous(rot.normalize(prop.quaternion)[:, None])[:, 0]
+        turns = rot.continuous(rot.normalize(prop.quaternion))
         node: dict[str, Any] = {"name": prop.name}
         node["translation"] = _numbers(prop.position[0])
         node["rotation"] = _numbers(turns[0])
@@ -253,7 +246,7 @@ class _Builder:
         material: dict[str, Any] = {
             "name": name,
             "pbrMetallicRoughness": {
-                "baseColorFactor": [*_linear(color), 1.0],
+                "baseColorFactor": [*linear(color), 1.0],
                 "metallicFactor": 0.0,
                 "roughnessFactor": 0.8,
             },
@@ -301,20 +294,8 @@ def influences(weights: Array) -> list[tuple[NDArray[np.uint8], Floats]]:
     ]
 
 
-def _continuous(quaternions: Array) -> Array:
-    """Of (T, n, 4) the same rotations without jumps of sign from one frame to the next."""
-    dots = np.einsum("tni,tni->tn", quaternions[1:], quaternions[:-1])
-    signs = np.cumprod(np.where(dots < 0.0, -1.0, 1.0), axis=0)
-    return np.concatenate([quaternions[:1], signs[..., None] * quaternions[1:]])
-
-
 def _numbers(values: Array) -> list[float]:
     """Numbers as they are in the buffer; quaternions (4,) as x, y, z, w."""
     if values.shape == (4,):
         values = values[[1, 2, 3, 0]]
     return [float(v) for v in values.astype(np.float32)]
-
-
-def _linear(color: Color) -> list[float]:
-    """Light of an sRGB color."""
-    return [round(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4, 5) for c in color]

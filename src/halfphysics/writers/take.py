@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -59,6 +59,9 @@ class Prop:
 class Take:
     """All that an animated scene holds: `frames` of them, `fps` to the second.
 
+    `scene` is what the props are of (by their names), `joints` the values of the joints of its
+    articulated objects as in `Result.joints`, empty where they are not known.
+
     Raises:
         InputError: Somebody or something has another number of frames, or another rate.
     """
@@ -67,6 +70,8 @@ class Take:
     props: tuple[Prop, ...]
     fps: float
     frames: int
+    scene: Scene
+    joints: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for actor in self.actors:
@@ -105,7 +110,8 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
         actors = tuple(
             Actor(name=p.name, motion=p.motion, body=body or p.body) for p in what.people
         )
-        props = _props(what.scene, what.objects, _middle(actors))
+        scene, joints = what.scene, what.joints
+        props = _props(scene, what.objects, _middle(actors))
     elif isinstance(what, Sequence | Motion):
         motions = what.motions if isinstance(what, Sequence) else (what,)
         bodies = what.bodies if isinstance(what, Sequence) else (None,)
@@ -115,10 +121,14 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
             for name, motion, own in zip(names, motions, bodies, strict=True)
         )
         sequence = what if isinstance(what, Sequence) else Sequence(what, Scene())
-        props = _props(sequence.scene, sequence.recorded, _middle(actors))
+        scene, joints = sequence.scene, {}
+        props = _props(scene, sequence.recorded, _middle(actors))
     else:
         raise InputError(f"export: expected a Result, a Sequence or a Motion, found {shown(what)}")
-    take = Take(actors=actors, props=props, fps=actors[0].motion.fps, frames=len(actors[0].motion))
+    first = actors[0].motion
+    take = Take(
+        actors=actors, props=props, fps=first.fps, frames=len(first), scene=scene, joints=joints
+    )
     return take if fps is None else resampled(take, fps)
 
 
@@ -195,4 +205,13 @@ def resampled(take: Take, fps: float) -> Take:
         else p
         for p in take.props
     )
-    return Take(actors=actors, props=props, fps=float(fps), frames=frames)
+    joints = {}
+    for name, values in take.joints.items():
+        a, b = values[low], values[high]
+        if values.ndim == 1:
+            joints[name] = (1.0 - weight) * a + weight * b
+            continue
+        # Of a free joint the place, of free and ball joints the turn.
+        place = (1.0 - w) * a[:, :-4] + w * b[:, :-4]
+        joints[name] = np.hstack([place, rot.slerp(a[:, -4:], b[:, -4:], weight)])
+    return replace(take, actors=actors, props=props, fps=float(fps), frames=frames, joints=joints)

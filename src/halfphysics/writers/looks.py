@@ -1,0 +1,35 @@
+"""Colours of a take's people and things, as the pictures and the page have them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from halfphysics import rotations as rot
+from halfphysics.drawing import FLOOR, OBJECTS, PEOPLE, StaticColors
+from halfphysics.render import Color
+from halfphysics.writers.take import Actor, Prop
+
+
+def actors_coloured(actors: Iterable[Actor]) -> Iterator[tuple[Actor, Color]]:
+    """Each person with their colour (sRGB)."""
+    for k, actor in enumerate(actors):
+        yield actor, PEOPLE[k % len(PEOPLE)]
+
+
+def props_coloured(props: Iterable[Prop]) -> Iterator[tuple[Prop, Color]]:
+    """Each thing with its colour (sRGB): what moves has accents, what stands is pale."""
+    moving, statics = 0, StaticColors()
+    for prop in props:
+        if prop.moves:
+            yield prop, OBJECTS[moving % len(OBJECTS)]
+            moving += 1
+        else:
+            size = np.ptp(rot.rotate(prop.quaternion[0], prop.vertices), axis=0)
+            yield prop, FLOOR[0] if size[2] < 1e-9 else statics.of(prop.name, size)
+
+
+def linear(color: Color) -> list[float]:
+    """Light (3,) of an sRGB colour."""
+    return [round(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4, 5) for c in color]

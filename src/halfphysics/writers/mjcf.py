@@ -1,0 +1,246 @@
+"""MJCF with keyframes: the people's 55 parts, the objects, the room; stock MuJoCo opens it.
+
+One file, meshes in it. Bodies are called as in the scene, those of people "NAME/JOINT". Keyframe k
+is frame k: `qpos`, `qvel` (the way to the frame after) and, of what moves as it is told, the pose
+of the mocap body. What touches is convex in MuJoCo: the pieces of objects (group 3 where a mesh
+stands for them) and convex statics; other meshes are drawn.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import articulated as jointed
+from halfphysics import rotations as rot
+from halfphysics.errors import InputError
+from halfphysics.io.atomic import atomic_write
+from halfphysics.io.report import warn
+from halfphysics.moving import Moving
+from halfphysics.person_model import add_defaults, add_person_elements, addresses, principal, text
+from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.writers.mjcf_geoms import Geoms
+
+if TYPE_CHECKING:
+    from halfphysics.articulated import Articulated, Link
+    from halfphysics.scene import Object
+    from halfphysics.writers.take import Take
+
+Array = NDArray[np.float64]
+Element = ElementTree.Element
+
+#: Default class of the people's parts.
+_PERSON = "person"
+
+
+def write(take: Take, path: Path) -> None:
+    """Write a take as MJCF.
+
+    Raises:
+        FileError: The folder does not exist or cannot be written.
+        InputError: MuJoCo cannot compile it.
+
+    Warns:
+        HalfPhysicsWarning: Statics that are not convex: they are drawn and do not touch.
+    """
+    root = _model(take, path)
+    model = _compiled(root, path)
+    keyframes = ElementTree.SubElement(root, "keyframe")
+    qpos, mocap = _coordinates(take, model)
+    for k, (row, speeds) in enumerate(zip(qpos, _velocities(model, qpos, take.fps), strict=True)):
+        key = {"time": repr(k / take.fps), "qpos": text(row), "qvel": text(speeds)}
+        if model.nmocap:
+            key |= {"mpos": text(mocap[k, :, :3].ravel()), "mquat": text(mocap[k, :, 3:].ravel())}
+        ElementTree.SubElement(keyframes, "key", key)
+    ElementTree.indent(root)
+    with atomic_write(path) as handle:
+        ElementTree.ElementTree(root).write(handle, encoding="utf-8")
+
+
+def _model(take: Take, path: Path) -> Element:
+    """The model without keyframes."""
+    scene = take.scene
+    root = ElementTree.Element("mujoco", model=path.stem)
+    # A flat mesh that is only drawn has moments A + B = C, but for rounding.
+    compiler = {"angle": "radian", "autolimits": "true", "balanceinertia": "true"}
+    ElementTree.SubElement(root, "compiler", compiler)
+    ElementTree.SubElement(root, "option", gravity=text(scene.gravity))
+    default = ElementTree.SubElement(root, "default")
+    add_defaults(ElementTree.SubElement(default, "default", {"class": _PERSON}))
+    assets = ElementTree.SubElement(root, "asset")
+    world = ElementTree.SubElement(root, "worldbody")
+    geoms = Geoms(assets)
+    for actor in take.actors:
+        add_person_elements(assets, world, actor.body.variant, f"{actor.name}/", childclass=_PERSON)
+    drawn = []
+    for name, static in scene.statics.items():
+        body = _body(world, name, static.position, static.quaternion)
+        if not geoms.solid(body, name, static.shape, static.friction):
+            geoms.drawn(body, name, static.shape)
+            drawn.append(name)
+    if drawn:
+        warn(
+            f"{path}: {', '.join(drawn)}: not convex, and MuJoCo would collide the hull: drawn, "
+            "and touches nothing. Add such things in convex pieces where they are to touch there"
+        )
+    for name, thing in scene.objects.items():
+        _object(world, geoms, name, thing)
+    for whole in scene.articulated.values():
+        if _is_recorded(take, whole):
+            for link, name in zip(whole.links, whole.link_names, strict=True):
+                body = _body(world, name, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+                body.set("mocap", "true")
+                _link_geoms(body, geoms, name, link, whole.friction)
+        else:
+            _articulated(world, geoms, whole)
+    _excluded(ElementTree.SubElement(root, "contact"), take)
+    return root
+
+
+def _body(parent: Element, name: str, position: Array, quaternion: Array) -> Element:
+    return ElementTree.SubElement(
+        parent, "body", name=_called(name), pos=text(position), quat=text(quaternion)
+    )
+
+
+def _called(name: str) -> str:
+    """MuJoCo keeps one name for itself."""
+    return "world/" if name == "world" else name
+
+
+def _inertial(body: Element, mass: float, com: Array, moments: Array, axes: Array) -> None:
+    ElementTree.SubElement(
+        body,
+        "inertial",
+        pos=text(com),
+        quat=text(axes),
+        mass=text([mass]),
+        diaginertia=text(moments),
+    )
+
+
+def _object(world: Element, geoms: Geoms, name: str, thing: Object) -> None:
+    body = _body(world, name, thing.position, thing.quaternion)
+    if isinstance(thing, Moving):
+        body.set("mocap", "true")
+    else:
+        ElementTree.SubElement(body, "freejoint", name=_called(name))
+        _inertial(body, thing.mass, thing.com, *principal(thing.inertia))
+    seen = thing.visual is not None
+    for i, piece in enumerate(thing.pieces):
+        geoms.solid(body, f"{name}#{i}", piece, thing.friction, hidden=seen, convex=True)
+    if thing.visual is not None:
+        geoms.drawn(body, name, thing.visual)
+
+
+def _articulated(world: Element, geoms: Geoms, thing: Articulated) -> None:
+    """Links and joints as `halfphysics.articulated.places` looks for them, but for the names."""
+    bodies: list[Element] = []
+    for link, name in zip(thing.links, thing.link_names, strict=True):
+        parent = world if link.parent < 0 else bodies[link.parent]
+        body = _body(parent, name, *jointed.placed(thing, link))
+        bodies.append(body)
+        for joint in link.joints:
+            said = {"name": f"{thing.name}/{joint.name}", "type": joint.kind}
+            if joint.kind != "free":
+                said["pos"] = text(joint.position)
+                said["damping"] = text([joint.damping])
+                said["stiffness"] = text([joint.stiffness])
+            if joint.kind in ("hinge", "slide"):
+                said["axis"] = text(joint.axis)
+                said["ref"], said["springref"] = text([joint.reference]), text([joint.springref])
+            if joint.limited:
+                said["range"] = text([joint.lower, joint.upper])
+            said["armature"] = text([joint.armature])
+            ElementTree.SubElement(body, "joint", said)
+        if link.mass > 0.0:
+            _inertial(body, link.mass, link.com, link.inertia, link.inertia_quaternion)
+        _link_geoms(body, geoms, name, link, thing.friction)
+
+
+def _link_geoms(body: Element, geoms: Geoms, name: str, link: Link, friction: float) -> None:
+    for i, geom in enumerate(link.geoms):
+        place = geom.position, geom.quaternion
+        geoms.solid(body, f"{name}#{i}", geom.shape, friction, *place, convex=True)
+
+
+def _is_recorded(take: Take, thing: Articulated) -> bool:
+    """Whether the poses of its links are known and those of its joints are not."""
+    moving = any(prop.moves and prop.name in thing.link_names for prop in take.props)
+    joints = [f"{thing.name}/{joint.name}" for link in thing.links for joint in link.joints]
+    return moving and not all(name in take.joints for name in joints)
+
+
+def _excluded(contact: Element, take: Take) -> None:
+    """Pairs that do not touch: as the scene says, and links of one articulated object."""
+    scene = take.scene
+    bodies = {name: [_called(name)] for name in (*scene.statics, *scene.objects)}
+    pairs = list(scene.ignored_pairs)
+    for thing in scene.articulated.values():
+        bodies[thing.name] = list(thing.link_names)
+        pairs.append((thing.name, thing.name))
+    for joint in JOINT_NAMES:
+        bodies[f"person/{joint}"] = [f"{actor.name}/{joint}" for actor in take.actors]
+    bodies["person"] = [name for joint in JOINT_NAMES for name in bodies[f"person/{joint}"]]
+    for a, b in pairs:
+        for first in bodies[a]:
+            for second in bodies[b]:
+                # Pairs of one group with itself come twice.
+                if a != b or first < second:
+                    ElementTree.SubElement(contact, "exclude", body1=first, body2=second)
+
+
+def _compiled(root: Element, path: Path) -> Any:
+    import mujoco
+
+    try:
+        return mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{path}: MuJoCo cannot compile this scene: {reason}") from None
+
+
+def _coordinates(take: Take, model: Any) -> tuple[Array, Array]:
+    """Coordinates (T, nq) and poses of mocap bodies (T, nmocap, 7) of all frames."""
+    qpos = np.tile(np.asarray(model.qpos0, dtype=np.float64), (take.frames, 1))
+    mocap = np.zeros((take.frames, model.nmocap, 7))
+    for actor in take.actors:
+        at = addresses(model, f"{actor.name}/")
+        joints, _ = actor.body.joint_frames(actor.motion)
+        qpos[:, at.root_position : at.root_position + 3] = joints[:, 0]
+        qpos[:, at.quat[:, None] + np.arange(4)] = rot.exp(actor.motion.rotations)
+    for prop in take.props:
+        place = np.hstack([prop.position, prop.quaternion])
+        body = model.body(_called(prop.name))
+        if int(body.mocapid[0]) >= 0:
+            mocap[:, int(body.mocapid[0])] = place
+        elif prop.name in take.scene.objects:
+            first = int(model.jnt_qposadr[int(body.jntadr[0])])
+            qpos[:, first : first + 7] = place
+    for thing in take.scene.articulated.values():
+        if _is_recorded(take, thing):
+            continue
+        for link in thing.links:
+            for joint in link.joints:
+                name = f"{thing.name}/{joint.name}"
+                first = int(model.joint(name).qposadr[0])
+                count = jointed.SIZES[joint.kind][0]
+                start = jointed.start_of(thing, link, joint)
+                values = np.asarray(take.joints.get(name, start), dtype=np.float64)
+                qpos[:, first : first + count] = values.reshape(-1, count)
+    return qpos, mocap
+
+
+def _velocities(model: Any, qpos: Array, fps: float) -> Array:
+    """Velocities (T, nv) with which a frame comes to the one after; the last goes on."""
+    import mujoco
+
+    qvel = np.zeros((len(qpos), model.nv))
+    for k in range(len(qpos) - 1):
+        mujoco.mj_differentiatePos(model, qvel[k], 1.0 / fps, qpos[k], qpos[k + 1])
+    qvel[-1] = qvel[-2]
+    return qvel

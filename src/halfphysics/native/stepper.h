@@ -172,7 +172,12 @@ class Stepper {
   bool is_person(int body) const { return person_[model.root[body]]; }
   // Things whose velocity is given (moving.cpp).
   void given_velocity(double h);
-  void pass_time(double h);
+  double pass_time(double h);
+  void set_pace();
+  bool slow_down();
+  void squeeze();
+  void slip_out();
+  double moving_mass() const;
   bool wake_touched();
   void wake(int body);
 
@@ -225,6 +230,14 @@ class Stepper {
   ContactSolver solver_;
   std::vector<Track> tracks_;
   std::vector<double> clock_;         // per track: where on it the thing is [s]
+  // Per track: how fast it goes on, as a share of what is asked, where it squeezes somebody; and when it
+  // stands, how many substeps it waits before it tries again, and waits after that.
+  struct Pace {
+    double share = 1;
+    int wait = 0, patience = 0;
+  };
+  std::vector<Pace> pace_;
+  bool crushed_ = false;  // the last solve found that something on a track leaves others no room
   std::vector<double> behind_;        // per body: time lost in the substep under way [s]
   std::vector<int> start_asleep_;     // bodies
   std::vector<Touch> touches_;

@@ -18,6 +18,7 @@ constexpr int kQueries = 4;  // for planes with ever larger reach
 constexpr double kSlackReach = 0.004;  // planes are asked for this much farther than needed [m]
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
+constexpr double kLeastMiss = 1e-13;   // the same, of who stands [m]
 // A gap may miss what is asked of it by this share: curvature within a substep costs no more solves.
 constexpr double kSlack = 0.02, kWear = 0.1;
 // Nobody is pushed apart faster than this for the sake of a curved way: a shorter step is straighter,
@@ -157,6 +158,9 @@ double Stepper::allowed(const Candidate& c) const {
   auto held = [&](int mover) { return mover >= 0 && model.held[world.movers[mover].body]; };
   if (c.target >= 0 && (held(c.mover) || held(c.other_mover)))
     miss = std::min(miss, kWear * c.target + kRounding);
+  // Nor may many small steps wear away the last of it.
+  if (c.dist > 0 && c.hard > 0.5 * c.dist)
+    miss = std::min(miss, std::max(0.0, c.target - c.hard) + kLeastMiss);
   return miss;
 }
 
@@ -254,11 +258,12 @@ bool Stepper::within_limits(double h) const {
 void Stepper::solve(double h) {
   const auto begin = std::chrono::steady_clock::now();
   build_inertia(step_);
+  slip_out();
   const size_t contacts = contacts_.size();
   for (size_t i = 0; i < limits_.size(); i++) limits_[i].pair = (int)(candidates_.size() + i);
   contacts_.insert(contacts_.end(), limits_.begin(), limits_.end());
   SolveReport r = solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(),
-                                contacts_, tolerance_ / h, world.settings.max_sweeps);
+                                contacts_, tolerance_ / h, world.settings.max_sweeps, moving_mass());
   for (size_t i = 0; i < limits_.size(); i++) {
     // What solving leaves is cut: a joint goes no farther than it goes.
     Contact& c = limits_[i];
@@ -270,6 +275,7 @@ void Stepper::solve(double h) {
   contacts_.resize(contacts);
   diagnostics_.sweeps += r.sweeps;
   diagnostics_.passes++;
+  crushed_ = r.crushed;
   double n3 = 3.0 * r.points;
   work_ += n3 * n3 * (kRowWork + r.sweeps);
   solved_ = contacts_.size();
@@ -375,6 +381,7 @@ void Stepper::emerge(double h) {
 void Stepper::try_step(double h) {
   const double clear = world.settings.clearance;
   work_ = 0;
+  crushed_ = false;
   gave_way_.assign(model.nbody, 0);
   body_twists(model, start_.kin, qvel_.data(), moving_);
   body_twists(model, start_.kin, v_free_.data(), twists_);
@@ -405,7 +412,8 @@ void Stepper::try_step(double h) {
     tolerance_ = world.settings.tolerance;
     world.list(model, start_, reach_);
     world.gather(model, start_, reach_, h, candidates_);
-    if (query > 0) relax();
+    if (query == 0) squeeze();
+    relax();
     diagnostics_.candidates = std::max(diagnostics_.candidates, (int)candidates_.size());
     v_ = v_free_;
     pose_at(v_, h, end_, q_end_);
@@ -420,6 +428,7 @@ void Stepper::try_step(double h) {
       solve(h);
       pose_at(v_, h, end_, q_end_);
       good_ = verify(h, pass, worst_);
+      if (crushed_) break;
       least = std::min(least, overdue_);
       stale = overdue_ == 0 || overdue_ < 0.5 * mark ? 0 : stale + 1;
       if (stale == 0) mark = overdue_;
@@ -448,11 +457,17 @@ void Stepper::substep(int k, double h) {
   if (keep_times) solve_times.push_back(0);
   // Twists need the dofs' axes.
   start_.kin.update_dofs(model, qpos_.data(), world.active.data());
+  set_pace();
   free_velocity(k, h);
   v_star_ = v_free_;
   step_ = pulled_ = h;
   next_warm_.clear();
   attempt(h);
+  while (slow_down()) {
+    v_free_ = v_star_;
+    given_velocity(h);
+    attempt(h);
+  }
   if (keep_trace) {
     trace.qpos = qpos_, trace.qvel = qvel_, trace.v_free = v_free_, trace.v = v_;
     if (contacts_.empty()) trace.contacts.clear();
@@ -462,16 +477,16 @@ void Stepper::substep(int k, double h) {
   keep_trace = false;  // of the whole step only
   diagnostics_.contacts = std::max(diagnostics_.contacts, (int)contacts_.size());
   std::vector<double> share;
+  double lost = 0;
   if (!good_) share = shares(h);
-  if (share.empty()) {
+  if (share.empty())
     commit(h, share);
-  } else {
-    double lost = retry(h, share);
-    if (lost > 0) diagnostics_.shortened++;
-    diagnostics_.lost_time += lost;
-  }
+  else
+    lost = retry(h, share);
   keep_trace = tracing;
-  pass_time(h);
+  lost = std::max(lost, pass_time(h));
+  if (lost > 0) diagnostics_.shortened++;
+  diagnostics_.lost_time += lost;
   diagnostics_.residual = std::max(diagnostics_.residual, -worst_);
   warm_.swap(next_warm_);
   qvel_ = v_free_;

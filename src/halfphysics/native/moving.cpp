@@ -126,7 +126,7 @@ void Stepper::slip_out() {
 
 // Where the contacts of a step cannot be solved because something on a track leaves no room, that goes
 // slower, or stands, and everybody else makes the step. False if nothing is to be slowed down.
-bool Stepper::slow_down() {
+bool Stepper::slow_down(double h) {
   bool slow = false;
   for (const Pace& p : pace_) slow |= p.share < 1;
   if (good_ || tracks_.empty() || !(crushed_ || slow)) return false;
@@ -144,6 +144,7 @@ bool Stepper::slow_down() {
     p.patience = std::min(kMostPatience, std::max(1, 2 * p.patience));
     p.wait = p.patience;
   }
+  if (any) given_velocity(h);
   return any;
 }
 

@@ -49,8 +49,10 @@ void Stepper::finish(const std::vector<int>& person_roots) {
     }
   qpos_.assign(model.nq, 0);
   for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_, &pull_, &resist_, &change_,
-                  &pushed_, &exerted_})
+                  &pushed_, &exerted_, &stiff_, &softer_})
     v->assign(model.nv, 0);
+  overcome_.assign(drives_.size(), 0);
+  share_.assign(model.nv, 1);
   world.standing.assign(model.nbody, 0);
   scale_.assign(model.nv, 1);
   world.asleep.assign(model.nbody, 0);

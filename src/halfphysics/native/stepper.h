@@ -137,6 +137,9 @@ class Stepper {
 
   // What the drive exerts (strength.cpp).
   void limit_strength(double h);
+  bool exertion(const Drive& d, const double* v, double h);
+  bool give_in(double h);
+  void added(const Drive& d, double h, const double* x, double* out);
   void tally(double h);
   // out = s (M + diag(extra)) x on one person's rows; without `extra` M x.
   void weigh(const Drive& d, const double* x, double s, const double* extra, double* out) const;
@@ -174,7 +177,7 @@ class Stepper {
   void given_velocity(double h);
   double pass_time(double h);
   void set_pace();
-  bool slow_down();
+  bool slow_down(double h);
   void squeeze();
   void slip_out();
   double moving_mass() const;
@@ -202,6 +205,10 @@ class Stepper {
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
   std::vector<double> resist_;  // M^ without M, as factored last
   std::vector<double> v_star_, change_, pushed_, exerted_;
+  // In the substep under way: rounds in which a drive gave in (per drive), the share of M^ - M that is left
+  // (per dof, of either side), and M^ without M before.
+  std::vector<int> overcome_;
+  std::vector<double> share_, stiff_, softer_;
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;
   Poses start_, end_;

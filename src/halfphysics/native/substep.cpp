@@ -458,16 +458,14 @@ void Stepper::substep(int k, double h) {
   // Twists need the dofs' axes.
   start_.kin.update_dofs(model, qpos_.data(), world.active.data());
   set_pace();
+  overcome_.assign(drives_.size(), 0);
+  share_.assign(model.nv, 1);
   free_velocity(k, h);
   v_star_ = v_free_;
   step_ = pulled_ = h;
   next_warm_.clear();
   attempt(h);
-  while (slow_down()) {
-    v_free_ = v_star_;
-    given_velocity(h);
-    attempt(h);
-  }
+  while (slow_down(h) || give_in(h)) attempt(h);
   if (keep_trace) {
     trace.qpos = qpos_, trace.qvel = qvel_, trace.v_free = v_free_, trace.v = v_;
     if (contacts_.empty()) trace.contacts.clear();

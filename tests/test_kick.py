@@ -245,7 +245,8 @@ def test_a_real_kick(body, shared_data, clip, low):
         speed[mass] = np.array(list(runs))
         assert speed[mass].max() <= 1.1 * speed[mass].min()
     assert speed[0.5].min() >= 5.0 * speed[200.0].max()
-    assert (speed[0.5] > speed[5.0]).all()
+    # On the floor the foot goes on pushing 0.5 and 5 kg alike.
+    assert (speed[0.5] > (0.98 if low else 1.0) * speed[5.0]).all()
     # An inelastic hit by something heavy on its way: about as fast as the foot.
     assert 0.7 * foot < speed[0.5].min()
     assert speed[0.5].max() < 1.2 * foot

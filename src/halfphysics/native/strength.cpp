@@ -5,7 +5,8 @@
 //
 //   h tau = M (e - e_before) - M^ (v - v*)
 //
-// It is zero in free motion, and what balances the contacts in a static hold.
+// It is zero in free motion, and what balances the contacts in a static hold. What held things ask for
+// (holding.cpp) is added: it is no part of e.
 #include "stepper.h"
 
 namespace hp {
@@ -18,11 +19,9 @@ constexpr double kPull = 0.97;
 constexpr double kAim = 0.9;
 constexpr int kRounds = 6;
 constexpr double kRest = 1e-9;  // smaller changes of velocity are rounding [m/s, rad/s]
+constexpr double kFaint = 1e-9;  // and smaller impulses [N s, N m s]
 
-// A limit's dofs, relative to the person's first: 0 the root's position, i + 1 ball i.
-int first_of(const Drive& d, int limit) {
-  return limit == 0 ? d.first_dof() : d.ball_dof(limit - 1);
-}
+int first_of(const Drive& d, int limit) { return d.limit_dof(limit); }
 
 // Scales the limit's three entries of x (nv of the model) to at most `most`; true if they were more.
 bool cap(const Drive& d, int limit, double most, double* x) {
@@ -136,12 +135,18 @@ bool Stepper::exertion(const Drive& d, const double* v, double h) {
   d.deviation_change(v, change_.data());
   for (int i = first; i < end; i++) pushed_[i] = v[i] - v_star_[i];
   const bool touched = largest(d, pushed_.data()) > 0;
-  if (!touched && largest(d, change_.data()) < kRest) return false;
-  if (!inertia_ready_) {
-    start_.kin.update_dofs(model, qpos_.data(), world.active.data());
-    inertia_.compose(model, start_.kin, world.active.data());
+  const bool changes = touched || largest(d, change_.data()) >= kRest;
+  if (!changes && !carries(d)) return false;
+  for (int i = first; i < end; i++) exerted_[i] = 0;
+  if (changes) {
+    if (!inertia_ready_) {
+      start_.kin.update_dofs(model, qpos_.data(), world.active.data());
+      inertia_.compose(model, start_.kin, world.active.data());
+    }
+    weigh(d, change_.data(), 1, nullptr, exerted_.data());
   }
-  weigh(d, change_.data(), 1, nullptr, exerted_.data());
+  if (carries(d))
+    for (int i = first; i < end; i++) exerted_[i] += h * load_[i];
   if (!touched) return true;
   if (!overcome_[&d - drives_.data()]) {
     weigh(d, pushed_.data(), d.scale(drive_settings, h), resist_.data(), change_.data());
@@ -156,7 +161,7 @@ bool Stepper::exertion(const Drive& d, const double* v, double h) {
 }
 
 // M^ = M + X is heavier than the body, and what hits it is met with X (v* - v) beyond the pull that was
-// limited, M (v* - v_ref - e). A joint that would exert more than it can, in the step that was tried,
+// limited, M (v* - v_ref - e), and what is held. A joint that would exert more than it can, in the step that was tried,
 // resists less: X becomes share X share. True if there is such a joint: the step is to be tried again.
 // Where that goes on, or the step would have to be made in pieces, nothing but the pull is left.
 bool Stepper::give_in(double h) {
@@ -165,22 +170,26 @@ bool Stepper::give_in(double h) {
     const Drive& d = drives_[p];
     if (d.limits.empty() || overcome_[p] > kRounds || !world.active[d.body(0)] || d.gentle()) continue;
     if (!exertion(d, v_.data(), h)) continue;
+    const bool carried = carries(d);  // then the pull is within the limits (holding.cpp)
+    if (carried && largest(d, pushed_.data()) == 0) continue;
     const int first = d.first_dof(), end = first + d.dof_count();
     bool over = !good_, none = !good_ || overcome_[p] == kRounds;
     double pulled = 1;  // the pull alone is within the limits but for how M couples joints
     d.unhindered(pushed_.data());
     for (int i = first; i < end; i++) pushed_[i] = v_star_[i] - pushed_[i];
     weigh(d, pushed_.data(), 1, nullptr, change_.data());
+    if (carried)
+      for (int i = first; i < end; i++) change_[i] += h * load_[i];
     if (overcome_[p] == 0) std::copy_n(resist_.begin() + first, end - first, stiff_.begin() + first);
     for (int k = 0; k <= d.ball_count(); k++) {
       const int at = first_of(d, k);
       const double most = h * d.limits[k];
       const Vec3 pull = load3(&change_[at]), all = load3(&exerted_[at]);
-      if (norm(all) <= most) continue;
+      if (norm(all) <= most + kFaint) continue;
       over = true;
-      pulled = std::min(pulled, most / std::max(most, norm(pull)));
-      const double room = std::max(0.0, kAim * most - norm(pull));
-      for (int c = 0; c < 3; c++) share_[at + c] *= room / std::max(norm(all - pull), room);
+      if (!carried && norm(pull) > most) pulled = std::min(pulled, most / norm(pull));
+      const double room = std::max(0.0, kAim * most - norm(pull)), more = norm(all - pull);
+      for (int c = 0; c < 3 && more > room; c++) share_[at + c] *= room / more;
     }
     if (!over) continue;
     if (none) std::fill_n(share_.begin() + first, end - first, 0.0);

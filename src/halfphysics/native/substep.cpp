@@ -20,7 +20,7 @@ constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
 constexpr double kLeastMiss = 1e-13;   // the same, of who stands [m]
 // A gap may miss what is asked of it by this share: curvature within a substep costs no more solves.
-constexpr double kSlack = 0.02, kWear = 0.1;
+constexpr double kSlack = 0.02, kWear = 0.1, kLeisure = 0.5, kLeast = 1.25;
 // Nobody is pushed apart faster than this for the sake of a curved way: a shorter step is straighter,
 // and things that spin fast would gain energy [m/s].
 constexpr double kPush = 3, kThingsPush = 0.05;
@@ -34,10 +34,6 @@ constexpr double kNarrow = 5e-5, kFiner = 0.1;
 constexpr double kMostWork = 1e8, kRowWork = 60;
 constexpr size_t kMostContacts = 250;
 constexpr double kFar = 1e300;
-// Nobody is thrown by what comes out of something faster than this [m/s]; it then comes out more slowly,
-// by so many tries, and gains speed again by this factor a substep.
-constexpr double kHurl = 0.85, kRegain = 1.3;
-constexpr int kSlower = 4;
 constexpr double kWarmRadius2 = 0.02 * 0.02;
 
 }  // namespace
@@ -77,6 +73,7 @@ void Stepper::warm_start(Contact& c) {
   if (!found) return;
   c.impulse = found->impulse;
   found->used = true;
+  bend_way(c);  // it lasts
 }
 
 // The trees that planes connect: island_[tree].
@@ -153,6 +150,9 @@ double Stepper::excess(size_t i, double h) {
 // What a candidate's gap may miss of its target.
 double Stepper::allowed(const Candidate& c) const {
   double miss = 2 * tolerance_ + kRounding;
+  // Who leaves itself need not do so at an exact speed.
+  if (leaves_itself(c))
+    return std::max(miss, (gave_way_[tree(c.mover)] ? kLeast : kLeisure) * (c.target - c.dist));
   if (c.target > 0) miss += kSlack * c.target;
   // What nothing stops must not wear a gap away either.
   auto held = [&](int mover) { return mover >= 0 && model.held[world.movers[mover].body]; };
@@ -175,8 +175,8 @@ bool Stepper::verify(double h, int pass, double& worst) {
   // Things that lie on each other pass on what they carry, a pair more in every pass: of them only
   // points count that were solved for.
   auto of_things = [&](const Candidate& c) {
-    return world.movers[c.mover].person < 0 ||
-           (c.other_mover >= 0 && world.movers[c.other_mover].person < 0);
+    return !is_person(world.movers[c.mover].body) ||
+           (c.other_mover >= 0 && !is_person(world.movers[c.other_mover].body));
   };
   for (size_t i = 0; i < candidates_.size(); i++) {  // forgiven planes add to them
     double e = excess(i, h);
@@ -199,7 +199,7 @@ bool Stepper::verify(double h, int pass, double& worst) {
   for (size_t i = 0; i < contacts_.size(); i++) {
     Contact& c = contacts_[i];
     if (pass > 0) {
-      const bool thing = world.movers[candidates_[c.pair].mover].person < 0;
+      const bool thing = !is_person(world.movers[candidates_[c.pair].mover].body);
       c.shift = std::min(c.dist + h * approach(c, twists_, v_) - world.gap_at(start_, end_, c),
                          std::max(0.0, c.dist - c.target) + h * (thing ? kThingsPush : kPush));
     }
@@ -243,6 +243,7 @@ bool Stepper::give_way() {
 void Stepper::relax() {
   for (Candidate& c : candidates_) {
     if (!gave_way_[tree(c.mover)] && (c.other_mover < 0 || !gave_way_[tree(c.other_mover)])) continue;
+    if (leaves_itself(c)) continue;
     c.target = std::min(c.target, c.dist >= 0 ? std::min(c.dist, kLeastGap) : c.dist);
     if (c.target >= 0 && c.target < kNarrow) tolerance_ = kFiner * world.settings.tolerance;
   }
@@ -262,8 +263,7 @@ void Stepper::solve(double h) {
   const size_t contacts = contacts_.size();
   for (size_t i = 0; i < limits_.size(); i++) limits_[i].pair = (int)(candidates_.size() + i);
   contacts_.insert(contacts_.end(), limits_.begin(), limits_.end());
-  SolveReport r = solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(),
-                                contacts_, tolerance_ / h, world.settings.max_sweeps, moving_mass());
+  const SolveReport r = answer(h);
   for (size_t i = 0; i < limits_.size(); i++) {
     // What solving leaves is cut: a joint goes no farther than it goes.
     Contact& c = limits_[i];
@@ -325,57 +325,6 @@ bool Stepper::bounce(double h, bool good, double& worst) {
   return false;
 }
 
-double Stepper::hurled() {
-  // What the motion asks; objects have none of their own.
-  std::vector<double> asked(v_free_);
-  for (const Drive& d : drives_) d.reference(asked.data());
-  std::vector<Twist> own;
-  body_twists(model, start_.kin, v_.data(), twists_);
-  body_twists(model, start_.kin, asked.data(), own);
-  std::vector<char> tree(model.nbody, 0);
-  for (const Inside& in : world.inside()) tree[model.root[world.movers[in.mover].body]] = 1;
-  double fastest = 0;
-  for (size_t i = 0; i < world.movers.size(); i++) {
-    const Mover& m = world.movers[i];
-    if (!tree[model.root[m.body]] || !world.active[m.body]) continue;
-    if (speed_bound(m, twists_) <= fastest) continue;
-    const Points p = world.place(start_, (int)i).points();
-    const size_t n = p.n;
-    for (size_t k = 0; k < n; k++) {
-      auto speed = [&](const std::vector<Twist>& twists) {
-        Vec3 v;
-        for (size_t t = 0; t < m.ties.size(); t++) {
-          const double w = m.skin ? m.weights[t * n + k] : 1;
-          if (w == 0) continue;
-          const Twist& body = twists[m.ties[t].body];
-          v += w * (body.v + cross(body.w, p.at((int)k) - start_.kin.reference(model, m.body)));
-        }
-        return norm(v);
-      };
-      fastest = std::max(fastest, speed(twists_) - speed(own));
-    }
-  }
-  return fastest;
-}
-
-// A step of length h. Whoever comes out of something does so more slowly where that would throw
-// somebody or does not go with what else is asked; not at all, if need be.
-void Stepper::emerge(double h) {
-  if (!world.any_inside()) return try_step(h);
-  world.growth = std::min(1.0, kRegain * world.growth);
-  for (int k = 0; k < kSlower; k++) {
-    try_step(h);
-    const double speed = hurled();
-    if (good_ && speed <= kHurl) return;
-    const double slower = speed > kHurl ? 0.9 * kHurl / speed : 0.3;
-    world.growth *= std::max(0.1, slower);
-  }
-  const double kept = world.growth;
-  world.growth = 0;
-  try_step(h);
-  world.growth = kept;
-}
-
 // Solves for a step of length h from the start pose: velocities v_, their pose end_, whether all is
 // well with it.
 void Stepper::try_step(double h) {
@@ -384,6 +333,7 @@ void Stepper::try_step(double h) {
   crushed_ = false;
   gave_way_.assign(model.nbody, 0);
   body_twists(model, start_.kin, qvel_.data(), moving_);
+  turning_.clear();
   body_twists(model, start_.kin, v_free_.data(), twists_);
   reach_.resize(world.movers.size());
   fastest_.assign(model.nbody, 0);

@@ -19,6 +19,8 @@ void Model::finish() {
     last_dof[b] = dof_count[b] > 0 ? dof_first[b] + dof_count[b] - 1 : last_dof[parent[b]];
     for (int i = 0; i < dof_count[b]; i++) dof_body[dof_first[b] + i] = b;
   }
+  carried = mass;
+  for (int b = nbody - 1; b > 0; b--) carried[parent[b]] += carried[b];
   plain_ball.assign(nbody, 0);
   for (int b = 1; b < nbody; b++) {
     int j = jnt_first[b];
@@ -154,6 +156,21 @@ void body_twists(const Model& m, const Kinematics& k, const double* qvel,
   }
 }
 
+void carry(const Model& m, const Kinematics& k, const double* qvel, int body, Twist& velocity,
+           Twist& acceleration) {
+  const int first = m.jnt_first[body];
+  for (int j = first; j < first + m.jnt_count[body]; j++) {
+    int d = m.jnt_dof[j];
+    const bool free = m.jnt_type[j] == Joint::Free;
+    for (int i = 0; free && i < 3; i++, d++) velocity = velocity + scaled(qvel[d], k.cdof[d]);
+    const Twist before = velocity;
+    for (int i = free || m.jnt_type[j] == Joint::Ball ? 3 : 1; i > 0; i--, d++) {
+      acceleration = acceleration + scaled(qvel[d], cross_motion(before, k.cdof[d]));
+      velocity = velocity + scaled(qvel[d], k.cdof[d]);
+    }
+  }
+}
+
 void integrate(const Model& m, double* qpos, const double* qvel, double t, const char* active) {
   for (int j = 0; j < m.njnt; j++) {
     if (active && !active[m.jnt_body[j]]) continue;
@@ -224,13 +241,14 @@ void Inertia::compose(const Model& m, const Kinematics& k, const char* active) {
 }
 
 void Inertia::factor(const Model& m, const std::vector<double>& scale,
-                     const std::vector<double>& extra, const char* active) {
+                     const std::vector<double>& extra, const char* active, const char* free) {
+  auto stays = [&](int dof) { return (active && !active[m.dof_body[dof]]) || (free && !free[dof]); };
   L.resize(M.size());
   inv_D.resize(m.nv);
   root_D.resize(m.nv);
   for (int i = 0; i < m.nv; i++) {
     int start = m.row_start[i], n = m.row_size[i];
-    if (active && !active[m.dof_body[i]]) {
+    if (stays(i)) {
       std::fill_n(&L[start], n, 0.0);
       inv_D[i] = root_D[i] = 0;
       continue;
@@ -241,9 +259,11 @@ void Inertia::factor(const Model& m, const std::vector<double>& scale,
       L[start + a] = s * M[start + a];
     }
     L[start + n - 1] += scale[i] * extra[i];
+    for (int a = 0; free && a < n - 1; a++)
+      if (!free[m.chain[start + a]]) L[start + a] = 0;
   }
   for (int i = m.nv - 1; i >= 0; i--) {
-    if (active && !active[m.dof_body[i]]) continue;
+    if (stays(i)) continue;
     double* row = &L[m.row_start[i]];
     const int* dof = &m.chain[m.row_start[i]];
     int n = m.row_size[i] - 1;

@@ -66,6 +66,16 @@ def torch_saved(path: Path, data, storages, byteorder: str | None = "little") ->
     return path
 
 
+@pytest.mark.parametrize("shape", [(3, 4), (5,), (0, 2), ()])
+def test_a_tensor_is_written(tmp_path, shape):
+    array = np.random.default_rng(0).normal(size=shape).astype(np.float32)
+    torch_file.write(tmp_path / "a.pt", array)
+    read = stored.read(tmp_path / "a.pt")
+    assert read.shape == shape
+    assert read.dtype == np.float32
+    assert np.array_equal(read, array)
+
+
 def test_torch_tensors(tmp_path):
     numbers = np.arange(24.0)
     data = {

@@ -11,11 +11,10 @@ import warnings
 import numpy as np
 import pytest
 import trimesh
+from dumps import Tensor, torch_saved
 from layouts import movement
 from model_files import write_npz
 from scipy.spatial.transform import Rotation
-from test_stored import _Tensor as Tensor
-from test_stored import torch_saved
 from wrong_files import Boom, broken_bytes_are_refused, refused
 
 import halfphysics as hp

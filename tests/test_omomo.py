@@ -8,9 +8,8 @@ import warnings
 import numpy as np
 import pytest
 import trimesh
+from dumps import Wrapper, joblib_dump
 from layouts import movement
-from test_stored import _Wrapper as Wrapper
-from test_stored import joblib_dump
 from wrong_files import (
     broken_bytes_are_refused,
     changed,

@@ -75,8 +75,10 @@ _UNIT = 1e-2
 _FOLDERS = (
     "objects/objects/{0}/",
     "objects/{0}/",
-    "data/assets/objects/objects/{0}/",
     "assets/objects/objects/{0}/",
+    "data/assets/objects/objects/{0}/",
+    "intermimic/data/assets/objects/objects/{0}/",
+    "isaacgym/src/intermimic/data/assets/objects/objects/{0}/",
     "{0}/",
     "",
 )

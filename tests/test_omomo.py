@@ -8,9 +8,8 @@ import warnings
 import numpy as np
 import pytest
 import trimesh
+from dumps import Wrapper, joblib_dump
 from layouts import movement
-from test_stored import _Wrapper as Wrapper
-from test_stored import joblib_dump
 from wrong_files import (
     broken_bytes_are_refused,
     changed,
@@ -24,6 +23,7 @@ from wrong_files import (
 
 import halfphysics as hp
 from halfphysics import rotations as rot
+from halfphysics.io import stored
 from halfphysics.skeleton import BODY_JOINTS
 
 ROUNDING = 1e-12
@@ -102,6 +102,17 @@ def test_clips_of_one_file(tmp_path):
     assert len(clips[2].motion()) == 7
     refused(path, f"holds several clips: {CLIP}, sub3.*clip=")
     refused(path, "did you mean", clip="sub3_largebox_005")
+
+
+def test_a_file_is_read_once_for_all_its_clips(tmp_path, monkeypatch):
+    path = written(tmp_path / "a.p", *(fields(name=f"sub1_largebox_{i:03}") for i in range(5)))
+    times, plain = [], stored.read
+    monkeypatch.setattr(stored, "read", lambda path: times.append(path) or plain(path))
+    assert [len(clip.motion()) for clip in hp.clips(path)] == [12] * 5
+    assert times == [path]
+    # A file that was asked for by its path is read anew: it may have changed.
+    assert len(hp.Motion.load(path, clip="sub1_largebox_003")) == 12
+    assert times == [path] * 2
 
 
 def test_a_joblib_dump(tmp_path):

@@ -14,6 +14,7 @@ Whose shape it is the file does not say, but the joint positions do: see `bones`
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -22,10 +23,16 @@ from numpy.typing import NDArray
 from halfphysics import rotations as rot
 from halfphysics import skeleton
 from halfphysics.body import Body
-from halfphysics.errors import FileError
+from halfphysics.errors import FileError, InputError
+from halfphysics.io import torch_file
 from halfphysics.io.assets import find
 from halfphysics.io.bones import Bones, bend, bones_of, default_like, shaped_like
-from halfphysics.io.building import motion_of, rotations_of
+from halfphysics.io.building import (
+    file_parameters,
+    lost_joints,
+    motion_of,
+    rotations_of,
+)
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.meshes import load_mesh
 from halfphysics.io.record import Record
@@ -44,7 +51,9 @@ _ROOT, _ROOT_TURN = slice(0, 3), slice(3, 7)
 _ANGLES, _PLACES = slice(9, 162), slice(162, 318)
 _OBJECT, _OBJECT_TURN = slice(318, 321), slice(321, 325)
 _TOUCH = slice(330, 383)
+_TURNS = slice(383, 591)
 _FIELD = "tensor"
+_OBJECT_KEY, _TOUCH_KEY = "object", "touch"
 #: U: upright axes of the robot's frames from those of SMPL.
 UPRIGHT = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
@@ -66,8 +75,10 @@ _UNIT = 1e-2
 _FOLDERS = (
     "objects/objects/{0}/",
     "objects/{0}/",
-    "data/assets/objects/objects/{0}/",
     "assets/objects/objects/{0}/",
+    "data/assets/objects/objects/{0}/",
+    "intermimic/data/assets/objects/objects/{0}/",
+    "isaacgym/src/intermimic/data/assets/objects/objects/{0}/",
     "{0}/",
     "",
 )
@@ -88,7 +99,7 @@ def _sniff(source: Source) -> bool:
 
 
 def _turns(record: Record, rows: Array, columns: slice, what: str) -> Array:
-    """Quaternions (T, 4), w x y z, of one hemisphere after another."""
+    """Quaternions (T, 4), w x y z."""
     xyzw = rows[:, columns]
     off = np.abs(np.linalg.norm(xyzw, axis=1) - 1.0)
     if (off > _UNIT).any():
@@ -98,10 +109,14 @@ def _turns(record: Record, rows: Array, columns: slice, what: str) -> Array:
             f"columns {columns.start}:{columns.stop} ({what}): found {xyzw[at].round(3).tolist()} "
             f"in frame {at}, expected a quaternion of length 1",
         )
-    turns = rot.normalize(xyzw[:, [3, 0, 1, 2]])
-    flips = np.sign(np.einsum("tc,tc->t", turns[1:], turns[:-1]))
-    turns[1:] *= np.cumprod(np.where(flips < 0.0, -1.0, 1.0))[:, None]
-    return turns
+    return rot.normalize(_steady(xyzw)[:, [3, 0, 1, 2]])
+
+
+def _steady(turns: Array) -> Array:
+    """Quaternions (T, 4), each with the sign that is nearer to the one before."""
+    flips = np.einsum("tc,tc->t", turns[1:], turns[:-1]) < 0.0
+    signs = np.concatenate([[1.0], np.cumprod(np.where(flips, -1.0, 1.0))])
+    return turns * signs[:, None]
 
 
 def _rows(source: Source, options: Options) -> tuple[Record, Array]:
@@ -155,6 +170,10 @@ def _with_body(source: Source, options: Options) -> tuple[Motion, Body]:
         gender=known or "neutral",
         betas=body.betas if named else None,
         hands=hands,
+        per_frame={
+            _OBJECT_KEY: np.hstack([rows[:, _OBJECT], _steady(rows[:, _OBJECT_TURN])]),
+            _TOUCH_KEY: np.rint(rows[:, _TOUCH]).astype(np.int64),
+        },
     )
     moved = motion.translation - motion.axes @ body.rest_joints[0]
     return motion.with_frames(moved, motion.rotations), body
@@ -216,10 +235,57 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
     return Sequence(motion, scene, body=body, recorded={mesh.stem: track})
 
 
+def _save(motion: Motion, path: Path, body: Body | None) -> None:
+    if body is None:
+        raise InputError(
+            f"format: '{NAME}' holds the joints of the person. Say whose motion it is with body="
+        )
+    _, rotations, said = file_parameters(motion, NAME)
+    places = body.joints(motion) @ motion.axes
+    turns = rot.exp(rotations)
+    for joint in range(1, skeleton.N_JOINTS):
+        turns[:, joint] = rot.multiply(turns[:, skeleton.PARENTS[joint]], turns[:, joint])
+    turns = rot.multiply(turns[:, list(ORDER)], rot.conjugate(rot.from_matrix(UPRIGHT)))
+    xyzw = turns[..., [1, 2, 3, 0]]
+    # The shorter way round, as the data set's exponential maps are.
+    angles = rot.log(rot.exp(rotations[:, list(ORDER[1:])])) @ UPRIGHT.T
+    frames = len(motion)
+    rows = np.zeros((frames, WIDTH))
+    rows[:, _ROOT], rows[:, _ROOT_TURN] = places[:, 0], _steady(xyzw[:, 0])
+    rows[:, _ANGLES] = angles.reshape(frames, -1)
+    rows[:, _PLACES] = places[:, list(ORDER)].reshape(frames, -1)
+    rows[:, _TURNS] = xyzw.reshape(frames, -1)
+    rows[:, _OBJECT_TURN] = (0.0, 0.0, 0.0, 1.0)
+    kept = motion.origin.per_frame if said and motion.origin is not None else {}
+    if _OBJECT_KEY in kept:
+        rows[:, _OBJECT] = kept[_OBJECT_KEY][:, :3]
+        turn = kept[_OBJECT_KEY][:, 3:]  # between frames not of length 1
+        length = np.linalg.norm(turn, axis=1, keepdims=True)
+        rows[:, _OBJECT_TURN] = turn / np.where(length > 0.0, length, 1.0)
+        rows[:, _TOUCH] = kept[_TOUCH_KEY]
+    torch_file.write(path, rows.astype(np.float32))
+
+
+def _loses(motion: Motion) -> tuple[str, ...]:
+    lost = list(lost_joints(motion, skeleton.SMPLH_JOINTS))
+    if motion.betas is not None and motion.betas.any():
+        lost.append("the shape (betas), but for the joints of it")
+    if motion.gender != "neutral":
+        lost.append(f"the gender {motion.gender!r}")
+    if motion.fps != FPS:
+        lost.append(f"the frame rate {motion.fps:g}: readers take {FPS:g}; say --to-fps 30")
+    if motion.origin is None or _OBJECT_KEY not in motion.origin.per_frame:
+        lost.append("an object: there is none, and its columns say that it lies at the origin")
+    return tuple(lost)
+
+
 FORMAT = Format(
     name=NAME,
     expects=f".pt with one tensor (T, {WIDTH})",
     sniff=_sniff,
     load=_load,
     load_sequence=_load_sequence,
+    save=_save,
+    suffixes=(".pt",),
+    loses=_loses,
 )

@@ -13,7 +13,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,9 +85,16 @@ def _sniff(source: Source) -> bool:
     return any(key in first for key in _PERSON)
 
 
-def _by_name(source: Source) -> dict[str, tuple[Any, Mapping[str, Any]]]:
+_Clips: TypeAlias = dict[str, tuple[Any, Mapping[str, Any]]]
+#: As long as a file is open: it has thousands of clips, and all are asked for in turn.
+_KNOWN: WeakKeyDictionary[Source, _Clips] = WeakKeyDictionary()
+
+
+def _by_name(source: Source) -> _Clips:
     """Name -> id and fields of every clip."""
-    clips: dict[str, tuple[Any, Mapping[str, Any]]] = {}
+    if source in _KNOWN:
+        return _KNOWN[source]
+    clips: _Clips = {}
     for id, fields in source.data.items():
         if not isinstance(fields, Mapping):
             raise FileError(
@@ -98,6 +106,7 @@ def _by_name(source: Source) -> dict[str, tuple[Any, Mapping[str, Any]]]:
         while name in clips:
             name, again = f"{name.rpartition('#')[0] or name}#{again}", again + 1
         clips[name] = id, fields
+    _KNOWN[source] = clips
     return clips
 
 

@@ -277,7 +277,7 @@ def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Form
     from dataclasses import replace
     from itertools import islice
 
-    source = Source(path)
+    source = path if isinstance(path, Source) else Source(path)
     format = identify(source)
     if format is None:
         raise unknown(source)

@@ -289,6 +289,21 @@ def test_saved_as_amass(data_set, tmp_path):
         motion.save(tmp_path / "again.npz", format="grab")
 
 
+@pytest.mark.parametrize("objects", ["free", "replayed"])
+def test_simulated_kept_and_read_again(data_set, tmp_path, objects):
+    sequence = quiet(data_set, objects=objects, frames=(0, 6))
+    names = {"free": ["cup"], "replayed": ["cup"]}[objects]
+    result = hp.simulate(sequence.motion, sequence.scene, body=hp.Body.default())
+    result.save(tmp_path / "out.npz")
+    again = hp.Result.load(tmp_path / "out.npz")
+    assert list(again.objects) == names == list(sequence.recorded)
+    for name in names:
+        assert np.array_equal(again.objects[name].position, result.objects[name].position)
+        start = result.objects[name].position[0] - sequence.recorded[name].position[0]
+        assert np.abs(start).max() < SINGLE
+    assert len(again.motion) == 6
+
+
 def test_in_a_library(data_set):
     assert [clip.format for clip in hp.clips(data_set.parents[2])] == ["grab"]
 

@@ -242,6 +242,22 @@ def test_a_free_object_falls_as_a_whole(data_set):
     assert hinge.lower - 1e-9 <= frame.joints["box/hinge"] <= hinge.upper + 1e-9
 
 
+@pytest.mark.parametrize("objects", ["free", "replayed"])
+def test_simulated_kept_and_read_again(data_set, tmp_path, objects):
+    away = poses() + np.array([0.0, 0.0, 0.0, 0.0, 2000.0, 0.0, 0.0])  # from the person
+    sequence = quiet(written(tmp_path, fields(), away), objects=objects, frames=(0, 6))
+    names = {"free": ["box/bottom", "box/top"], "replayed": ["box_bottom", "box_top"]}[objects]
+    result = hp.simulate(sequence.motion, sequence.scene, body=hp.Body.default())
+    result.save(tmp_path / "out.npz")
+    again = hp.Result.load(tmp_path / "out.npz")
+    assert list(again.objects) == names == list(sequence.recorded)
+    for name in names:
+        assert np.array_equal(again.objects[name].position, result.objects[name].position)
+        start = result.objects[name].position[0] - sequence.recorded[name].position[0]
+        assert np.abs(start).max() < SINGLE
+    assert len(again.motion) == 6
+
+
 def test_a_hollow_part_is_cut_into_pieces(data_set):
     pytest.importorskip("coacd")
     import trimesh

@@ -289,6 +289,21 @@ def test_saved_as_amass(data_set, tmp_path):
         motion.save(tmp_path / "again.npz", format="grab")
 
 
+@pytest.mark.parametrize("objects", ["free", "replayed"])
+def test_simulated_kept_and_read_again(data_set, tmp_path, objects):
+    sequence = quiet(data_set, objects=objects, frames=(0, 6))
+    names = {"free": ["cup"], "replayed": ["cup"]}[objects]
+    result = hp.simulate(sequence.motion, sequence.scene, body=hp.Body.default())
+    result.save(tmp_path / "out.npz")
+    again = hp.Result.load(tmp_path / "out.npz")
+    assert list(again.objects) == names == list(sequence.recorded)
+    for name in names:
+        assert np.array_equal(again.objects[name].position, result.objects[name].position)
+        start = result.objects[name].position[0] - sequence.recorded[name].position[0]
+        assert np.abs(start).max() < SINGLE
+    assert len(again.motion) == 6
+
+
 def test_in_a_library(data_set):
     assert [clip.format for clip in hp.clips(data_set.parents[2])] == ["grab"]
 
@@ -367,11 +382,6 @@ def test_wrong_meshes(data_set, tmp_path):
         quiet(data_set, assets=models)
 
 
-def test_an_absurd_size_is_refused(data_set, monkeypatch):
-    monkeypatch.setattr("halfphysics.io.restricted_pickle.MAX_BYTES", 1000)
-    refused(data_set, "field 'body' unpacks to")
-
-
 def test_options_that_do_not_fit(data_set):
     refused(data_set, "hands: found 'mean'.*says itself", hands="mean")
 
@@ -386,13 +396,3 @@ def test_hostile_files(data_set, tmp_path, key):
 
 def test_broken_files(data_set):
     broken_bytes_are_refused(data_set)
-
-
-def test_damage_inside_a_compressed_member(data_set, tmp_path):
-    path = tmp_path / "deflated.npz"
-    np.savez_compressed(path, **fields())
-    whole = bytearray(path.read_bytes())
-    at = whole.index(b"body.npy") + 60
-    whole[at : at + 40] = bytes(40)
-    path.write_bytes(bytes(whole))
-    refused(path, "field 'body' is damaged or truncated")

@@ -12,6 +12,7 @@ from halfphysics.io import (
     amass_smpl,
     amass_smplh,
     amass_smplx,
+    bvh,
     motionx,
     smpl_codec,
     trumans_clip,
@@ -51,6 +52,7 @@ FORMATS: dict[str, Format] = {
         smpl_codec.FORMAT,
         trumans_clip.FORMAT,
         trumans_release.FORMAT,
+        bvh.FORMAT,
     )
 }
 

@@ -14,6 +14,7 @@ from wrong_files import refused
 
 import halfphysics as hp
 from halfphysics.axes import AXES, axes_of, turned
+from halfphysics.cli import main
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.io import FORMATS, Source, identify, losses
 from halfphysics.io.bvh_text import read_bvh
@@ -116,8 +117,22 @@ def test_angles_are_continuous(tmp_path):
     values = read_bvh(tmp_path / "a.bvh").values
     assert np.abs(np.diff(values, axis=0)).max() < 5.0  # degrees per frame
     assert np.ptp(values[:, 6:9], axis=0).max() == pytest.approx(720.0, abs=1e-6)
-    again = read(tmp_path / "a.bvh")
+    again, some = read(tmp_path / "a.bvh"), slice(None, None, 9)
+    assert np.abs(body.vertices(again, some) - body.vertices(motion, some)).max() < SAME
+
+
+def test_convert_there_and_back(tmp_path, capsys):
+    """The default body is whose it is, if nobody is named."""
+    body, motion = hp.Body.default(), motion_of()
+    motion.save(tmp_path / "a.npz")
+    assert main(["convert", str(tmp_path / "a.npz"), str(tmp_path / "b.bvh")]) == 0
+    again = read(tmp_path / "b.bvh")
     assert np.abs(body.vertices(again) - body.vertices(motion)).max() < SAME
+    (tmp_path / "c.bvh").write_text(retold(motion, body))
+    assert main(["convert", str(tmp_path / "c.bvh"), str(tmp_path / "d.npz")]) == 0
+    assert "put on the default body" in capsys.readouterr().err
+    expected = body.vertices(read(tmp_path / "c.bvh"))
+    assert np.abs(body.vertices(hp.Motion.load(tmp_path / "d.npz")) - expected).max() < SAME
 
 
 def test_what_it_cannot_hold_is_said(tmp_path):

@@ -36,6 +36,8 @@ NAME = "bvh"
 #: Units of the files that are written, per metre: centimetres.
 UNITS = 100.0
 ROOT = "root"
+#: In `Origin.fields`: the motion was put on the default body.
+DEFAULT_BODY = "default_body"
 _PLACES = ("Xposition", "Yposition", "Zposition")
 _TURNS = ("Zrotation", "Xrotation", "Yrotation")
 _ORDER = (2, 0, 1)
@@ -85,6 +87,7 @@ def _load(source: Source, options: Options) -> Motion:
         model="smplx",
         gender="neutral",
         hands="flat" if hands else None,
+        fields={DEFAULT_BODY: True},
     )
 
 
@@ -184,5 +187,6 @@ FORMAT = Format(
     save=_save,
     suffixes=(".bvh",),
     up="y",
+    needs_body=True,
     loses=_loses,
 )

@@ -150,5 +150,7 @@ class Format:
     suffixes: tuple[str, ...] = (".npz",)
     #: The up axis of the files that are written; None where the format says which it is.
     up: str | None = "z"
+    #: Whether its files hold the joints of a body, so that `save` cannot do without one.
+    needs_body: bool = False
     #: What of this motion a file of this format cannot hold, one line each.
     loses: Callable[[Motion], tuple[str, ...]] = _nothing

@@ -16,6 +16,7 @@ from halfphysics.io import (
     blender,
     grab,
     intermimic,
+    bvh,
     motionx,
     omomo,
     smpl_codec,
@@ -61,6 +62,7 @@ FORMATS: dict[str, Format] = {
         omomo.FORMAT,
         intermimic.FORMAT,
         blender.FORMAT,
+        bvh.FORMAT,
     )
 }
 

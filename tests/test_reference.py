@@ -19,7 +19,7 @@ DRIVES = {"time constant": 0.02, "algorithm 1": None}
 #: Both stop far below this; what is left is the conditioning of M (fingers of grams on 60 kg).
 VELOCITY = 1e-9
 TRAJECTORY = 1e-12
-#: A limp arm, and somebody who is easily pushed: where M couples joints some give way without contact.
+#: A limp arm, and somebody who is easily pushed: some joints give way without contact.
 WEAK = {
     "right_shoulder": 0.0,
     "right_elbow": 0.0,
@@ -221,8 +221,8 @@ def test_contact_solved_independently():
 )
 def test_firmness_and_strength_by_joint_are_equal(body, drive, strength):
     """Every joint has its own firmness and, with a time constant, a limit that a wall exceeds: the
-    free velocity, which joints give in in which round and how far, what contacts then do and what the drive
-    exerts, computed twice in every substep."""
+    free velocity, which joints give in in which round and how far, what contacts then do and what
+    the drive exerts, computed twice in every substep."""
     dt = 1.0 / 240.0
     motion = along_x(1.5, 10, start=0.2).resample(240.0)
     scene = Scene()

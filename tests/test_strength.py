@@ -104,8 +104,8 @@ def test_a_limp_arm_leaves_the_rest_its_strength(body):
 
 @pytest.mark.parametrize("mass", [1.0, 8.0])
 def test_what_is_held_counts_on_impacts_too(body, mass):
-    """A stick held ahead runs into a wall at 3 m/s: what the load and the blow ask for together stays
-    within the limits, in every substep."""
+    """A stick held ahead runs into a wall at 3 m/s: what the load and the blow ask for together
+    stays within the limits, in every substep."""
     motion = pointing(path=along_x(3.0, 60, start=0.0, fps=240.0).translation, fps=240.0)
     tip = body.joints(motion[0])[HAND, 0] + 0.55 + 0.3
     simulator = holding(

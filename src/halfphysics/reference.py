@@ -242,14 +242,16 @@ class ReferenceDrive:
         return self.yielding.heavier(M, self.scale(h) * (M + np.diag(stiff)))
 
     def exerted(self, v: Array, v_star: Array, h: float, M: Array, stiff: Array) -> Array:
-        """The drive's own generalised impulse (n,) in a substep that ends with `v` (n,): what changed
-        the deviation, less what contacts did. Before end_substep."""
+        """The drive's own generalised impulse (n,) in a substep that ends with `v` (n,): what
+        changed the deviation, less what contacts did. Before end_substep."""
         contacts = self.heavier(h, M, stiff) @ (v - v_star)
         return np.asarray(M @ (v - self.v_ref - self.deviation) - contacts)
 
     def overcome(self, v: Array, v_star: Array, h: float, M: Array, stiff: Array) -> bool:
-        """Did a round that ended with `v` (n,) ask more of a joint than it can? Then that resists less
-        from now on, and the substep is to be solved again."""
+        """Did a round that ended with `v` (n,) ask more of a joint than it can?
+
+        Then that resists less from now on, and the substep is to be solved again.
+        """
         if self.limits is None or not (v != v_star).any():
             return False
         pull = M @ (v_star - self.v_ref - self.deviation)

@@ -1,7 +1,7 @@
 """Limited strength in plain numpy, beside the drive of `reference.py`; see docs/physics.md.
 
-Limits come three dofs at a time: the force on the root's position, then the torque on its rotation and on
-every joint. All are impulses of a substep here [N s, N m s].
+Limits come three dofs at a time: the force on the root's position, then the torque on its rotation
+and on every joint. All are impulses of a substep here [N s, N m s].
 """
 
 from __future__ import annotations
@@ -17,10 +17,12 @@ Array = NDArray[np.float64]
 REST = 1e-9
 #: Share of what it can that a drive pulls with by itself: the rest is for what holds the body.
 PULL = 0.97
-#: Joints that give in are to exert this share of what they can; after so many rounds they do not resist.
+#: Joints that give in are to exert this share of what they can; after so many rounds they do not
+#: resist at all.
 AIM, ROUNDS = 0.9, 6
-#: What gives way exerts its limit to this share, turns no faster [rad/s], and is solved for in so many
-#: rounds, over-relaxed; who does not, creeps [rad/s], or if it has no limit resists like so much inertia.
+#: What gives way exerts its limit to this share, turns no faster [rad/s], and is solved for in so
+#: many rounds, over-relaxed; what does not, creeps [rad/s], and what has no limit resists like so
+#: much inertia [kg m^2].
 SHARE, FASTEST, WAYS, STRIDE, CREEP, HOLD = 0.02, 130.0, 60, 1.5, 1e-3, 1e10
 
 
@@ -39,13 +41,13 @@ def capped(x: Array, most: Array) -> Array:
 def pull_within(
     pull: Array, most: Array, M: Array, M_hat: Array, now: Array, asked: Array
 ) -> Array:
-    """What a drive with limits `most` does of D = `pull`, by which it wants to change the velocity `now`.
+    """What a drive with limits `most` does of D = `pull`, which it wants to take off `now`.
 
     1. No joint's own share of what M^ D asks for against what holds it may be more than 97 %,
     2. nor what the joints' coupling makes of it.
     3. Nor, where nothing holds the body, may M D be more: joints give way.
 
-    `asked`: the motion's velocity. All (3n,) but `most` (n,).
+    `now`: the velocity that it would leave alone; `asked`: the motion's. All (3n,) but `most` (n,).
     """
     if np.abs(pull).max() < REST:
         return pull
@@ -64,8 +66,10 @@ def pull_within(
 
 
 def give_way(need: Array, may: Array, M: Array) -> Array:
-    """y of M y = u - need, |u_j| <= may_j, u_j equal to that and against y_j where y_j is not zero: dry
-    friction. A row of linear problems with resistances may_j / |y_j|."""
+    """y of M y = u - need with |u_j| <= may_j, equal to that and against y_j where y_j is not zero.
+
+    Dry friction, solved as a row of linear problems with resistances may_j / |y_j|.
+    """
     rate = np.full_like(may, CREEP)
     for _ in range(WAYS):
         resistance = np.minimum(HOLD, may / rate)
@@ -82,8 +86,9 @@ def give_way(need: Array, may: Array, M: Array) -> Array:
 class Yielding:
     """How far joints that something overcomes give in within a substep, from round to round.
 
-    M^ = M + X is heavier than the body, and what hits it is met with X (v* - v) besides the drive's pull.
-    Of that is left theta X theta, with a share theta for every joint.
+    M^ = M + X is heavier than the body, and what hits it is met with X (v* - v) besides the drive's
+    pull. Of that is left theta X theta, with a share theta for every joint. (The core's step that
+    cannot be made whole goes to theta = 0 at once.)
     """
 
     dofs: int
@@ -98,8 +103,10 @@ class Yielding:
         return np.asarray(M + np.outer(self.theta, self.theta) * (M_hat - M))
 
     def next(self, exerted: Array, pull: Array, most: Array) -> bool:
-        """Shares of the next round, if `exerted` is more than the limits; `pull` is what of it the drive
-        does by itself."""
+        """Shares of the next round, where `exerted` is more than the limits: then True.
+
+        `pull` is what of it the drive does by itself.
+        """
         over = sizes(exerted) > most + REST
         if self.rounds > ROUNDS or not over.any():
             return False

@@ -166,7 +166,7 @@ def test_who_is_not_gives_way(body):
         frames = [simulator.step(motion[t]) for t in range(1, 16)]
         ways.append([f.objects["stick"][0] for f in frames])
         shares = np.array([np.linalg.norm(f.torque, axis=1) / limits for f in frames])
-        assert np.max(shares) <= 1.03
+        assert np.max(shares) <= 1.0 + 1e-6
         assert shares[0][HAND] > 0.97  # 12 of the 88 N m that it would take
         assert shares[8][SHOULDER] > 0.97
     np.testing.assert_allclose(*ways, atol=0.05)  # of first order: g h t alone is 2 cm

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from held import HAND, holding, pointing
 from people import along_x, violent
 
 import halfphysics as hp
 from halfphysics import Settings
 from halfphysics.shapes import Box
+from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.strength import limits_of
 
 #: Of rounding, relative: a limit is met exactly.
@@ -83,3 +85,39 @@ def test_who_was_hit_gets_back_to_the_motion(body):
     off = np.degrees(np.linalg.norm(result.motion.rotations - held.rotations, axis=-1))
     assert off.max() > 10.0
     assert off[-1, 1:].max() < 5.0
+
+
+def test_a_limp_arm_leaves_the_rest_its_strength(body):
+    """What is hit gets back where it was; the arm, which nothing drives, swings on."""
+    arm = [f"right_{j}" for j in ("shoulder", "elbow", "wrist")]
+    held = along_x(0.0, 90, start=0.0)
+    settings = Settings(strength=dict.fromkeys(arm, 0.0))
+    result = hp.simulate(held, thrown(20.0), body=body, settings=settings)
+    off = np.degrees(np.linalg.norm(result.motion.rotations - held.rotations, axis=-1))
+    index = [JOINT_INDEX[j] for j in arm]
+    torque = np.linalg.norm(result.people[0].torque[:, index], axis=-1)
+    assert torque.max() < 1e-6
+    assert off[:, index].max() > 20.0
+    assert off[-1, : JOINT_INDEX["left_collar"]].max() < 1.0
+    assert np.linalg.norm(result.motion.translation - held.translation, axis=1).max() < 0.2
+
+
+@pytest.mark.parametrize("mass", [1.0, 8.0])
+def test_what_is_held_counts_on_impacts_too(body, mass):
+    """A stick held ahead runs into a wall at 3 m/s: what the load and the blow ask for together
+    stays within the limits, in every substep."""
+    motion = pointing(path=along_x(3.0, 60, start=0.0, fps=240.0).translation, fps=240.0)
+    tip = body.joints(motion[0])[HAND, 0] + 0.55 + 0.3
+    simulator = holding(
+        body,
+        motion,
+        scene=walled(tip + 0.3),
+        mass=mass,
+        settings=Settings(contact="parts", strength="human"),
+    )
+    _, limits = limits_of("human", body)
+    frames = [simulator.step(motion[t]) for t in range(1, len(motion))]
+    share = np.array([np.linalg.norm(f.torque, axis=1) for f in frames]) / limits
+    assert any(len(f.contacts.part) > 0 for f in frames)
+    assert share.max() <= 1.0 + ROUNDING
+    assert share.max() >= 0.9

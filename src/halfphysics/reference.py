@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 from halfphysics import rotations as rot
 from halfphysics.joint_groups import stiffness_array
 from halfphysics.reference_contact import contact_residual, solve_contacts
+from halfphysics.reference_strength import Yielding, pull_within
 from halfphysics.settings import Settings
 from halfphysics.skeleton import PARENTS
 
 Array = NDArray[np.float64]
 
-#: Smaller changes of velocity are rounding [m/s, rad/s].
-REST = 1e-9
 FREE, BALL, SLIDE, HINGE = range(4)  # joint types, numbered as MuJoCo does
 
 
@@ -163,15 +162,15 @@ class ReferenceDrive:
     previous: Array = field(init=False)
     q_start: Array = field(init=False)
     # With strength: most that the drive may exert on the root's position [N], then on the root's
-    # rotation and every joint in the model's order [N m] (56,); and what it exerted beyond it.
+    # rotation and every joint in the model's order [N m] (56,); and how far its joints give in.
     limits: Array | None = None
-    debt: Array = field(init=False)
+    yielding: Yielding = field(init=False)
 
     def __post_init__(self) -> None:
         self.v_ref = np.zeros(6 + 3 * ((len(self.target) - 7) // 4))
         self.deviation = self.v_drive = np.zeros_like(self.v_ref)
         self.previous = self.q_start = self.target
-        self.debt = np.zeros(1 + len(self.firmness))
+        self.yielding = Yielding(len(self.v_ref))
 
     @cached_property
     def firmness(self) -> Array:
@@ -206,8 +205,9 @@ class ReferenceDrive:
 
         With a time constant the implicit, critically damped decay of the deviation; else PJSC
         of Algorithm 1, for which M (n, n) are the person's rows of the inertia matrix and
-        `stiff` (n,) those of lambda diag(I).
+        `stiff` (n,) those of lambda diag(I). All joints resist with all that M^ has again.
         """
+        self.yielding = Yielding(len(self.v_ref))
         s, q = self.settings, self.coordinates(qpos)
         expected_at = (k if s.drive_time is not None else k + 1) * h
         start = self.previous if s.drive_time is not None else self.q_start
@@ -221,7 +221,11 @@ class ReferenceDrive:
             xi = np.where(size > limit, xi * limit / np.maximum(size, 1e-300), xi)
             way = np.concatenate([np.zeros(3), xi.ravel()])
             decayed: Array = (self.deviation - h * way / tau**2) / self.scale(h)
-            return self.v_ref + self.strong_enough(self.deviation - decayed, h, M, stiff)
+            pull = self.deviation - decayed
+            if self.limits is not None:
+                now, most = self.v_ref + self.deviation, h * self.limits
+                pull = pull_within(pull, most, M, self.heavier(h, M, stiff), now, self.v_ref)
+            return self.v_ref + self.deviation - pull
         v = qvel[self.dofs].copy()
         turn = _turns(q, expected)
         # About a half turn rounding decides which way round the log goes; it is the way it turns.
@@ -233,35 +237,27 @@ class ReferenceDrive:
         gap = np.where(np.arange(len(v)) < 6, 0.0, epsilon - h * v)
         return v + np.linalg.solve(M + np.diag(stiff), stiff / h * gap)
 
-    def strong_enough(self, pull: Array, h: float, M: Array, stiff: Array) -> Array:
-        """The deviation that is left of e after as much of `pull` as the drive is able to do.
+    def heavier(self, h: float, M: Array, stiff: Array) -> Array:
+        """M^ (n, n) = s (M + lambda diag(I)), less where joints give in."""
+        return self.yielding.heavier(M, self.scale(h) * (M + np.diag(stiff)))
 
-        Neither a joint's own share of the impulse, nor what coupling makes of it, may exceed
-        h times the joint's limit, less what it owes.
-        """
-        if self.limits is None or np.abs(pull).max() < REST:
-            return self.deviation - pull
-        allowed = np.maximum(0.0, h * self.limits - self.debt)
-        M_hat = self.scale(h) * (M + np.diag(stiff))
-        own = np.diag(M_hat).reshape(-1, 3).mean(axis=1)
-        capped = _capped(pull, allowed / own)
-        wanted = M_hat @ capped
-        pushed = _capped(wanted, allowed)
-        if (pushed != wanted).any():
-            capped = np.asarray(np.linalg.solve(M_hat, pushed), dtype=np.float64)
-        return self.deviation - capped
+    def exerted(self, v: Array, v_star: Array, h: float, M: Array, stiff: Array) -> Array:
+        """The drive's own generalised impulse (n,) in a substep that ends with `v` (n,): what
+        changed the deviation, less what contacts did. Before end_substep."""
+        contacts = self.heavier(h, M, stiff) @ (v - v_star)
+        return np.asarray(M @ (v - self.v_ref - self.deviation) - contacts)
 
-    def exerted(self, qvel: Array, v_star: Array, h: float, M: Array, stiff: Array) -> Array:
-        """The drive's own generalised impulse in a substep that ends with `qvel`: what changed the
-        deviation, less what contacts did. What is beyond the limits is owed. Before end_substep.
+    def overcome(self, v: Array, v_star: Array, h: float, M: Array, stiff: Array) -> bool:
+        """Did a round that ended with `v` (n,) ask more of a joint than it can?
+
+        Then that resists less from now on, and the substep is to be solved again.
         """
-        v = qvel[self.dofs]
-        contacts = self.scale(h) * (M + np.diag(stiff)) @ (v - v_star)
-        impulse: Array = np.asarray(M @ (v - self.v_ref - self.deviation) - contacts)
-        if self.limits is not None:
-            size = np.linalg.norm(impulse.reshape(-1, 3), axis=1)
-            self.debt = np.maximum(0.0, self.debt + size - h * self.limits)
-        return impulse
+        if self.limits is None or not (v != v_star).any():
+            return False
+        pull = M @ (v_star - self.v_ref - self.deviation)
+        return self.yielding.next(
+            self.exerted(v, v_star, h, M, stiff), np.asarray(pull), h * self.limits
+        )
 
     def scale(self, h: float) -> float:
         """s: how much heavier the drive makes the person."""
@@ -281,14 +277,6 @@ def depth_first() -> NDArray[np.int64]:
         return [joint, *(i for c in np.flatnonzero(joint == PARENTS) for i in below(int(c)))]
 
     return np.array(below(0), dtype=np.int64)
-
-
-def _capped(x: Array, limits: Array) -> Array:
-    """Three entries at a time scaled to at most that norm."""
-    rows = x.reshape(-1, 3)
-    size = np.linalg.norm(rows, axis=1)
-    share = np.where(size > limits, limits / np.maximum(size, 1e-300), 1.0)
-    return (rows * share[:, None]).ravel()
 
 
 def _quats(q: Array) -> Array:

@@ -94,6 +94,8 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
              d["v"] = array(s.trace.v);
              d["h"] = s.trace.h;
              d["substep"] = s.trace.k;
+             const size_t nv = s.model.nv;
+             d["overcome"] = array({s.trace.overcome.size() / nv, nv}, s.trace.overcome);
              d["contacts"] = contact_rows(s.trace.contacts);
              return d;
            })

@@ -117,7 +117,7 @@ void Stepper::add_drift(const Drive& d, double h, const std::vector<double>& hel
 
 void Stepper::bear_load(double h) {
   for (const Drive& d : drives_)
-    if (carries(d) && world.active[d.body(0)] && !d.limits.empty() && !d.gentle()) bear(d, h);
+    if (world.active[d.body(0)] && !d.limits.empty() && !d.gentle()) bear(d, h);
 }
 
 // Without contact a substep changes the deviation of velocity by x, M x = u - h load, u what the drive exerts.

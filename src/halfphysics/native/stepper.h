@@ -107,6 +107,8 @@ class Stepper {
     std::vector<Contact> contacts;
     double h = 0;
     int k = 0;
+    // Velocities of the rounds before the last, in which a joint was to exert more than it can; nv each.
+    std::vector<double> overcome;
   };
   bool keep_trace = false;
   Trace trace;
@@ -135,7 +137,7 @@ class Stepper {
   void build_inertia(double h);
   void stiffen();
 
-  // What people hold (holding.cpp): what it asks of the drives, and of that what they do not bear.
+  // What people hold, what it asks of the drives, and what is more than those can do (holding.cpp).
   void find_carried();
   bool carries(const Drive& d) const { return carried_[d.body(0)]; }
   void find_load(double h);
@@ -146,6 +148,7 @@ class Stepper {
 
   // What the drive exerts (strength.cpp).
   void limit_strength(double h);
+  bool cut(const Drive& d, double h, double* impulse) const;
   bool exertion(const Drive& d, const double* v, double h);
   bool give_in(double h);
   void added(const Drive& d, double h, const double* x, double* out);

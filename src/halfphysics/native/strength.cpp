@@ -83,9 +83,17 @@ void Stepper::weigh(const Drive& d, const double* x, double s, const double* ext
   for (int i = first; i < end; i++) out[i] *= s;
 }
 
+// Cuts what the drive exerts to what its joints can; true if any could not.
+bool Stepper::cut(const Drive& d, double h, double* impulse) const {
+  bool any = false;
+  for (int k = 0; k <= d.ball_count(); k++) any |= cap(d, k, kPull * h * d.limits[k], impulse);
+  return any;
+}
+
 // The drive pulls the deviation e back by D in a substep, v* = v_ref + e - D, and against what holds
 // the body with M^ D. Neither any joint's own share of it, M^_jj |D_j|, nor what the joints' coupling
-// makes of it may exceed what the joint can. Where nothing is capped v* stays as it is, bit for bit.
+// makes of it may exceed what the joint can. (M D, where nothing holds it: holding.cpp.) Where nothing is
+// cut v* stays as it is, bit for bit.
 void Stepper::limit_strength(double h) {
   for (const Drive& d : drives_) {
     if (d.limits.empty() || !world.active[d.body(0)] || d.gentle()) continue;
@@ -95,23 +103,21 @@ void Stepper::limit_strength(double h) {
     if (largest(d, change_.data()) < kRest) continue;
     build_inertia(h);
     const double s = d.scale(drive_settings, h);
-    bool capped = false;
+    bool less = false;
     for (int k = 0; k <= d.ball_count(); k++) {
       const int at = first_of(d, k);
       double own = 0;
       for (int c = 0; c < 3; c++) own += s * (inertia_.diagonal(model, at + c) + resist_[at + c]) / 3;
-      capped |= cap(d, k, kPull * h * d.limits[k] / own, change_.data());
+      less |= cap(d, k, kPull * h * d.limits[k] / own, change_.data());
     }
     std::fill(pushed_.begin(), pushed_.end(), 0.0);
     weigh(d, change_.data(), s, resist_.data(), pushed_.data());
-    bool coupled = false;
-    for (int k = 0; k <= d.ball_count(); k++)
-      coupled |= cap(d, k, kPull * h * d.limits[k], pushed_.data());
-    if (coupled) {
+    if (cut(d, h, pushed_.data())) {
       inertia_.solve(model, pushed_.data());
       std::copy(pushed_.begin() + first, pushed_.begin() + end, change_.begin() + first);
+      less = true;
     }
-    if (!capped && !coupled) continue;
+    if (!less) continue;
     d.unhindered(v_free_.data());
     for (int i = first; i < end; i++) v_free_[i] -= change_[i];
   }
@@ -160,8 +166,8 @@ bool Stepper::exertion(const Drive& d, const double* v, double h) {
   return true;
 }
 
-// M^ = M + X is heavier than the body, and what hits it is met with X (v* - v) beyond the pull that was
-// limited, M (v* - v_ref - e), and what is held. A joint that would exert more than it can, in the step that was tried,
+// M^ = M + X is heavier than the body, and what hits it is met with X (v* - v) beyond the pull,
+// M (v* - v_ref - e), and what is held, which are within the limits. A joint that would exert more than it can, in the step that was tried,
 // resists less: X becomes share X share. True if there is such a joint: the step is to be tried again.
 // Where that goes on, or the step would have to be made in pieces, nothing but the pull is left.
 bool Stepper::give_in(double h) {
@@ -170,15 +176,13 @@ bool Stepper::give_in(double h) {
     const Drive& d = drives_[p];
     if (d.limits.empty() || overcome_[p] > kRounds || !world.active[d.body(0)] || d.gentle()) continue;
     if (!exertion(d, v_.data(), h)) continue;
-    const bool carried = carries(d);  // then the pull is within the limits (holding.cpp)
-    if (carried && largest(d, pushed_.data()) == 0) continue;
+    if (largest(d, pushed_.data()) == 0) continue;  // nothing is met
     const int first = d.first_dof(), end = first + d.dof_count();
     bool over = !good_, none = !good_ || overcome_[p] == kRounds;
-    double pulled = 1;  // the pull alone is within the limits but for how M couples joints
     d.unhindered(pushed_.data());
     for (int i = first; i < end; i++) pushed_[i] = v_star_[i] - pushed_[i];
     weigh(d, pushed_.data(), 1, nullptr, change_.data());
-    if (carried)
+    if (carries(d))
       for (int i = first; i < end; i++) change_[i] += h * load_[i];
     if (overcome_[p] == 0) std::copy_n(resist_.begin() + first, end - first, stiff_.begin() + first);
     for (int k = 0; k <= d.ball_count(); k++) {
@@ -187,7 +191,6 @@ bool Stepper::give_in(double h) {
       const Vec3 pull = load3(&change_[at]), all = load3(&exerted_[at]);
       if (norm(all) <= most + kFaint) continue;
       over = true;
-      if (!carried && norm(pull) > most) pulled = std::min(pulled, most / norm(pull));
       const double room = std::max(0.0, kAim * most - norm(pull)), more = norm(all - pull);
       for (int c = 0; c < 3 && more > room; c++) share_[at + c] *= room / more;
     }
@@ -195,10 +198,9 @@ bool Stepper::give_in(double h) {
     if (none) std::fill_n(share_.begin() + first, end - first, 0.0);
     overcome_[p] = none ? kRounds + 1 : overcome_[p] + 1;
     any = true;
-    for (int i = first; pulled < 1 && i < end; i++)
-      v_free_[i] = v_star_[i] -= (1 - pulled) * pushed_[i];
   }
   if (any) inertia_ready_ = false;
+  if (any && keep_trace) trace.overcome.insert(trace.overcome.end(), v_.begin(), v_.end());
   return any;
 }
 

@@ -414,6 +414,7 @@ void Stepper::substep(int k, double h) {
   v_star_ = v_free_;
   step_ = pulled_ = h;
   next_warm_.clear();
+  trace.overcome.clear();
   attempt(h);
   while (slow_down(h) || give_in(h)) attempt(h);
   if (keep_trace) {

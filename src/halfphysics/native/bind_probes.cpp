@@ -95,6 +95,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
              d["h"] = s.trace.h;
              d["substep"] = s.trace.k;
              d["contacts"] = contact_rows(s.trace.contacts);
+             d["touched"] = array(std::vector<double>(s.trace.touched.begin(), s.trace.touched.end()));
              return d;
            })
       // Kinematics and inertia on their own, for tests against other engines.

@@ -9,8 +9,38 @@ namespace {
 // the ways from the root to what comes out, so that it goes as a whole, and elsewhere, so that what
 // pushes a foot does not swing an arm.
 constexpr double kFirm = 3, kLock = 300;
+// Joints that nothing touches, nor anything that hangs on them, are held by their firmness so many times:
+// whoever is stopped by a wall keeps the jaw shut and the foot where the shank has it.
+constexpr double kOwn = 30;
 
 }  // namespace
+
+// Marks what contacts push, with all that it hangs on. False if nothing is new.
+bool Stepper::find_touched() {
+  bool found = false;
+  auto mark = [&](int mover) {
+    if (mover < 0) return;
+    for (int b = world.movers[mover].body; b > 0 && !touched_[b]; b = model.parent[b])
+      touched_[b] = 1, found = true;
+  };
+  for (const Contact& c : contacts_) {
+    if (norm2(c.impulse) == 0 || c.pair >= (int)candidates_.size()) continue;  // a joint's limit
+    mark(candidates_[c.pair].mover);
+    mark(candidates_[c.pair].other_mover);
+  }
+  if (found) factored_ = false;
+  return found;
+}
+
+// Algorithm 1 is as the paper has it.
+void Stepper::hold_untouched() {
+  if (drive_settings.time_constant == 0) return;
+  for (const Drive& d : drives_) {
+    if (!world.active[d.body(0)]) continue;
+    for (int i = d.first_dof() + 6; i < d.first_dof() + d.dof_count(); i++)
+      if (!touched_[model.dof_body[i]]) extra_[i] *= kOwn;
+  }
+}
 
 void Stepper::stiffen() {
   for (const Drive& d : drives_) {
@@ -21,8 +51,8 @@ void Stepper::stiffen() {
 }
 
 void Stepper::build_inertia(double h) {
-  if (inertia_ready_) return;
-  inertia_.compose(model, start_.kin, world.active.data());
+  if (inertia_ready_ && factored_) return;
+  if (!inertia_ready_) inertia_.compose(model, start_.kin, world.active.data());
   std::fill(extra_.begin(), extra_.end(), 0.0);
   for (const Drive& d : drives_) {
     if (!world.active[d.body(0)]) continue;
@@ -33,13 +63,14 @@ void Stepper::build_inertia(double h) {
   articulations.added_inertia(model, world.active, h, extra_);
   const std::vector<double> drive = extra_;
   for (size_t i = 0; i < hosted_damping_.size(); i++) extra_[i] += h * hosted_damping_[i];
+  hold_untouched();
   stiffen();
   inertia_.factor(model, scale_, extra_, world.active.data());
   for (const Drive& d : drives_)  // who stands keeps what is known of it
     if (world.active[d.body(0)])
       std::copy_n(extra_.begin() + d.first_dof(), d.dof_count(), resist_.begin() + d.first_dof());
   extra_ = drive;
-  inertia_ready_ = true;
+  inertia_ready_ = factored_ = true;
 }
 
 // Gravity, and the free rotation by the implicit midpoint rule. The pose moves with the midpoint

@@ -105,6 +105,7 @@ class Stepper {
   struct Trace {
     std::vector<double> qpos, qvel, v_free, v;
     std::vector<Contact> contacts;
+    std::vector<char> touched;
     double h = 0;
     int k = 0;
   };
@@ -134,6 +135,8 @@ class Stepper {
   void object_velocity(double h, const std::vector<char>* only = nullptr);  // per body
   void build_inertia(double h);
   void stiffen();
+  bool find_touched();
+  void hold_untouched();
 
   // What people hold (holding.cpp): what it asks of the drives, and of that what they do not bear.
   void find_carried();
@@ -223,7 +226,8 @@ class Stepper {
   Poses start_, end_;
   Poses followed_;  // the start of the frame, for those who follow their motion
   Inertia inertia_;
-  bool inertia_ready_ = false;
+  bool inertia_ready_ = false, factored_ = false;  // M is known; and M^ factored
+  std::vector<char> touched_;  // per body: contacts have pushed it, or what hangs on it, in this attempt
   std::vector<Twist> twists_, moving_;
   std::vector<Twist> turning_;  // what moving_ becomes with time; empty: not asked for yet
   std::vector<double> reach_, way_;

@@ -258,11 +258,16 @@ bool Stepper::within_limits(double h) const {
 
 void Stepper::solve(double h) {
   const auto begin = std::chrono::steady_clock::now();
-  build_inertia(step_);
   const size_t contacts = contacts_.size();
   for (size_t i = 0; i < limits_.size(); i++) limits_[i].pair = (int)(candidates_.size() + i);
   contacts_.insert(contacts_.end(), limits_.begin(), limits_.end());
-  const SolveReport r = answer(h);
+  find_touched();
+  build_inertia(step_);
+  SolveReport r = answer(h);
+  while (find_touched()) {  // what was held as untouched, and is not
+    build_inertia(step_);
+    r.sweeps += answer(h).sweeps;
+  }
   for (size_t i = 0; i < limits_.size(); i++) {
     // What solving leaves is cut: a joint goes no farther than it goes.
     Contact& c = limits_[i];
@@ -277,7 +282,7 @@ void Stepper::solve(double h) {
   double n3 = 3.0 * r.points;
   work_ += n3 * n3 * (kRowWork + r.sweeps);
   solved_ = contacts_.size();
-  if (keep_trace) trace.contacts = contacts_;
+  if (keep_trace) trace.contacts = contacts_, trace.touched = touched_;
   if (keep_times)
     solve_times.back() +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -406,6 +411,8 @@ void Stepper::try_step(double h) {
   for (int query = 0; query < kQueries; query++) {
     for (Remembered& w : warm_) w.used = false;
     contacts_.clear();
+    touched_.assign(model.nbody, 0);
+    factored_ = false;
     solved_ = 0;
     tolerance_ = world.settings.tolerance;
     world.list(model, start_, reach_);
@@ -448,6 +455,7 @@ void Stepper::try_step(double h) {
 
 void Stepper::substep(int k, double h) {
   inertia_ready_ = false;
+  touched_.assign(model.nbody, 1);  // what the drive asks for is asked of it as it is
   if (world.any_inside()) world.reroute(model, start_);
   if (world.self_contact()) world.choose_again(model, start_);
   if (keep_times) solve_times.push_back(0);
@@ -460,7 +468,7 @@ void Stepper::substep(int k, double h) {
   attempt(h);
   if (keep_trace) {
     trace.qpos = qpos_, trace.qvel = qvel_, trace.v_free = v_free_, trace.v = v_;
-    if (contacts_.empty()) trace.contacts.clear();
+    if (contacts_.empty()) trace.contacts.clear(), trace.touched = touched_;
     trace.h = h, trace.k = k;
   }
   const bool tracing = keep_trace;

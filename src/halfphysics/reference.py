@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 #: Smaller changes of velocity are rounding [m/s, rad/s].
 REST = 1e-9
 #: Joints that nothing touches, nor what hangs on them, are held by their firmness so many times.
-HELD = 30.0
+HELD = 100.0
 FREE, BALL, SLIDE, HINGE = range(4)  # joint types, numbered as MuJoCo does
 
 

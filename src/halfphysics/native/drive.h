@@ -66,9 +66,7 @@ class Drive {
   // What contacts made of v_free in a substep: the drive's own generalised impulse is M (change of
   // the deviation of velocity) - (contacts' impulses). `change` and `impulse`: nv of the model.
   void deviation_change(const double* qvel, double* change) const;
-  void exert(const double* impulse, double h);
-  // The impulse that it may exert in a substep of length h: limit 0 is the root's force, i + 1 ball i's.
-  double allowance(int limit, double h) const;
+  void exert(const double* impulse);
   // v_ref + e: the velocity that the drive would leave alone, into v[nv of the model].
   void unhindered(double* v) const;
   // The drive's mean generalised force over the frame, per dof of the person, root first; empty if
@@ -76,7 +74,9 @@ class Drive {
   std::vector<double> force() const;
   bool exerts() const { return exerted_; }
   // After the solve: keeps the deviation of velocity.
-  void end_substep(const double* qvel);
+  void end_substep(const double* qvel, double h, const std::vector<char>& pushed);
+  // Has anything pushed what this joint moves (`pushed`, per body) within the last kLately?
+  bool lately(int ball) const { return lately_[ball] > 0; }
   // Root offset from the reference at the last target [m].
   const std::vector<double>& target() const { return target_; }
 
@@ -111,11 +111,11 @@ class Drive {
   std::vector<double> stiffness_;  // per ball
   std::vector<double> impulse_;    // of this frame, dof layout
   std::vector<double> gain_;       // reference_change() of this frame
-  std::vector<double> debt_;       // per limit: exerted beyond it, to be made up for
   bool exerted_ = false;
   bool fresh_ = true, first_ = true;  // nothing has been aimed at since the reset; nor before this frame
   Vec3 root_velocity_;
   double gentle_left_ = 0;  // [s]
+  std::vector<double> lately_;  // per ball [s]
   std::vector<double> gentle_rate_;  // per ball [rad/s]
   bool exact_ = false;  // the pose is the target's, bit for bit, but for the root's position
   bool velocity_known_ = true;

@@ -9,38 +9,8 @@ namespace {
 // the ways from the root to what comes out, so that it goes as a whole, and elsewhere, so that what
 // pushes a foot does not swing an arm.
 constexpr double kFirm = 3, kLock = 300;
-// Joints that nothing touches, nor anything that hangs on them, are held by their firmness so many times:
-// whoever is stopped by a wall keeps the jaw shut and the foot where the shank has it.
-constexpr double kOwn = 30;
 
 }  // namespace
-
-// Marks what contacts push, with all that it hangs on. False if nothing is new.
-bool Stepper::find_touched() {
-  bool found = false;
-  auto mark = [&](int mover) {
-    if (mover < 0) return;
-    for (int b = world.movers[mover].body; b > 0 && !touched_[b]; b = model.parent[b])
-      touched_[b] = 1, found = true;
-  };
-  for (const Contact& c : contacts_) {
-    if (norm2(c.impulse) == 0 || c.pair >= (int)candidates_.size()) continue;  // a joint's limit
-    mark(candidates_[c.pair].mover);
-    mark(candidates_[c.pair].other_mover);
-  }
-  if (found) factored_ = false;
-  return found;
-}
-
-// Algorithm 1 is as the paper has it.
-void Stepper::hold_untouched() {
-  if (drive_settings.time_constant == 0) return;
-  for (const Drive& d : drives_) {
-    if (!world.active[d.body(0)]) continue;
-    for (int i = d.first_dof() + 6; i < d.first_dof() + d.dof_count(); i++)
-      if (!touched_[model.dof_body[i]]) extra_[i] *= kOwn;
-  }
-}
 
 void Stepper::stiffen() {
   for (const Drive& d : drives_) {
@@ -59,6 +29,13 @@ void Stepper::build_inertia(double h) {
     d.added_inertia(model, inertia_, extra_);
     double s = d.scale(drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
+    if (overcome_[&d - drives_.data()] == 0) continue;
+    // Less of what it adds, M^ - M: its joints give in (strength.cpp).
+    for (int i = d.first_dof(); i < d.first_dof() + d.dof_count(); i++) {
+      const double share = share_[i] * share_[i];
+      scale_[i] = 1 + (s - 1) * share;
+      extra_[i] *= s * share / scale_[i];
+    }
   }
   articulations.added_inertia(model, world.active, h, extra_);
   const std::vector<double> drive = extra_;

@@ -111,7 +111,8 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness, contact):
         contacts += len(points["dist"])
         scale = np.ones(model.nv)
         scale[own.dofs] = own.scale(dt)
-        M_hat = np.sqrt(np.outer(scale, scale)) * (M + np.diag(stiff))
+        held = reference.held_diagonal(model, stiff, own, trace["touched"])
+        M_hat = np.sqrt(np.outer(scale, scale)) * (M + np.diag(held))
         problem = reference.contact_problem(model, qpos, v_free, M_hat, dt, points)
         # The same impulses do the same to both; and they obey the law of contact.
         np.testing.assert_allclose(trace["v"], problem.velocity(problem.found), atol=VELOCITY)
@@ -163,7 +164,9 @@ def test_contact_of_a_person_solved_independently(body, drive):
         if t % 2 or not 0 < n <= 40:
             continue
         M = reference.inertia_matrix(model, qpos)
-        M = own.scale(dt) * (M + np.diag(reference.stiff_diagonal(model, M, own)))
+        stiff = reference.stiff_diagonal(model, M, own)
+        held = reference.held_diagonal(model, stiff, own, trace["touched"])
+        M = own.scale(dt) * (M + np.diag(held))
         problem = reference.contact_problem(model, qpos, trace["v_free"], M, dt, trace["contacts"])
         p = problem.solve(tolerance=1e-12, sweeps=200)
         assert problem.violation(p) <= 1e-12

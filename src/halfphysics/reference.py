@@ -24,6 +24,8 @@ from halfphysics.skeleton import PARENTS
 
 Array = NDArray[np.float64]
 
+#: Joints that nothing touches, nor what hangs on them, are held by their firmness so many times.
+HELD = 100.0
 FREE, BALL, SLIDE, HINGE = range(4)  # joint types, numbered as MuJoCo does
 
 
@@ -300,6 +302,22 @@ def stiff_diagonal(model: Any, M: Array, drive: ReferenceDrive) -> Array:
     firmness = iter(drive.firmness[1:])
     for d in range(drive.dofs.start + 6, drive.dofs.stop, 3):
         out[d : d + 3] = next(firmness) * np.diag(M)[d : d + 3].mean()
+    return out
+
+
+def held_diagonal(model: Any, stiff: Array, drive: ReferenceDrive, touched: Array) -> Array:
+    """What M^ has beside M (nv,): lambda * I, `HELD` times of joints beyond which nothing touches.
+
+    `touched` (nbody,) says which bodies contacts pushed, and what those hang on: the core found
+    that with the contact points. Algorithm 1 holds nothing.
+    """
+    if drive.settings.drive_time is None:
+        return stiff
+    balls = np.flatnonzero(model.jnt_type == BALL)
+    out = stiff.copy()
+    for d, body in zip(model.jnt_dofadr[balls], model.jnt_bodyid[balls], strict=True):
+        if not touched[body]:
+            out[d : d + 3] *= HELD
     return out
 
 

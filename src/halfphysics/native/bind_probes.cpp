@@ -97,6 +97,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
              const size_t nv = s.model.nv;
              d["overcome"] = array({s.trace.overcome.size() / nv, nv}, s.trace.overcome);
              d["contacts"] = contact_rows(s.trace.contacts);
+             d["touched"] = array(std::vector<double>(s.trace.touched.begin(), s.trace.touched.end()));
              return d;
            })
       // Kinematics and inertia on their own, for tests against other engines.

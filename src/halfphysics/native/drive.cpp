@@ -11,6 +11,8 @@ constexpr double kRootTime = 0.3;  // time constant of root recovery [s]
 // Who came out of something is back where all joints are this near to the motion's [rad]; it goes gently
 // for so long at most [s].
 constexpr double kBack = 0.01, kGentle = 0.5;
+// What has been pushed counts as touched for so long [s]: contacts come and go.
+constexpr double kLately = 0.1;
 constexpr double kLeastReach = 0.02;  // of a joint [m]
 constexpr double kSettledAngle = 1e-11, kSettledSpeed = 1e-9;
 
@@ -48,6 +50,7 @@ Drive::Drive(const Model& m, int root_body) {
   impulse_.assign(nv_, 0);
   gain_.assign(nv_, 0);
   stiffness_.assign(balls_.size(), 1);
+  lately_.assign(balls_.size(), 0);
 }
 
 void Drive::reset(const double* target, double* qvel) {
@@ -56,6 +59,7 @@ void Drive::reset(const double* target, double* qvel) {
   for (auto* v : {&v_ref_, &deviation_, &v_drive_}) v->assign(nv_, 0);
   exerted_ = false;
   for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = 0;
+  std::fill(lately_.begin(), lately_.end(), 0.0);
   exact_ = fresh_ = true;
   gentle_left_ = 0;
   velocity_known_ = older_asked_ = true;
@@ -133,7 +137,7 @@ void Drive::followed(bool exerts) {
   exact_ = true;
   velocity_known_ = false;
   exerted_ = exerted_ && exerts;
-  std::fill(deviation_.begin(), deviation_.end(), 0.0);
+  for (auto* v : {&deviation_, &lately_}) std::fill(v->begin(), v->end(), 0.0);
 }
 
 void Drive::velocity(const std::vector<double>& from, const std::vector<double>& to, double dt,
@@ -242,18 +246,20 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
   return any;
 }
 
-void Drive::end_substep(const double* qvel) {
+void Drive::end_substep(const double* qvel, double h, const std::vector<char>& pushed) {
+  for (size_t i = 0; i < balls_.size(); i++)
+    lately_[i] = pushed[balls_[i].body] ? kLately : std::max(0.0, lately_[i] - h);
   for (int i = 0; i < nv_; i++) deviation_[i] = qvel[dof0_ + i] - v_ref_[i];
 }
 
 void Drive::save(std::vector<double>& out) const {
-  for (const auto* v : {&target_, &v_ref_, &deviation_, &stiffness_})
+  for (const auto* v : {&target_, &v_ref_, &deviation_, &stiffness_, &lately_})
     out.insert(out.end(), v->begin(), v->end());
   out.insert(out.end(), {(exact_ ? 1.0 : 0.0) + (fresh_ ? 2.0 : 0.0), gentle_left_});
 }
 
 const double* Drive::load(const double* in) {
-  for (auto* v : {&target_, &v_ref_, &deviation_, &stiffness_}) {
+  for (auto* v : {&target_, &v_ref_, &deviation_, &stiffness_, &lately_}) {
     std::copy(in, in + v->size(), v->begin());
     in += v->size();
   }

@@ -74,7 +74,9 @@ class Drive {
   std::vector<double> force() const;
   bool exerts() const { return exerted_; }
   // After the solve: keeps the deviation of velocity.
-  void end_substep(const double* qvel);
+  void end_substep(const double* qvel, double h, const std::vector<char>& pushed);
+  // Has anything pushed what this joint moves (`pushed`, per body) within the last kLately?
+  bool lately(int ball) const { return lately_[ball] > 0; }
   // Root offset from the reference at the last target [m].
   const std::vector<double>& target() const { return target_; }
 
@@ -113,6 +115,7 @@ class Drive {
   bool fresh_ = true, first_ = true;  // nothing has been aimed at since the reset; nor before this frame
   Vec3 root_velocity_;
   double gentle_left_ = 0;  // [s]
+  std::vector<double> lately_;  // per ball [s]
   std::vector<double> gentle_rate_;  // per ball [rad/s]
   bool exact_ = false;  // the pose is the target's, bit for bit, but for the root's position
   bool velocity_known_ = true;

@@ -21,8 +21,8 @@ void Stepper::stiffen() {
 }
 
 void Stepper::build_inertia(double h) {
-  if (inertia_ready_) return;
-  inertia_.compose(model, start_.kin, world.active.data());
+  if (inertia_ready_ && factored_) return;
+  if (!inertia_ready_) inertia_.compose(model, start_.kin, world.active.data());
   std::fill(extra_.begin(), extra_.end(), 0.0);
   for (const Drive& d : drives_) {
     if (!world.active[d.body(0)]) continue;
@@ -40,13 +40,14 @@ void Stepper::build_inertia(double h) {
   articulations.added_inertia(model, world.active, h, extra_);
   const std::vector<double> drive = extra_;
   for (size_t i = 0; i < hosted_damping_.size(); i++) extra_[i] += h * hosted_damping_[i];
+  hold_untouched();
   stiffen();
   inertia_.factor(model, scale_, extra_, world.active.data());
   for (const Drive& d : drives_)  // who stands keeps what is known of it
     if (world.active[d.body(0)])
       std::copy_n(extra_.begin() + d.first_dof(), d.dof_count(), resist_.begin() + d.first_dof());
   extra_ = drive;
-  inertia_ready_ = true;
+  inertia_ready_ = factored_ = true;
 }
 
 // Gravity, and the free rotation by the implicit midpoint rule. The pose moves with the midpoint

@@ -49,6 +49,9 @@ void Stepper::finish(const std::vector<int>& person_roots) {
         joint_reach_[b] = std::max(joint_reach_[b], far);
     }
   qpos_.assign(model.nq, 0);
+  touched_.assign(model.nbody, 0);
+  pushed_now_.assign(model.nbody, 0);
+  holds_.assign(drives_.size(), 1);
   for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_, &pull_, &resist_, &change_,
                   &pushed_, &exerted_, &stiff_, &softer_, &load_})
     v->assign(model.nv, 0);

@@ -105,6 +105,7 @@ class Stepper {
   struct Trace {
     std::vector<double> qpos, qvel, v_free, v;
     std::vector<Contact> contacts;
+    std::vector<char> touched;
     double h = 0;
     int k = 0;
     // Velocities of the rounds before the last, in which a joint was to exert more than it can; nv each.
@@ -145,6 +146,12 @@ class Stepper {
                  const std::vector<double>& own, double sign);
   void bear_load(double h);
   void bear(const Drive& d, double h);
+
+  // What nothing touches (untouched.cpp).
+  void forget_touched();
+  bool find_touched();
+  SolveReport answer_touched(double h);
+  void hold_untouched();
 
   // What the drive exerts (strength.cpp).
   void limit_strength(double h);
@@ -238,7 +245,10 @@ class Stepper {
   Poses start_, end_;
   Poses followed_;  // the start of the frame, for those who follow their motion
   Inertia inertia_;
-  bool inertia_ready_ = false;
+  bool inertia_ready_ = false, factored_ = false;  // M is known; and M^ factored
+  // Per body: contacts have pushed it, or what hangs on it, lately or in this attempt; in this substep.
+  std::vector<char> touched_, pushed_now_, let_go_;
+  std::vector<char> holds_;  // per drive: what is not touched is held
   std::vector<Twist> twists_, moving_;
   std::vector<Twist> turning_;  // what moving_ becomes with time; empty: not asked for yet
   std::vector<double> reach_, way_;

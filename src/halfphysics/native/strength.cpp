@@ -195,6 +195,11 @@ bool Stepper::give_in(double h) {
       for (int c = 0; c < 3 && more > room; c++) share_[at + c] *= room / more;
     }
     if (!over) continue;
+    if (holds_[p]) {  // first without
+      holds_[p] = 0, any = true;
+      std::fill_n(share_.begin() + first, end - first, 1.0);
+      continue;
+    }
     if (none) std::fill_n(share_.begin() + first, end - first, 0.0);
     overcome_[p] = none ? kRounds + 1 : overcome_[p] + 1;
     any = true;

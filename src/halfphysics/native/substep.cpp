@@ -110,8 +110,11 @@ void Stepper::remember(const std::vector<double>& share) {
     if (norm2(c.impulse) == 0) continue;
     const Candidate& k = candidates_[c.pair];
     if (!share.empty() && share[island(k)] < 0) continue;
-    disturbed_[tree(k.mover)] = 1;
-    if (k.other_mover >= 0) disturbed_[tree(k.other_mover)] = 1;
+    for (int mover : {k.mover, k.other_mover}) {
+      if (mover < 0) continue;
+      disturbed_[tree(mover)] = 1;
+      for (int b = world.movers[mover].body; b > 0; b = model.parent[b]) pushed_now_[b] = 1;
+    }
     auto material = [&](int mover, Vec3 x) -> Material {
       if (world.movers[mover].skin && k.other_static >= 0) return c.gap_a;  // a vertex
       return start_.material(world.movers[mover], world.place(start_, mover), x);
@@ -258,12 +261,11 @@ bool Stepper::within_limits(double h) const {
 
 void Stepper::solve(double h) {
   const auto begin = std::chrono::steady_clock::now();
-  build_inertia(step_);
   slip_out();
   const size_t contacts = contacts_.size();
   for (size_t i = 0; i < limits_.size(); i++) limits_[i].pair = (int)(candidates_.size() + i);
   contacts_.insert(contacts_.end(), limits_.begin(), limits_.end());
-  const SolveReport r = answer(h);
+  const SolveReport r = answer_touched(h);
   for (size_t i = 0; i < limits_.size(); i++) {
     // What solving leaves is cut: a joint goes no farther than it goes.
     Contact& c = limits_[i];
@@ -358,6 +360,7 @@ void Stepper::try_step(double h) {
   for (int query = 0; query < kQueries; query++) {
     for (Remembered& w : warm_) w.used = false;
     contacts_.clear();
+    forget_touched();
     solved_ = 0;
     tolerance_ = world.settings.tolerance;
     world.list(model, start_, reach_);
@@ -402,6 +405,8 @@ void Stepper::try_step(double h) {
 
 void Stepper::substep(int k, double h) {
   inertia_ready_ = false;
+  touched_.assign(model.nbody, 1);  // without contact nothing is held
+  pushed_now_.assign(model.nbody, 0);
   if (world.any_inside()) world.reroute(model, start_);
   if (world.self_contact()) world.choose_again(model, start_);
   if (keep_times) solve_times.push_back(0);
@@ -409,6 +414,7 @@ void Stepper::substep(int k, double h) {
   start_.kin.update_dofs(model, qpos_.data(), world.active.data());
   set_pace();
   overcome_.assign(drives_.size(), 0);
+  holds_.assign(drives_.size(), 1);
   share_.assign(model.nv, 1);
   free_velocity(k, h);
   v_star_ = v_free_;
@@ -420,6 +426,9 @@ void Stepper::substep(int k, double h) {
   if (keep_trace) {
     trace.qpos = qpos_, trace.qvel = qvel_, trace.v_free = v_free_, trace.v = v_;
     if (contacts_.empty()) trace.contacts.clear();
+    trace.touched = touched_;
+    for (size_t p = 0; p < drives_.size(); p++)
+      for (int i = 0; i < drives_[p].ball_count() && !holds_[p]; i++) trace.touched[drives_[p].body(i)] = 1;
     trace.h = h, trace.k = k;
   }
   const bool tracing = keep_trace;
@@ -444,7 +453,7 @@ void Stepper::substep(int k, double h) {
       for (int i = 3; i < 6; i++) qvel_[model.dof_first[b] + i] += spin_[model.dof_first[b] + i];
   tally(h);
   for (Drive& d : drives_)
-    if (world.active[d.body(0)]) d.end_substep(qvel_.data());
+    if (world.active[d.body(0)]) d.end_substep(qvel_.data(), h, pushed_now_);
 }
 
 }  // namespace hp

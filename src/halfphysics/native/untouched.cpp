@@ -1,0 +1,85 @@
+// Joints that nothing touches follow the motion.
+//
+// Contacts stop the part that they touch, and through M^^-1 whatever hangs on it: a body that runs into a
+// wall threw its jaw and its feet about, and went on doing so while it pressed on. In M^ = s (M + X) firmness
+// gives a joint lambda times its own inertia; one beyond which nothing touches gets kOwn times that. What
+// contacts push gives way as before, and so do all joints between it and the root. With lambda = 0 nothing
+// is held, nor with Algorithm 1, which is as the paper has it; nor is who is overcome (strength.cpp).
+//
+// What touches is what carries an impulse. It is first taken to be what did so lately; if solving finds
+// more, that is let go and all is solved for again.
+#include "stepper.h"
+
+namespace hp {
+
+namespace {
+
+constexpr double kOwn = 100;
+
+}  // namespace
+
+// An attempt begins: touched is what contacts pushed lately.
+void Stepper::forget_touched() {
+  touched_.assign(model.nbody, 0);
+  for (const Drive& d : drives_)
+    for (int i = 1; i < d.ball_count(); i++) touched_[d.body(i)] = d.lately(i);
+  factored_ = false;
+}
+
+// Marks what contacts push now, with all that it hangs on. True if any of that was held until now: then
+// let_go_ says whose it is (per body that is a root).
+bool Stepper::find_touched() {
+  if (drive_settings.time_constant == 0) return false;
+  let_go_.assign(model.nbody, 0);
+  bool found = false;
+  auto mark = [&](int mover) {
+    const int body = mover < 0 ? 0 : world.movers[mover].body;
+    if (!is_person(body)) return;
+    for (int b = body; model.parent[b] > 0 && !touched_[b]; b = model.parent[b]) {
+      touched_[b] = 1;
+      if (model.dof_count[b] > 0 && extra_[model.dof_first[b]] > 0) found = let_go_[model.root[b]] = 1;
+    }
+  };
+  for (const Contact& c : contacts_) {
+    if (norm2(c.impulse) == 0 || c.pair >= (int)candidates_.size()) continue;  // a joint's limit
+    mark(candidates_[c.pair].mover);
+    mark(candidates_[c.pair].other_mover);
+  }
+  if (found) factored_ = false;
+  return found;
+}
+
+// Solves again while that finds more that is touched. Whom it does not concern keeps what was found.
+SolveReport Stepper::answer_touched(double h) {
+  find_touched();
+  build_inertia(step_);
+  SolveReport r = answer(h);
+  while (find_touched()) {
+    find_islands();
+    std::vector<char> again(model.nbody, 0);
+    for (int b = 1; b < model.nbody; b++)
+      if (let_go_[b]) again[island_[b]] = 1;
+    const std::vector<Contact> before = contacts_;
+    const std::vector<double> v = v_;
+    build_inertia(step_);
+    r.sweeps += answer(h).sweeps;
+    for (size_t i = 0; i < before.size(); i++)
+      if (before[i].pair < (int)candidates_.size() && !again[island(candidates_[before[i].pair])])
+        contacts_[i].impulse = before[i].impulse;
+    for (int i = 0; i < model.nv; i++)
+      if (!again[island_[model.root[model.dof_body[i]]]]) v_[i] = v[i];
+  }
+  return r;
+}
+
+void Stepper::hold_untouched() {
+  if (drive_settings.time_constant == 0) return;
+  for (size_t p = 0; p < drives_.size(); p++) {
+    const Drive& d = drives_[p];
+    if (!world.active[d.body(0)] || !holds_[p]) continue;
+    for (int i = d.first_dof() + 6; i < d.first_dof() + d.dof_count(); i++)
+      if (!touched_[model.dof_body[i]]) extra_[i] *= kOwn;
+  }
+}
+
+}  // namespace hp

@@ -21,7 +21,7 @@ import halfphysics as hp
 from halfphysics import rotations as rot
 from halfphysics.axes import axes_of
 from halfphysics.io import losses, stored
-from halfphysics.skeleton import JOINT_INDEX, PARENTS
+from halfphysics.skeleton import JOINT_INDEX, PARENTS, SMPLH_JOINTS
 
 SINGLE = 2e-6  # metres, of positions in single precision
 SHAPE = 1e-6  # metres, of a skin whose shape was found by its joints in single precision
@@ -109,10 +109,15 @@ def space():
     return _free()
 
 
-def model(folder, gender: str, factor: float = 1.0):
-    """A model file of SMPL-X in layout, of the free body in form."""
+def model(folder, gender: str, factor: float = 1.0, layout: tuple[int, ...] = tuple(range(55))):
+    """A model file of SMPL-X or SMPL-H in layout, of the free body in form."""
     free, rng = space(), np.random.default_rng(len(gender))
-    table = np.stack([PARENTS, np.arange(55)]).astype(np.int64)
+    joints = list(layout)
+    parents = [layout.index(PARENTS[j]) if j else 0 for j in joints]
+    table = np.stack([parents, np.arange(len(joints))]).astype(np.int64)
+    weights = np.array(free.weights)
+    if len(joints) < 55:  # the face is the head's
+        weights[:, JOINT_INDEX["head"]] += weights[:, 22:25].sum(axis=1)
     table[0, 0] = 2**32 - 1
     # Every shape direction bends the whole body smoothly.
     bends = rng.normal(size=(3, 3, 12)) * 0.03
@@ -120,8 +125,8 @@ def model(folder, gender: str, factor: float = 1.0):
     content = {
         "v_template": factor * free.template,
         "f": free.faces.astype(np.uint32),
-        "weights": free.weights,
-        "J_regressor": free.joint_regressor,
+        "weights": weights[:, joints],
+        "J_regressor": free.joint_regressor[joints],
         "kintree_table": table.astype(np.uint32),
         "shapedirs": shapedirs,
         "hands_meanl": np.tile([0.0, 0.0, -0.7], 15),
@@ -129,7 +134,8 @@ def model(folder, gender: str, factor: float = 1.0):
         "hands_componentsl": np.eye(45),
         "hands_componentsr": np.eye(45),
     }
-    return write_npz(folder / f"SMPLX_{gender.upper()}.npz", content)
+    name = "SMPLX" if len(joints) == 55 else "SMPLH"
+    return write_npz(folder / f"{name}_{gender.upper()}.npz", content)
 
 
 BETAS = np.array([1.5, -0.7, 0.4, 1.1, -1.9, 0.3, 0.8, -0.2, 0.6, -1.0, 0.5, 0.9])
@@ -180,6 +186,16 @@ def test_the_shape_is_found(tmp_path, models):
         assert np.abs(own.vertices(motion) - body.vertices(person())).max() < SHAPE
     with told("bones differ by up to .* mm.*another gender"):
         hp.Motion.load(path, model=models, gender="female")
+
+
+def test_the_shape_of_other_models_is_found(tmp_path):
+    body = hp.Body.load(model(tmp_path, "neutral", layout=SMPLH_JOINTS), BETAS)
+    assert body.model == "smplh"
+    path = written(tmp_path / NAME, rows(body))
+    motion = hp.Motion.load(path, model=tmp_path / "SMPLH_NEUTRAL.npz")
+    assert (motion.model, motion.gender) == ("smplh", "neutral")
+    own = hp.Body.load(tmp_path / "SMPLH_NEUTRAL.npz", motion.betas)
+    assert np.abs(own.vertices(motion) - body.vertices(person())).max() < SHAPE
 
 
 def test_relaxed_hands_are_seen_by_their_joints(tmp_path, models):

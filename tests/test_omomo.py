@@ -178,7 +178,15 @@ def test_a_size_that_varies_is_said(tmp_path, assets):
     content["obj_scale"] = np.linspace(0.25, 0.26, 12)
     path = written(tmp_path / "b.p", content)
     with pytest.warns(hp.HalfPhysicsWarning, match="'obj_scale'.*size by 4 %; .* 0.25, is taken"):
-        hp.load_sequence(path, assets, objects="replayed")
+        sequence = hp.load_sequence(path, assets, objects="replayed")
+    # Its middle is where the data set has it, frame by frame.
+    mesh = trimesh.load(assets / "captured_objects" / "largebox_cleaned_simplified.obj")
+    middle = mesh.bounds.mean(axis=0)
+    for frame in (0, 5, 11):
+        rule = content["obj_scale"][frame] * (content["obj_rot"][frame] @ middle)
+        rule += content["obj_trans"][frame, :, 0]
+        found = placed(sequence.recorded["largebox"], frame, 0.25 * middle)
+        assert np.abs(found - rule).max() < ROUNDING
 
 
 def test_a_clip_without_an_object(tmp_path):

@@ -30,6 +30,7 @@ from halfphysics.io.building import (
     same_length,
 )
 from halfphysics.io.formats import Format, Options, Source
+from halfphysics.io.meshes import load_mesh
 from halfphysics.io.record import Record
 from halfphysics.io.recorded import add_recorded
 from halfphysics.io.report import warn
@@ -184,27 +185,33 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
         path = find(source, options, [f + mesh for f in _FOLDERS], f"the mesh of {name!r}")
         trans = f"{part.fields}trans"
         column = (1,) if getattr(record.fields.get(trans), "ndim", 0) == 3 else ()
-        position = record.array(trans, None, 3, *column, frames=options.frames)
-        scale = _one_size(record, f"{part.fields}scale", options.frames)
+        position = record.array(trans, None, 3, *column, frames=options.frames).reshape(-1, 3)
+        rotation = record.array(f"{part.fields}rot", None, 3, 3, frames=options.frames)
+        sizes = _sizes(record, f"{part.fields}scale", options.frames)
+        if np.ptp(sizes):
+            # It grows about its origin, which may be far from it: leave its middle in place.
+            middle = load_mesh(path, up="z")[0].vertices
+            middle = 0.5 * (middle.min(axis=0) + middle.max(axis=0))
+            position += (sizes - sizes[0])[:, None] * (rotation @ middle)
         tracks[name] = add_recorded(
             scene,
             name,
             path,
-            position.reshape(-1, 3),
-            record.array(f"{part.fields}rot", None, 3, 3, frames=options.frames),
+            position,
+            rotation,
             where=record.where,
             axes=motion.axes,
             fps=motion.fps,
             options=options,
-            scale=scale,
+            scale=float(sizes[0]),
         )
     if parts and options.objects == "free":
         warn(f"{record.where}: nothing holds the two parts of {words[1]!r} together here")
     return Sequence(motion, scene, recorded=tracks)
 
 
-def _one_size(record: Record, key: str, frames: slice) -> float:
-    """The size that is taken all the time: that of the first frame."""
+def _sizes(record: Record, key: str, frames: slice) -> Array:
+    """The sizes (T,); that of the first frame will be taken all the time."""
     scale = record.array(key, None, frames=frames)
     if (scale <= 0.0).any():
         at = int(np.argmax(scale <= 0.0))
@@ -215,7 +222,7 @@ def _one_size(record: Record, key: str, frames: slice) -> float:
             f"{record.where}: field '{key}': the object changes its size by {100 * off:.2g} %; "
             f"that of the first frame, {scale[0]:.4g}, is taken all the time"
         )
-    return float(scale[0])
+    return scale
 
 
 def _save(motion: Motion, path: Path, body: Body | None) -> None:

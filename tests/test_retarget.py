@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import warnings
 
 import numpy as np
@@ -306,6 +307,36 @@ def test_spine_chains(tmp_path, count):
     if count == 1:
         parts = found.rotations[:, [3, 6, 9]]
         assert np.abs(parts - parts[:, :1]).max() < same
+
+
+def test_joints_split_in_one_place(tmp_path):
+    """As CMU's hands: the wrist twists in one joint and bends in the next, 0 away."""
+    motion = motion_of()
+    names = {j: n for j, n in MIXAMO.items() if "Hand" not in n} | {
+        JOINT_INDEX[f"{side}_{ours}"]: f"{side.capitalize()}{theirs}"
+        for side in ("left", "right")
+        for ours, theirs in (("wrist", "Hand"), ("middle1", "FingerBase"), ("index1", "Twist"))
+    }
+    # The wrist's turn is told by what stands in for its only finger; a twist joint turns nothing.
+    places = np.array(BODY.rest_joints)
+    rotations = np.array(motion.rotations)
+    rotations[:, 25:] = 0.0
+    whole = motion.with_frames(motion.translation, rotations)
+    for side in ("left", "right"):
+        wrist, base, twist, tip = (
+            JOINT_INDEX[f"{side}_{n}"] for n in ("wrist", "middle1", "index1", "middle2")
+        )
+        names[tip] = f"{side.capitalize()}HandIndex1"
+        places[tip], places[base], places[twist] = places[base], places[wrist], places[wrist]
+        rotations[:, base] = 0.7 * rotations[:, wrist]
+        rotations[:, wrist] = 0.3 * rotations[:, wrist]
+        rotations[:, twist, 0] = 0.4
+    body = dataclasses.replace(BODY, rest_joints=places)
+    split = motion.with_frames(motion.translation, rotations)
+    found = loaded(tmp_path, retold(split, body, names=names))
+    places = BODY.joints(found)[:, :22] - BODY.joints(whole)[:, :22]
+    assert np.abs(places).max() < NEAR
+    assert np.abs(found.rotations[:, :22] - whole.rotations[:, :22]).max() < NEAR
 
 
 def test_joints_that_are_not_there_stay_at_rest_and_are_said_once(tmp_path):

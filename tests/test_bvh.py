@@ -245,6 +245,8 @@ WRONG = [
     ("offset of two", swap("OFFSET 0.000000000000", "OFFSET"), "three numbers"),
     ("offset of words", swap("OFFSET 0.000000000000", "OFFSET x"), "three numbers"),
     ("offset NaN", swap("OFFSET 0.000000000000", "OFFSET nan"), "three numbers"),
+    ("offset of no person", swap("OFFSET 0.000000000000", "OFFSET 1e12"), "under 1e[+]09"),
+    ("a number of no person", row(3, put(2, "1e300")), r"line \d+: number 3.*under 1e[+]09"),
     ("no channels", swap("CHANNELS 3", "CANALS 3"), "expected CHANNELS"),
     ("channels uncounted", swap("CHANNELS 3 ", "CHANNELS "), "expected CHANNELS, their number"),
     ("too few channels", swap("CHANNELS 3 Z", "CHANNELS 4 Z"), "3 channels.*expected the 4"),

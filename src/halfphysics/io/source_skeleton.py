@@ -29,6 +29,7 @@ BONES = tuple(
     for joint, then in (("hip", "knee"), ("knee", "ankle"), ("shoulder", "elbow"))
     for side in ("left", "right")
 )
+_NO_LENGTH = 1e-6  # units of the file: metres or less
 #: Joints that a file may have split into several in one place, one for each axis.
 LIMBS = tuple(
     JOINT_INDEX[f"{side}_{joint}"]
@@ -82,7 +83,8 @@ class SourceSkeleton:
         joints = {j: _last_in_place(bvh, joints, j) if j in LIMBS else joints[j] for j in joints}
         source = SourceSkeleton(bvh, {0: pelvis, **joints}, spine)
         for joint, then in BONES:
-            if not (source.rest[joints[joint]] - source.rest[joints[then]]).any():
+            way = source.rest[joints[joint]] - source.rest[joints[then]]
+            if np.linalg.norm(way) < _NO_LENGTH:
                 raise FileError(
                     f"{where}: the bone from {JOINT_NAMES[joint]} to {JOINT_NAMES[then]} has no "
                     "length, expected OFFSETs that are the bones of a person"

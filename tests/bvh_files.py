@@ -165,7 +165,7 @@ def pointing(joint: int, body: hp.Body) -> np.ndarray:
     if name.endswith("wrist"):
         children = [JOINT_INDEX[name.replace("wrist", "middle1")]]
     way = rest[children[0]] - rest[joint] if children else rest[joint] - rest[PARENTS[joint]]
-    return way / np.linalg.norm(way)
+    return way / max(np.linalg.norm(way), 1e-12)
 
 
 def read_places(path: Path) -> tuple[dict[str, np.ndarray], float]:

@@ -121,6 +121,15 @@ def test_angles_are_continuous(tmp_path):
     assert np.abs(body.vertices(again, some) - body.vertices(motion, some)).max() < SAME
 
 
+def test_angles_of_a_wild_dance_change_no_faster_than_the_joints(tmp_path, shared_data):
+    body, motion = hp.Body.default(), read(shared_data / "motion" / "animdraw_jesse_dance.bvh")
+    motion.save(tmp_path / "a.bvh", body=body)
+    turns = hp.rotations.exp(motion.rotations)
+    step = hp.rotations.multiply(hp.rotations.conjugate(turns[:-1]), turns[1:])
+    fastest = np.degrees(np.linalg.norm(hp.rotations.log(step), axis=-1).max())
+    assert np.abs(np.diff(read_bvh(tmp_path / "a.bvh").values, axis=0)).max() < 1.5 * fastest
+
+
 def test_convert_there_and_back(tmp_path, capsys):
     """The default body is whose it is, if nobody is named."""
     body, motion = hp.Body.default(), motion_of()
@@ -245,6 +254,8 @@ WRONG = [
     ("offset of two", swap("OFFSET 0.000000000000", "OFFSET"), "three numbers"),
     ("offset of words", swap("OFFSET 0.000000000000", "OFFSET x"), "three numbers"),
     ("offset NaN", swap("OFFSET 0.000000000000", "OFFSET nan"), "three numbers"),
+    ("offset of no person", swap("OFFSET 0.000000000000", "OFFSET 1e12"), "under 1e[+]09"),
+    ("a number of no person", row(3, put(2, "1e300")), r"line \d+: number 3.*under 1e[+]09"),
     ("no channels", swap("CHANNELS 3", "CANALS 3"), "expected CHANNELS"),
     ("channels uncounted", swap("CHANNELS 3 ", "CHANNELS "), "expected CHANNELS, their number"),
     ("too few channels", swap("CHANNELS 3 Z", "CHANNELS 4 Z"), "3 channels.*expected the 4"),

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from halfphysics import rotations as rot
-from halfphysics.io.euler import from_angles, to_angles
+from halfphysics.io.euler import from_angles, smoothest, to_angles
 
 ORDERS = list(itertools.permutations(range(3)))
 # Within this cosine of gimbal lock the first angle is kept: so far it may be off.
@@ -59,3 +59,24 @@ def test_what_starts_or_stays_locked_does_not_jump():
     angles = np.stack([0.7 + 0 * t, np.pi / 2 + np.clip(t - 0.3, 0, 1), 0.2 * t], axis=-1)[:, None]
     found = to_angles(axes, from_angles(axes, angles))
     assert np.abs(np.diff(found, axis=0)).max() < 0.01
+
+
+def test_the_order_with_the_smoothest_angles():
+    """Each of six joints swings past the lock of another order; the still one keeps the usual."""
+    t = np.linspace(0.0, 1.0, 400)
+    turns = np.zeros((400, 7, 4))
+    turns[:, 6, 0] = 1.0
+    for joint, axes in enumerate(ORDERS):
+        swing = np.stack([0.2 * t, np.pi / 2 + 0.02 * np.cos(6 * t), 0.05 * np.sin(40 * t)], axis=1)
+        turns[:, joint] = from_angles(axes, swing)
+        turns[:, joint] = rot.multiply(turns[:, joint], rot.exp([[0.03, 0.02, 0.01]]))
+    orders, angles = smoothest(turns, (1, 2, 0))
+    assert orders[6] == (1, 2, 0)
+    for joint, axes in enumerate(orders):
+        again = from_angles(axes, angles[:, joint])
+        assert np.abs(rot.to_matrix(again) - rot.to_matrix(turns[:, joint])).max() < EXACT
+    step = np.linalg.norm(rot.log(rot.multiply(rot.conjugate(turns[:-1]), turns[1:])), axis=-1)
+    change = np.abs(np.diff(angles, axis=0)).max(axis=(0, 2))
+    assert (change[:6] < 2.0 * step.max(axis=0)[:6]).all()
+    locked = [np.abs(np.diff(to_angles((1, 2, 0), turns), axis=0)).max(axis=(0, 2))]
+    assert (locked[0] > 5.0 * change).any()

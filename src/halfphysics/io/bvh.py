@@ -19,7 +19,7 @@ from halfphysics import skeleton
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.building import motion_of
 from halfphysics.io.bvh_text import KEYWORD, Bvh, read_bvh, write_bvh
-from halfphysics.io.euler import to_angles
+from halfphysics.io.euler import smoothest
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.report import warn
 from halfphysics.io.retarget import names_of, retarget
@@ -39,8 +39,9 @@ ROOT = "root"
 #: In `Origin.fields`: the motion was put on the default body.
 DEFAULT_BODY = "default_body"
 _PLACES = ("Xposition", "Yposition", "Zposition")
-_TURNS = ("Zrotation", "Xrotation", "Yrotation")
-_ORDER = (2, 0, 1)
+_TURNS = ("Xrotation", "Yrotation", "Zrotation")
+# Its lock, a right angle about z in the middle, is where no knee and no elbow comes.
+_ORDER = (1, 2, 0)
 # Legs longer than this are not in metres [unit of the file].
 _METRES = 4.0
 
@@ -135,10 +136,11 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
             "with body="
         )
     translation, rotations = motion.rebased(body, "y").in_file_axes()
-    angles = to_angles(_ORDER, rot.exp(rotations))
+    orders, angles = smoothest(rot.exp(rotations), _ORDER)
     still = np.zeros((len(motion), 3))
     turns = np.degrees(angles).reshape(len(motion), -1)
     values = np.concatenate([UNITS * translation, still, turns], axis=1)
+    named = [tuple(_TURNS[axis] for axis in order) for order in orders]
     rest = UNITS * body.rest_joints
     offsets = rest.copy()
     offsets[1:] -= rest[skeleton.PARENTS[1:]]
@@ -149,7 +151,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
             parents=(-1, *(int(parent) + 1 for parent in skeleton.PARENTS)),
             offsets=np.concatenate([np.zeros((1, 3)), offsets]),
             ends={joint + 1: UNITS * end for joint, end in _ends(body).items()},
-            channels=(_PLACES + _TURNS, *[_TURNS] * skeleton.N_JOINTS),
+            channels=(_PLACES + named[0], *named),
             values=values,
             fps=motion.fps,
         ),

@@ -31,6 +31,8 @@ _CANON = {name.lower(): name for name in CHANNELS}
 # Far above any mocap file (an hour of 200 joints at 120 fps is about 2 GB of text).
 _MAX_BYTES = 4 * 2**30
 _MAX_JOINTS = 10_000
+# No person and no path is that long in any unit, no joint turns by that many degrees.
+_LARGEST = 1e9
 # A rate this near (relative) to what the printed frame time says is that rate.
 _SAME_RATE = 1e-12
 
@@ -102,8 +104,11 @@ class _Reader:
             array = np.array([_number(word) for word in words[1:]])
         except ValueError:
             array = np.empty(0)
-        if array.shape != (3,) or not np.isfinite(array).all():
-            raise self.error(f"found {_shown(words)}, expected OFFSET and three numbers {where}")
+        if array.shape != (3,) or not (np.abs(array) < _LARGEST).all():
+            raise self.error(
+                f"found {_shown(words)}, expected OFFSET and three numbers {where} under "
+                f"{_LARGEST:g}"
+            )
         return array
 
 
@@ -278,11 +283,13 @@ def _frames(path: Path, lines: list[str], motion: int, columns: int) -> tuple[fl
     except ValueError:
         raise _no_number(path, rows) from None
     values = flat.reshape(count, columns)
-    if not np.isfinite(values).all():
-        row, column = np.argwhere(~np.isfinite(values))[0]
+    possible = np.abs(values) < _LARGEST
+    if not possible.all():
+        row, column = np.argwhere(~possible)[0]
         raise error(
             rows[row][0],
-            f"number {column + 1} of the row is {values[row, column]}, expected finite numbers",
+            f"number {column + 1} of the row is {values[row, column]}, expected finite numbers "
+            f"under {_LARGEST:g}",
         )
     return fps, values
 

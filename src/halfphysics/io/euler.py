@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ Array = NDArray[np.float64]
 # Nearer than this to gimbal lock (cosine of the middle angle) only the sum or the difference of
 # the outer angles means anything: the first one is kept as it was in the frame before.
 _LOCKED = 1e-10
+# Angles that change by no more than this times the turn itself, or this much [rad], are smooth.
+_SMOOTH, _STILL = 1.5, 1e-3
 
 
 def from_angles(axes: Sequence[int], angles: Array) -> Array:
@@ -63,6 +66,39 @@ def to_angles(axes: Sequence[int], quaternions: Array) -> Array:
         pick = (far[1] < far[0] - 1e-12) & (t > 0)
         before = out[t] = np.where(pick[:, None], choices[1], choices[0])
     return out
+
+
+def smoothest(
+    quaternions: Array, usual: tuple[int, int, int]
+) -> tuple[list[tuple[int, int, int]], Array]:
+    """For each joint the order of axes whose angles change least from frame to frame.
+
+    Near gimbal lock small turns are large changes of angles, and every order has its lock
+    elsewhere.
+
+    Args:
+        quaternions: (T, J, 4), T >= 1.
+        usual: The order to take where it is as good as any.
+
+    Returns:
+        J orders, and angles (T, J, 3) [rad].
+    """
+    angles = to_angles(usual, quaternions)
+    orders = [usual] * quaternions.shape[1]
+    turn = rot.multiply(rot.conjugate(quaternions[:-1]), quaternions[1:])
+    least = np.linalg.norm(rot.log(turn), axis=-1).max(axis=0, initial=0.0)
+    steps = np.abs(np.diff(angles, axis=0)).max(axis=(0, 2), initial=0.0)
+    poor = np.flatnonzero(steps > _SMOOTH * least + _STILL)
+    for axes in permutations(range(3)):
+        if axes == usual or not len(poor):
+            continue
+        other = to_angles(axes, quaternions[:, poor])
+        change = np.abs(np.diff(other, axis=0)).max(axis=(0, 2), initial=0.0)
+        for place, joint in enumerate(poor.tolist()):
+            if change[place] < steps[joint]:
+                steps[joint], angles[:, joint] = change[place], other[:, place]
+                orders[joint] = (axes[0], axes[1], axes[2])
+    return orders, angles
 
 
 def _rest(axes: Sequence[int], sign: float, quaternions: Array, first: Array) -> Array:

@@ -29,6 +29,13 @@ BONES = tuple(
     for joint, then in (("hip", "knee"), ("knee", "ankle"), ("shoulder", "elbow"))
     for side in ("left", "right")
 )
+_NO_LENGTH = 1e-6  # units of the file: metres or less
+#: Joints that a file may have split into several in one place, one for each axis.
+LIMBS = tuple(
+    JOINT_INDEX[f"{side}_{joint}"]
+    for joint in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
+    for side in ("left", "right")
+)
 #: Offsets shorter than this part of the leg are joints in one place.
 SAME_PLACE = 1e-4
 
@@ -73,9 +80,11 @@ class SourceSkeleton:
             )
         below = _path(bvh.parents, pelvis)
         spine = tuple(joint for joint in _path(bvh.parents, chest) if joint not in below)
+        joints = {j: _last_in_place(bvh, joints, j) if j in LIMBS else joints[j] for j in joints}
         source = SourceSkeleton(bvh, {0: pelvis, **joints}, spine)
         for joint, then in BONES:
-            if not (source.rest[joints[joint]] - source.rest[joints[then]]).any():
+            way = source.rest[joints[joint]] - source.rest[joints[then]]
+            if np.linalg.norm(way) < _NO_LENGTH:
                 raise FileError(
                     f"{where}: the bone from {JOINT_NAMES[joint]} to {JOINT_NAMES[then]} has no "
                     "length, expected OFFSETs that are the bones of a person"
@@ -163,6 +172,26 @@ class SourceSkeleton:
         mean = self.bvh.values[:, [column for _, column in moves]].mean(axis=0)
         offset = self.bvh.offsets[joint][[axis for axis, _ in moves]]
         return bool(np.linalg.norm(mean) < np.linalg.norm(mean - offset))
+
+
+def _last_in_place(bvh: Bvh, joints: dict[int, int], joint: int) -> int:
+    """The last of several joints in one place, which the bone hangs on.
+
+    CMU's wrist twists in LeftHand and bends in LeftFingerBase, without an offset between them.
+    """
+    own, taken = joints[joint], set(joints.values())
+    thumbs = {joints[j] for j in joints if JOINT_NAMES[j].endswith("thumb1")}
+    while True:
+        below = [j for j in taken - thumbs if own != j and own in _path(bvh.parents, j)]
+        for child, parent in enumerate(bvh.parents):
+            if parent != own or child in taken or bvh.offsets[child].any():
+                continue
+            leaf = child not in bvh.parents
+            if (not leaf) if not below else all(child in _path(bvh.parents, j) for j in below):
+                own = child
+                break
+        else:
+            return own
 
 
 def _path(parents: tuple[int, ...], joint: int) -> list[int]:

@@ -215,8 +215,18 @@ def lost_joints(motion: Motion, held: Sequence[int]) -> tuple[str, ...]:
     """What a file that holds only these joints leaves out of a motion, for `Format.loses`."""
     lost = [j for j in range(skeleton.N_JOINTS) if j not in held and motion.rotations[:, j].any()]
     groups = {"the fingers": _HANDS, "jaw and eyes": skeleton.FACE_JOINTS}
-    lines = [name for name, joints in groups.items() if set(joints) & set(lost)]
-    rest = [skeleton.JOINT_NAMES[j] for j in lost if not any(j in g for g in groups.values())]
-    if rest:
-        lines.append(f"rotations of {', '.join(rest)}")
+    lines = []
+    for name, joints in groups.items():
+        if set(joints) & set(lost) and not set(joints) & set(held):
+            lines.append(name)
+            lost = [j for j in lost if j not in joints]
+    if lost:
+        lines.append(f"rotations of {', '.join(skeleton.JOINT_NAMES[j] for j in lost)}")
     return tuple(lines)
+
+
+def lost_model(motion: Motion, model: str = "smplx") -> tuple[str, ...]:
+    """The line for `Format.loses` where a file's readers take another model than the motion's."""
+    if motion.model == model:
+        return ()
+    return (f"the model {motion.model!r} that the shape is of: readers take {model!r}",)

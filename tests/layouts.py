@@ -11,9 +11,12 @@ UPRIGHT = {"y": np.zeros(3), "z": np.array([np.pi / 2, 0.0, 0.0])}
 
 
 def movement(frames: int = 12, seed: int = 0, up: str = "z") -> tuple[np.ndarray, np.ndarray]:
-    """Translation (T, 3) and rotations (T, 55, 3) of somebody upright who wiggles all joints."""
+    """Translation (T, 3) and rotations (T, 55, 3) of somebody upright who wiggles all joints.
+
+    At a person's speeds up to 120 frames per second.
+    """
     rng = np.random.default_rng(seed)
-    t = np.linspace(0.0, 1.0, frames)[:, None]
+    t = np.arange(frames)[:, None] / 60.0
     phase, size = rng.uniform(0, 2 * np.pi, 165), rng.normal(0, 0.3, 165)
     rotations = (size * np.sin(2 * np.pi * t + phase)).reshape(frames, 55, 3)
     lean = rot.multiply(rot.exp(0.5 * rotations[:, 0]), rot.exp(UPRIGHT[up]))

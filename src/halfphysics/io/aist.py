@@ -79,6 +79,8 @@ def _loses(motion: Motion) -> tuple[str, ...]:
     lost = list(lost_joints(motion, skeleton.SMPL_JOINTS))
     if motion.betas is not None and motion.betas.any():
         lost.append("the shape (betas)")
+    if motion.gender != "neutral":
+        lost.append(f"the gender {motion.gender!r}: readers take neutral")
     if motion.fps != FPS:
         lost.append(f"the frame rate {motion.fps:g}: readers take {FPS:g}; say --to-fps 60")
     return tuple(lost)

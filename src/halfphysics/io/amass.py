@@ -21,6 +21,7 @@ from halfphysics.io.formats import Options, Source
 from halfphysics.io.npz import Npz
 from halfphysics.io.record import Record
 from halfphysics.io.report import warn
+from halfphysics.io.speeds import warn_of_speed
 from halfphysics.motion import GENDERS, MODELS, Motion
 from halfphysics.origin import Origin
 from halfphysics.smplx_names import one_shape
@@ -85,11 +86,13 @@ def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None
         columns = COLUMNS[width]
         poses = Record(npz.path, npz).array("poses", None, width, frames=frames)
         poses = poses.reshape(-1, len(columns), 3)
-        full = np.zeros((len(poses), skeleton.N_JOINTS, 3))
-        kept = [i for i, joint in enumerate(columns) if joint >= 0]
-        full[:, [columns[i] for i in kept]] = poses[:, kept]
-        if -1 in columns:
-            rigid = poses[:, [i for i, joint in enumerate(columns) if joint < 0]]
+        if columns == tuple(range(skeleton.N_JOINTS)):
+            full = poses
+        else:
+            full = np.zeros((len(poses), skeleton.N_JOINTS, 3))
+            count = sum(joint >= 0 for joint in columns)  # SMPL's rigid hands are last
+            full[:, columns[:count]] = poses[:, :count]
+            rigid = poses[:, count:] if count < len(columns) else None
     else:
         parts = {
             key: Record(npz.path, npz).numbers(key, None, 3 * len(joints), frames=frames)
@@ -179,7 +182,7 @@ def load(source: Source, options: Options, format: str) -> Motion:
             "expected the same number"
         )
     gender = _gender(npz, options)
-    warn_of_degrees(str(source.path), rotations)
+    degrees = warn_of_degrees(str(source.path), rotations)
     mean = None
     if options.hands == "mean":
         if width not in (165, 156):
@@ -203,9 +206,13 @@ def load(source: Source, options: Options, format: str) -> Motion:
     fields["betas_shape"] = betas_shape
     origin = Origin(format=format, fields=fields, per_frame=origin.per_frame)
     try:
-        return Motion(translation, rotations, fps, betas, gender, model, axes=axes, origin=origin)
+        motion = Motion(translation, rotations, fps, betas, gender, model, axes=axes, origin=origin)
     except InputError as error:
         raise FileError(f"{source.path}: {error}") from None
+    # What is in a result was looked at when it was read the first time.
+    if not degrees and not any("/" in key for key in npz):
+        warn_of_speed(str(source.path), motion)
+    return motion
 
 
 def _origin(npz: Npz, format: str, frames: slice, count: int, rigid: Array | None) -> Origin:

@@ -19,6 +19,7 @@ from halfphysics.axes import axes_of, turned
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.formats import Options
 from halfphysics.io.report import warn
+from halfphysics.io.speeds import warn_of_speed
 from halfphysics.motion import GENDERS, MODELS, Motion
 from halfphysics.origin import Origin
 from halfphysics.smplx_names import one_shape
@@ -56,14 +57,15 @@ def same_length(where: str, lengths: Mapping[str, int]) -> int:
     return next(iter(lengths.values()))
 
 
-def warn_of_degrees(where: str, rotations: Array) -> None:
-    """Warn of rotations (T, J, 3) that cannot be radians."""
+def warn_of_degrees(where: str, rotations: Array) -> bool:
+    """Warn of rotations (T, J, 3) that cannot be radians, and say whether they cannot."""
     largest = float(np.abs(rotations[:, 1:]).max(initial=0.0))
     if largest > _DEGREES:
         warn(
             f"{where}: a joint is turned by {largest:.0f} rad; expected axis-angle in radians. "
             "Are these degrees?"
         )
+    return largest > _DEGREES
 
 
 def warn_of_axes(where: str, rotations: Array, up: str) -> None:
@@ -154,7 +156,7 @@ def motion_of(
         )
     if options.model is not None and str(options.model) in MODELS:
         model = str(options.model)
-    warn_of_degrees(where, rotations)
+    degrees = warn_of_degrees(where, rotations)
     warn_of_axes(where, rotations, options.up or up)
     mean = None
     if options.hands is not None and hands is None:
@@ -186,9 +188,12 @@ def motion_of(
         per_frame=dict(per_frame or {}),
     )
     try:
-        return Motion(translation, rotations, fps, shape, gender, model, axes=axes, origin=origin)
+        motion = Motion(translation, rotations, fps, shape, gender, model, axes=axes, origin=origin)
     except InputError as error:
         raise FileError(f"{where}: {error}") from None
+    if not degrees:
+        warn_of_speed(where, motion)
+    return motion
 
 
 def file_parameters(motion: Motion, format: str) -> tuple[Array, Array, Mapping[str, Any]]:
@@ -210,8 +215,18 @@ def lost_joints(motion: Motion, held: Sequence[int]) -> tuple[str, ...]:
     """What a file that holds only these joints leaves out of a motion, for `Format.loses`."""
     lost = [j for j in range(skeleton.N_JOINTS) if j not in held and motion.rotations[:, j].any()]
     groups = {"the fingers": _HANDS, "jaw and eyes": skeleton.FACE_JOINTS}
-    lines = [name for name, joints in groups.items() if set(joints) & set(lost)]
-    rest = [skeleton.JOINT_NAMES[j] for j in lost if not any(j in g for g in groups.values())]
-    if rest:
-        lines.append(f"rotations of {', '.join(rest)}")
+    lines = []
+    for name, joints in groups.items():
+        if set(joints) & set(lost) and not set(joints) & set(held):
+            lines.append(name)
+            lost = [j for j in lost if j not in joints]
+    if lost:
+        lines.append(f"rotations of {', '.join(skeleton.JOINT_NAMES[j] for j in lost)}")
     return tuple(lines)
+
+
+def lost_model(motion: Motion, model: str = "smplx") -> tuple[str, ...]:
+    """The line for `Format.loses` where a file's readers take another model than the motion's."""
+    if motion.model == model:
+        return ()
+    return (f"the model {motion.model!r} that the shape is of: readers take {model!r}",)

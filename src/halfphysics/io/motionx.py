@@ -13,7 +13,13 @@ import numpy as np
 
 from halfphysics import skeleton
 from halfphysics.io.atomic import atomic_write
-from halfphysics.io.building import file_parameters, lost_joints, motion_of, rotations_of
+from halfphysics.io.building import (
+    file_parameters,
+    lost_joints,
+    lost_model,
+    motion_of,
+    rotations_of,
+)
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.record import Record
 from halfphysics.motion import Motion
@@ -70,7 +76,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 
 
 def _loses(motion: Motion) -> tuple[str, ...]:
-    lost = list(lost_joints(motion, _JOINTS))
+    lost = [*lost_joints(motion, _JOINTS), *lost_model(motion)]
     if motion.betas is not None and motion.betas[_BETAS:].any():
         lost.append(f"betas after the first {_BETAS}")
     if motion.fps != FPS:

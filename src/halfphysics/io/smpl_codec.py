@@ -14,7 +14,13 @@ import numpy as np
 
 from halfphysics import skeleton
 from halfphysics.errors import FileError
-from halfphysics.io.building import file_parameters, motion_of, rotations_of, same_length
+from halfphysics.io.building import (
+    file_parameters,
+    lost_model,
+    motion_of,
+    rotations_of,
+    same_length,
+)
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.npz import write_npz
 from halfphysics.io.record import Record
@@ -107,12 +113,6 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
     write_npz(path, {key: value.astype(types[value.dtype.kind]) for key, value in fields.items()})
 
 
-def _loses(motion: Motion) -> tuple[str, ...]:
-    if motion.model == "smplx":
-        return ()
-    return (f"the model {motion.model!r} that the shape is of: readers take SMPL-X",)
-
-
 FORMAT = Format(
     name=NAME,
     expects="npz with codecVersion, bodyPose (T, 22, 3), bodyTranslation (T, 3), frameRate",
@@ -121,5 +121,5 @@ FORMAT = Format(
     save=_save,
     suffixes=(".smpl",),
     up="y",
-    loses=_loses,
+    loses=lost_model,
 )

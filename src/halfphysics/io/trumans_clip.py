@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics.io.building import file_parameters, motion_of, rotations_of, same_length
+from halfphysics.io.building import (
+    file_parameters,
+    lost_model,
+    motion_of,
+    rotations_of,
+    same_length,
+)
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.record import Record
 from halfphysics.io.stored import write
@@ -92,4 +98,5 @@ FORMAT = Format(
     save=_save,
     suffixes=(".pkl",),
     up="y",
+    loses=lost_model,
 )

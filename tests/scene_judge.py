@@ -12,9 +12,6 @@ from halfphysics.result import SETTLE
 from halfphysics.simulation import simulate
 from halfphysics.skeleton import N_JOINTS, PARENTS
 
-#: So many joints beyond a part that is stopped swing on.
-KNOCKED = 2
-
 
 @dataclass(frozen=True)
 class SceneVerdict:
@@ -55,9 +52,9 @@ def free_joints(result):
     """Whether a joint has nothing to do with any contact (T, 55).
 
     A joint that a contact turns is not free: one whose own part or any part beyond it touches,
-    that is, one between a contact and the root, and the next `KNOCKED` joints beyond a part that
-    touches: a foot swings on when its shank is stopped. Nor is it until it has had the time to
-    return, `SETTLE`. The pelvis, moved by all, never is.
+    that is, one between a contact and the root. Nor is it until it has had the time to return,
+    `SETTLE`. The pelvis, moved by all, never is. A part that is stopped does not excuse what
+    hangs on it.
     """
     frames = len(result.motion)
     touches = np.zeros((frames, N_JOINTS), dtype=bool)
@@ -67,16 +64,9 @@ def free_joints(result):
     beyond = touches.copy()
     for joint in range(N_JOINTS - 1, 0, -1):
         beyond[:, PARENTS[joint]] |= beyond[:, joint]
-    bound = beyond.copy()
-    for joint in range(1, N_JOINTS):
-        before = PARENTS[joint]
-        for _ in range(KNOCKED):
-            if before > 0:
-                bound[:, joint] |= touches[:, before]
-                before = PARENTS[before]
     wait = round(SETTLE * result.fps)
-    out = np.ones_like(bound)
+    out = np.ones_like(beyond)
     for t in range(frames):
-        out[t] = ~bound[max(0, t - wait) : t + 1].any(axis=0)
+        out[t] = ~beyond[max(0, t - wait) : t + 1].any(axis=0)
     out[:, 0] = False
     return out

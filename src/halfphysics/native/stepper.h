@@ -1,6 +1,7 @@
 // The substep: drive, contact, verification, integration; and the frame made of substeps.
 #pragma once
 #include <memory>
+#include <functional>
 #include <vector>
 
 #include "articulation.h"
@@ -149,6 +150,8 @@ class Stepper {
 
   // What nothing touches (untouched.cpp).
   void forget_touched();
+  // Bodies of people that a contact of this pair concerns.
+  void for_touched(const Candidate& c, const std::function<void(int)>& each) const;
   bool find_touched();
   SolveReport answer_touched(double h);
   void hold_untouched();

@@ -110,11 +110,9 @@ void Stepper::remember(const std::vector<double>& share) {
     if (norm2(c.impulse) == 0) continue;
     const Candidate& k = candidates_[c.pair];
     if (!share.empty() && share[island(k)] < 0) continue;
-    for (int mover : {k.mover, k.other_mover}) {
-      if (mover < 0) continue;
-      disturbed_[tree(mover)] = 1;
-      for (int b = world.movers[mover].body; b > 0; b = model.parent[b]) pushed_now_[b] = 1;
-    }
+    disturbed_[tree(k.mover)] = 1;
+    if (k.other_mover >= 0) disturbed_[tree(k.other_mover)] = 1;
+    for_touched(k, [&](int b) { pushed_now_[b] = 1; });
     auto material = [&](int mover, Vec3 x) -> Material {
       if (world.movers[mover].skin && k.other_static >= 0) return c.gap_a;  // a vertex
       return start_.material(world.movers[mover], world.place(start_, mover), x);

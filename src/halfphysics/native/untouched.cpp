@@ -6,6 +6,9 @@
 // contacts push gives way as before, and so do all joints between it and the root. With lambda = 0 nothing
 // is held, nor with Algorithm 1, which is as the paper has it; nor is who is overcome (strength.cpp).
 //
+// Whoever has to do with a thing that moves is not held at all: fingers close about it with all that they
+// touch, one after the other, and a ball between two palms was lost where those that did not were held.
+//
 // What touches is what carries an impulse. It is first taken to be what did so lately; if solving finds
 // more, that is let go and all is solved for again.
 #include "stepper.h"
@@ -26,24 +29,33 @@ void Stepper::forget_touched() {
   factored_ = false;
 }
 
+void Stepper::for_touched(const Candidate& c, const std::function<void(int)>& each) const {
+  const int ends[2] = {world.movers[c.mover].body, c.other_mover < 0 ? 0 : world.movers[c.other_mover].body};
+  for (int side = 0; side < 2; side++) {
+    const int body = ends[side], other = ends[1 - side];
+    if (!is_person(body)) continue;
+    if (other > 0 && !is_person(other)) {
+      for (int b = 1; b < model.nbody; b++)
+        if (model.root[b] == model.root[body]) each(b);
+    }
+    for (int b = body; b > 0; b = model.parent[b]) each(b);
+  }
+}
+
 // Marks what contacts push now, with all that it hangs on. True if any of that was held until now: then
 // let_go_ says whose it is (per body that is a root).
 bool Stepper::find_touched() {
   if (drive_settings.time_constant == 0) return false;
   let_go_.assign(model.nbody, 0);
   bool found = false;
-  auto mark = [&](int mover) {
-    const int body = mover < 0 ? 0 : world.movers[mover].body;
-    if (!is_person(body)) return;
-    for (int b = body; model.parent[b] > 0 && !touched_[b]; b = model.parent[b]) {
-      touched_[b] = 1;
-      if (model.dof_count[b] > 0 && extra_[model.dof_first[b]] > 0) found = let_go_[model.root[b]] = 1;
-    }
-  };
   for (const Contact& c : contacts_) {
     if (norm2(c.impulse) == 0 || c.pair >= (int)candidates_.size()) continue;  // a joint's limit
-    mark(candidates_[c.pair].mover);
-    mark(candidates_[c.pair].other_mover);
+    for_touched(candidates_[c.pair], [&](int b) {
+      if (touched_[b]) return;
+      touched_[b] = 1;
+      if (model.parent[b] > 0 && model.dof_count[b] > 0 && extra_[model.dof_first[b]] > 0)
+        found = let_go_[model.root[b]] = 1;
+    });
   }
   if (found) factored_ = false;
   return found;

@@ -38,6 +38,7 @@ struct Near {
   std::vector<Plane> planes;  // all that the other has lies behind them, within `reach` of there
   double reach = 0;
   Vec3 axis;  // of the two nearest points when last looked at; 0: not yet
+  Hint hint;  // of the two when last looked at
   bool own = false;  // two of one person: `way` counts what they travel within the root's frame
 };
 
@@ -51,6 +52,7 @@ struct Candidate {
   double target = 0;  // distance demanded at its end
   double hard = 0;    // distance under which the step is shortened
   int triangle = -1;
+  Hint hint;  // of two movers at the start
   bool forgiven = false;  // the plane may be crossed: the thing behind it is not there
   bool searched = false;  // what its plane had hidden has been asked for
   // A mover that started inside is not where it is held to be: displaced by `from` at the start of

@@ -138,8 +138,8 @@ class Stepper {
   // What the drive exerts (strength.cpp).
   void limit_strength(double h);
   void tally(double h);
-  // out = s (M + diag(extra)) x on one person's rows; without `extra` M x.
-  void weigh(const Drive& d, const double* x, double s, const double* extra, double* out) const;
+  // out = M^ x on one person's rows, M^ = s (M + what the drive adds to it).
+  void weigh(const Drive& d, const double* x, double s, double* out) const;
 
   // With it (substep.cpp).
   void substep(int k, double h);

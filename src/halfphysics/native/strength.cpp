@@ -70,21 +70,10 @@ std::vector<double> Drive::force() const {
   return out;
 }
 
-void Stepper::weigh(const Drive& d, const double* x, double s, const double* extra,
-                    double* out) const {
+void Stepper::weigh(const Drive& d, const double* x, double s, double* out) const {
   const int first = d.first_dof(), end = first + d.dof_count();
-  std::fill(out + first, out + end, 0.0);
-  for (int i = first; i < end; i++) {
-    const double* row = &inertia_.M[model.row_start[i]];
-    const int* dof = &model.chain[model.row_start[i]];
-    const int last = model.row_size[i] - 1;  // itself
-    for (int a = 0; a < last; a++) {
-      out[i] += row[a] * x[dof[a]];
-      out[dof[a]] += row[a] * x[i];
-    }
-    out[i] += (row[last] + (extra ? extra[i] : 0)) * x[i];
-  }
-  for (int i = first; i < end; i++) out[i] *= s;
+  inertia_.multiply(model, d.body(0), model.dof_body[end - 1], x, out);
+  for (int i = first; i < end; i++) out[i] = s * (out[i] + resist_[i] * x[i]);
 }
 
 // The drive pulls the deviation e back by D in a substep, v* = v_ref + e - D, and against what holds
@@ -107,7 +96,7 @@ void Stepper::limit_strength(double h) {
       capped |= cap(d, k, d.allowance(k, h) / own, change_.data());
     }
     std::fill(pushed_.begin(), pushed_.end(), 0.0);
-    weigh(d, change_.data(), s, resist_.data(), pushed_.data());
+    weigh(d, change_.data(), s, pushed_.data());
     bool coupled = false;
     for (int k = 0; k <= d.ball_count(); k++)
       coupled |= cap(d, k, d.allowance(k, h), pushed_.data());
@@ -136,11 +125,11 @@ void Stepper::tally(double h) {
       inertia_.compose(model, start_.kin, world.active.data());
       known = true;
     }
-    weigh(d, change_.data(), 1, nullptr, exerted_.data());
-    if (touched) {
-      weigh(d, pushed_.data(), d.scale(drive_settings, h), resist_.data(), change_.data());
-      for (int i = first; i < end; i++) exerted_[i] -= change_[i];
-    }
+    // M^ (v - v*) is s M (v - v*) and what the drive adds to M: one product with M for both terms.
+    const double s = touched ? d.scale(drive_settings, h) : 0;
+    for (int i = first; i < end; i++) change_[i] -= s * pushed_[i];
+    inertia_.multiply(model, d.body(0), model.dof_body[end - 1], change_.data(), exerted_.data());
+    for (int i = first; i < end; i++) exerted_[i] -= s * resist_[i] * pushed_[i];
     d.exert(exerted_.data(), h);
   }
 }

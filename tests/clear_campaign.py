@@ -279,31 +279,54 @@ def campaign(cases, data, log, contact="skin", seconds=np.inf, run=run):
     return [r for r in read(log) if r["id"] in wanted and r["contact"] == contact]
 
 
-def main():
-    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def options_of(doc, log, **more):
+    """A parser for a campaign's command line; `more`: options of its own, with their keywords."""
+    p = argparse.ArgumentParser(description=doc.splitlines()[0])
     p.add_argument("--contact", choices=CONTACTS, default="skin")
     p.add_argument("--data", type=Path, default=os.environ.get("HALFPHYSICS_TEST_DATA"))
-    p.add_argument("--log", type=Path, default=Path("clear.jsonl"))
+    p.add_argument("--log", type=Path, default=Path(log))
     p.add_argument("--seconds", type=float, default=np.inf)
     p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
     p.add_argument("--only", default="", help="cases whose id contains this")
+    for name, keywords in more.items():
+        p.add_argument(f"--{name}", **keywords)
     p.add_argument("--case", help="one case by id: its row, nothing is written")
     p.add_argument("--summary", action="store_true", help="of the log, nothing is run")
     options = p.parse_args()
-    data = None if options.data is None else Path(options.data)
-    cases = all_cases(data)
+    options.data = None if options.data is None else Path(options.data)
+    return options
+
+
+def rows_of(options, cases, run):
+    """Runs what was asked for of the cases and says what came of it; the cases and their rows.
+
+    With `--case` that one's row is printed, and there are none.
+    """
     if options.case:
         case = next(c for c in cases if c.id == options.case)
-        print(json.dumps(run(case, data, options.contact), indent=1))
-        return
+        print(json.dumps(run(case, options.data, options.contact), indent=1))
+        return [], []
     k, n = map(int, options.shard.split("/"))
     cases = [c for c in cases if options.only in c.id][k::n]
     seconds = -1.0 if options.summary else options.seconds
-    rows = campaign(cases, data, options.log, options.contact, seconds)
-    print(summary(rows))
+    rows = campaign(cases, options.data, options.log, options.contact, seconds, run)
+    return cases, rows
+
+
+def complain(rows, complaints):
+    """A line for everything that is wrong."""
     for row in rows:
-        for text in not_clear(row) + held_back(row):
+        for text in complaints(row):
             print(f"{row['id']}: {text}")
+
+
+def main():
+    options = options_of(__doc__, "clear.jsonl")
+    cases, rows = rows_of(options, all_cases(options.data), run)
+    if not cases:
+        return
+    print(summary(rows))
+    complain(rows, lambda row: not_clear(row) + held_back(row))
     gap = min((r["gap_mm"] for r in rows if r["gap_mm"] is not None), default=np.inf)
     steps, inside = sum(r["steps"] for r in rows), sum(r["inside"] > 0 for r in rows)
     crossed = sum(r["crossed"] > 0 for r in rows)

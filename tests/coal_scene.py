@@ -8,8 +8,10 @@ import coal
 import numpy as np
 from coal_shapes import coal_shape
 from person_hulls import pieces_of
+from scene_solids import fixed_links, owners, solids_of
 
 from halfphysics import rotations as rot
+from halfphysics.moving import Moving
 from halfphysics.shapes import Plane
 
 #: Farther than this two things are not looked at [m].
@@ -19,7 +21,11 @@ HERE = coal.Transform3s()
 
 @dataclass
 class _Solid:
-    """What is somewhere: box [m], whose, and coal's geometry and place, made when asked for."""
+    """What is somewhere: box [m], whose, and coal's geometry and place, made when asked for.
+
+    `owner`: a static, an object, an articulated object or a person; what is not `moves` nothing
+    pushes.
+    """
 
     owner: str
     low: np.ndarray
@@ -56,10 +62,21 @@ class Watch:
         self.scene = simulator.world.scene
         self.statics = [self._static(s) for s in self.scene.statics.values()]
         self.people = pieces_of(simulator)
+        world, standing = simulator.world, fixed_links(self.scene)
+        self.owner = owners(self.scene)
+        # Pieces of objects, geoms of links, with the place that they go with.
         self.things = [
-            (t, coal_shape(self.scene.objects[t.name].shape, solid=True))
-            for t in simulator.world.things
+            (t, solid, coal_shape(solid.shape, solid=True))
+            for t in world.tracked
+            if t.name not in standing
+            for solid in solids_of(self.scene, t.name)
         ]
+        for link in world.links:
+            if link.name in standing:
+                at = link.pose(np.zeros(world.nq))
+                for solid in solids_of(self.scene, link.name):
+                    shape = coal_shape(solid.shape, solid=True)
+                    self.statics.append(self._placed(link.name, solid, shape, at, moves=False))
         self.request = coal.DistanceRequest()
 
     @staticmethod
@@ -78,13 +95,17 @@ class Watch:
             for i in range(len(pieces.names)):
                 make = lambda at=at, i=i: at.solid(i, 0)  # noqa: E731
                 out.append(_Solid(pieces.name, at.low[0, i], at.high[0, i], make, human=True))
-        for thing, shape in self.things:
-            position, quat = thing.pose(qpos)
-            turn = rot.to_matrix(rot.normalize(quat))
-            place = coal.Transform3s(turn, position)
-            make = lambda shape=shape, place=place: (shape, place)  # noqa: E731
-            out.append(_Solid(thing.name, *_bounds(shape, turn, position), make))
+        for thing, solid, shape in self.things:
+            moves = not isinstance(self.scene.objects.get(thing.name), Moving)
+            out.append(self._placed(thing.name, solid, shape, thing.pose(qpos), moves))
         return out
+
+    def _placed(self, name, solid, shape, pose, moves):
+        """A solid of a thing whose frame is at a pose (3,), (4,)."""
+        position, turn = solid.at(pose[0], rot.to_matrix(rot.normalize(pose[1])))
+        place = coal.Transform3s(turn, position)
+        low, high = _bounds(shape, turn, position)
+        return _Solid(self.owner[name], low, high, lambda: (shape, place), moves=moves)
 
     def _near(self, a, b):
         """Pairs (n, 2) of solids of these lists whose boxes are within `NEAR`."""
@@ -95,7 +116,7 @@ class Watch:
         return np.argwhere((apart <= NEAR).all(axis=2))
 
     def _ignored(self, a, b):
-        if a.owner == b.owner:
+        if a.owner == b.owner or not (a.moves or b.moves):
             return True
         names = ["person" if s.human else s.owner for s in (a, b)]
         return self.scene.ignores(*names)

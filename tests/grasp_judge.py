@@ -24,6 +24,7 @@ class Grasp:
         place: Glass in the wrist's frame (T, 3) [m].
         turn: Rotation of the glass in the wrist's frame (T, 4), wxyz.
         world: Glass in the world (T, 3) [m].
+        centre: Its centre of mass in the world (T, 3) [m].
         normal: Sum of normal forces of the person on the glass, mean over each frame (T,) [N].
         touched: Whether anything touched the glass during the frame before (T,).
     """
@@ -32,6 +33,7 @@ class Grasp:
     place: np.ndarray
     turn: np.ndarray
     world: np.ndarray
+    centre: np.ndarray
     normal: np.ndarray
     touched: np.ndarray
 
@@ -71,7 +73,7 @@ class Grasp:
         return float(self.time[free[0]] - begin) if len(free) else np.inf
 
     def fall(self, begin: float) -> np.ndarray:
-        """Vertical accelerations of the glass once it is free after `begin` (n,) [m/s^2].
+        """Vertical accelerations of its centre of mass once it is free after `begin` (n,) [m/s^2].
 
         Up to the first touch after that: the frames themselves in which nothing touches.
         """
@@ -79,7 +81,7 @@ class Grasp:
         again = np.flatnonzero(self.touched[at:])
         end = at + int(again[0]) if len(again) else len(self.time)
         # The frame before the first free one is where the free flight starts.
-        return np.diff(self.world[at - 1 : end, 2], 2) / self.step**2
+        return np.diff(self.centre[at - 1 : end, 2], 2) / self.step**2
 
     @property
     def step(self) -> float:
@@ -105,6 +107,7 @@ def judge(result, body) -> Grasp:
         rot.rotate(away, glass.position - positions[:, WRIST]),
         rot.multiply(away, glass.quaternion),
         glass.position,
+        glass.position + rot.rotate(glass.quaternion, result.scene.objects["glass"].com),
         normal,
         touched,
     )

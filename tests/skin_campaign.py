@@ -11,15 +11,11 @@ again. `PYTHONPATH` chooses the build that is judged.
 
 from __future__ import annotations
 
-import argparse
-import json
-import os
 import time
 import zlib
 from dataclasses import asdict, dataclass, replace
 from functools import cache, partial
 from itertools import product
-from pathlib import Path
 
 import clear_campaign
 import numpy as np
@@ -297,32 +293,18 @@ campaign = partial(clear_campaign.campaign, run=run)
 
 
 def main():
-    p = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    p.add_argument("--contact", choices=("parts", "skin"), default="skin")
-    p.add_argument("--data", type=Path, default=os.environ.get("HALFPHYSICS_TEST_DATA"))
-    p.add_argument("--log", type=Path, default=Path("skin.jsonl"))
-    p.add_argument("--seconds", type=float, default=np.inf)
-    p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
-    p.add_argument("--only", default="", help="cases whose id contains this")
-    p.add_argument("--seeds", type=int, default=1, help="postures with seeds 0 to this")
-    p.add_argument("--kinds", default="posture,throw,room")
-    p.add_argument("--case", help="one case by id: its row, nothing is written")
-    p.add_argument("--summary", action="store_true", help="of the log, nothing is run")
-    options = p.parse_args()
-    data = None if options.data is None else Path(options.data)
-    some = all_cases(data, options.seeds, options.kinds.split(","))
-    if options.case:
-        case = next(c for c in some if c.id == options.case)
-        print(json.dumps(run(case, data, options.contact), indent=1))
+    options = clear_campaign.options_of(
+        __doc__,
+        "skin.jsonl",
+        seeds={"type": int, "default": 1, "help": "postures with seeds 0 to this"},
+        kinds={"default": "posture,throw,room"},
+    )
+    some = all_cases(options.data, options.seeds, options.kinds.split(","))
+    some, rows = clear_campaign.rows_of(options, some, run)
+    if not some:
         return
-    k, n = map(int, options.shard.split("/"))
-    some = [c for c in some if options.only in c.id][k::n]
-    seconds = -1.0 if options.summary else options.seconds
-    rows = campaign(some, data, options.log, options.contact, seconds)
     print(summary(rows))
-    for row in rows:
-        for text in complaints(row):
-            print(f"{row['id']}: {text}")
+    clear_campaign.complain(rows, complaints)
     skipped = sum(row["skipped"] for row in rows)
     frames, poses = (sum(row.get(k, 0) for row in rows) for k in ("frames", "poses"))
     print(f"{len(rows)} of {len(some)} cases, {skipped} of them start with the skin inside")

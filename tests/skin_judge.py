@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 import coal
 import numpy as np
 from posed_skin import SAMPLES, Skinner
+from scene_solids import owners, solids_of
 from scipy.spatial.transform import Rotation
 from skin_obstacles import obstacles_of
 from triangle_soup import Soup
@@ -137,7 +138,8 @@ class SkinJudge:
     ):
         """A motion's poses; with `continuous`, its ways from each to the next too.
 
-        objects: name -> (positions (T, 3), quaternions (T, 4)) of the scene's objects.
+        objects: name -> (positions (T, 3), quaternions (T, 4)) of the scene's objects and links,
+            which are judged by the convex pieces that they touch by.
         poses: only so many of the first.
         every, coal_every: look for depth, and ask coal, at each so manieth pose (and the last).
         """
@@ -186,7 +188,7 @@ class SkinJudge:
         first = simulator.world.start([start])[0]
         poses = np.concatenate([first[None], *(f.substeps for f in frames)])
         translation, rotations = person.pose(poses, axes)
-        objects = {t.name: t.pose(poses) for t in simulator.world.things}
+        objects = {t.name: t.pose(poses) for t in simulator.world.tracked}
         every = max(1, round((len(poses) - 1) / max(1, len(frames))))
         options = {"continuous": True, "every": every, "coal_every": every, **options}
         return self.judge_motion(_Path(translation, rotations, axes), objects, **options)
@@ -214,12 +216,13 @@ class SkinJudge:
     # -- one pose --------------------------------------------------------------------------
 
     def _objects(self, tracks):
-        out = []
+        out, whose = [], owners(self.scene)
         for name, (position, quaternion) in tracks.items():
-            if self.scene.ignores("person", name):
+            if self.scene.ignores("person", whose[name]):
                 continue
-            pieces = obstacles_of(self.scene.objects[name].shape)
-            out += [_Thing(name, p, np.asarray(position), _matrices(quaternion)) for p in pieces]
+            for solid in solids_of(self.scene, name):
+                at = solid.at(np.asarray(position), _matrices(quaternion))
+                out += [_Thing(name, piece, *at) for piece in obstacles_of(solid.shape)]
         return out
 
     def _pose(self, skin, before, things, t, verdict, *, full, by_coal):

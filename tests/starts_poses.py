@@ -38,6 +38,23 @@ def _upright(rng, noise=0.06):
     return rotations
 
 
+def _bent(rng, least, most):
+    """As much of a bend in each of the three joints of the spine [rad]."""
+    rotations = _upright(rng, 0.04)
+    bent = rng.uniform(least, most)
+    for name in ("spine1", "spine2", "spine3"):
+        rotations[J[name]] += (bent, 0.0, 0.0)
+    return rotations
+
+
+def _ahead(rng, rotations, down, elbow):
+    """With one arm or both ahead: how far down, and the most of an elbow [rad]."""
+    sides = [["left"], ["right"], ["left", "right"]][rng.integers(3)]
+    for side in sides:
+        _arm(rotations, side, rng.uniform(1.2, 1.6), rng.uniform(*down), rng.uniform(0.0, elbow))
+    return rotations
+
+
 def stand(rng):
     rotations = _upright(rng)
     if rng.random() < 0.5:
@@ -57,31 +74,17 @@ def step(rng, rotations=None):
 
 def reach(rng):
     """One hand or both ahead."""
-    rotations = _upright(rng)
-    sides = [["left"], ["right"], ["left", "right"]][rng.integers(3)]
-    for side in sides:
-        _arm(rotations, side, rng.uniform(1.2, 1.6), rng.uniform(-0.3, 0.5), rng.uniform(0.0, 0.4))
-    return rotations
+    return _ahead(rng, _upright(rng), (-0.3, 0.5), 0.4)
 
 
 def lean(rng):
     """Bent a little, forearms ahead and down, as over a table."""
-    rotations = _upright(rng, 0.04)
-    bent = rng.uniform(0.05, 0.3)
-    for name in ("spine1", "spine2", "spine3"):
-        rotations[J[name]] += (bent, 0.0, 0.0)
-    sides = [["left"], ["right"], ["left", "right"]][rng.integers(3)]
-    for side in sides:
-        _arm(rotations, side, rng.uniform(1.2, 1.6), rng.uniform(0.5, 0.9), rng.uniform(0.0, 0.6))
-    return rotations
+    return _ahead(rng, _bent(rng, 0.05, 0.3), (0.5, 0.9), 0.6)
 
 
 def bend(rng):
     """Bent forward from the hips, arms back."""
-    rotations = _upright(rng, 0.04)
-    bent = rng.uniform(0.2, 0.5)
-    for name in ("spine1", "spine2", "spine3"):
-        rotations[J[name]] += (bent, 0.0, 0.0)
+    rotations = _bent(rng, 0.2, 0.5)
     for side in ("left", "right"):
         _arm(rotations, side, rng.uniform(-0.5, 0.0), rng.uniform(0.9, 1.2), 0.2)
     return rotations

@@ -6,7 +6,8 @@ from itertools import product
 
 import coal
 import numpy as np
-from coal_scene import coal_shape
+from coal_shapes import coal_shape
+from scene_solids import solids_of
 from starts_judge import LONGER, TOUCHING
 from starts_solids import ADVANCES, ARRIVED, EXACT, REQUEST, Hulls
 
@@ -15,8 +16,15 @@ from halfphysics.motion import Motion
 from halfphysics.skeleton import JOINT_NAMES
 
 
+def _distance(a, place, b, its):
+    return coal.distance(a, place, b, its, REQUEST, coal.DistanceResult())
+
+
 class ObjectJudge:
-    """Things that start overlapping: their depth in statics, each other and the person."""
+    """Things that start overlapping: their depth in statics, each other and the person.
+
+    Of a thing of several pieces the deepest counts.
+    """
 
     def __init__(self, simulator, solids):
         self.simulator = simulator
@@ -24,7 +32,7 @@ class ObjectJudge:
         self.solids = solids
         self.hulls = Hulls(simulator.bodies[0], simulator.settings.contact)
         self.shapes = {
-            t.name: coal_shape(self.world.scene.objects[t.name].shape, solid=True)
+            t.name: [coal_shape(s.shape, solid=True) for s in solids_of(self.world.scene, t.name)]
             for t in self.world.things
         }
 
@@ -96,8 +104,7 @@ class ObjectJudge:
             if other is None:
                 n = solid.normals[0]
                 other, at = coal.Halfspace(n, float(solid.offsets[0])), coal.Transform3s()
-            result = coal.DistanceResult()
-            out[k] = -coal.distance(self.shapes[name], place, other, at, REQUEST, result)
+            out[k] = -min(_distance(own, place, other, at) for own in self.shapes[name])
         return np.maximum(0.0, out)
 
     def _between(self, name, other, tracks):
@@ -108,8 +115,8 @@ class ObjectJudge:
                 coal.Transform3s(r[k], tracks[n][0][k])
                 for r, n in zip(turns, (name, other), strict=True)
             )
-            result = coal.DistanceResult()
-            out[k] = -coal.distance(self.shapes[name], a, self.shapes[other], b, REQUEST, result)
+            pairs = product(self.shapes[name], self.shapes[other])
+            out[k] = -min(_distance(mine, a, its, b) for mine, its in pairs)
         return np.maximum(0.0, out)
 
     def _with(self, name, tracks, posed, h):
@@ -127,14 +134,13 @@ class ObjectJudge:
         return np.maximum(0.0, out)
 
     def _box(self, name):
-        box = self.shapes[name].computeLocalAABB() or self.shapes[name].aabb_local
-        return np.array(box.min_), np.array(box.max_)
+        boxes = [shape.computeLocalAABB() or shape.aabb_local for shape in self.shapes[name]]
+        return np.min([b.min_ for b in boxes], axis=0), np.max([b.max_ for b in boxes], axis=0)
 
     def _distance(self, name, x, turn, posed, h, k):
         shape, its_turn, at = posed.shape(h, k)
-        result = coal.DistanceResult()
         place, its = coal.Transform3s(turn, x), coal.Transform3s(its_turn, at)
-        return coal.distance(self.shapes[name], place, shape, its, REQUEST, result)
+        return min(_distance(own, place, shape, its) for own in self.shapes[name])
 
     def _growth(self, name, tracks, posed, inside):
         """Largest growth in a substep of the way that a thing has to go to be out of all hulls

@@ -67,6 +67,8 @@ PARAMETERS = {
     "Simulator.apply_impulse": "self name impulse point angular",
     "Simulator.add_object": "self name shape ** options",
     "Simulator.remove_object": "self name",
+    "Simulator.attach": "self name part person",
+    "Simulator.release": "self name",
     "Simulator.get_state": "self",
     "Simulator.set_state": "self state",
     "attach": "spec body prefix",
@@ -79,7 +81,7 @@ PARAMETERS = {
     "Result.parts": "self person",
     "metrics.mpjpe": "a b body",
     "metrics.mpjpe_global": "a b body",
-    "metrics.penetration": "motion body scene * objects threads progress",
+    "metrics.penetration": "motion body scene * objects people threads progress",
     "scenarios.names": "",
     "scenarios.load": "name ** chosen",
 }

@@ -11,7 +11,7 @@ from skin_judge import SkinJudge
 
 from halfphysics import bench, metrics
 from halfphysics import rotations as rot
-from halfphysics.bench import clips, grasp, near, room, sofa, timing
+from halfphysics.bench import clips, grasp, handling, near, room, sofa, timing
 from halfphysics.bench.measuring import ring
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.pressing import inside, tracks
@@ -20,6 +20,7 @@ from halfphysics.bench.sides import simulators
 from halfphysics.bench.wall import past_face
 from halfphysics.cli import MISTAKE, main
 from halfphysics.errors import InputError
+from halfphysics.result import ObjectTrack
 from halfphysics.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
@@ -35,6 +36,8 @@ SETTINGS = {
     "wall": 6,
     "near": 4,
     "grasp": 2,
+    "lift": 2,
+    "glass": 2,
     "sofa": 2,
     "lean": 8,
     "settle": 4,
@@ -44,8 +47,8 @@ SETTINGS = {
     "skinning": 1,
 }
 ALONE = {"tree", "metrics", "skinning"}  # nobody is simulated
-WITH_PEER = {"free", "live", "stepper", "wall", "near", "grasp", "sofa", "lean", "settle"}
-PRESSED = ("grasp", "sofa", "lean", "settle")
+PRESSED = ("grasp", "lift", "glass", "sofa", "lean", "settle")
+WITH_PEER = {"free", "live", "stepper", "wall", "near", *PRESSED}
 
 
 @pytest.fixture(scope="module")
@@ -150,6 +153,28 @@ def test_the_box_is_lifted_by_both_hands(measured):
     for record in [r for r in measured["records"] if r["case"] == "grasp"]:
         assert record["checks"]["held [%]"][0] == 100.0
         assert record["checks"]["lifted [mm]"][0] > 100.0  # of the 220 that the body rises
+
+
+def test_suitcase_and_glass_are_lifted_and_stay_in_the_hands(measured):
+    for case, least in (("lift", 300.0), ("glass", 180.0)):
+        records = [r for r in measured["records"] if r["case"] == case]
+        assert [r["setting"].split(",")[1].strip() for r in records] == ["paper", "drive_time"]
+        for record in records:
+            assert record["checks"]["lifted [mm]"][0] > least
+            assert record["checks"]["slip [mm]"][0] < 10.0
+
+
+def test_slip_is_measured_where_the_hand_has_the_thing():
+    """A hand that turns with its thing does not slip; one that leaves it does."""
+    turn = rot.exp(np.linspace([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 5))
+    arm = np.array([0.1, 0.0, 0.0])
+    hand = np.linspace([0.0, 0.0, 0.0], [0.0, 0.3, 0.0], 5)
+    carried = ObjectTrack(position=hand + rot.rotate(turn, arm), quaternion=turn)
+    assert handling.slip(hand, turn, carried, 0) == pytest.approx(0.0, abs=1e-9)
+    left = ObjectTrack(position=np.tile(arm, (5, 1)), quaternion=turn)
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (5, 1))
+    assert handling.slip(hand, still, left, 0) == pytest.approx(300.0)
+    assert handling.slip(hand, still, left, 2) == pytest.approx(150.0)
 
 
 def test_grasp_begins_clear_and_ends_in_the_air():

@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from barriers import BARRIERS, barrier, sheet
 from clear_judge import Judge
 from people import FACING_X, t_pose
 from person_hulls import CONTACTS, pieces_of
@@ -16,7 +17,7 @@ from halfphysics.body import Body
 from halfphysics.motion import Motion
 from halfphysics.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Cylinder, Plane
+from halfphysics.shapes import Cylinder, Plane
 from halfphysics.simulator import Simulator
 
 trimesh = pytest.importorskip("trimesh")
@@ -40,11 +41,6 @@ def _ghost(contact, body, scene, motion):
     return Judge(simulator).judge_poses(poses)
 
 
-def sheet():
-    corners = [[0, -2, -2], [0, 2, -2], [0, 2, 2], [0, -2, 2]]
-    return trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False)
-
-
 @pytest.mark.parametrize("kind", OBSTACLES)
 @pytest.mark.parametrize(("pose", "speed"), [("tpose", 20.0), ("curled", 3.0)])
 def test_ghosts_are_seen(body, ghost, kind, pose, speed):
@@ -55,16 +51,10 @@ def test_ghosts_are_seen(body, ghost, kind, pose, speed):
     assert not verdict.clear
 
 
-@pytest.mark.parametrize("what", ["sheet", "pole", "plate", "mesh pole", "box"])
+@pytest.mark.parametrize("what", BARRIERS)
 def test_a_jump_over_it_is_a_crossing(body, ghost, what):
     """No pose is anywhere near; every part that had it in its way has crossed."""
-    shape = {
-        "sheet": sheet(),
-        "plate": Box((0.001, 4.0, 4.0)),
-        "pole": Cylinder(0.01, 4.0),
-        "mesh pole": trimesh.creation.cylinder(0.01, height=4.0),
-        "box": Box((0.1, 4.0, 4.0)),
-    }[what]
+    shape = barrier(what)
     motion = t_pose([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], fps=20.0)
     scene = Scene()  # in the middle of the body: its root turns about the pelvis
     scene.add_static("it", shape, position=(0.0, body.joints(motion)[0, 0, 1], 0.0))

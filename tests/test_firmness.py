@@ -196,6 +196,26 @@ def test_two_people_each_with_their_own(body):
         np.testing.assert_array_equal(torque, person.torque[-1])
 
 
+def test_a_number_or_groups_for_each_person(body):
+    """As the same over time, to the bit; one of them alone is that of the settings."""
+    one = along_x(1.5, 12, start=-0.1)
+    two = one.with_frames(one.translation + np.array([0.0, 2.0, 0.0]), one.rotations)
+    given = [0.1, {"arms": 5.0, "left_hand": 0.0}]
+    said = hp.simulate([one, two], wall(), body=body, stiffness=given)
+    rows = [np.full(12, 0.1), np.tile(Settings(stiffness=given[1]).stiffness.resolve(1.0), (12, 1))]
+    same = hp.simulate([one, two], wall(), body=body, stiffness=rows)
+    for a, b in zip(said.people, same.people, strict=True):
+        np.testing.assert_array_equal(a.motion.rotations, b.motion.rotations)
+    both = hp.simulate([one, two], wall(), body=body, stiffness=0.1)
+    setting = hp.simulate([one, two], wall(), body=body, stiffness=(0.1, 0.1))
+    np.testing.assert_array_equal(both.motion.rotations, setting.motion.rotations)
+    assert np.abs(both.people[1].motion.rotations - said.people[1].motion.rotations).max() > 1e-3
+    with pytest.raises(InputError, match=r"stiffness of person 1.*'wings'"):
+        hp.simulate([one, two], wall(), body=body, stiffness=[0.1, {"wings": 1.0}])
+    with pytest.raises(InputError, match="stiffness of person 0"):
+        hp.simulate([one, two], wall(), body=body, stiffness=[-0.1, 1.0])
+
+
 @pytest.mark.parametrize(
     "rows", [np.ones(3), -np.ones(4), np.ones((4, 54)), [1.0, np.nan, 1.0, 1.0], "firm"]
 )

@@ -240,6 +240,44 @@ def test_state_resumes_bit_for_bit():
         np.testing.assert_array_equal(qvel, qvel0)
 
 
+def test_firmness_and_torques_are_those_of_our_own_world():
+    """A wall that a person walks into, once as a MuJoCo geom and once as a static of a scene."""
+    story = hp.scenarios.load("walk_into_wall")
+    motion, wall = story.motion[25:60], story.scene.statics["wall"]
+    text = """<mujoco><option timestep="{h}"/><worldbody>
+      <geom name="wall" type="box" size="{0} {1} {2}" pos="{3} {4} {5}"/>
+      <geom name="floor" type="plane" size="9 9 0.1"/></worldbody></mujoco>"""
+    spec = mujoco.MjSpec.from_string(
+        text.format(*(0.5 * np.array(wall.shape.size)), *wall.position, h=1.0 / motion.fps / 8)
+    )
+    human = hp.attach(spec)
+    model = spec.compile()
+    settings = hp.Settings(stiffness=0.5, substeps=8)
+    control = human.bind(model, mujoco.MjData(model), settings=settings)
+    simulator = hp.Simulator(story.scene, body=human.body, settings=settings, fps=motion.fps)
+    with pytest.raises(InputError, match=r"set_stiffness: .*call reset\(pose\) first"):
+        control.set_stiffness(1.0)
+    largest, pressed = 0.0, []
+    for again in range(2):  # reset goes back to the settings' firmness
+        control.reset(motion[0])
+        simulator.reset(motion[0])
+        assert not control.torque.any()
+        for t in range(1, len(motion) if not again else 12):
+            if t == 20:
+                for one in (control, simulator):
+                    one.set_stiffness({"legs": 0.0, "hands": 3.0})
+            control.step(motion[t], dt=1.0 / motion.fps)
+            frame = simulator.step(motion[t])
+            np.testing.assert_allclose(control.torque, frame.torque, rtol=0.0, atol=1e-6)
+            largest = max(largest, np.abs(frame.torque).max())
+            pressed.append(len(frame.contacts.part) > 0)
+    assert largest > 10.0
+    assert not pressed[0]
+    assert any(pressed)
+    with pytest.raises(InputError, match="set_stiffness"):
+        control.set_stiffness({"tail": 1.0})
+
+
 def test_mistakes_say_what_was_expected():
     with pytest.raises(InputError, match=r"expected a mujoco.MjSpec"):
         hp.attach("robot.xml")

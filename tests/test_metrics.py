@@ -112,6 +112,50 @@ def test_definitions_by_hand() -> None:
     assert (clear.rate_percent, clear.depth_max_mm, clear.depth_penetrating_mm) == (0.0, 0.0, 0.0)
 
 
+class Ball(Cloud):
+    """A cloud with faces between its points."""
+
+    def __init__(self, points: np.ndarray, faces: np.ndarray) -> None:
+        super().__init__(points)
+        self.faces = faces
+
+
+@pytest.mark.parametrize("holes", [0, 1])
+def test_depth_in_other_people(cloud: Cloud, holes: int) -> None:
+    """Points of a cloud in somebody else who is a ball: as in a static mesh that follows."""
+    vertices, faces = Sphere(0.4).triangles()
+    other, theirs = Ball(np.asarray(vertices), np.asarray(faces)[holes:]), _line(40)
+    still = Drift(np.tile([0.1, 0.0, 0.0], (40, 1)))
+    report = metrics.penetration(still, cloud, Scene(), people={"anna": (theirs, other)})
+    assert report.deepest.max() > 100.0
+    np.testing.assert_array_equal(report.deepest, report.by_name["anna"])
+    for frame in (0, 13, 39):
+        scene = Scene()
+        mesh = Mesh(other.points, other.faces)
+        scene.add_static("anna", mesh, position=theirs.translation[frame])
+        same = metrics.penetration(still, cloud, scene)
+        assert report.deepest[frame] == pytest.approx(same.deepest[frame], abs=1e-6)
+        assert report.share[frame] == pytest.approx(same.share[frame])
+
+
+@pytest.mark.parametrize(
+    ("people", "message"),
+    [
+        ([1], r"people: expected names and pairs"),
+        ({"floor": None}, r"people\['floor'\]: the scene has a thing of this name"),
+        ({"anna": 3}, r"people\['anna'\]: expected a pair \(motion, body\)"),
+        ({"anna": (3, 4)}, r"people\['anna'\]: expected a halfphysics\.Motion or Pose"),
+    ],
+)
+def test_impossible_people(people: Any, message: str, cloud: Cloud) -> None:
+    scene = Scene()
+    scene.add_static("floor", Plane())
+    with pytest.raises(InputError, match=message):
+        metrics.penetration(_line(3), cloud, scene, people=people)
+    with pytest.raises(InputError, match=r"expected 3 frames as of motion, found 4"):
+        metrics.penetration(_line(3), cloud, scene, people={"anna": (_line(4), cloud)})
+
+
 @pytest.mark.parametrize("frames", [1, 2, 32, 33, 65, 100])
 def test_batches_change_nothing(frames: int, cloud: Cloud) -> None:
     motion = Drift(np.random.default_rng(1).uniform(-0.5, 0.5, (frames, 3)))

@@ -12,11 +12,12 @@ from halfphysics.scenarios import stage
 from halfphysics.skeleton import JOINT_INDEX
 
 
-def depths(sequence, name: str, frames: range | None = None) -> np.ndarray:
+def depths(sequence, name: str, frames: range | None = None, person: int = 0) -> np.ndarray:
     """Depth of every skin vertex inside one thing of the scene [m], (frames, V)."""
     thing = sequence.scene.statics.get(name) or sequence.scene.objects[name]
-    frames = range(len(sequence.motion)) if frames is None else frames
-    skin = sequence.body.vertices(sequence.motion, frames=frames)
+    motion = sequence.motions[person]
+    frames = range(len(motion)) if frames is None else frames
+    skin = sequence.bodies[person].vertices(motion, frames=frames)
     local = (skin - thing.position) @ rot.to_matrix(thing.quaternion)
     return np.stack([thing.shape.depth(points) for points in local])
 
@@ -35,10 +36,11 @@ def doorway():
 def test_every_scenario_starts_clear_and_walks_on_the_floor(name):
     sequence = scenarios.load(name)
     assert scenarios.describe(name).endswith(".")
-    for thing in (*sequence.scene.statics, *sequence.scene.objects):
-        assert depths(sequence, thing, range(1)).max() <= 0.0
-    lowest = sequence.body.vertices(sequence.motion)[..., 2].min()
-    assert lowest > 2.0 * sequence.settings.clearance  # walking itself is undisturbed
+    for person, (motion, body) in enumerate(zip(sequence.motions, sequence.bodies, strict=True)):
+        for thing in (*sequence.scene.statics, *sequence.scene.objects):
+            assert depths(sequence, thing, range(1), person).max() <= 0.0
+        lowest = body.vertices(motion)[..., 2].min()
+        assert lowest > 2.0 * sequence.settings.clearance  # walking itself is undisturbed
 
 
 def test_the_story_is_told_in_order(doorway):

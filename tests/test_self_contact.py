@@ -19,10 +19,26 @@ CONTACTS = ("skin", "parts")
 DRIVES = {"drive_time": {}, "paper": {"drive_time": None, "stiffness": 1.0}}
 #: What the judge may find where the core keeps 0.1 mm at least [m].
 ROUNDING = 1e-9
-#: Issue: no deeper than this half a second after the start [m].
+#: No deeper than this half a second after the start [m].
 LOOSE = 1e-3
-#: "Unchanged": what is followed exactly [m], and how far the reaction of arms moves legs [rad].
+#: Leaving themselves at 0.5 m/s, people turn about their joints: nothing gets faster than [m/s].
+FLUNG = 3.5
+#: "Unchanged": what is followed exactly [m, rad], and how far with Algorithm 1, whose torques push
+#: all of a person, the reaction of arms moves legs [rad].
 EXACT, REACTION = 1e-9, np.radians(1.0)
+#: What may give way in which case: the limbs that touch.
+INVOLVED = {
+    "arms_crossed": ("arm",),
+    "hands_on_hips": ("arm",),
+    "hand_on_face": ("arm", "head"),
+    "leg_over_leg": ("leg",),
+    "clap": ("arm",),
+}
+LIMBS = {
+    "arm": ("collar", "shoulder", "elbow", "wrist", "thumb", "index", "middle", "ring", "pinky"),
+    "leg": ("hip", "knee", "ankle", "foot"),
+    "head": ("neck", "head", "jaw", "eye"),
+}
 LEGS = [j for j, name in enumerate(JOINT_NAMES) if name.endswith(("hip", "knee", "ankle", "foot"))]
 BODY = Body.default()
 
@@ -40,6 +56,15 @@ def bent(q, target, simulator, joints):
     return np.linalg.norm(away, axis=-1)[:, joints].max()
 
 
+def unmoved(q, target, simulator, limbs):
+    """All joints that are in none of these limbs, and the root, are where the target has them."""
+    words = [word for limb in limbs for word in LIMBS[limb]]
+    others = [j for j, name in enumerate(JOINT_NAMES) if not any(w in name for w in words)]
+    assert len(others) > 5
+    assert bent(q, target, simulator, others) < EXACT
+    assert abs(q[:, :3] - target[:, :3]).max() < EXACT
+
+
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize(
@@ -54,15 +79,16 @@ def test_who_starts_clear_stays_out_of_themselves(name, contact, drive):
     assert judge.worst(asked[-1])[0] > 0.02  # the motion itself is deep inside
     assert judge.deepest(q[1:]).max() <= ROUNDING
     assert sum(f.lost_time for f in frames) == 0.0
-    if name != "leg_over_leg":
-        assert bent(q, asked, simulator, LEGS) < REACTION
+    if drive == "paper":
+        assert name == "leg_over_leg" or bent(q, asked, simulator, LEGS) < REACTION
+    else:
+        unmoved(q, asked, simulator, INVOLVED[name])
     # Until something is near, everything is where the motion has it.
     assert abs(q[1] - asked[1]).max() < EXACT
 
 
-STUCK = pytest.mark.xfail(strict=True, reason="a hand deep in the face stays stuck, 26 mm deep")
 INSIDE = [
-    pytest.param(n, c, marks=STUCK if (n, c) == ("hand_on_face", "skin") else ())
+    (n, c)
     for n in ("arms_crossed", "hands_on_hips", "hand_on_face", "leg_over_leg")
     for c in CONTACTS
 ]
@@ -71,11 +97,37 @@ INSIDE = [
 @pytest.mark.parametrize(("name", "contact"), INSIDE)
 def test_who_starts_in_themselves_is_loosened(name, contact):
     key = getattr(st, name)(BODY)
-    motion = st.between([key, key], [16])
+    motion = st.between([key, key], [24])
     q, _, simulator = st.run(motion, BODY, settings(contact))
     depth = st.SelfJudge(simulator).deepest(q)
     assert depth[0] > 0.02
     assert depth[15:].max() <= LOOSE
+    unmoved(q, st.targets(motion, simulator), simulator, INVOLVED[name])
+
+
+SLOWLY = [
+    pytest.param(
+        *case,
+        marks=pytest.mark.xfail(strict=True, reason="forearms pass each other, 6 m/s")
+        if case == ("arms_crossed", "parts")
+        else (),
+    )
+    for case in INSIDE
+]
+
+
+@pytest.mark.parametrize(("name", "contact"), SLOWLY)
+def test_who_leaves_themselves_is_not_flung(name, contact):
+    """Targets stand still: the middles of all pieces' boxes, fingers' too, stay slow."""
+    key = getattr(st, name)(BODY)
+    motion = st.between([key, key], [16])
+    _, frames, simulator = st.run(motion, BODY, settings(contact, record="substeps"))
+    pieces = st.SelfJudge(simulator).pieces
+    poses = np.concatenate([f.substeps for f in frames])
+    boxes = [pieces.at(q[None]) for q in poses]
+    middles = np.array([(b.low[0] + b.high[0]) / 2 for b in boxes])
+    speed = np.linalg.norm(np.diff(middles, axis=0), axis=-1) * 240
+    assert speed.max() < FLUNG
 
 
 @pytest.mark.parametrize("contact", CONTACTS)
@@ -184,3 +236,30 @@ def test_hands_on_hips_hold_by_friction_of_the_person_with_themselves():
 def test_self_contact_must_be_true_or_false():
     with pytest.raises(InputError, match="self_contact"):
         Settings(self_contact="yes")
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_pressed_together_by_a_wall(contact):
+    """With crossed arms into a wall: own contacts and the wall's are solved for together.
+
+    The wall stops all of the person, through the arms, and the arms stay out of the chest.
+    """
+    from halfphysics.scene import Scene
+    from halfphysics.shapes import Box
+
+    still = st.between([st.relaxed(BODY), *[st.arms_crossed(BODY)] * 2], [12, 24])
+    path = np.zeros((len(still), 3))
+    path[12:, 2] = 0.04 * np.arange(25)  # 1.2 m/s
+    motion = Motion(path, still.rotations, 30.0)
+    scene = Scene()
+    scene.add_static("wall", Box((4.0, 4.0, 0.1)), position=(0.0, 0.0, 0.9))
+    q, frames, simulator = st.run(motion, BODY, settings(contact), scene)
+    asked = st.targets(motion, simulator)
+    assert st.SelfJudge(simulator).deepest(q[1:]).max() <= ROUNDING
+    assert min(f.clearance for f in frames) > 0
+    assert sum(f.lost_time for f in frames) == 0.0
+    away = np.linalg.norm(q[:, :3] - asked[:, :3], axis=1)
+    assert away[:12].max() < EXACT  # arms alone move nobody
+    assert away[-1] > 0.2
+    others = {simulator.names[o] for o in frames[-1].contacts.other}
+    assert others == {"wall", "person"}

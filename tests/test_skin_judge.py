@@ -7,6 +7,7 @@ from dataclasses import replace
 import coal
 import numpy as np
 import pytest
+from barriers import BARRIERS, barrier, sheet
 from people import FACING_X, t_pose, violent
 from posed_skin import Skinner
 from skin_judge import SkinJudge
@@ -50,11 +51,6 @@ def mesh_of(shape, times=0):
     for _ in range(times):
         mesh = mesh.subdivide()
     return mesh
-
-
-def sheet(half=2.0):
-    corners = [[0, -half, -half], [0, half, -half], [0, half, half], [0, -half, half]]
-    return trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False)
 
 
 def with_it(shape, **pose):
@@ -230,15 +226,9 @@ def test_what_goes_between_the_vertices_is_seen(body):
         assert not verdict.clear
 
 
-@pytest.mark.parametrize("kind", ["sheet", "pole", "plate", "mesh pole", "box"])
+@pytest.mark.parametrize("kind", BARRIERS)
 def test_a_jump_over_it_is_a_crossing(body, kind):
-    shape = {
-        "sheet": sheet(),
-        "plate": Box((0.001, 4.0, 4.0)),
-        "pole": Cylinder(0.01, 4.0),
-        "mesh pole": trimesh.creation.cylinder(0.01, height=4.0),
-        "box": Box((0.1, 4.0, 4.0)),
-    }[kind]
+    shape = barrier(kind)
     motion = t_pose([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], fps=20.0)
     middle = (0.0, body.joints(motion)[0, 0, 1], 0.0)
     judge = SkinJudge(body, with_it(shape, position=middle))

@@ -26,7 +26,6 @@ from starts_meshes import union_mesh
 from starts_solids import EXACT, Hulls, box, ground
 
 from halfphysics import rotations as rot
-from halfphysics.errors import InputError
 from halfphysics.motion import Motion
 from halfphysics.scene import Scene
 from halfphysics.settings import Settings
@@ -39,18 +38,9 @@ MANY = int(os.environ.get("HALFPHYSICS_STARTS", "1"))
 SEED = int(os.environ.get("HALFPHYSICS_STARTS_SEED", "1000"))
 
 
-def contact():
-    """The skin, where this version has it."""
-    try:
-        Settings(contact="skin")
-    except InputError:
-        return "parts"
-    return "skin"
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_out_of_it_steadily_and_soon(kind):
-    rows = [run(Case(kind, SEED + i), contact(), None) for i in range(MANY)]
+    rows = [run(Case(kind, SEED + i), "skin", None) for i in range(MANY)]
     report = "\n".join(f"{line(r)}\n  {text}" for r in rows for text in complaints(r))
     if MANY > 1:
         print(f"\n{summary(rows)}\n{report}")

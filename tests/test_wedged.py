@@ -22,7 +22,6 @@ from starts_things_judge import ObjectJudge
 
 from halfphysics import rotations as rot
 from halfphysics.body import Body
-from halfphysics.errors import InputError
 from halfphysics.motion import Motion
 from halfphysics.scene import Scene
 from halfphysics.settings import Settings
@@ -53,15 +52,6 @@ GRACE = 2.0
 CHUNK = 240
 
 
-def contact():
-    """The skin, where this version has it."""
-    try:
-        Settings(contact="skin")
-    except InputError:
-        return "parts"
-    return "skin"
-
-
 @pytest.fixture(scope="module")
 def body():
     return Body.default()
@@ -69,7 +59,7 @@ def body():
 
 @pytest.fixture(scope="module")
 def hulls(body):
-    return Hulls(body, contact())
+    return Hulls(body, "skin")
 
 
 @dataclass
@@ -130,7 +120,7 @@ def put(scene, solids, kind):
 
 
 def follow(body, hulls, motion, scene, solids, free=("neck",), **settings):
-    settings = Settings(record="substeps", contact=contact(), **settings)
+    settings = Settings(record="substeps", **settings)
     simulator = Simulator(scene, body=body, settings=settings, fps=motion.fps)
     begin = time.perf_counter()
     simulator.reset(motion[0])

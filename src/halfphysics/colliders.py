@@ -32,6 +32,11 @@ class ConvexCollider:
     radius: float = 0.0
     rim: Array = field(default_factory=lambda: np.zeros(3))
 
+    @property
+    def arrays(self) -> tuple[Array, Array, float, Array]:
+        """What the core's add_mover() and add_hull() take last, in their order."""
+        return self.vertices, self.normals, self.radius, self.rim
+
     def moved(self, rotation: Array, position: Array) -> ConvexCollider:
         """The same collider under a rotation (3, 3) and a shift (3,)."""
         return ConvexCollider(

@@ -31,8 +31,8 @@ WARN_MM = 5.0
 #: What makes coacd ready.
 MEND = "pip install 'halfphysics[pieces]'"
 
-#: A change of how pieces are made: kept ones of another number are not used.
-_VERSION = 1
+#: A change of how pieces are made or measured: kept ones of another number are not used.
+_VERSION = 2
 #: More solids than this are cut as one.
 _MOST_SOLIDS = 64
 #: The range of coacd's own threshold.

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics import rotations as rot
 from halfphysics.colliders import ConvexCollider, convex_collider, hull_collider
 from halfphysics.errors import InputError
 
@@ -68,6 +69,20 @@ def mesh_triangles(model: Any, geom: int) -> tuple[Array, NDArray[np.int32]]:
     vertices = np.array(model.mesh_vert[first : first + count], dtype=np.float64)
     first, count = int(model.mesh_faceadr[data]), int(model.mesh_facenum[data])
     return vertices, np.array(model.mesh_face[first : first + count], dtype=np.int32)
+
+
+def fixed_poses(model: Any) -> tuple[Array, Array]:
+    """Rotations (n, 3, 3) and positions (n, 3) of all geoms; right for those that never move."""
+    import mujoco
+
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return np.array(data.geom_xmat).reshape(-1, 3, 3), np.array(data.geom_xpos)
+
+
+def pose_in_body(model: Any, geom: int) -> tuple[Array, Array]:
+    """Rotation (3, 3) and position (3,) of a geom in its body's frame."""
+    return rot.to_matrix(np.array(model.geom_quat[geom])), np.array(model.geom_pos[geom])
 
 
 def _height_field(model: Any, data: int) -> tuple[Array, NDArray[np.int32]]:

@@ -8,7 +8,7 @@ would have without; the impulses between person and world come on top (docs/phys
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -23,9 +23,9 @@ from halfphysics.person_movers import add_person_movers
 from halfphysics.pose import Pose
 from halfphysics.scene import PERSON_FRICTION
 from halfphysics.settings import Settings
-from halfphysics.simulator import Touches, touches
 from halfphysics.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
 from halfphysics.strength import limits_of
+from halfphysics.touches import Touches, touches
 from halfphysics.world import FINGER_INERTIA, Person, model_arrays, set_settings
 
 if TYPE_CHECKING:
@@ -145,7 +145,6 @@ class Control:
         self._set_pairings()
         set_settings(self._stepper, settings, np.array(model.opt.gravity))
         self._stepper.finish([self._person.root])
-        self._stepper.set_stiffness(self._stiffness[self._person.balls])
         if settings.strength is not None:
             force, torque = limits_of(settings.strength, human.body)
             limits = np.concatenate([[force], torque[self._person.balls]])
@@ -176,6 +175,7 @@ class Control:
         data.qvel[self._mine[self._dof_of]] = 0.0
         mujoco.mj_forward(self._model, data)
         self._stepper.reset(np.array(data.qpos), np.array(data.qvel))
+        self._stepper.set_stiffness(self._stiffness[self._person.balls])
         self._started = True
 
     def step(self, pose: Pose, dt: float | None = None) -> None:
@@ -198,6 +198,22 @@ class Control:
         self._stepper.end_hosted()
         self._write_person()
 
+    def set_stiffness(self, value: float | Mapping[str, float] | Array) -> None:
+        """Change the firmness lambda of the joints from the next step on.
+
+        `reset` goes back to `Settings.stiffness`; a state keeps what it had.
+
+        Args:
+            value: A number, numbers by joint group or joint (those not named: 1), or (55,).
+
+        Raises:
+            InputError: Before `reset`; a joint that does not exist, a number below 0.
+        """
+        if not self._started:
+            raise InputError("set_stiffness: the person has no pose yet; call reset(pose) first")
+        firmness = stiffness_array(value, "set_stiffness")
+        self._stepper.set_stiffness(firmness[self._person.balls])
+
     @property
     def pose(self) -> Pose:
         """Where the person is."""
@@ -207,6 +223,15 @@ class Control:
     def contacts(self) -> Touches:
         """What touched the person during the last `step`; `other` indexes `names`."""
         return touches(self, self._stepper.touches())[0]
+
+    @property
+    def torque(self) -> Array:
+        """What the drive exerted on the joints in the last `step`, its mean (55, 3) [N m]; row 0
+        acts on the whole body. See `PersonResult.torque`."""
+        found, out = self._stepper.torques(), np.zeros((N_JOINTS, 3))
+        if len(found):  # else nothing was exerted
+            out[self._person.balls] = found
+        return out
 
     @property
     def clearance(self) -> float:
@@ -297,7 +322,7 @@ class Control:
             name=lambda _: index,
         )
         mover_name, static_name = [index] * len(parts), []
-        rotations, positions = _fixed_poses(model)
+        rotations, positions = geoms.fixed_poses(model)
         for name, g in enumerate(self._geoms):
             body = int(model.geom_bodyid[g])
             if model.body_weldid[body] == 0:
@@ -309,18 +334,9 @@ class Control:
                     f"bind: geom '{self.names[name]}' is on a mocap body, which nothing can "
                     "touch; give the body joints, or set contype and conaffinity to 0"
                 )
-            rotation, position = _in_body(model, g)
+            rotation, position = geoms.pose_in_body(model, g)
             collider = geoms.geom_collider(model, g).moved(rotation, position)
-            self._stepper.add_mover(
-                body,
-                name,
-                -1,
-                -1,
-                collider.vertices,
-                collider.normals,
-                collider.radius,
-                collider.rim,
-            )
+            self._stepper.add_mover(body, name, -1, -1, *collider.arrays)
             mover_name.append(name)
             parts.append(-1)
         self.mover_name = np.array(mover_name, dtype=np.int64)
@@ -340,9 +356,7 @@ class Control:
             self._stepper.add_mesh(name, _native.MeshTree(world, faces))
         else:
             collider = geoms.geom_collider(self._model, geom).moved(rotation, position)
-            self._stepper.add_hull(
-                name, collider.vertices, collider.normals, collider.radius, collider.rim
-            )
+            self._stepper.add_hull(name, *collider.arrays)
 
     def _set_pairings(self) -> None:
         n = len(self.names)
@@ -380,18 +394,3 @@ def _qpos_bodies(model: Any) -> NDArray[np.int64]:
     for first, end, body in zip(model.jnt_qposadr, ends, model.jnt_bodyid, strict=True):
         owner[first:end] = body
     return owner
-
-
-def _fixed_poses(model: Any) -> tuple[Array, Array]:
-    """Rotations (n, 3, 3) and positions (n, 3) of all geoms; right for those that never move."""
-    import mujoco
-
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    return np.array(data.geom_xmat).reshape(-1, 3, 3), np.array(data.geom_xpos)
-
-
-def _in_body(model: Any, geom: int) -> tuple[Array, Array]:
-    from halfphysics import rotations as rot
-
-    return rot.to_matrix(np.array(model.geom_quat[geom])), np.array(model.geom_pos[geom])

@@ -167,23 +167,35 @@ def stiffness_rows(value: Any, what: str, shape: tuple[int, ...]) -> Array:
 def stiffness_over_time(value: Any, frames: int, people: int) -> Array | None:
     """What `simulate(stiffness=)` takes, as firmness (T, people, 55), 0 at the roots.
 
-    An array (T,) or (T, 55) is for everybody; a list or tuple of them, one a person.
+    For everybody, or in a list or tuple one a person: a number or numbers by joint group or joint
+    (those not named: 1), or over time an array (T,) or (T, 55).
 
     Raises:
-        InputError: Another shape or number of arrays, or numbers below 0 or not finite.
+        InputError: Another shape or number of arrays, a joint that does not exist, or numbers
+            below 0 or not finite.
     """
     if value is None:
         return None
-    each = value
-    if not (isinstance(value, list | tuple) and len(value) == people and np.ndim(value[0]) > 0):
-        each = [value] * people
-    elif people == 1 and np.ndim(value[0]) == 1 and len(value) == frames:
-        each = [value]  # nested lists, one row of 55 a frame
+    each = [value] * people
+    if isinstance(value, list | tuple) and len(value) == people:
+        # Of one person, nested lists may also be one row of 55 a frame.
+        rows = people == 1 and frames == 1 and not _constant(value[0]) and np.ndim(value[0]) == 1
+        each = each if rows else list(value)
     out = np.empty((frames, people, N_JOINTS))
-    for person, rows in enumerate(each):
+    for person, its in enumerate(each):
         what = "stiffness" if people == 1 else f"stiffness of person {person}"
-        wide = np.ndim(rows) == 2
-        checked = stiffness_rows(rows, what, (frames, N_JOINTS) if wide else (frames,))
+        if _constant(its):
+            out[:, person] = stiffness_array(its, what)
+            continue
+        wide = np.ndim(its) == 2
+        checked = stiffness_rows(its, what, (frames, N_JOINTS) if wide else (frames,))
         out[:, person] = checked if wide else checked[:, None]
     out[:, :, 0] = 0.0
     return out
+
+
+def _constant(value: Any) -> bool:
+    """Whether a firmness is said once, and not over time."""
+    return isinstance(value, Mapping) or (
+        not isinstance(value, list | tuple) and np.ndim(value) == 0
+    )

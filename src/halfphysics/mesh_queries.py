@@ -133,10 +133,11 @@ class MeshQuery:
     """Winding numbers and distances of points to one triangle mesh, fast.
 
     `vertices` (V, 3) [m], `faces` (F, 3). The native tree answers; results do not depend on
-    `threads`. Raises `InputError` for impossible arrays.
+    `threads`. `closed`: the faces are known to be (`is_closed`), which saves looking for holes.
+    Raises `InputError` for impossible arrays.
     """
 
-    def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, closed: bool = False) -> None:
         import halfphysics._native as native
 
         v = _points(vertices)
@@ -151,6 +152,9 @@ class MeshQuery:
         #: Corners (2, 3) of the box around all triangles.
         self.bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
         self._all = native.TriangleTree(v, f)
+        if closed:
+            self._closed, self._loose = self._all, None
+            return
         split = _split(v, f)
         self._closed = (
             native.TriangleTree(split.closed_vertices, split.closed) if len(split.closed) else None

@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from halfphysics import rotations, validation
 from halfphysics.errors import InputError
+from halfphysics.mesh_queries import MeshQuery, is_closed
 from halfphysics.scene import Scene
 from halfphysics.shape_base import Shape
 from halfphysics.validation import number, shown
 
 if TYPE_CHECKING:
     from halfphysics.articulated import Link, LinkGeom
+    from halfphysics.things import Object
 
 Array = NDArray[np.float64]
 
@@ -105,22 +107,28 @@ def penetration(
     scene: Scene,
     *,
     objects: Mapping[str, Any] | None = None,
+    people: Mapping[str, tuple[Any, Any]] | None = None,
     threads: int = 1,
     progress: bool = False,
 ) -> PenetrationReport:
-    """Penetration of the skinned body into the scene's statics, and objects where they are known.
+    """Penetration of the skinned body into the scene's statics, and into objects and other people
+    where they are known.
 
     Args:
         motion: T frames, or a single pose.
         body: Whose skin; every vertex counts.
-        scene: Its statics, pair by pair unless `scene.ignore(name, "person")` excuses them.
+        scene: Its statics, pair by pair unless `scene.ignore(name, "person")` excuses them. Of an
+            object that touches by convex pieces it is the mesh they stand for that counts.
         objects: Tracks of objects (name -> `.position (T, 3)`, `.quaternion (T, 4)`), as in
             `result.objects`; objects without a track are left out.
+        people: Other people at the same frames, name -> (motion, body): their skins count as
+            things of these names.
         threads: Threads to use; the numbers do not depend on it.
         progress: Show a progress bar.
 
     Raises:
-        InputError: Something of a wrong type; tracks of unknown objects or another length.
+        InputError: Something of a wrong type; tracks of unknown objects or another length; people
+            named like things or with another number of frames.
     """
     _check_motion("motion", motion, pose=True)
     validation.body(body, "vertices")
@@ -130,8 +138,9 @@ def penetration(
         raise InputError(f"threads: expected a whole number, found {threads:g}")
     frames = np.asarray(motion.rotations).shape[0] if np.ndim(motion.rotations) == 3 else 1
     tracks = _tracks(scene, objects or {}, frames)
+    others = _others(scene, people or {}, frames)
     things: dict[str, Shape] = {n: s.shape for n, s in scene.statics.items()}
-    things |= {n: scene.objects[n].shape for n in tracks if n in scene.objects}
+    things |= {n: _true_shape(scene.objects[n]) for n in tracks if n in scene.objects}
     links = _links(scene)
     # Links of articulated objects: several solids each.
     solids = {n: links[n][1].geoms for n in tracks if n in links}
@@ -140,12 +149,10 @@ def penetration(
     names = [n for n in things if not scene.ignores(n, "person")]
     names += [n for n in solids if not scene.ignores(links[n][0], "person")]
     share, deepest = np.zeros(frames), np.zeros(frames)
-    by_name = {n: np.zeros(frames) for n in names}
+    by_name = {n: np.zeros(frames) for n in (*names, *others)}
     total, count = 0.0, 0
     for part in _batches(frames, progress):
-        whole = frames == 1 or part == slice(0, frames)
-        vertices = np.asarray(body.vertices(motion if whole else motion[part]))
-        vertices = vertices.reshape(-1, *vertices.shape[-2:])
+        vertices = _skin(motion, body, part, frames)
         depth = np.zeros(vertices.shape[:2])
         for name in names:
             position, quaternion = tracks[name]
@@ -155,6 +162,10 @@ def penetration(
                 own = _depth(things[name], vertices, position, quaternion, int(threads))
             else:
                 own = _link_depth(solids[name], vertices, position, quaternion, int(threads))
+            by_name[name][part] = 1000.0 * own.max(axis=1)
+            np.maximum(depth, own, out=depth)
+        for name, (its, who) in others.items():
+            own = _skin_depth(vertices, _skin(its, who, part, frames), who.faces, int(threads))
             by_name[name][part] = 1000.0 * own.max(axis=1)
             np.maximum(depth, own, out=depth)
         inside = depth > 0.0
@@ -173,6 +184,50 @@ def penetration(
         deepest=deepest,
         by_name=by_name,
     )
+
+
+def _skin(motion: Any, body: Any, part: slice, frames: int) -> Array:
+    """Vertices (t, V, 3) of the frames `part`, of so many in all [m]."""
+    whole = frames == 1 or part == slice(0, frames)
+    vertices = np.asarray(body.vertices(motion if whole else motion[part]))
+    return vertices.reshape(-1, *vertices.shape[-2:])
+
+
+def _skin_depth(points: Array, skin: Array, faces: Any, threads: int) -> Array:
+    """Depths (T, V) of points (T, V, 3) in a skin (T, W, 3) that differs from frame to frame."""
+    depth = np.zeros(points.shape[:2])
+    closed = is_closed(np.asarray(faces), skin.shape[1])
+    for own, mine, its in zip(depth, points, skin, strict=True):
+        # What is beyond the skin's box is outside: no tree for frames in which all is.
+        near = ((mine >= its.min(axis=0)) & (mine <= its.max(axis=0))).all(axis=1)
+        if near.any():
+            own[near] = MeshQuery(its, faces, closed=closed).depth(mine[near], threads=threads)
+    return depth
+
+
+def _others(scene: Scene, people: Any, frames: int) -> dict[str, tuple[Any, Any]]:
+    """Other people, checked."""
+    if not isinstance(people, Mapping):
+        raise InputError(f"people: expected names and pairs (motion, body), found {shown(people)}")
+    for name, pair in people.items():
+        what = f"people[{name!r}]"
+        if name in (*scene.statics, *scene.objects, *_links(scene)):
+            raise InputError(f"{what}: the scene has a thing of this name; expected another")
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise InputError(f"{what}: expected a pair (motion, body), found {shown(pair)}")
+        _check_motion(what, pair[0], pose=True)
+        validation.body(pair[1], "vertices")
+        shape = np.shape(pair[0].rotations)
+        found = shape[0] if len(shape) == 3 else 1
+        if found != frames:
+            raise InputError(f"{what}: expected {frames} frames as of motion, found {found}")
+    return dict(people)
+
+
+def _true_shape(thing: Object) -> Shape:
+    """What the thing is: where pieces stand for a mesh, the mesh itself."""
+    cut = thing.decomposition is not None
+    return thing.visual if cut and thing.visual is not None else thing.shape
 
 
 def _depth(shape: Shape, points: Array, position: Array, turn: Array, threads: int) -> Array:

@@ -41,17 +41,9 @@ def _add_parts(
     for part in body.variant.parts:
         if len(part.vertices) == 0:
             continue
+        at = model.body(prefix + part.name).id
         collider = part_collider(part)
-        stepper.add_mover(
-            model.body(prefix + part.name).id,
-            name(part.index),
-            index,
-            part.index,
-            collider.vertices,
-            collider.normals,
-            collider.radius,
-            collider.rim,
-        )
+        stepper.add_mover(at, name(part.index), index, part.index, *collider.arrays)
         joints.append(part.index)
     return joints
 

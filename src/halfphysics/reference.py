@@ -379,5 +379,7 @@ def contact_problem(
     demand = (contacts["target"] - contacts["dist"] + contacts["shift"]) / h
     b[::3] -= np.maximum(demand, contacts["bounce"])
     frames = [contacts[name] for name in ("normal", "tangent", "binormal")]
+    for row in (1, 2):  # ways along the surface curve
+        b[row::3] += h * np.einsum("ij,ij->i", contacts["curve"], frames[row])
     found: Array = np.stack([np.einsum("ij,ij->i", contacts["impulse"], f) for f in frames], axis=1)
     return ContactProblem(J @ back, b, np.asarray(contacts["friction"]), found, back, v_free)

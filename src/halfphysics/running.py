@@ -4,31 +4,34 @@ from __future__ import annotations
 
 import difflib
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics import holding
 from halfphysics import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.moving import Moving
 from halfphysics.pose import Pose
 from halfphysics.rays import Ray, checked_names
 from halfphysics.validation import shown, vector
-from halfphysics.world import World
+from halfphysics.world import Thing, World
 
 if TYPE_CHECKING:
+    from halfphysics.holding import HeldThing, Hold
     from halfphysics.rays import Hit
     from halfphysics.scene import Object, Scene
-    from halfphysics.world import Thing
 
 Array = NDArray[np.float64]
 
 
 def velocity(world: World, name: str) -> tuple[Array, Array]:
     """Velocity (3,) [m/s] of an object's origin and angular velocity (3,) [rad/s], in the world."""
-    place, thing = _found(world, "velocity", name, pushed=False)
+    place, thing = _found(world, "velocity", name)
+    if not isinstance(place, Thing):
+        return holding.velocity(world, place)
     quat, six = _turn(world, place), world.stepper.qvel()[place.dof : place.dof + 6]
     spin = rot.rotate(quat, six[3:])
     return six[:3] - np.cross(spin, rot.rotate(quat, thing.com)), spin
@@ -38,7 +41,7 @@ def set_velocity(
     world: World, name: str, linear: ArrayLike, angular: ArrayLike | None = None
 ) -> None:
     """The work behind `Simulator.set_velocity`."""
-    place, thing = _found(world, "set_velocity", name)
+    place, thing = _pushed(world, "set_velocity", name)
     what = f"set_velocity of {name!r}"
     v = vector(linear, f"{what}: velocity", unit="m/s")
     w = velocity(world, name)[1]
@@ -59,7 +62,7 @@ def apply_impulse(
     angular: ArrayLike | None,
 ) -> None:
     """The work behind `Simulator.apply_impulse`."""
-    place, thing = _found(world, "apply_impulse", name)
+    place, thing = _pushed(world, "apply_impulse", name)
     what = f"apply_impulse on {name!r}"
     p = vector(impulse, f"{what}: impulse", unit="N s")
     turning = np.zeros(3)
@@ -98,24 +101,44 @@ def ray(
     return cast.hit
 
 
-def rebuilt(world: World, scene: Scene, started: bool) -> World:
-    """The same people and what is in both scenes, as they are now, in another scene."""
-    new = World(world.bodies, scene, world.settings)
+def rebuilt(
+    world: World, scene: Scene, started: bool, held: Mapping[str, Hold] | None = None
+) -> World:
+    """The same people and what is in both scenes, as they are now, in another scene.
+
+    `held`: who holds what from now on; None: as before.
+    """
+    if held is None:
+        held = {name: hold for name, hold in world.held.items() if name in scene.objects}
+    new = World(world.bodies, scene, world.settings, held)
     if not started:
         return new
     was, qpos, qvel = world.stepper.qpos(), np.zeros(new.nq), np.zeros(new.nv)
     new.place_things(qpos, qvel)
+    # What is held by another, or by nobody any more, is new: what it rested on is asked again.
+    other = {n for n in scene.objects if world.held.get(n) != held.get(n)}
     bodies = {world.model.body(i).name: i for i in range(world.model.nbody)}
+    bodies = {name: i for name, i in bodies.items() if name.removeprefix("object/") not in other}
     body = [bodies.get(new.model.body(i).name, -1) for i in range(new.model.nbody)]
     for b, old in enumerate(body):
         if old >= 0:
             qpos[_coordinates(new.model, b)] = was[_coordinates(world.model, old)]
+    let_go = [p for p in world.things if p.name in other and not isinstance(p, Thing)]
+    free = {p.name: p for p in new.things if isinstance(p, Thing)}
+    let_go = [p for p in let_go if p.name in free]
+    for place in let_go:
+        position, quat = place.pose(was)
+        at = free[place.name].qpos
+        qpos[at : at + 3] = position + rot.rotate(quat, place.com)
+        qpos[at + 3 : at + 7] = quat
     new.stepper.reset(qpos, qvel)
-    movers = {key: i for i, key in enumerate(_movers(world))}
+    movers = {key: i for i, key in enumerate(_movers(world)) if key[0] not in other}
     mover = [movers.get(key, -1) for key in _movers(new)]
     new.stepper.adopt(
         world.stepper, np.array(body, dtype=np.int32), np.array(mover, dtype=np.int32)
     )
+    for place in let_go:
+        set_velocity(new, place.name, *velocity(world, place.name))
     return new
 
 
@@ -130,7 +153,7 @@ def _coordinates(model: Any, body: int) -> slice:
 
 def removable(world: World, name: str) -> None:
     """Raises `InputError` where there is no such object."""
-    _found(world, "remove_object", name, pushed=False)
+    _found(world, "remove_object", name)
 
 
 def _movers(world: World) -> list[tuple[str, int, int]]:
@@ -144,17 +167,23 @@ def _movers(world: World) -> list[tuple[str, int, int]]:
     return keys
 
 
-def _found(world: World, what: str, name: str, pushed: bool = True) -> tuple[Thing, Object]:
+def _pushed(world: World, what: str, name: str) -> tuple[Thing, Object]:
+    """What can be given a velocity."""
+    place, thing = _found(world, what, name)
+    if isinstance(thing, Moving):
+        raise InputError(
+            f"{what}: {name!r} moves along its trajectory and nothing pushes it; expected an "
+            "object of add_object"
+        )
+    holding.must_be_free(world, what, name)
+    assert isinstance(place, Thing)
+    return place, thing
+
+
+def _found(world: World, what: str, name: str) -> tuple[Thing | HeldThing, Object]:
     for place in world.things:
-        if place.name != name:
-            continue
-        thing = world.scene.objects[name]
-        if pushed and isinstance(thing, Moving):
-            raise InputError(
-                f"{what}: {name!r} moves along its trajectory and nothing pushes it; expected an "
-                "object of add_object"
-            )
-        return place, thing
+        if place.name == name:
+            return place, world.scene.objects[name]
     known = [thing.name for thing in world.things]
     close = difflib.get_close_matches(str(name), known, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,8 +16,9 @@ from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_over_time
 from halfphysics.motion import Motion
 from halfphysics.result import DIAGNOSTICS, ObjectTrack, PersonResult, Result, Substeps
-from halfphysics.simulator import Simulator, several, touches
+from halfphysics.simulator import Simulator, several
 from halfphysics.skeleton import N_JOINTS
+from halfphysics.touches import touches
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from halfphysics.world import World
 
 Array = NDArray[np.float64]
+#: lambda: one for all joints, by joint group or joint, or over time.
+Firmness: TypeAlias = "float | Mapping[str, float] | ArrayLike"
 
 #: How long the core runs before it comes back for air [s].
 _SLICE = 0.1
@@ -41,7 +44,7 @@ def simulate(
     *,
     body: Body | Sequence[Body] | None = None,
     settings: Settings | None = None,
-    stiffness: ArrayLike | Sequence[ArrayLike] | None = None,
+    stiffness: Firmness | Sequence[Firmness] | None = None,
     allow_mismatch: bool = False,
     progress: bool = False,
 ) -> Result:
@@ -52,9 +55,10 @@ def simulate(
         scene: Statics and objects; None: an empty one.
         body: The person's body, or one per person; None: `Body.default()` for all.
         settings: See `Settings`.
-        stiffness: Firmness over time instead of `Settings.stiffness`: (T,) for all joints or
-            (T, 55), for everybody or one a person in a list. Row t is that of the way to frame t,
-            as if `Simulator.set_stiffness` were called before that step.
+        stiffness: Firmness instead of `Settings.stiffness`, for everybody or in a list one a
+            person: a number or numbers by joint group, or over time (T,) for all joints or
+            (T, 55). Row t is that of the way to frame t, as if `Simulator.set_stiffness` were
+            called before that step.
         allow_mismatch: Accept a body of another gender or model than the motion says.
         progress: Show a progress bar on stderr where it is a terminal.
 

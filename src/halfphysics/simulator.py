@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,40 +17,17 @@ from halfphysics.joint_groups import stiffness_array
 from halfphysics.pose import Pose
 from halfphysics.settings import Settings
 from halfphysics.skeleton import N_JOINTS
+from halfphysics.touches import Touches, touches
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.holding import Hold
     from halfphysics.rays import Hit
     from halfphysics.scene import Scene
-    from halfphysics.world import Person, World
+    from halfphysics.world import World
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class Touches:
-    """What touched what in one frame; arrays of one length n, one row per pair and side.
-
-    Attributes:
-        person: Index of the person (n,), -1 where an object touches something that is no person.
-        part: Joint index of the part (n,), -1 for objects.
-        subject: Index into the names of the object that plays the part's role (n,), else -1.
-        other: Index into the names of what was touched (n,).
-        other_part: Joint index on the other, where that is a person (n,), else -1.
-        position: In the world (n, 3) [m].
-        normal: Unit vector from the other into the part (n, 3).
-        impulse: On the part, summed over the frame (n, 3) [N s].
-    """
-
-    person: NDArray[np.int64]
-    part: NDArray[np.int64]
-    subject: NDArray[np.int64]
-    other: NDArray[np.int64]
-    other_part: NDArray[np.int64]
-    position: Array
-    normal: Array
-    impulse: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -150,6 +127,7 @@ class State:
     numbers: bytes
     axes: tuple[Array, ...]
     signature: str
+    held: Mapping[str, Hold] = field(default_factory=dict)
 
 
 class Simulator:
@@ -207,6 +185,8 @@ class Simulator:
     def reset(self, pose: Pose | Sequence[Pose]) -> Frame:
         """Put the people at a pose (one each), objects at their start; everything forgets."""
         poses = self._checked(pose)
+        if self.world.held:
+            self.world = running().rebuilt(self.world, self.world.scene, False, {})
         self._axes = tuple(np.array(p.axes, dtype=np.float64) for p in poses)
         self.world.stepper.reset(*self.world.start(poses))
         self._set_firmness(np.tile(self.world.stiffness, (len(poses), 1)))
@@ -267,10 +247,13 @@ class Simulator:
         """Everything the simulation remembers: continue from it with `set_state`, bit for bit."""
         if not self._started:
             raise InputError("get_state: the simulator has no pose yet; call reset(pose) first")
-        return State(self.world.stepper.save().tobytes(), self._axes, self.world.signature)
+        world = self.world
+        return State(world.stepper.save().tobytes(), self._axes, world.signature, world.held)
 
     def set_state(self, state: State) -> None:
         """Return to a state of this simulator or of one with the same people, scene and settings.
+
+        What was held then is held again, nothing else is.
 
         Raises:
             InputError: The state belongs to another model.
@@ -280,10 +263,14 @@ class Simulator:
                 "set_state: the state is of another simulator; expected one with the same people "
                 f"and things: {', '.join(self.names)}"
             )
+        world = self.world
+        if state.held != world.held:
+            world = running().rebuilt(world, world.scene, False, state.held)
         try:
-            self.world.stepper.load(np.frombuffer(state.numbers))
+            world.stepper.load(np.frombuffer(state.numbers))
         except ValueError as error:
             raise InputError(f"set_state: {error}; expected one that get_state gave") from None
+        self.world = world
         self._axes = state.axes
         self._firmness = self.world.firmness_of(self.world.stepper.stiffness())
         self._started = True
@@ -355,6 +342,41 @@ class Simulator:
         scene = self.world.scene._copied(without=name)
         self.world = running().rebuilt(self.world, scene, self._started)
 
+    def attach(self, name: str, part: str = "right_wrist", person: int = 0) -> None:
+        """Tie an object to a part of a person, where it is at this moment.
+
+        From then on it moves with the part as one rigid body: the part has its mass and inertia,
+        and what it meets acts on the person. It meets everything but its holder and what the same
+        person holds. It takes over the part's velocity; what is asleep wakes. `reset` lets go.
+
+        Args:
+            name: Of an object.
+            part: Name of a joint; `"right_wrist"` is the right hand.
+            person: Index of who holds it.
+
+        Raises:
+            InputError: Before `reset`; another name, part or person; something held already, on a
+                trajectory or articulated.
+        """
+        self._must_run("attach")
+        held = running().holding.with_held(self.world, name, part, person)
+        self.world = running().rebuilt(self.world, self.world.scene, True, held)
+
+    def release(self, name: str) -> None:
+        """Let go of what `attach` tied: a free object again, with the velocity that it has.
+
+        Raises:
+            InputError: Before `reset`, another name, or something that nobody holds.
+        """
+        self._must_run("release")
+        held = running().holding.without_held(self.world, name)
+        self.world = running().rebuilt(self.world, self.world.scene, True, held)
+
+    @property
+    def held(self) -> Mapping[str, tuple[int, str]]:
+        """Name of what is held -> index of the person and name of the part."""
+        return {name: (hold.person, hold.part) for name, hold in self.world.held.items()}
+
     def ray(
         self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
     ) -> Hit | None:
@@ -402,63 +424,11 @@ class Simulator:
         )
 
 
-class Named(Protocol):
-    """What has names: a `World`."""
-
-    @property
-    def names(self) -> tuple[str, ...]: ...
-    @property
-    def people(self) -> tuple[Person, ...]: ...
-
-    static_name: NDArray[np.int64]
-    mover_name: NDArray[np.int64]
-    mover_part: NDArray[np.int64]
-
-
 def running() -> Any:
     """The module, when it is needed: imports stay quick."""
     from halfphysics import running as module
 
     return module
-
-
-def touches(world: Named, rows: Array) -> tuple[Touches, NDArray[np.int64]]:
-    """Contacts in terms of people and names, from the core's rows (n, 12).
-
-    Where two people touch, each has a row of its own, with opposite normal and impulse.
-
-    Returns:
-        The contacts (m,), and for each the row it comes from (m,).
-    """
-    mover, static, mover2 = rows[:, :3].astype(np.int64).T
-    # One more entry for index -1: the core's rows have either a static or a second mover.
-    static_name = np.append(world.static_name, -1)
-    mover_name = np.append(world.mover_name, -1)
-    mover_part = np.append(world.mover_part, -1)
-    first_person = len(world.names) - len(world.people)
-    name, part = mover_name[mover], mover_part[mover]
-    fixed = static >= 0
-    other = np.where(fixed, static_name[static], mover_name[mover2])
-    other_part = np.where(fixed, -1, mover_part[mover2])
-    human = name >= first_person
-    both = human & (other >= first_person)
-
-    row = np.repeat(np.arange(len(rows)), 1 + both)
-    twin = np.zeros(len(row), dtype=bool)
-    twin[1:] = row[1:] == row[:-1]
-    mine, its = np.where(twin, other[row], name[row]), np.where(twin, name[row], other[row])
-    human = human[row]
-    sign = np.where(twin, -1.0, 1.0)[:, None]
-    return Touches(
-        person=np.where(human, mine - first_person, -1),
-        part=np.where(twin, other_part[row], part[row]),
-        subject=np.where(human, -1, mine),
-        other=its,
-        other_part=np.where(twin, part[row], other_part[row]),
-        position=rows[row, 3:6],
-        normal=sign * rows[row, 6:9],
-        impulse=sign * rows[row, 9:12],
-    ), row
 
 
 def _positive(name: str, value: float) -> float:

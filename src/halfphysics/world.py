@@ -6,7 +6,7 @@ the core directly, in float64.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, cast
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import articulated as jointed
+from halfphysics import holding
 from halfphysics import rotations as rot
 from halfphysics.colliders import convex_collider
 from halfphysics.errors import InputError
@@ -28,6 +29,7 @@ from halfphysics.strength import limits_of
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.holding import Hold
     from halfphysics.mesh import Mesh
     from halfphysics.motion import Motion
     from halfphysics.pose import Pose
@@ -104,15 +106,23 @@ class World:
         stiffness: Firmness of every joint by the settings (55,).
         mover_name, mover_part: Per native shape: index into `names`, joint index or -1.
         nq, nv: Numbers of coordinates and velocities.
-        signature: Differs where people or things do.
+        held: Who holds what: those things have no coordinates of their own.
+        signature: Differs where people or things do, whoever holds them.
     """
 
-    def __init__(self, bodies: Sequence[Body], scene: Scene, settings: Settings) -> None:
+    def __init__(
+        self,
+        bodies: Sequence[Body],
+        scene: Scene,
+        settings: Settings,
+        held: Mapping[str, Hold] | None = None,
+    ) -> None:
         from halfphysics import _native
 
         self.bodies = tuple(bodies)
         self.scene = scene
         self.settings = settings
+        self.held: Mapping[str, Hold] = dict(held or {})
         many = len(self.bodies) > 1
         people = [f"person{i}" if many else "person" for i in range(len(self.bodies))]
         things = scene.articulated.values()
@@ -126,7 +136,7 @@ class World:
             )
         model = self._compile(people)
         self.nq, self.nv = int(model.nq), int(model.nv)
-        self.signature = f"{self.names} {self.nq} {self.nv} {fingerprint(self.bodies, scene)}"
+        self.signature = f"{self.names} {fingerprint(self.bodies, scene)}"
         self.stepper = _native.Stepper()
         self.stepper.set_model(*model_arrays(model))
         self.stepper.set_joint_forces(*joint_arrays(model))
@@ -156,8 +166,12 @@ class World:
             add_person(spec, body.variant, prefix=f"{name}/", armature=armature, geoms=False)
         for thing in self.scene.objects.values():
             # No name of a thing has a slash; MuJoCo keeps "world" for itself.
-            b = spec.worldbody.add_body(name=f"object/{thing.name}", pos=thing.position)
-            b.add_freejoint()
+            name = f"object/{thing.name}"
+            if thing.name in self.held:
+                b = holding.add_body(spec, name, people, self.held[thing.name])
+            else:
+                b = spec.worldbody.add_body(name=name, pos=thing.position)
+                b.add_freejoint()
             given = isinstance(thing, Moving)  # what its mass is nobody asks
             b.mass, b.ipos = 1.0 if given else thing.mass, [0.0, 0.0, 0.0]  # else ipos becomes pos
             b.inertia, b.iquat = principal(np.eye(3) if given else thing.inertia)
@@ -173,8 +187,13 @@ class World:
             count = 7 + 4 * (N_JOINTS - 1)
             found.append(Person(name, body, int(at.body[0]), at.root_position, count, at.quat))
         self.people = tuple(found)
-        things = []
+        things: list[Thing | holding.HeldThing] = []
         for thing in self.scene.objects.values():
+            if thing.name in self.held:
+                hold = self.held[thing.name]
+                holder = self.people[hold.person]
+                things.append(holding.HeldThing(thing.name, np.array(thing.com), holder, hold))
+                continue
             joint = model.body_jntadr[model.body(f"object/{thing.name}").id]
             things.append(
                 Thing(
@@ -213,16 +232,7 @@ class World:
             body, cut = model.body(f"object/{thing.name}").id, thing.decomposition
             for piece in thing.pieces:
                 collider = convex_collider(piece).moved(np.eye(3), -np.array(thing.com))
-                self.stepper.add_mover(
-                    body,
-                    name_of[thing.name],
-                    -1,
-                    -1,
-                    collider.vertices,
-                    collider.normals,
-                    collider.radius,
-                    collider.rim,
-                )
+                self.stepper.add_mover(body, name_of[thing.name], -1, -1, *collider.arrays)
                 if cut is not None:
                     self.stepper.set_slack(1e-3 * cut.outside_mm)
                 names.append(name_of[thing.name])
@@ -232,10 +242,7 @@ class World:
                 body = model.body(f"articulated/{articulated.name}/{i}").id
                 index = name_of[articulated.link_names[i]]
                 for geom in () if link.fixed else link.geoms:
-                    c = geom.collider()
-                    self.stepper.add_mover(
-                        body, index, -1, -1, c.vertices, c.normals, c.radius, c.rim
-                    )
+                    self.stepper.add_mover(body, index, -1, -1, *geom.collider().arrays)
                     names.append(index)
                     parts.append(-1)
         self.mover_name = np.array(names, dtype=np.int64)
@@ -262,9 +269,7 @@ class World:
                 self.stepper.add_mesh(index, _mesh_tree(static, rotation, position))
             else:
                 collider = convex_collider(shape).moved(rotation, position)
-                self.stepper.add_hull(
-                    index, collider.vertices, collider.normals, collider.radius, collider.rim
-                )
+                self.stepper.add_hull(index, *collider.arrays)
         place = {link.name: link for link in self.links}
         for thing in self.scene.articulated.values():
             for link, name in zip(thing.links, thing.link_names, strict=True):
@@ -276,7 +281,7 @@ class World:
                 for geom in link.geoms:
                     c = geom.collider().moved(rotation, position)
                     index = self.names.index(name)
-                    self.stepper.add_hull(index, c.vertices, c.normals, c.radius, c.rim)
+                    self.stepper.add_hull(index, *c.arrays)
                     static_name.append(index)
         self.static_name = np.array(static_name, dtype=np.int64)
 
@@ -290,7 +295,7 @@ class World:
                 self.stepper.add_track(
                     body, thing.fps, thing.loop, thing.positions, thing.quaternions
                 )
-            elif thing.start == "asleep":
+            elif thing.start == "asleep" and thing.name not in self.held:
                 self.stepper.start_asleep(body)
 
     def _set_pairings(self) -> None:
@@ -344,6 +349,8 @@ class World:
     def place_things(self, qpos: Array, qvel: Array) -> None:
         """Puts the objects where they start, into coordinates (nq,) and velocities (nv,)."""
         for place, thing in zip(self.things, self.scene.objects.values(), strict=True):
+            if isinstance(place, holding.HeldThing):
+                continue
             quat = rot.normalize(thing.quaternion)
             arm = rot.rotate(quat, place.com)
             qpos[place.qpos : place.qpos + 3] = thing.position + arm
@@ -371,7 +378,7 @@ class World:
         return out
 
     @property
-    def tracked(self) -> tuple[Thing | jointed.LinkPlace, ...]:
+    def tracked(self) -> tuple[Thing | holding.HeldThing | jointed.LinkPlace, ...]:
         """All that has a pose of its own in results, in the order of `names`."""
         return (*self.things, *self.links)
 

@@ -52,6 +52,18 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "grasp",
             "two hands squeeze a box of 3 kg, lift it and hold it, N=8. Peer: the same loop",
         ),
+        "lift": (
+            "handling",
+            "lift",
+            "the scenario lift_suitcase: two palms lift 5 kg, walk and shake, N=8. Peer: the same "
+            "loop",
+        ),
+        "glass": (
+            "handling",
+            "glass",
+            "the scenario grasp_glass: all fingers of one hand lift, shake, carry and turn over "
+            "0.3 kg, N=8. Peer: the same loop",
+        ),
         "sofa": (
             "sofa",
             "sofa",

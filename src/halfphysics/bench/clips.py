@@ -27,14 +27,14 @@ def story() -> Sequence:
 
 def body() -> Body:
     """Who is simulated, parts made."""
-    who = story().body or Body.default()
+    who = story().bodies[0] or Body.default()
     who.variant  # noqa: B018  made once, outside the clock
     return who
 
 
 def clips(options: Options) -> Iterator[tuple[str, Motion]]:
     """The walk of the demo's story, and the motion given."""
-    yield "walk", options.short(story().motion)
+    yield "walk", options.short(story().motions[0])
     if options.motion is not None:
         yield options.motion_name, options.short(options.motion)
 

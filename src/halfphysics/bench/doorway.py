@@ -17,7 +17,7 @@ from halfphysics.simulator import Simulator
 def doorway(options: Options) -> Iterator[Record]:
     """With and without what `simulate` does before the first frame."""
     who, told = body(), story()
-    motion = options.short(told.motion)
+    motion = options.short(told.motions[0])
     settings = told.settings
     frames = len(motion) - 1
     skin, parts = simulators(who, settings, motion.fps, told.scene)

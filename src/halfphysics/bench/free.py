@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import metrics
-from halfphysics.bench.clips import SUBSTEPS, body, clips, drives
+from halfphysics.bench.clips import SUBSTEPS, body, clips
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.record import Options, Record
-from halfphysics.bench.sides import measure, simulators
+from halfphysics.bench.sides import driven, followed
 from halfphysics.motion import Motion
-from halfphysics.simulation import follow
 from halfphysics.simulator import Simulator
 
 Array = NDArray[np.float64]
@@ -27,7 +26,8 @@ def free(options: Options) -> Iterator[Record]:
     """Motion in, motion out."""
 
     def ours(simulator: Simulator, motion: Motion) -> Side:
-        return lambda: follow(simulator, [motion]).motion
+        play = followed(simulator, motion)
+        return lambda: play().motion
 
     def theirs(peer: MujocoLoop, motion: Motion) -> Side:
         return lambda: peer.run(motion)
@@ -69,23 +69,20 @@ def live(options: Options) -> Iterator[Record]:
 
 def stepper(options: Options) -> Iterator[Record]:
     """The native core alone against the peer's loop alone; coordinates in, coordinates out."""
-    who = body()
     for name, motion in clips(options):
-        frames = len(motion) - 1
         for substeps in (1, SUBSTEPS):
-            peer = MujocoLoop(who, motion.fps, substeps)
-            targets = peer.coordinates(motion.translation, motion.rotations, motion.axes)
-            for label, settings in drives(substeps, 0.0, 1.0):
-                skin, parts = simulators(who, settings, motion.fps)
-                yield measure(
-                    "stepper",
-                    f"{name}, N={substeps}, {label}",
-                    frames,
-                    options,
-                    ours=core_loop(skin, motion),
-                    parts=core_loop(parts, motion),
-                    peer=lambda p=peer, t=targets: p.play(t),  # type: ignore[misc]
-                ).record
+            peer = MujocoLoop(body(), motion.fps, substeps)
+            for _, done in driven(
+                "stepper",
+                f"{name}, N={substeps}",
+                motion,
+                options,
+                ours=core_loop,
+                peer=peer.player(motion),
+                substeps=substeps,
+                stiffness=(0.0, 1.0),
+            ):
+                yield done.record
 
 
 def core_loop(simulator: Simulator, motion: Motion) -> Callable[[], Array]:
@@ -114,17 +111,15 @@ def _compared(
     who = body()
     for name, motion in clips(options):
         for substeps in (1, SUBSTEPS):
-            peer = theirs(MujocoLoop(who, motion.fps, substeps), motion)
-            for label, settings in drives(substeps, 0.0, 1.0):
-                skin, parts = simulators(who, settings, motion.fps)
-                done = measure(
-                    case,
-                    f"{name}, N={substeps}, {label}",
-                    len(motion) - 1,
-                    options,
-                    ours=ours(skin, motion),
-                    parts=ours(parts, motion),
-                    peer=peer,
-                )
+            for _, done in driven(
+                case,
+                f"{name}, N={substeps}",
+                motion,
+                options,
+                ours=ours,
+                peer=theirs(MujocoLoop(who, motion.fps, substeps), motion),
+                substeps=substeps,
+                stiffness=(0.0, 1.0),
+            ):
                 mine, its = (metrics.mpjpe(m, motion, who) for m in (done.ours, done.peer))
                 yield replace(done.record, checks={"MPJPE [mm]": (mine, its)})

@@ -47,9 +47,11 @@ def grasp(options: Options) -> Iterator[Record]:
     play = lifting()
     if options.quick:
         play = replace(play, motion=play.motion[:60])
-    for record, result, theirs in pressed("grasp", "3 kg", play, options):
-        rise = 1000.0 * float(np.ptp(result.objects["box"].position[:, 2]))
-        peer_rise = 1000.0 * float(np.ptp(theirs[:, -5]))
+    for record, result, (_, theirs) in pressed("grasp", "3 kg", play, options):
+        rise, peer_rise = (
+            1000.0 * float(np.ptp(objects["box"].position[:, 2]))
+            for objects in (result.objects, theirs)
+        )
         held = {
             "lifted [mm]": (rise, peer_rise),
             "held [%]": (100.0 * held_by_both(result), None),

@@ -22,8 +22,8 @@ def penetration(options: Options) -> Iterator[Record]:
     """The walk passes through a lumpy ring of 10,000 triangles."""
     frames = _QUICK_FRAMES if options.quick else _FRAMES
     # From the middle of the walk, which is where the ring stands.
-    middle = len(story().motion) // 2
-    motion = story().motion[middle - frames // 2 : middle - frames // 2 + frames]
+    middle = len(story().motions[0]) // 2
+    motion = story().motions[0][middle - frames // 2 : middle - frames // 2 + frames]
     who = _part_of(body(), _VERTICES)
     scene = Scene()
     x, y = motion.translation[frames // 2, :2]
@@ -48,7 +48,7 @@ def penetration(options: Options) -> Iterator[Record]:
 def skinning(options: Options) -> Iterator[Record]:
     """All vertices of the first 100 frames of the walk."""
     who = body()
-    motion = story().motion[: _QUICK_FRAMES if options.quick else _FRAMES]
+    motion = story().motions[0][: _QUICK_FRAMES if options.quick else _FRAMES]
     yield measure(
         "skinning",
         f"{len(who.rest_vertices)} vertices",

@@ -9,7 +9,7 @@ motion is missed by 0.01 to 0.1 mm, and it is no faster.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -84,6 +84,11 @@ class MujocoLoop:
         """The motion that comes of following `motion`."""
         targets = self.coordinates(motion.translation, motion.rotations, motion.axes)
         return self.motion(self.play(targets), motion)
+
+    def player(self, motion: Motion) -> Callable[[], Array]:
+        """`play` of a motion, targets ready."""
+        targets = self.coordinates(motion.translation, motion.rotations, motion.axes)
+        return lambda: self.play(targets)
 
     def motion(self, qpos: Array, like: Motion) -> Motion:
         """Coordinates (T, nq) as a motion that is `like` another in all else."""

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.bench.clips import SUBSTEPS, body, drives, story
+from halfphysics.bench.clips import SUBSTEPS, body, story
 from halfphysics.bench.free import core_loop
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.room import Piece, mesh_of
-from halfphysics.bench.sides import measure, simulators
+from halfphysics.bench.sides import driven
 from halfphysics.motion import Motion
 from halfphysics.scene import Scene
 from halfphysics.shapes import Box, Plane
@@ -26,28 +26,18 @@ _TRIANGLES = 100_000
 
 def near(options: Options) -> Iterator[Record]:
     """Floor and boxes, floor and meshes; both drives at stiffness 1."""
-    who = body()
-    motion = options.short(story().motion)
-    frames = len(motion) - 1
+    motion = options.short(story().motions[0])
     low, high = reached(motion)
     pieces = _furniture(low - OFF, high + OFF)
     for label, (scene, hulls) in {
         "boxes": (_boxes(pieces, low), {}),
         "meshes": _meshes(pieces, low, _TRIANGLES // (10 if options.quick else 1)),
     }.items():
-        peer = MujocoLoop(who, motion.fps, SUBSTEPS, scene, hulls)
-        targets = peer.coordinates(motion.translation, motion.rotations, motion.axes)
-        for drive, settings in drives(SUBSTEPS, 1.0):
-            skin, parts = simulators(who, settings, motion.fps, scene)
-            yield measure(
-                "near",
-                f"{label}, {drive}",
-                frames,
-                options,
-                ours=core_loop(skin, motion),
-                parts=core_loop(parts, motion),
-                peer=lambda p=peer, t=targets: p.play(t),  # type: ignore[misc]
-            ).record
+        peer = MujocoLoop(body(), motion.fps, SUBSTEPS, scene, hulls).player(motion)
+        for _, done in driven(
+            "near", label, motion, options, ours=core_loop, peer=peer, scene=scene
+        ):
+            yield done.record
 
 
 def reached(motion: Motion) -> tuple[Array, Array]:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import metrics
-from halfphysics.bench.clips import SUBSTEPS, body, drives
+from halfphysics.bench.clips import SUBSTEPS, body
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.record import Checks, Options, Record
-from halfphysics.bench.sides import measure, simulators
+from halfphysics.bench.sides import driven, followed
 from halfphysics.motion import Motion
 from halfphysics.result import ObjectTrack, Result
 from halfphysics.scene import Scene
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from halfphysics.body import Body
 
 Array = NDArray[np.float64]
+#: A person's motion and the tracks of objects.
+Moved = tuple[Motion, Mapping[str, ObjectTrack]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,33 +45,26 @@ class Play:
 
 def pressed(
     case: str, name: str, play: Play, options: Options
-) -> Iterator[tuple[Record, Result, Array]]:
+) -> Iterator[tuple[Record, Result, Moved]]:
     """Both drives at stiffness 1 beside the peer.
 
     Yields:
-        The record, our result, and the peer's coordinates (T, nq).
+        The record, our result, and what moved in the peer's.
     """
     who, motion = body(), play.motion
-    frames = len(motion) - 1
     peer = MujocoLoop(who, motion.fps, SUBSTEPS, play.scene, play.hulls)
     targets = peer.coordinates(motion.translation, motion.rotations, motion.axes)
-    for label, settings in drives(SUBSTEPS, 1.0):
-        skin, parts = simulators(who, settings, motion.fps, play.scene)
-        done = measure(
-            case,
-            f"{name}, {label}",
-            frames,
-            options,
-            ours=lambda s=skin: follow(s, [motion]),  # type: ignore[misc]
-            parts=lambda s=parts: follow(s, [motion]),  # type: ignore[misc]
-            peer=lambda: peer.play(targets),
-        )
+    side = peer.player(motion)
+    for skin, done in driven(
+        case, name, motion, options, ours=followed, peer=side, scene=play.scene
+    ):
         result, rigid, theirs = done.ours, cast("Result", done.parts), done.peer
+        moved = tracks(peer, motion, play.scene, theirs)
         checks: Checks = {
             "contacts": (contacts(skin, motion), peer.contacts(targets)),
             "skin inside [mm]": (
                 inside(who, play.scene, result.motion, result.objects),
-                inside(who, play.scene, *tracks(peer, motion, play.scene, theirs)),
+                inside(who, play.scene, *moved),
             ),
             "parts inside [mm]": (
                 1000.0 * peer.deepest(coordinates(peer, rigid)),
@@ -78,7 +73,7 @@ def pressed(
             "time lost [ms]": (1000.0 * float(result.lost_time.sum()), None),
             **solving(skin, motion),
         }
-        yield replace(done.record, checks=checks), result, theirs
+        yield replace(done.record, checks=checks), result, moved
 
 
 def inside(who: Body, scene: Scene, motion: Motion, objects: Mapping[str, Any]) -> float:
@@ -86,9 +81,7 @@ def inside(who: Body, scene: Scene, motion: Motion, objects: Mapping[str, Any]) 
     return metrics.penetration(motion, who, scene, objects=objects).depth_max_mm
 
 
-def tracks(
-    peer: MujocoLoop, motion: Motion, scene: Scene, qpos: Array
-) -> tuple[Motion, dict[str, ObjectTrack]]:
+def tracks(peer: MujocoLoop, motion: Motion, scene: Scene, qpos: Array) -> Moved:
     """The peer's coordinates (T, nq) as a motion and tracks of objects, centred in their frames."""
     at = peer.model.nq - 7 * len(scene.objects)
     objects = {}

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from halfphysics.bench.clips import SUBSTEPS, body, drives
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.timing import in_turns
 from halfphysics.scene import Scene
+from halfphysics.simulation import follow
 from halfphysics.simulator import Simulator
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.motion import Motion
+    from halfphysics.result import Result
     from halfphysics.settings import Settings
 
 A = TypeVar("A")
@@ -37,6 +41,54 @@ def simulators(
         for contact in ("skin", "parts")
     )
     return skin, parts
+
+
+def followed(simulator: Simulator, motion: Motion) -> Callable[[], Result]:
+    """A side that simulates a motion with what is built already."""
+    return lambda: follow(simulator, [motion])
+
+
+def driven(
+    case: str,
+    name: str,
+    motion: Motion,
+    options: Options,
+    *,
+    ours: Callable[[Simulator, Motion], Callable[[], A]],
+    peer: Callable[[], Any],
+    scene: Scene | None = None,
+    substeps: int = SUBSTEPS,
+    stiffness: tuple[float, ...] = (1.0,),
+) -> Iterator[tuple[Simulator, Measured[A]]]:
+    """Time both drives at every stiffness: a motion of the default body, by skin and by parts.
+
+    Args:
+        case: Of the records.
+        name: What comes first in their settings.
+        motion: One pass is the whole of it.
+        options: How to measure.
+        ours: What makes one side of a simulator.
+        peer: The peer's, which knows neither drives nor stiffness.
+        scene: What is there.
+        substeps, stiffness: To simulate with.
+
+    Yields:
+        The simulator by the skin, and what was measured.
+    """
+    for label, settings in drives(substeps, *stiffness):
+        skin, parts = simulators(body(), settings, motion.fps, scene)
+        yield (
+            skin,
+            measure(
+                case,
+                f"{name}, {label}",
+                len(motion) - 1,
+                options,
+                ours=ours(skin, motion),
+                parts=ours(parts, motion),
+                peer=peer,
+            ),
+        )
 
 
 def measure(

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.bench.clips import SUBSTEPS, body, drives, straight
+from halfphysics.bench.clips import SUBSTEPS, body, straight
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.pressing import contacts, solving
 from halfphysics.bench.record import Options, Record
-from halfphysics.bench.sides import measure, simulators
+from halfphysics.bench.sides import driven, followed
 from halfphysics.scene import Scene
 from halfphysics.shapes import Box
-from halfphysics.simulation import follow
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -35,17 +34,16 @@ def wall(options: Options) -> Iterator[Record]:
     scene = Scene()
     scene.add_static("wall", Box(tuple(_SIZE)), position=_AT)
     peer = MujocoLoop(who, motion.fps, SUBSTEPS, scene)
-    for label, settings in drives(SUBSTEPS, 0.0, 1.0, 10.0):
-        skin, parts = simulators(who, settings, motion.fps, scene)
-        done = measure(
-            "wall",
-            f"N={SUBSTEPS}, {label}",
-            len(motion) - 1,
-            options,
-            ours=lambda s=skin: follow(s, [motion]),  # type: ignore[misc]
-            parts=lambda s=parts: follow(s, [motion]),  # type: ignore[misc]
-            peer=lambda: peer.run(motion),
-        )
+    for skin, done in driven(
+        "wall",
+        f"N={SUBSTEPS}",
+        motion,
+        options,
+        ours=followed,
+        peer=lambda: peer.run(motion),
+        scene=scene,
+        stiffness=(0.0, 1.0, 10.0),
+    ):
         result = done.ours
         yield replace(
             done.record,

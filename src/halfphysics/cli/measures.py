@@ -16,17 +16,28 @@ if TYPE_CHECKING:
 
 
 def of_result(result: Result, person: int, *, progress: bool) -> str:
-    """The skin in the scene before and after, for one person of a result; the rest of it is said
-    by `Result.summary`.
+    """The skin in the scene and in other people before and after, for one person of a result; the
+    rest of it is said by `Result.summary`.
     """
-    who = result.people[person]
-    before, after = (
-        metrics.penetration(
-            motion, who.body, result.scene, threads=result.settings.threads, progress=progress
+    who, others = result.people[person], {p.name: p for p in result.people}
+    del others[who.name]
+
+    def measured(what: str) -> PenetrationReport:
+        return metrics.penetration(
+            getattr(who, what),
+            who.body,
+            result.scene,
+            people={name: (getattr(other, what), other.body) for name, other in others.items()},
+            threads=result.settings.threads,
+            progress=progress,
         )
-        for motion in (who.reference, who.motion)
-    )
-    return table([("", "asked", "simulated"), *_penetration(before, after)])
+
+    before, after = measured("reference"), measured("motion")
+    rows = _penetration(before, after)
+    if others:
+        asked, got = (max(r.by_name[name].max() for name in others) for r in (before, after))
+        rows.append(("deepest in other people [mm]", f"{asked:.2f}", f"{got:.2f}"))
+    return table([("", "asked", "simulated"), *rows])
 
 
 def of_motion(

@@ -30,7 +30,7 @@ halfphysics scenario kick_ball --mass 200 --fps 60 --out result.npz
 halfphysics scenario kick_ball --fixed --stiffness 0 --drive-time None --page kick.html"""
 
 #: Options of a scenario that are no text.
-_OBJECTS = ("body",)
+_OBJECTS = ("body", "other")
 _WIDTH = 92
 _OUTPUTS = ("out", "page", "pictures")
 

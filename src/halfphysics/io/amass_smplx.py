@@ -5,39 +5,7 @@ Also body-only files (T, 66), for which `model=` may have to say the model.
 
 from __future__ import annotations
 
-from pathlib import Path
+from halfphysics.io.amass_layout import Layout
 
-from halfphysics.io import amass
-from halfphysics.io.formats import Format, Options, Source
-from halfphysics.io.npz import write_npz
-from halfphysics.motion import Motion
-
-NAME = "amass-smplx"
-WIDTH = 165
-FPS_KEY = "mocap_frame_rate"
-
-
-def _sniff(source: Source) -> bool:
-    return amass.width_of(source) in (WIDTH, 66)
-
-
-def _load(source: Source, options: Options) -> Motion:
-    return amass.load(source, options, NAME)
-
-
-def encode(motion: Motion) -> amass.Fields:
-    """The arrays that `Motion.save` writes, by key."""
-    return amass.encode(motion, NAME, WIDTH, FPS_KEY)
-
-
-def _save(motion: Motion, path: Path) -> None:
-    write_npz(path, encode(motion))
-
-
-FORMAT = Format(
-    name=NAME,
-    expects=f"npz with trans (T, 3), poses (T, {WIDTH}), betas, gender, {FPS_KEY}",
-    sniff=_sniff,
-    load=_load,
-    save=_save,
-)
+LAYOUT = Layout(name="amass-smplx", width=165, fps_key="mocap_frame_rate", also=(66,))
+FORMAT = LAYOUT.format

@@ -48,9 +48,9 @@ INSIDE = "inside/"
 SUBSTEPS = "meta/substeps/"
 DIAGNOSTICS = "meta/diagnostics/"
 _LAYOUTS = {
-    "smplx": amass_smplx,
-    "smplh": amass_smplh,
-    "smpl": amass_smpl,
+    "smplx": amass_smplx.LAYOUT,
+    "smplh": amass_smplh.LAYOUT,
+    "smpl": amass_smpl.LAYOUT,
 }
 # Rounding of turning a motion to the axes of its file and back [m, rad].
 _SAME = 1e-9
@@ -337,7 +337,7 @@ def _prefix(index: int) -> str:
 def _on_top(motion: Motion) -> Fields:
     """The keys of the file the motion came from, or AMASS keys for its model."""
     own = motion.origin.format if motion.origin is not None else None
-    by_name: Mapping[str | None, Any] = {layout.NAME: layout for layout in _LAYOUTS.values()}
+    by_name: Mapping[str | None, Any] = {layout.name: layout for layout in _LAYOUTS.values()}
     return by_name.get(own, _LAYOUTS[motion.model]).encode(motion)
 
 

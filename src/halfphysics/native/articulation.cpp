@@ -9,40 +9,23 @@ namespace {
 // Joints stop this far from their ends: rounding does not carry them beyond [rad or m].
 constexpr double kMargin = 1e-9;
 
-Twist operator+(Twist a, Twist b) { return {a.w + b.w, a.v + b.v}; }
-Twist scaled(double s, Twist a) { return {s * a.w, s * a.v}; }
-// Of a motion that is carried along by another one.
-Twist cross_motion(Twist v, Twist s) { return {cross(v.w, s.w), cross(v.w, s.v) + cross(v.v, s.w)}; }
-// Of a force (moment, force) likewise.
+// Of a force (moment, force) that is carried along by a motion.
 Twist cross_force(Twist v, Twist f) { return {cross(v.w, f.w) + cross(v.v, f.v), cross(v.w, f.v)}; }
 
 }  // namespace
 
 void bias_forces(const Model& m, const Kinematics& k, const double* qvel, Vec3 gravity,
-                 const std::vector<int>& bodies, double* out) {
+                 const std::vector<int>& bodies, double* out, const double* qacc,
+                 const std::vector<char>* massive) {
   std::vector<Twist> velocity(m.nbody), acceleration(m.nbody), force(m.nbody);
   acceleration[0].v = -gravity;
   for (int b : bodies) {
     Twist v = velocity[m.parent[b]], a = acceleration[m.parent[b]];
-    for (int j = m.jnt_first[b]; j < m.jnt_first[b] + m.jnt_count[b]; j++) {
-      int d = m.jnt_dof[j];
-      // Axes are carried along by what comes before them in the chain; those that a free joint shifts
-      // along stand still.
-      auto turn = [&](int count) {
-        const Twist before = v;
-        for (int i = 0; i < count; i++, d++) {
-          a = a + scaled(qvel[d], cross_motion(before, k.cdof[d]));
-          v = v + scaled(qvel[d], k.cdof[d]);
-        }
-      };
-      if (m.jnt_type[j] == Joint::Free) {
-        for (int i = 0; i < 3; i++, d++) v = v + scaled(qvel[d], k.cdof[d]);
-        turn(3);
-      } else {
-        turn(m.jnt_type[j] == Joint::Ball ? 3 : 1);
-      }
-    }
+    carry(m, k, qvel, b, v, a);
+    const int dof = m.dof_first[b];
+    for (int d = dof; qacc && d < dof + m.dof_count[b]; d++) a = a + scaled(qacc[d], k.cdof[d]);
     velocity[b] = v, acceleration[b] = a;
+    if (massive && !(*massive)[b]) continue;
     const Inertia::Composite I = Inertia::of_body(m, k, b);
     force[b] = I * a + cross_force(v, I * v);
   }

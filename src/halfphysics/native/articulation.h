@@ -19,8 +19,10 @@ struct JointForces {
 
 // Coriolis, centrifugal and gravity forces c of  M dv/dt + c = tau  at the velocity `qvel`, by recursion
 // over `bodies`: whole trees, parents first (Featherstone 2008, ch. 5). Writes those bodies' dofs only.
+// With `qacc` M qacc + c; with `massive` (per body) as if the others had no mass.
 void bias_forces(const Model& m, const Kinematics& k, const double* qvel, Vec3 gravity,
-                 const std::vector<int>& bodies, double* out);
+                 const std::vector<int>& bodies, double* out, const double* qacc = nullptr,
+                 const std::vector<char>* massive = nullptr);
 
 class Articulations {
  public:

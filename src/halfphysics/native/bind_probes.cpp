@@ -10,21 +10,34 @@ using namespace hp;
 
 namespace {
 
-void pose_of(Stepper& s, const Doubles& qpos, Poses& p) {
+void pose_of(Stepper& s, const Doubles& qpos, Kinematics& k) {
   need((int)qpos.shape(0) == s.model.nq, "bad length of qpos");
-  p.kin.resize(s.model);
-  p.kin.update(s.model, qpos.data());
-  p.kin.update_dofs(s.model, qpos.data());
+  k.resize(s.model);
+  k.update(s.model, qpos.data());
+  k.update_dofs(s.model, qpos.data());
+}
+
+void pose_of(Stepper& s, const Doubles& qpos, Poses& p) {
+  pose_of(s, qpos, p.kin);
   s.world.start_poses(p);
 }
 
+Inertia inertia_at(Stepper& s, const Doubles& qpos) {
+  Kinematics k;
+  pose_of(s, qpos, k);
+  Inertia inertia;
+  inertia.compose(s.model, k);
+  return inertia;
+}
+
 nb::dict contact_rows(const std::vector<Contact>& contacts) {
-  std::vector<double> n, t, u, imp, dist, target, shift, mu, bounce;
+  std::vector<double> n, t, u, imp, curve, dist, target, shift, mu, bounce;
   for (const Contact& c : contacts) {
     push(n, c.n);
     push(t, c.t);
     push(u, c.s);
     push(imp, c.impulse);
+    push(curve, c.curve);
     dist.push_back(c.dist);
     target.push_back(c.target);
     shift.push_back(c.shift);
@@ -37,6 +50,7 @@ nb::dict contact_rows(const std::vector<Contact>& contacts) {
   d["tangent"] = array({k, 3}, t);
   d["binormal"] = array({k, 3}, u);
   d["impulse"] = array({k, 3}, imp);
+  d["curve"] = array({k, 3}, curve);
   d["dist"] = array(dist);
   d["target"] = array(target);
   d["shift"] = array(shift);
@@ -87,8 +101,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
       .def("body_frames",
            [](Stepper& s, Doubles qpos) {
              Kinematics k;
-             k.resize(s.model);
-             k.update(s.model, qpos.data());
+             pose_of(s, qpos, k);
              std::vector<double> x, q;
              for (Vec3 p : k.xpos) push(x, p);
              for (Quat r : k.xquat) q.insert(q.end(), {r.w, r.x, r.y, r.z});
@@ -98,12 +111,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
       .def("inertia_matrix",
            [](Stepper& s, Doubles qpos) {
              const Model& mod = s.model;
-             Kinematics k;
-             k.resize(mod);
-             k.update(mod, qpos.data());
-             k.update_dofs(mod, qpos.data());
-             Inertia inertia;
-             inertia.compose(mod, k);
+             const Inertia inertia = inertia_at(s, qpos);
              size_t n = mod.nv;
              std::vector<double> M(n * n, 0);
              for (size_t i = 0; i < n; i++)
@@ -118,9 +126,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
            [](Stepper& s, Doubles qpos, Doubles qvel) {
              const Model& mod = s.model;
              Kinematics k;
-             k.resize(mod);
-             k.update(mod, qpos.data());
-             k.update_dofs(mod, qpos.data());
+             pose_of(s, qpos, k);
              std::vector<int> bodies;
              for (int b = 1; b < mod.nbody; b++) bodies.push_back(b);
              std::vector<double> out(mod.nv);
@@ -165,12 +171,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
       .def("inertia_solve",
            [](Stepper& s, Doubles qpos, Doubles x) {
              const Model& mod = s.model;
-             Kinematics k;
-             k.resize(mod);
-             k.update(mod, qpos.data());
-             k.update_dofs(mod, qpos.data());
-             Inertia inertia;
-             inertia.compose(mod, k);
+             Inertia inertia = inertia_at(s, qpos);
              inertia.factor(mod, std::vector<double>(mod.nv, 1), std::vector<double>(mod.nv, 0));
              std::vector<double> y = list<double>(x);
              inertia.solve(mod, y.data());

@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kGiveWay = 0.05;   // speed at which a clearance that was lost is regained [m/s]
 constexpr double kTouch = 1e-5;     // overlaps up to this at the start are contacts at rest [m]
+constexpr double kDeeper = 0.3;  // who leaves itself may get deeper by this share of the speed out
 constexpr double kAhead = 0.02;  // looked this much farther than asked, to know of the next [m]
 // A step that would end nearer than half of kLeastGap (or of the distance it starts from) is
 // shortened; under the first of these it may only wear the gap away as slowly as solving is exact,
@@ -30,6 +31,7 @@ void World::start_poses(Poses& p) const {
   p.placed.resize(movers.size());
   p.fresh.assign(movers.size(), 0);
   p.bends.clear();
+  p.balls.clear();
 }
 
 const Placed& World::place(Poses& p, int i) const {
@@ -63,13 +65,23 @@ void World::demand(Candidate& c, double h) {
   else
     c.target = c.dist + std::min(settings.depenetration_speed * h, -c.dist);
   if (c.dist <= 0) {
-    c.hard = c.dist - 1e-7;
+    const bool own = c.other_mover >= 0 && may_touch_itself(c.mover, c.other_mover);
+    c.hard = c.dist - (own ? kDeeper * settings.depenetration_speed * h : 1e-7);
     return;
   }
   c.hard = 0.5 * std::min(c.dist, kLeastGap);
   if (clear < 2 * kFloor) return;  // what rests nearer than that is not in danger
   c.hard = std::min(std::max(c.hard, kFloor),
                     std::max(c.dist - 2 * settings.tolerance, std::min(c.dist, kLastFloor)));
+}
+
+void World::take(Candidate& c, const Plane& p, double h, std::vector<Candidate>& out) {
+  c.n = p.n;
+  c.offset = p.offset;
+  c.dist = p.dist;
+  c.triangle = p.triangle;
+  demand(c, h);
+  out.push_back(c);
 }
 
 bool World::takes_part(const Near& e) const {
@@ -147,7 +159,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
         c.n = least_overlap(A, B, c.n);
         c.dist = separate_along(A, B, c.n).dist;
       }
-      fixed_exit(c, e.own ? start.kin.xmat[movers[c.other_mover].body] : Mat3{},
+      fixed_exit(c, e.own ? start.kin.xmat[stays(m, c)] : Mat3{},
                  [&](Candidate& k) { k.dist = separate_along(A, B, k.n).dist; });
       demand(c, h);
       out.push_back(c);
@@ -155,7 +167,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
     }
     if (behind_planes(e, A, r)) continue;
     // What was near is asked again anyhow.
-    look(m, start, e, e.dist > r || e.dist == Near().dist ? r + kAhead : r);
+    look(start, e, e.dist > r || e.dist == Near().dist ? r + kAhead : r);
     const Static& S = statics[e.other_static];
     if (S.kind == Static::Kind::Hull) {
       if (e.dist > r) continue;
@@ -172,12 +184,7 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
     if (overlaps) continue;  // only a solver that failed can have let it in
     for (const Plane& p : e.planes) {
       if (p.dist > r) continue;
-      c.n = p.n;
-      c.offset = p.offset;
-      c.dist = p.dist;
-      c.triangle = p.triangle;
-      demand(c, h);
-      out.push_back(c);
+      take(c, p, h, out);
     }
   }
 }
@@ -199,7 +206,7 @@ void World::reset(const Model& m, Poses& start) {
         overlaps.push_back({e.mover, -1, e.other_mover});
       continue;
     }
-    look(m, start, e, settings.clearance);
+    look(start, e, settings.clearance);
     if (statics[e.other_static].kind == Static::Kind::Mesh)
       for (const Plane& p : e.planes) inside |= p.overlaps;
     else
@@ -375,12 +382,7 @@ void World::search_behind(Poses& start, const std::vector<double>& reach, double
     for (const Candidate& k : all)
       known |= k.mover == c.mover && k.other_static == c.other_static && k.triangle == p.triangle;
     if (known) continue;
-    c.n = p.n;
-    c.offset = p.offset;
-    c.dist = p.dist;
-    c.triangle = p.triangle;
-    demand(c, h);
-    all.push_back(c);
+    take(c, p, h, all);
   }
 }
 

@@ -218,11 +218,11 @@ class World {
   void save_near(std::vector<double>& out) const;
   const double* load_near(const double* in);
   bool behind_planes(const Near& e, const Placed& a, double r) const;
-  void look(const Model& m, Poses& p, Near& e, double r);
+  void look(Poses& p, Near& e, double r);
   bool takes_part(const Near& e) const;
   // Of two movers of one tree: do their bounding spheres keep them farther apart than r? May they
   // touch on their way? The direction along which they overlap least.
-  bool spheres_apart(const Poses& p, Near& e, double r) const;
+  bool spheres_apart(Poses& p, Near& e, double r) const;
   bool meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& sweep, Near& e) const;
   void leave_together(const Model& m, Poses& start);
   int waited_ = 0;  // substeps since those who leave themselves were last looked at
@@ -230,8 +230,15 @@ class World {
   bool may_touch_itself(int a, int b) const {
     return !self_.empty() && self_[a * movers.size() + b];
   }
+  // Of two bodies of one person the one that carries more: the way out turns with it.
+  int stays(const Model& m, const Candidate& c) const {
+    const int a = movers[c.mover].body, b = movers[c.other_mover].body;
+    return m.carried[a] > m.carried[b] ? a : b;
+  }
   static Vec3 least_overlap(const Placed& a, const Placed& b, Vec3 guess);
   void demand(Candidate& c, double h);
+  // Of a pair, the plane that it is to stay behind, among the candidates.
+  void take(Candidate& c, const Plane& p, double h, std::vector<Candidate>& out);
   // Starting inside (inside.cpp).
   struct Overlap {
     int mover, other_static, other_mover;

@@ -46,6 +46,7 @@ Drive::Drive(const Model& m, int root_body) {
   deviation_.assign(nv_, 0);
   v_drive_.assign(nv_, 0);
   impulse_.assign(nv_, 0);
+  gain_.assign(nv_, 0);
   stiffness_.assign(balls_.size(), 1);
   debt_.assign(balls_.size() + 1, 0);
 }
@@ -57,7 +58,7 @@ void Drive::reset(const double* target, double* qvel) {
   exerted_ = false;
   std::fill(debt_.begin(), debt_.end(), 0.0);
   for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = 0;
-  exact_ = true;
+  exact_ = fresh_ = true;
   gentle_left_ = 0;
   velocity_known_ = older_asked_ = true;
 }
@@ -81,8 +82,11 @@ void Drive::stay_gentle(bool comes_out, double dt, const double* qpos) {
 
 void Drive::reference(double* v) const { std::copy(v_ref_.begin(), v_ref_.end(), v + dof0_); }
 
+void Drive::reference_change(double* a) const { std::copy(gain_.begin(), gain_.end(), a + dof0_); }
+
 void Drive::aim(const DriveSettings& s, const double* target, double dt, const double* qpos) {
   exerted_ = false;
+  first_ = fresh_, fresh_ = false;
   older_asked_ = velocity_known_;
   older_dt_ = dt_, older_root_ = root_velocity_;
   velocity_known_ = true;
@@ -127,10 +131,10 @@ void Drive::follow(double share, double* qpos) const {
   }
 }
 
-void Drive::followed() {
+void Drive::followed(bool exerts) {
   exact_ = true;
   velocity_known_ = false;
-  exerted_ = false;
+  exerted_ = exerted_ && exerts;
   std::fill(debt_.begin(), debt_.end(), 0.0);
   std::fill(deviation_.begin(), deviation_.end(), 0.0);
 }
@@ -168,9 +172,11 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   older_asked_ = true;
   exact_ = false;
   const double rate = 1 / dt_;
+  for (int i = 0; i < nv_; i++) gain_[i] = qvel[dof0_ + i] - deviation_[i];  // the last frame's
   store3(v_ref_.data(), root_velocity_);
   for (const Ball& b : balls_)
     store3(&v_ref_[b.dof], rate * difference(&previous_[b.qpos], &target_[b.qpos]));
+  for (int i = 0; i < nv_; i++) gain_[i] = first_ ? 0 : rate * (v_ref_[i] - gain_[i]);
   if (s.time_constant > 0) return;
   q_start_.assign(q, q + nq_);
   store3(v_drive_.data(), root_velocity_);
@@ -246,7 +252,7 @@ void Drive::end_substep(const double* qvel) {
 void Drive::save(std::vector<double>& out) const {
   for (const auto* v : {&target_, &v_ref_, &deviation_, &stiffness_, &debt_})
     out.insert(out.end(), v->begin(), v->end());
-  out.insert(out.end(), {exact_ ? 1.0 : 0.0, gentle_left_});
+  out.insert(out.end(), {(exact_ ? 1.0 : 0.0) + (fresh_ ? 2.0 : 0.0), gentle_left_});
 }
 
 const double* Drive::load(const double* in) {
@@ -255,7 +261,8 @@ const double* Drive::load(const double* in) {
     in += v->size();
   }
   previous_ = q_start_ = target_;
-  exact_ = *in++ != 0;
+  const int flags = (int)*in++;
+  exact_ = (flags & 1) != 0, fresh_ = (flags & 2) != 0;
   gentle_left_ = *in++;
   velocity_known_ = older_asked_ = true;
   return in;

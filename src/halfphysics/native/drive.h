@@ -33,8 +33,8 @@ class Drive {
   // The pose at the end of the frame (share 1), or before it, of who is settled and meets nothing;
   // `qpos` is the pose at its start.
   void follow(double share, double* qpos) const;
-  // The frame was followed to its end.
-  void followed();
+  // The frame was followed to its end; `exerts`: the drive carried something meanwhile.
+  void followed(bool exerts = false);
   // The frame is stepped through instead: velocities; Algorithm 1 sets qvel here.
   void begin_frame(const DriveSettings& s, const double* qpos, double* qvel);
   // Whoever followed a frame has the motion's velocity.
@@ -54,6 +54,8 @@ class Drive {
   const std::vector<double>& stiffness() const { return stiffness_; }
   int ball_count() const { return (int)balls_.size(); }
   int ball_dof(int ball) const { return dof0_ + balls_[ball].dof; }
+  // The first of three dofs that a limit is of: 0 the root's position, i + 1 ball i.
+  int limit_dof(int limit) const { return limit == 0 ? dof0_ : ball_dof(limit - 1); }
   // lambda * mean of each joint's diagonal entries of M, into extra[nv of the model].
   void added_inertia(const Model& m, const Inertia& inertia, std::vector<double>& extra) const;
   double scale(const DriveSettings& s, double h) const;
@@ -86,8 +88,10 @@ class Drive {
   // it is back at the motion's pose, but for the root's position, or for a while.
   void stay_gentle(bool comes_out, double dt, const double* qpos);
   double frame_length() const { return dt_; }  // of the last aim() [s]
-  // The motion's own velocity.
+  // The motion's own velocity, and how fast it changes: spread over the frame; 0 in the first one after
+  // a reset, which starts from rest only as far as numbers go.
   void reference(double* v) const;
+  void reference_change(double* a) const;
 
   // Everything that outlives a frame.
   void save(std::vector<double>& out) const;
@@ -106,8 +110,10 @@ class Drive {
   double dt_ = 0;
   std::vector<double> stiffness_;  // per ball
   std::vector<double> impulse_;    // of this frame, dof layout
+  std::vector<double> gain_;       // reference_change() of this frame
   std::vector<double> debt_;       // per limit: exerted beyond it, to be made up for
   bool exerted_ = false;
+  bool fresh_ = true, first_ = true;  // nothing has been aimed at since the reset; nor before this frame
   Vec3 root_velocity_;
   double gentle_left_ = 0;  // [s]
   std::vector<double> gentle_rate_;  // per ball [rad/s]

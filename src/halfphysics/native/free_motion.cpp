@@ -100,7 +100,9 @@ void Stepper::free_velocity(int k, double h) {
       if (!is_person(model.dof_body[i])) v_free_[i] = hosted_free_[i];
     return;
   }
+  find_load(h);
   limit_strength(h);
+  bear_load(h);
   object_velocity(h);
   given_velocity(h);
 }

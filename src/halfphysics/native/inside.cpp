@@ -328,12 +328,7 @@ void World::gather_inside(Poses& start, Near& e, Inside& in, double reach, doubl
   c.to = (1 - in.next) * in.exit;
   for (const Plane& p : e.planes) {
     if (p.dist > r || p.overlaps) continue;
-    c.n = p.n;
-    c.offset = p.offset;
-    c.dist = p.dist;
-    c.triangle = p.triangle;
-    demand(c, h);
-    out.push_back(c);
+    take(c, p, h, out);
   }
 }
 

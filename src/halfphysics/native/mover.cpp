@@ -172,6 +172,12 @@ Poses::Ball Poses::ball(const Mover& m) const {
   return {center, m.shape.bound + m.most_of([&](const Mover::Tie& t) { return norm(middle(t) - center); })};
 }
 
+const Poses::Ball& Poses::known_ball(const std::vector<Mover>& movers, int i) {
+  if (balls.empty()) balls.assign(movers.size(), {{}, -1});
+  if (balls[i].radius < 0) balls[i] = ball(movers[i]);
+  return balls[i];
+}
+
 Material Poses::material(const Mover& m, const Placed& at, Vec3 x) const {
   if (!m.skin) return {-1, mul_t(kin.xmat[m.body], x - kin.xpos[m.body])};
   // Carried like the nearest vertex.

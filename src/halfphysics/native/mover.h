@@ -93,6 +93,8 @@ struct Poses {
     double radius;
   };
   Ball ball(const Mover& m) const;
+  const Ball& known_ball(const std::vector<Mover>& movers, int i);  // found once
+  std::vector<Ball> balls;  // a negative radius: not yet
   // A point of a mover's surface, now at x, and where it is at this pose. The mover must be placed.
   Material material(const Mover& m, const Placed& at, Vec3 x) const;
   Vec3 position(const Mover& m, const Placed& at, const Material& point) const;

@@ -170,6 +170,12 @@ void Stepper::adopt(Stepper& old, const std::vector<int>& body, const std::vecto
     for (size_t k = 0; k < old.tracks_.size(); k++)
       if (body[tracks_[i].body] == old.tracks_[k].body) clock_[i] = old.clock_[k];
   world.adopt(old.world, mover);
+  // What is new may be inside somebody.
+  for (const Inside& in : world.inside())
+    for (int b = world.movers[in.mover].body; b > 0 && !way_out_[b]; b = model.parent[b])
+      way_out_[b] = 1;
+  for (Drive& d : drives_)
+    if (comes_out(d) && !d.gentle()) d.go_gently(kGentle, joint_reach_);
   warm_.clear();
   std::vector<int> now(old.world.movers.size(), -1);
   for (int i = 0; i < (int)mover.size(); i++)

@@ -103,7 +103,7 @@ bool World::behind_planes(const Near& e, const Placed& a, double r) const {
 }
 
 // Looks at a pair of a mover and a static properly, up to a distance of r.
-void World::look(const Model&, Poses& p, Near& e, double r) {
+void World::look(Poses& p, Near& e, double r) {
   const Placed& a = place(p, e.mover);
   const Static& S = statics[e.other_static];
   e.way = way_of(e);
@@ -165,7 +165,7 @@ void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& swe
       return true;
     };
     if (passes()) continue;
-    look(m, start, e, r + kMargin);
+    look(start, e, r + kMargin);
     if (e.dist > r || passes()) continue;
     busy[mine] = 1;
   }

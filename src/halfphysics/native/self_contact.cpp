@@ -11,7 +11,7 @@ namespace hp {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of distances [m]
-constexpr double kMargin = 0.05;    // looked this much farther than asked, to know of the next [m]
+constexpr double kMargin = 0.15;    // looked this much farther than asked, to know of the next [m]
 // Directions that are tried for the least overlap, and how the best is turned to be better [rad].
 constexpr int kDirections = 192, kRefinements = 40;
 // Who gets no farther than to this share of the depth in so many substeps tries another way.
@@ -86,8 +86,8 @@ void World::inner_ways(const Model& m, const Poses& from, const Poses& to,
   ways(movers, inner[0], inner[1], active, way);
 }
 
-bool World::spheres_apart(const Poses& p, Near& e, double r) const {
-  const Poses::Ball a = p.ball(movers[e.mover]), b = p.ball(movers[e.other_mover]);
+bool World::spheres_apart(Poses& p, Near& e, double r) const {
+  const Poses::Ball &a = p.known_ball(movers, e.mover), &b = p.known_ball(movers, e.other_mover);
   const double dist = norm(a.center - b.center) - a.radius - b.radius;
   if (dist <= r) return false;
   e.dist = dist;
@@ -104,6 +104,21 @@ bool World::meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& 
                r = sweep.inner[e.mover] + sweep.inner[e.other_mover] + bulge;
   if (far(e, r) || spheres_apart(start, e, r)) return false;
   const Placed &a = place(start, e.mover), &b = place(start, e.other_mover);
+  const int root = m.root[movers[e.mover].body];
+  // What separated them last is likely to do so still, or all the way.
+  if (norm2(e.axis) > 0) {
+    const Vec3 n = (1 / norm(e.axis)) * e.axis;
+    const double apart = a.lowest(n) - b.highest(n);
+    if (apart > r) {
+      e.dist = apart;
+      e.way = way_of(e);
+      return false;
+    }
+    if (apart > bulge) {
+      const Vec3 then = end.kin.xmat[root] * mul_t(start.kin.xmat[root], n);
+      if (place(end, e.mover).lowest(then) - place(end, e.other_mover).highest(then) > bulge) return false;
+    }
+  }
   const Separation s = separate(a, b, r + kMargin, false, e.axis);
   e.axis = s.n;
   e.dist = s.dist;
@@ -111,7 +126,6 @@ bool World::meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& 
   if (s.dist > r) return false;
   if (s.dist <= bulge) return true;
   // Seen from the root, in its axes at the start.
-  const int root = m.root[movers[e.mover].body];
   const Mat3 back = start.kin.xmat[root] * transposed(end.kin.xmat[root]);
   const Vec3 shift = start.kin.xpos[root] - back * end.kin.xpos[root];
   static thread_local std::vector<double> ends[2];
@@ -144,7 +158,7 @@ void World::choose_again(const Model& m, Poses& start) {
   for (const auto& [key, state] : pairs_) {
     const Candidate c = unpacked(key);
     if (!state.inside || c.other_mover < 0 || !may_touch_itself(c.mover, c.other_mover)) continue;
-    const Vec3 n = start.kin.xmat[movers[c.other_mover].body] * state.exit;
+    const Vec3 n = start.kin.xmat[stays(m, c)] * state.exit;
     const Placed &a = place(start, c.mover), &b = place(start, c.other_mover);
     depth += std::max(0.0, b.highest(n) - a.lowest(n));
   }
@@ -157,14 +171,14 @@ void World::choose_again(const Model& m, Poses& start) {
 void World::leave_together(const Model& m, Poses& start) {
   struct Pair {
     PairState* state;
-    int mover, other, group;
+    int mover, other, frame, group;
     double sign;
   };
   std::vector<Pair> all;
   for (auto& [key, state] : pairs_) {
     const Candidate c = unpacked(key);
     if (!state.inside || c.other_mover < 0 || !may_touch_itself(c.mover, c.other_mover)) continue;
-    all.push_back({&state, c.mover, c.other_mover, (int)all.size(), 1});
+    all.push_back({&state, c.mover, c.other_mover, stays(m, c), (int)all.size(), 1});
   }
   auto neighbours = [&](int i, int j) {
     const int a = movers[i].body, b = movers[j].body;
@@ -199,7 +213,7 @@ void World::leave_together(const Model& m, Poses& start) {
         },
         guesses);
     for (size_t k : group)
-      all[k].state->exit = mul_t(start.kin.xmat[movers[all[k].other].body], all[k].sign * n);
+      all[k].state->exit = mul_t(start.kin.xmat[all[k].frame], all[k].sign * n);
   }
 }
 

@@ -258,8 +258,8 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
     Vec3 u = endpoint_velocity(m, k, twists_, v_free, c.a) -
              endpoint_velocity(m, k, twists_, v_free, c.b);
     demand_[3 * i] = dot(c.n, u) - std::max((c.target - c.dist + c.shift) / h, c.bounce);
-    demand_[3 * i + 1] = dot(c.t, u);
-    demand_[3 * i + 2] = dot(c.s, u);
+    demand_[3 * i + 1] = dot(c.t, u + h * c.curve);
+    demand_[3 * i + 2] = dot(c.s, u + h * c.curve);
   }
 
   // Islands: trees that contacts connect.

@@ -57,6 +57,9 @@ struct Contact {
   double dist = 0;    // gap at the start of the substep [m]
   double target = 0;  // smallest gap allowed at its end [m]
   double shift = 0;   // correction of the linear prediction [m]: gap_end = dist + h v_n - shift
+  // Half of how its way curves [m/s^2]; of that what is along the surface counts: way_t = h v_t + h^2
+  // curve_t. (A gap is measured.)
+  Vec3 curve;
   double friction = 0, restitution = 0;
   double bounce = -1e300;  // v_n demanded by restitution [m/s], second pass
   Vec3 impulse;            // world [N s], on a; the warm start on entry

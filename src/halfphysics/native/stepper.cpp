@@ -25,6 +25,7 @@ void Stepper::finish(const std::vector<int>& person_roots) {
     drives_.emplace_back(model, root);
     person_[root] = 1;
   }
+  find_carried();
   objects_.clear();
   std::vector<int> tree_size(model.nbody, 0);
   for (int b = 1; b < model.nbody; b++) tree_size[model.root[b]]++;
@@ -49,7 +50,7 @@ void Stepper::finish(const std::vector<int>& person_roots) {
     }
   qpos_.assign(model.nq, 0);
   for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_, &pull_, &resist_, &change_,
-                  &pushed_, &exerted_})
+                  &pushed_, &exerted_, &load_})
     v->assign(model.nv, 0);
   world.standing.assign(model.nbody, 0);
   scale_.assign(model.nv, 1);
@@ -158,7 +159,7 @@ void Stepper::find_busy(double dt, std::vector<char>& busy) {
   q_free_ = qpos_;
   bool any = false;
   for (const Drive& d : drives_) {
-    if (!d.settled(drive_settings, qpos_.data())) continue;
+    if (carries(d) || !d.settled(drive_settings, qpos_.data())) continue;
     busy[d.body(0)] = 0;
     d.follow(1, q_free_.data());
     any = true;
@@ -255,7 +256,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
       for (int k = 0; k < n; k++)
         arrive((k + 1.0) / n, &(*poses)[first_row + (size_t)k * model.nq]);
     arrive(1, qpos_.data());
-    d.followed();
+    d.followed(carries(d));
     if (busy_[d.body(0)]) pose_known_ = false;  // the last step ended a rounding away
   }
   if (!any_free) return;

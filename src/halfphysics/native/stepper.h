@@ -135,11 +135,20 @@ class Stepper {
   void build_inertia(double h);
   void stiffen();
 
+  // What people hold (holding.cpp): what it asks of the drives, and of that what they do not bear.
+  void find_carried();
+  bool carries(const Drive& d) const { return carried_[d.body(0)]; }
+  void find_load(double h);
+  void add_drift(const Drive& d, double h, const std::vector<double>& held,
+                 const std::vector<double>& own, double sign);
+  void bear_load(double h);
+  void bear(const Drive& d, double h);
+
   // What the drive exerts (strength.cpp).
   void limit_strength(double h);
   void tally(double h);
-  // out = M^ x on one person's rows, M^ = s (M + what the drive adds to it).
-  void weigh(const Drive& d, const double* x, double s, double* out) const;
+  // out = M x on one person's rows.
+  void weigh(const Drive& d, const double* x, double* out) const;
 
   // With it (substep.cpp).
   void substep(int k, double h);
@@ -149,6 +158,15 @@ class Stepper {
   // By how much the fastest point of those who come out of something is faster than asked [m/s].
   double hurled();
   void solve(double h);
+  // What the contacts make of v_free_: v_ and their impulses (self_answer.cpp).
+  SolveReport answer(double h);
+  bool solve_self(double h);
+  bool touches_itself(const Contact& c) const;
+  bool leaves_itself(const Candidate& c) const {
+    return c.dist < 0 && c.other_mover >= 0 && tree(c.mover) == tree(c.other_mover);
+  }
+  void make_room(int a, int b, bool whole);
+  void push(const Contact& c, std::vector<double>& f) const;
   // World::excess of candidate i; asks for what a plane that it forgives had hidden.
   double excess(size_t i, double h);
   double allowed(const Candidate& c) const;
@@ -179,6 +197,7 @@ class Stepper {
   // The parts of a substep.
   void pose_at(const std::vector<double>& v, double h, Poses& out, std::vector<double>& q);
   void warm_start(Contact& c);
+  void bend_way(Contact& c);  // curvature.cpp
   void remember(const std::vector<double>& share);
 
   std::vector<Drive> drives_;
@@ -197,6 +216,8 @@ class Stepper {
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
   std::vector<double> resist_;  // M^ without M, as factored last
   std::vector<double> v_star_, change_, pushed_, exerted_;
+  std::vector<char> carried_;  // per body: what people hold, and the roots of those who hold something
+  std::vector<double> load_;  // per dof: generalised force
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;
   Poses start_, end_;
@@ -204,6 +225,7 @@ class Stepper {
   Inertia inertia_;
   bool inertia_ready_ = false;
   std::vector<Twist> twists_, moving_;
+  std::vector<Twist> turning_;  // what moving_ becomes with time; empty: not asked for yet
   std::vector<double> reach_, way_;
   std::vector<Candidate> candidates_;
   std::vector<Contact> contacts_;
@@ -223,6 +245,12 @@ class Stepper {
   std::vector<char> gave_way_;       // per body: its tree's clearance has
   std::vector<Remembered> warm_, next_warm_;
   ContactSolver solver_;
+  // What people do to themselves.
+  std::vector<char> gives_;      // per dof
+  Inertia giving_;
+  std::vector<Contact> own_;
+  std::vector<double> v_self_;
+  std::vector<Twist> self_twists_;
   std::vector<Track> tracks_;
   std::vector<double> clock_;         // per track: where on it the thing is [s]
   std::vector<double> behind_;        // per body: time lost in the substep under way [s]

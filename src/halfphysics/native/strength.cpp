@@ -5,7 +5,8 @@
 //
 //   h tau = M (e - e_before) - M^ (v - v*)
 //
-// It is zero in free motion, and what balances the contacts in a static hold.
+// It is zero in free motion, and what balances the contacts in a static hold. What held things ask for
+// (holding.cpp) is added: it is no part of e.
 #include "stepper.h"
 
 namespace hp {
@@ -14,10 +15,7 @@ namespace {
 
 constexpr double kRest = 1e-9;  // smaller changes of velocity are rounding [m/s, rad/s]
 
-// A limit's dofs, relative to the person's first: 0 the root's position, i + 1 ball i.
-int first_of(const Drive& d, int limit) {
-  return limit == 0 ? d.first_dof() : d.ball_dof(limit - 1);
-}
+int first_of(const Drive& d, int limit) { return d.limit_dof(limit); }
 
 // Scales the limit's three entries of x (nv of the model) to at most `most`; true if they were more.
 bool cap(const Drive& d, int limit, double most, double* x) {
@@ -70,10 +68,8 @@ std::vector<double> Drive::force() const {
   return out;
 }
 
-void Stepper::weigh(const Drive& d, const double* x, double s, double* out) const {
-  const int first = d.first_dof(), end = first + d.dof_count();
-  inertia_.multiply(model, d.body(0), model.dof_body[end - 1], x, out);
-  for (int i = first; i < end; i++) out[i] = s * (out[i] + resist_[i] * x[i]);
+void Stepper::weigh(const Drive& d, const double* x, double* out) const {
+  inertia_.multiply(model, d.body(0), model.dof_body[d.first_dof() + d.dof_count() - 1], x, out);
 }
 
 // The drive pulls the deviation e back by D in a substep, v* = v_ref + e - D, and against what holds
@@ -96,7 +92,8 @@ void Stepper::limit_strength(double h) {
       capped |= cap(d, k, d.allowance(k, h) / own, change_.data());
     }
     std::fill(pushed_.begin(), pushed_.end(), 0.0);
-    weigh(d, change_.data(), s, pushed_.data());
+    weigh(d, change_.data(), pushed_.data());
+    for (int i = first; i < end; i++) pushed_[i] = s * (pushed_[i] + resist_[i] * change_[i]);
     bool coupled = false;
     for (int k = 0; k <= d.ball_count(); k++)
       coupled |= cap(d, k, d.allowance(k, h), pushed_.data());
@@ -119,7 +116,12 @@ void Stepper::tally(double h) {
     const int first = d.first_dof(), end = first + d.dof_count();
     for (int i = first; i < end; i++) pushed_[i] = qvel_[i] - v_star_[i];
     const bool touched = largest(d, pushed_.data()) > 0;
-    if (!touched && largest(d, change_.data()) < kRest) continue;
+    if (!touched && largest(d, change_.data()) < kRest) {
+      if (!carries(d)) continue;
+      for (int i = first; i < end; i++) exerted_[i] = h * load_[i];
+      d.exert(exerted_.data(), h);
+      continue;
+    }
     if (!known) {
       start_.kin.update_dofs(model, qpos_.data(), world.active.data());
       inertia_.compose(model, start_.kin, world.active.data());
@@ -128,8 +130,10 @@ void Stepper::tally(double h) {
     // M^ (v - v*) is s M (v - v*) and what the drive adds to M: one product with M for both terms.
     const double s = touched ? d.scale(drive_settings, h) : 0;
     for (int i = first; i < end; i++) change_[i] -= s * pushed_[i];
-    inertia_.multiply(model, d.body(0), model.dof_body[end - 1], change_.data(), exerted_.data());
+    weigh(d, change_.data(), exerted_.data());
     for (int i = first; i < end; i++) exerted_[i] -= s * resist_[i] * pushed_[i];
+    if (carries(d))
+      for (int i = first; i < end; i++) exerted_[i] += h * load_[i];
     d.exert(exerted_.data(), h);
   }
 }

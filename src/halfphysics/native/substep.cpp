@@ -19,7 +19,7 @@ constexpr double kSlackReach = 0.004;  // planes are asked for this much farther
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
 // A gap may miss what is asked of it by this share: curvature within a substep costs no more solves.
-constexpr double kSlack = 0.02, kWear = 0.1;
+constexpr double kSlack = 0.02, kWear = 0.1, kLeisure = 0.5, kLeast = 1.25;
 // Nobody is pushed apart faster than this for the sake of a curved way: a shorter step is straighter,
 // and things that spin fast would gain energy [m/s].
 constexpr double kPush = 3, kThingsPush = 0.05;
@@ -76,6 +76,7 @@ void Stepper::warm_start(Contact& c) {
   if (!found) return;
   c.impulse = found->impulse;
   found->used = true;
+  bend_way(c);  // it lasts
 }
 
 // The trees that planes connect: island_[tree].
@@ -152,6 +153,9 @@ double Stepper::excess(size_t i, double h) {
 // What a candidate's gap may miss of its target.
 double Stepper::allowed(const Candidate& c) const {
   double miss = 2 * tolerance_ + kRounding;
+  // Who leaves itself need not do so at an exact speed.
+  if (leaves_itself(c))
+    return std::max(miss, (gave_way_[tree(c.mover)] ? kLeast : kLeisure) * (c.target - c.dist));
   if (c.target > 0) miss += kSlack * c.target;
   // What nothing stops must not wear a gap away either.
   auto held = [&](int mover) { return mover >= 0 && model.held[world.movers[mover].body]; };
@@ -171,8 +175,8 @@ bool Stepper::verify(double h, int pass, double& worst) {
   // Things that lie on each other pass on what they carry, a pair more in every pass: of them only
   // points count that were solved for.
   auto of_things = [&](const Candidate& c) {
-    return world.movers[c.mover].person < 0 ||
-           (c.other_mover >= 0 && world.movers[c.other_mover].person < 0);
+    return !is_person(world.movers[c.mover].body) ||
+           (c.other_mover >= 0 && !is_person(world.movers[c.other_mover].body));
   };
   for (size_t i = 0; i < candidates_.size(); i++) {  // forgiven planes add to them
     double e = excess(i, h);
@@ -195,7 +199,7 @@ bool Stepper::verify(double h, int pass, double& worst) {
   for (size_t i = 0; i < contacts_.size(); i++) {
     Contact& c = contacts_[i];
     if (pass > 0) {
-      const bool thing = world.movers[candidates_[c.pair].mover].person < 0;
+      const bool thing = !is_person(world.movers[candidates_[c.pair].mover].body);
       c.shift = std::min(c.dist + h * approach(c, twists_, v_) - world.gap_at(start_, end_, c),
                          std::max(0.0, c.dist - c.target) + h * (thing ? kThingsPush : kPush));
     }
@@ -239,6 +243,7 @@ bool Stepper::give_way() {
 void Stepper::relax() {
   for (Candidate& c : candidates_) {
     if (!gave_way_[tree(c.mover)] && (c.other_mover < 0 || !gave_way_[tree(c.other_mover)])) continue;
+    if (leaves_itself(c)) continue;
     c.target = std::min(c.target, c.dist >= 0 ? std::min(c.dist, kLeastGap) : c.dist);
     if (c.target >= 0 && c.target < kNarrow) tolerance_ = kFiner * world.settings.tolerance;
   }
@@ -257,8 +262,7 @@ void Stepper::solve(double h) {
   const size_t contacts = contacts_.size();
   for (size_t i = 0; i < limits_.size(); i++) limits_[i].pair = (int)(candidates_.size() + i);
   contacts_.insert(contacts_.end(), limits_.begin(), limits_.end());
-  SolveReport r = solver_.solve(model, start_.kin, inertia_, h, v_free_.data(), v_.data(),
-                                contacts_, tolerance_ / h, world.settings.max_sweeps);
+  const SolveReport r = answer(h);
   for (size_t i = 0; i < limits_.size(); i++) {
     // What solving leaves is cut: a joint goes no farther than it goes.
     Contact& c = limits_[i];
@@ -377,6 +381,7 @@ void Stepper::try_step(double h) {
   work_ = 0;
   gave_way_.assign(model.nbody, 0);
   body_twists(model, start_.kin, qvel_.data(), moving_);
+  turning_.clear();
   body_twists(model, start_.kin, v_free_.data(), twists_);
   reach_.resize(world.movers.size());
   fastest_.assign(model.nbody, 0);

@@ -21,6 +21,8 @@ void Model::finish() {
     last_dof[b] = dof_count[b] > 0 ? dof_first[b] + dof_count[b] - 1 : last_dof[parent[b]];
     for (int i = 0; i < dof_count[b]; i++) dof_body[dof_first[b] + i] = b;
   }
+  carried = mass;
+  for (int b = nbody - 1; b > 0; b--) carried[parent[b]] += carried[b];
   plain_ball.assign(nbody, 0);
   for (int b = 1; b < nbody; b++) {
     int j = jnt_first[b];
@@ -156,6 +158,21 @@ void body_twists(const Model& m, const Kinematics& k, const double* qvel,
   }
 }
 
+void carry(const Model& m, const Kinematics& k, const double* qvel, int body, Twist& velocity,
+           Twist& acceleration) {
+  const int first = m.jnt_first[body];
+  for (int j = first; j < first + m.jnt_count[body]; j++) {
+    int d = m.jnt_dof[j];
+    const bool free = m.jnt_type[j] == Joint::Free;
+    for (int i = 0; free && i < 3; i++, d++) velocity = velocity + scaled(qvel[d], k.cdof[d]);
+    const Twist before = velocity;
+    for (int i = free || m.jnt_type[j] == Joint::Ball ? 3 : 1; i > 0; i--, d++) {
+      acceleration = acceleration + scaled(qvel[d], cross_motion(before, k.cdof[d]));
+      velocity = velocity + scaled(qvel[d], k.cdof[d]);
+    }
+  }
+}
+
 void integrate(const Model& m, double* qpos, const double* qvel, double t, const char* active) {
   for (int j = 0; j < m.njnt; j++) {
     if (active && !active[m.jnt_body[j]]) continue;
@@ -226,19 +243,22 @@ void Inertia::compose(const Model& m, const Kinematics& k, const char* active) {
 }
 
 void Inertia::factor(const Model& m, const std::vector<double>& scale,
-                     const std::vector<double>& extra, const char* active) {
+                     const std::vector<double>& extra, const char* active, const char* free) {
+  auto stays = [&](int dof) { return (active && !active[m.dof_body[dof]]) || (free && !free[dof]); };
   L.resize(M.size());
   inv_D.resize(m.nv);
   root_D.resize(m.nv);
   for (int i = 0; i < m.nv; i++) {
     int start = m.row_start[i], n = m.row_size[i];
-    if (active && !active[m.dof_body[i]]) {
+    if (stays(i)) {
       std::fill_n(&L[start], n, 0.0);
       inv_D[i] = root_D[i] = 0;
       continue;
     }
     for (int a = 0; a < n; a++) L[start + a] = scale[i] * M[start + a];
     L[start + n - 1] += scale[i] * extra[i];
+    for (int a = 0; free && a < n - 1; a++)
+      if (!free[m.chain[start + a]]) L[start + a] = 0;
   }
   // Chain by chain from its end: of a ball's three dofs each leaves the rows of those before it, then
   // all three together those of the ancestors that they share.
@@ -254,6 +274,7 @@ void Inertia::factor(const Model& m, const std::vector<double>& scale,
       double* row = &L[m.row_start[i - k]];
       const int n = m.row_size[i - k] - 1;
       t[k] = row;
+      if (stays(i - k)) continue;
       f[k] = inv_D[i - k] = 1 / row[n];
       root_D[i - k] = std::sqrt(f[k]);
       for (int a = n - 1; a >= shared; a--) {

@@ -31,6 +31,7 @@ struct Model {
   // Derived by finish():
   std::vector<int> root;                 // per body: the body of its tree that hangs on the world
   std::vector<int> last_dof;             // per body: last dof that moves it, -1: fixed
+  std::vector<double> carried;           // per body: mass of it and all that hangs on it [kg]
   std::vector<int> dof_body;             // per dof
   std::vector<int> row_start, row_size;  // per dof: its chain of ancestors, itself last
   std::vector<int> chain;                // dof indices of all rows, one after the other
@@ -47,6 +48,13 @@ struct Model {
 struct Twist {
   Vec3 w, v;
 };
+
+inline Twist operator+(Twist a, Twist b) { return {a.w + b.w, a.v + b.v}; }
+inline Twist scaled(double s, Twist a) { return {s * a.w, s * a.v}; }
+// Of a motion that is carried along by another one.
+inline Twist cross_motion(Twist v, Twist s) {
+  return {cross(v.w, s.w), cross(v.w, s.v) + cross(v.v, s.w)};
+}
 
 // Everything that follows from a pose.
 struct Kinematics {
@@ -65,6 +73,12 @@ struct Kinematics {
 // Spatial velocity of every body about its tree's reference point.
 void body_twists(const Model& m, const Kinematics& k, const double* qvel, std::vector<Twist>& out);
 
+// From its parent's velocity and acceleration to those of a body, if `qvel` stays as it is: axes are
+// carried along by what comes before them in the chain; those that a free joint shifts along stand
+// still.
+void carry(const Model& m, const Kinematics& k, const double* qvel, int body, Twist& velocity,
+           Twist& acceleration);
+
 // qpos <- qpos moved along qvel for a time t, on the manifold; with `active` only those trees.
 void integrate(const Model& m, double* qpos, const double* qvel, double t,
                const char* active = nullptr);
@@ -79,9 +93,10 @@ struct Inertia {
   double diagonal(const Model& m, int dof) const {
     return M[m.row_start[dof] + m.row_size[dof] - 1];
   }
-  // Factors scale_i * (M + diag(extra)); scale is constant within a tree.
+  // Factors scale_i * (M + diag(extra)); scale is constant within a tree. With `free` (per dof) only of
+  // those, as if the others could not move.
   void factor(const Model& m, const std::vector<double>& scale, const std::vector<double>& extra,
-              const char* active = nullptr);
+              const char* active = nullptr, const char* free = nullptr);
   void solve(const Model& m, double* x) const;       // x <- matrix^-1 x
   void half_solve_back(const Model& m, double* x) const;  // x <- L^-1 x, the last half of solve()
   // out = M x on the dofs of bodies `first` to `last`, which are a tree.

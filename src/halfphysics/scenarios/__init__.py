@@ -19,6 +19,8 @@ __all__ = ["builder", "describe", "load", "names", "options"]
 #: Scenario -> module of this package that builds it.
 _MODULES = {
     "climb_onto_bed": "climb_onto_bed",
+    "close_drawer": "close_drawer",
+    "close_laptop": "close_laptop",
     "crawl_under_table": "crawl_under_table",
     "doorway": "doorway",
     "fly_with_ball": "fly_with_ball",
@@ -26,9 +28,13 @@ _MODULES = {
     "kick_ball": "kick_ball",
     "leg_through_table": "leg_through_table",
     "lift_suitcase": "lift_suitcase",
+    "meet": "meet",
+    "open_drawer": "open_drawer",
+    "open_laptop": "open_laptop",
     "place_glass": "place_glass",
     "push_door": "push_door",
     "reach_past_monitor": "reach_past_monitor",
+    "shake_hands": "shake_hands",
     "sit_on_bed": "sit_on_bed",
     "sit_on_sofa": "sit_on_sofa",
     "step_back_onto_cabinet": "step_back_onto_cabinet",

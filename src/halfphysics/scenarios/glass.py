@@ -21,6 +21,7 @@ from halfphysics.scenarios.arms import REACH, arm_of, solve
 from halfphysics.scenarios.gait import Walk, ease, walk
 from halfphysics.scenarios.grip import grip
 from halfphysics.scenarios.legs import about
+from halfphysics.scenarios.vessels import Vessel
 from halfphysics.shapes import Cylinder
 from halfphysics.skeleton import RIGHT_HAND_JOINTS
 from halfphysics.validation import number
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: The glass [m].
-RADIUS, HEIGHT = 0.035, 0.12
 #: Fingers whose targets are further than this beyond contact [rad] eject what they hold.
 MOST_SQUEEZE = 0.5
 #: A thing starts this far over what it stands on [m].
@@ -171,6 +170,7 @@ def perform(
     fps: float,
     squeeze: float,
     *,
+    held: Vessel,
     steps: Walk | None = None,
     shake: Shake | None = None,
 ) -> Motion:
@@ -181,6 +181,7 @@ def perform(
         plan: Of the hand.
         fps: Frames per second.
         squeeze: How far the fingers' targets are beyond contact [rad].
+        held: What the hand closes around.
         steps: A walk, whose times count from the start of the plan; None: the person stands.
         shake: An up and down on top.
 
@@ -200,7 +201,7 @@ def perform(
     whole = replace(whole, after=max(whole.after, plan.time - float(whole.clock()[0][-2]) + 0.1))
     motion = walk(body, whole, fps)[: int(np.floor(plan.time * fps + 1e-9)) + 1]
     times = np.arange(len(motion)) / fps
-    holds = grip(body, RADIUS)
+    holds = grip(body, held.outline)
     ways = eased(track, times)
     clock, phases = whole.clock()
     place = start(body) + ways["place"]
@@ -239,15 +240,15 @@ def eased(track: Track, times: Array) -> dict[str, Array]:
     return out
 
 
-def add_glass(scene: Scene, at: Array, mass: float, friction: float) -> None:
-    """The glass with its middle at `at` (3,) [m]: a closed cylinder."""
-    shape = Cylinder(RADIUS, HEIGHT)
-    scene.add_object("glass", shape, mass=mass, friction=friction, position=at)
+def add_glass(scene: Scene, at: Array, held: Vessel, mass: float, friction: float) -> None:
+    """The glass with the place where it is held at `at` (3,) [m]."""
+    pieces = "auto" if held.pieces is None else held.pieces
+    scene.add_object("glass", held.shape, mass=mass, friction=friction, position=at, pieces=pieces)
 
 
-def add_stand(scene: Scene, name: str, at: Array) -> None:
-    """A round table for a glass whose middle is at `at` (3,) [m]: a top on one leg."""
-    top = float(at[2]) - 0.5 * HEIGHT - _ABOVE
+def add_stand(scene: Scene, name: str, at: Array, held: Vessel) -> None:
+    """A round table for a glass that is held at `at` (3,) [m]: a top on one leg."""
+    top = float(at[2]) - held.below - _ABOVE
     scene.add_static(
         name,
         Cylinder(_STAND, _TOP),

@@ -10,6 +10,7 @@ import numpy as np
 from halfphysics.errors import InputError
 from halfphysics.scenarios import glass, stage
 from halfphysics.scenarios.gait import Walk
+from halfphysics.scenarios.vessels import vessel
 from halfphysics.sequence import Sequence
 from halfphysics.validation import number
 
@@ -24,6 +25,7 @@ _SHAKING, _TURNING, _OVER, _FALLING = 4.0, 1.5, 0.7, 0.6
 
 def build(
     *,
+    shape: str = "tumbler",
     mass: float = 0.3,
     friction: float = 0.8,
     fps: float = 30.0,
@@ -35,6 +37,7 @@ def build(
     """One hand grasps a glass, lifts it, shakes it, carries it, turns it over and lets go.
 
     Args:
+        shape: "tumbler", a closed cylinder, or "wine", a glass with stem, foot and hollow bowl.
         mass: Of the glass [kg].
         friction: Of the glass.
         fps: Frames per second.
@@ -45,6 +48,7 @@ def build(
         body: Who does it; None: the default body. Hand, arm and table follow the body given.
     """
     return planned(
+        shape=shape,
         mass=mass,
         friction=friction,
         fps=fps,
@@ -57,6 +61,7 @@ def build(
 
 def planned(
     *,
+    shape: str = "tumbler",
     mass: float = 0.3,
     friction: float = 0.8,
     fps: float = 30.0,
@@ -72,6 +77,7 @@ def planned(
             raise InputError(f"stages: found {found!r}, expected some of {', '.join(STAGES)}")
     hold = number(hold, "hold", least=0.0, unit="s")
     actor = stage.actor(body)
+    held = vessel(shape)
     plan = glass.Plan()
     plan.grasp()
     if "lift" in stages:
@@ -100,9 +106,9 @@ def planned(
         plan.stage("turn", begin)
     if "open" in stages:
         plan.open(_FALLING)
-    motion = glass.perform(actor, plan, fps, squeeze, steps=steps, shake=shake)
+    motion = glass.perform(actor, plan, fps, squeeze, held=held, steps=steps, shake=shake)
     scene = stage.floor()
     at = glass.start(actor)
-    glass.add_stand(scene, "stand", at)
-    glass.add_glass(scene, at, mass, friction)
+    glass.add_stand(scene, "stand", at, held)
+    glass.add_glass(scene, at, held, mass, friction)
     return Sequence(motion, scene, actor), plan.times

@@ -2,8 +2,8 @@
 
 Everything is in the hand's own frame: rest axes, origin at the wrist. A right hand points along
 -x, its palm faces -y and its thumb is on the side of +z, along which lies the axis of the thing
-that it holds. The hulls that the simulator collides are looked at along that axis: their outlines
-against a circle.
+that it holds. The hulls that the simulator collides are looked at along that axis, and from above
+and below where the thing is not a cylinder: their outlines against its own.
 """
 
 from __future__ import annotations
@@ -43,13 +43,15 @@ _TOUCH = 1e-4
 #: Of the closed hand's angles an open one has this part; the thumb moves away by this much [rad].
 _OPEN, _THUMB_AWAY = 0.25, 0.5
 #: Where the thumb points before it flexes, opposite the palm: it lies beside the thing.
-_OPPOSED = np.array([0.35, -1.0, -0.3])
+_OPPOSED = np.array([0.35, -1.0, -0.45])
 #: The knuckle of the middle finger is this far before the axis of what is held [m].
 _KNUCKLE = 0.010
 #: What is free of touch over this much of its circle is not held: it can leave there [rad].
 _OPEN_SIDE = np.radians(200.0)
 #: Directions that an outline is looked at from: at 0.5 degrees a circle is round to 1e-5.
 _LOOKS = np.radians(np.arange(0.0, 360.0, 0.5))
+#: The same up and down, where the outline is not straight, and around then.
+_TILTS, _TILTED_LOOKS = np.radians(np.arange(-60.0, 61.0, 10.0)), _LOOKS[::4]
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,12 +84,39 @@ class Grip:
         return out
 
 
-def grip(body: Body, radius: float, gap: float = 0.001) -> Grip:
-    """The grip of a body's right hand around a cylinder: `gap` [m] from every touching joint.
+@dataclass(frozen=True, eq=False)
+class _Round:
+    """A convex round thing about an axis along z, by how far it reaches: `reach` (k,) [m] in
+    directions `tilts` (k,) [rad] over the horizontal, looked at from `looks` (l,) [rad] around."""
+
+    tilts: Array
+    reach: Array
+    looks: Array
+
+    @classmethod
+    def of(cls, outline: Array) -> _Round:
+        """From rows of height, from the middle of the hand, and radius (n, 2) [m]."""
+        if np.ptp(outline[:, 1]) == 0.0:
+            return cls(np.zeros(1), outline[:1, 1], _LOOKS)
+        reach = np.outer(np.cos(_TILTS), outline[:, 1]) + np.outer(np.sin(_TILTS), outline[:, 0])
+        return cls(_TILTS, reach.max(axis=1), _TILTED_LOOKS)
+
+
+def grip(body: Body, outline: float | ArrayLike, gap: float = 0.001) -> Grip:
+    """The grip of a body's right hand around something round: `gap` [m] from every touching joint.
+
+    Args:
+        body: Whose hand.
+        outline: The radius of a cylinder [m], or rows of height, from the middle of the hand, and
+            radius (n, 2) [m], whose hull counts.
+        gap: Left between the two [m].
 
     Raises:
         InputError: The thing is too thick or too thin for this hand.
     """
+    given = np.asarray(outline, dtype=np.float64)
+    held = _Round.of(np.array([[0.0, float(given)]]) if given.ndim == 0 else given)
+    radius = float(given if given.ndim == 0 else given[:, 1].max())
     hand = _Hand(body)
     angles = np.zeros((5, 3))
     knuckle = hand.joints[JOINT_INDEX["right_middle1"]] - hand.joints[WRIST]
@@ -98,16 +127,16 @@ def grip(body: Body, radius: float, gap: float = 0.001) -> Grip:
     palm = [WRIST, *FINGERS[:_THUMB].ravel()]
 
     def palm_is_clear(y: float) -> bool:
-        return hand.gaps(angles, thumb, np.array([centre[0], -y]), radius, palm).min() > gap
+        return hand.gaps(angles, thumb, np.array([centre[0], -y]), held, palm).min() > gap
 
     centre[1] = -_first(palm_is_clear, 0.0, 0.2)[1]
     for finger, row in enumerate(angles):
 
         def gaps(parts: list[int]) -> Array:
-            return hand.gaps(angles, thumb, centre, radius, parts)
+            return hand.gaps(angles, thumb, centre, held, parts)
 
         _wrap(finger, row, gaps, gap)
-    away, sides = hand.around(angles, thumb, centre, radius, palm + list(FINGERS[_THUMB]))
+    away, sides = hand.around(angles, thumb, centre, held, palm + list(FINGERS[_THUMB]))
     touched = np.sort(sides[away < 2.0 * gap])
     if not len(touched) or np.diff([*touched, touched[0] + 2.0 * np.pi]).max() > _OPEN_SIDE:
         raise InputError(
@@ -131,26 +160,31 @@ class _Hand:
         self.of_hull = np.repeat(self.parts, [len(s) for s in sets])
 
     def gaps(
-        self, angles: Array, thumb: Array, centre: Array, radius: float, parts: list[int]
+        self, angles: Array, thumb: Array, centre: Array, held: _Round, parts: list[int]
     ) -> Array:
-        """Between the hulls of some parts and a cylinder along z [m], (hulls,); 0: touching."""
-        return self.around(angles, thumb, centre, radius, parts)[0]
+        """Between the hulls of some parts and what is held [m], (hulls,); 0: touching."""
+        return self.around(angles, thumb, centre, held, parts)[0]
 
     def around(
-        self, angles: Array, thumb: Array, centre: Array, radius: float, parts: list[int]
+        self, angles: Array, thumb: Array, centre: Array, held: _Round, parts: list[int]
     ) -> tuple[Array, Array]:
-        """As `gaps`, and on which side of the cylinder [rad], (hulls,)."""
+        """As `gaps`, and on which side of the thing [rad], (hulls,)."""
         rotations = np.zeros((N_JOINTS, 3))
         rotations[FINGERS.ravel()] = _turned(angles[None], thumb).reshape(-1, 3)
         rows = np.isin(self.of_hull, parts)
         pose = Pose(np.zeros(3), rotations)
         points = self.body.vertices(pose, indices=self.vertex[rows]) - self.joints[WRIST]
-        looks = np.stack([np.cos(_LOOKS), np.sin(_LOOKS)])
+        points -= [centre[0], centre[1], centre[2] if len(centre) == 3 else 0.0]
+        looks = np.stack([np.cos(held.looks), np.sin(held.looks)])
         chosen = np.isin(self.parts, parts)
         sizes = np.diff([*self.first, len(self.vertex)])[chosen]
         first = np.cumsum([0, *sizes[:-1]])
-        seen = np.minimum.reduceat((points[:, :2] - centre[:2]) @ looks, first, axis=0)
-        return np.maximum(seen.max(axis=1) - radius, 0.0), _LOOKS[seen.argmax(axis=1)]
+        sideways = points[:, :2] @ looks
+        away = np.full((chosen.sum(), len(held.looks)), -np.inf)
+        for tilt, reach in zip(held.tilts, held.reach, strict=True):
+            seen = np.cos(tilt) * sideways + np.sin(tilt) * points[:, 2:]
+            np.maximum(away, np.minimum.reduceat(seen, first, axis=0) - reach, out=away)
+        return np.maximum(away.max(axis=1), 0.0), held.looks[away.argmax(axis=1)]
 
 
 def _opposed(hand: _Hand) -> Array:

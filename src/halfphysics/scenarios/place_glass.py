@@ -8,6 +8,7 @@ import numpy as np
 
 from halfphysics.scenarios import glass, stage
 from halfphysics.scenarios.gait import Walk
+from halfphysics.scenarios.vessels import vessel
 from halfphysics.sequence import Sequence
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ _LOWERING, _STAYING, _WATCHING = 1.2, 0.3, 0.8
 
 def build(
     *,
+    shape: str = "tumbler",
     mass: float = 0.3,
     friction: float = 0.8,
     fps: float = 30.0,
@@ -31,6 +33,7 @@ def build(
     """A glass is carried to a table that has been taken away, set down there, and falls.
 
     Args:
+        shape: "tumbler", a closed cylinder, or "wine", a glass with stem, foot and hollow bowl.
         mass: Of the glass [kg].
         friction: Of the glass.
         fps: Frames per second.
@@ -38,13 +41,20 @@ def build(
         squeeze: How far the fingers' targets are beyond contact [rad]; a warning over 0.5.
         body: Who does it; None: the default body. Hand, arm and tables follow the body given.
     """
-    return planned(mass=mass, friction=friction, fps=fps, table=table, squeeze=squeeze, body=body)[
-        0
-    ]
+    return planned(
+        shape=shape,
+        mass=mass,
+        friction=friction,
+        fps=fps,
+        table=table,
+        squeeze=squeeze,
+        body=body,
+    )[0]
 
 
 def planned(
     *,
+    shape: str = "tumbler",
     mass: float = 0.3,
     friction: float = 0.8,
     fps: float = 30.0,
@@ -54,6 +64,7 @@ def planned(
 ) -> tuple[Sequence, dict[str, tuple[float, float]]]:
     """As `build`, and when every stage begins and ends [s]: grasp, lift, walk, lower, open."""
     actor = stage.actor(body)
+    held = vessel(shape)
     plan = glass.Plan()
     plan.grasp()
     plan.lift()
@@ -66,11 +77,11 @@ def planned(
     plan.then(_STAYING)
     plan.stage("lower", begin)
     plan.open(_WATCHING)
-    motion = glass.perform(actor, plan, fps, squeeze, steps=steps)
+    motion = glass.perform(actor, plan, fps, squeeze, held=held, steps=steps)
     scene = stage.floor()
     at = glass.start(actor)
-    glass.add_stand(scene, "stand", at)
+    glass.add_stand(scene, "stand", at, held)
     if table:
-        glass.add_stand(scene, "table", at + np.array([_DISTANCE, 0.0, 0.0]))
-    glass.add_glass(scene, at, mass, friction)
+        glass.add_stand(scene, "table", at + np.array([_DISTANCE, 0.0, 0.0]), held)
+    glass.add_glass(scene, at, held, mass, friction)
     return Sequence(motion, scene, actor), plan.times

@@ -12,6 +12,7 @@ from halfphysics.errors import InputError
 from halfphysics.motion import Motion
 from halfphysics.scenarios import arms, stage
 from halfphysics.scenarios.gait import Walk, ease, walk
+from halfphysics.scenarios.reaching import between
 from halfphysics.sequence import Sequence
 from halfphysics.shapes import Box
 from halfphysics.skeleton import JOINT_NAMES, N_JOINTS
@@ -112,14 +113,7 @@ def _pushing(body: Body, base: Motion) -> Motion:
     share = raised * (1.0 - ease((walked - _LOWERED[0]) / (_LOWERED[1] - _LOWERED[0])))
     rotations = np.array(base.rotations)
     for joint, turn in held.items():
-        rotations[:, joint] = _between(rotations[:, joint], turn, share)
+        rotations[:, joint] = between(rotations[:, joint], turn, share)
     fingers = [j for j in range(25, N_JOINTS) if JOINT_NAMES[j].startswith("right_")]
     rotations[:, fingers] *= (1.0 - share)[:, None, None]
     return base.with_frames(base.translation, rotations)
-
-
-def _between(start: Array, end: Array, share: Array) -> Array:
-    """Rotations (T, 3) that are `share` (T,) of the way from `start` to `end` (T, 3)."""
-    first = rot.exp(start)
-    way = rot.log(rot.multiply(rot.conjugate(first), rot.exp(end)))
-    return rot.log(rot.multiply(first, rot.exp(share[:, None] * way)))

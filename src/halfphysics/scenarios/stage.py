@@ -35,6 +35,15 @@ def actor(body: Body | None) -> Body:
     return Body.default()
 
 
+def partner(other: Body | None, stature: float) -> Body:
+    """The given body of a second person, or the default one of a stature [m]."""
+    if other is not None:
+        return other
+    from halfphysics.body import Body
+
+    return Body.default(stature=stature)
+
+
 def floor() -> Scene:
     """A scene with nothing but a floor at z = 0."""
     scene = Scene()

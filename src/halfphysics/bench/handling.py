@@ -1,0 +1,88 @@
+"""The scenarios in which hands hold a thing: a suitcase between two palms, a glass in one hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+from halfphysics import scenarios
+from halfphysics.bench.clips import body
+from halfphysics.bench.pressing import Play, pressed
+from halfphysics.bench.record import Options, Record
+from halfphysics.motion import Motion
+from halfphysics.result import ObjectTrack
+from halfphysics.scenarios.lift_suitcase import UP
+from halfphysics.skeleton import JOINT_INDEX
+
+Array = NDArray[np.float64]
+
+#: Position (T, 3) and quaternion (T, 4) of what holds a thing.
+Holder = Callable[[Motion], tuple[Array, Array]]
+
+#: What the glass goes through while it is held.
+STAGES = ("lift", "shake", "walk", "turn")
+#: When the glass has been lifted [s], and how much of either scenario a quick run takes [frames].
+_UP, _QUICK_LIFT, _QUICK_GLASS = 3.2, slice(0, 75), slice(39, 100)
+
+
+def lift(options: Options) -> Iterator[Record]:
+    """5 kg between two flat palms, both drives."""
+    yield from _handled("lift", "5 kg", "lift_suitcase", {}, _between, UP, _QUICK_LIFT, options)
+
+
+def glass(options: Options) -> Iterator[Record]:
+    """0.3 kg in one hand, both drives."""
+    chosen = {"stages": STAGES}
+    yield from _handled(
+        "glass", "0.3 kg", "grasp_glass", chosen, _in_hand, _UP, _QUICK_GLASS, options
+    )
+
+
+def _handled(
+    case: str,
+    name: str,
+    scenario: str,
+    chosen: dict[str, Any],
+    holder: Holder,
+    up: float,
+    quick: slice,
+    options: Options,
+) -> Iterator[Record]:
+    told = scenarios.load(scenario, body=body(), **chosen)
+    motion = told.motions[0]
+    first = round(up * motion.fps)
+    if options.quick:
+        motion, first = motion[quick], first - quick.start
+    (thing,) = told.scene.objects
+    for record, result, moved in pressed(
+        case, name, Play(motion=motion, scene=told.scene), options
+    ):
+        sides = [(m, objects[thing]) for m, objects in ((result.motion, result.objects), moved)]
+        ours, theirs = (slip(*holder(m), track, first) for m, track in sides)
+        rise, its_rise = (1000.0 * float(np.ptp(track.position[:, 2])) for _, track in sides)
+        checks = {"lifted [mm]": (rise, its_rise), "slip [mm]": (ours, theirs)}
+        yield replace(record, checks={**checks, **record.checks})
+
+
+def slip(position: Array, quaternion: Array, track: ObjectTrack, first: int) -> float:
+    """Farthest that a thing gets from where what holds it had it in frame `first` [mm]."""
+    held = rot.rotate(rot.conjugate(quaternion), track.position - position)[first:]
+    return 1000.0 * float(np.linalg.norm(held - held[0], axis=1).max())
+
+
+def _between(motion: Motion) -> tuple[Array, Array]:
+    """The middle of both wrists; the walk goes straight."""
+    positions, _ = body().joint_frames(motion)
+    wrists = [JOINT_INDEX["left_wrist"], JOINT_INDEX["right_wrist"]]
+    return positions[:, wrists].mean(axis=1), np.tile([1.0, 0.0, 0.0, 0.0], (len(motion), 1))
+
+
+def _in_hand(motion: Motion) -> tuple[Array, Array]:
+    positions, quaternions = body().joint_frames(motion)
+    wrist = JOINT_INDEX["right_wrist"]
+    return positions[:, wrist], quaternions[:, wrist]

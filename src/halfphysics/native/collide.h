@@ -173,6 +173,9 @@ class World {
   void add_contacts(const std::vector<Remembered>& remembered, Poses& start, Poses& end,
                     const Candidate& c, int index, int pass,
                     std::vector<Contact>& contacts) const;
+  // Marks the pairs of two that move that had contacts in the substep before; true if there are any.
+  bool recall(const std::vector<Remembered>& remembered, const std::vector<Candidate>& candidates,
+              std::vector<char>& out) const;
   // The gap that a contact's own points have at the end pose.
   double gap_at(Poses& start, Poses& end, const Contact& c) const;
   // Smallest distance of a person's parts from the statics, up to `range`, inf beyond.

@@ -239,7 +239,7 @@ class Stepper {
   size_t solved_ = 0;      // contacts that the last solve knew
   double step_ = 0;        // the whole substep's length [s]
   double pulled_ = 0;      // gravity has acted for this long since the start pose [s]
-  std::vector<char> violated_;       // per candidate
+  std::vector<char> violated_, recalled_;  // per candidate
   double overdue_ = 0;               // the worst violation that solving should have cured [m]
   std::vector<int> island_;          // per body: of the tree that it belongs to
   std::vector<char> gave_way_;       // per body: its tree's clearance has

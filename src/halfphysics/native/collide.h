@@ -173,7 +173,12 @@ class World {
   void add_contacts(const std::vector<Remembered>& remembered, Poses& start, Poses& end,
                     const Candidate& c, int index, int pass,
                     std::vector<Contact>& contacts) const;
-  // Marks the pairs of two that move that had contacts in the substep before; true if there are any.
+  // Whether a person meets something that moves.
+  bool handles(const Candidate& c) const {
+    return c.other_mover >= 0 &&
+           (movers[c.mover].person >= 0 || movers[c.other_mover].person >= 0);
+  }
+  // Marks those pairs of them that had contacts in the substep before; true if there are any.
   bool recall(const std::vector<Remembered>& remembered, const std::vector<Candidate>& candidates,
               std::vector<char>& out) const;
   // The gap that a contact's own points have at the end pose.

@@ -121,7 +121,9 @@ def test_a_slippery_glass_is_not_held(fps):
     _, times, _, grasp = played(fps, friction=0.1, stages=("lift",))
     assert grasp.slip(times["grasp"][1], times["hold"][1]) > 100.0
     assert grasp.world[-1, 2] < grasp.world[0, 2] + 0.01
-    assert not grasp.normal[-5:].any()
+    # It may lean on the hand where it ends (a shift of 1e-6 m decides where), but friction, a tenth
+    # of what presses, holds less than a tenth of its weight.
+    assert grasp.normal[-5:].max() < 0.3 * 9.81
 
 
 @pytest.mark.parametrize("fps", [30.0, 120.0])

@@ -147,13 +147,14 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
         pairs_.erase(known);
       }
       if (e.own && spheres_apart(start, e, r)) continue;
-      Separation s = separate(A, B, e.dist > r ? r + kAhead : r, true, e.axis);
+      Separation s = separate(A, B, e.dist > r ? r + kAhead : r, true, e.axis, &e.hint);
       e.axis = s.n;
       e.dist = s.dist;
       e.way = way_of(e);
       if (s.dist > r) continue;
       c.n = s.n;
       c.dist = s.dist;
+      c.hint = e.hint;
       if (e.own && c.dist < 0 && (known == pairs_.end() || !known->second.inside)) {
         c.n = least_overlap(A, B, c.n);
         c.dist = separate_along(A, B, c.n).dist;
@@ -350,7 +351,8 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
     if (gap >= c.target || c.dist < 0) return gap - c.target;
     // The plane between two things turns as they do: where their nearest sides are still the
     // same, what counts is their distance at the end.
-    Separation s = separate(a, b1, 1e300, false, c.n);
+    Hint hint = c.hint;
+    Separation s = separate(a, b1, 1e300, false, c.n, &hint);
     if (s.dist > 0 && dot(s.n, c.n) > 0.5) return s.dist - c.target;
   }
   if (swept_clear(place(start, c.mover), a1, c, start, end)) {

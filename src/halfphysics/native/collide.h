@@ -38,6 +38,7 @@ struct Near {
   std::vector<Plane> planes;  // all that the other has lies behind them, within `reach` of there
   double reach = 0;
   Vec3 axis;  // of the two nearest points when last looked at; 0: not yet
+  Hint hint;  // of the two when last looked at
   bool own = false;  // two of one person: `way` counts what they travel within the root's frame
 };
 
@@ -51,6 +52,7 @@ struct Candidate {
   double target = 0;  // distance demanded at its end
   double hard = 0;    // distance under which the step is shortened
   int triangle = -1;
+  Hint hint;  // of two movers at the start
   bool forgiven = false;  // the plane may be crossed: the thing behind it is not there
   bool searched = false;  // what its plane had hidden has been asked for
   // A mover that started inside is not where it is held to be: displaced by `from` at the start of
@@ -171,6 +173,14 @@ class World {
   void add_contacts(const std::vector<Remembered>& remembered, Poses& start, Poses& end,
                     const Candidate& c, int index, int pass,
                     std::vector<Contact>& contacts) const;
+  // Whether a person meets something that moves.
+  bool handles(const Candidate& c) const {
+    return c.other_mover >= 0 &&
+           (movers[c.mover].person >= 0 || movers[c.other_mover].person >= 0);
+  }
+  // Marks those pairs of them that had contacts in the substep before; true if there are any.
+  bool recall(const std::vector<Remembered>& remembered, const std::vector<Candidate>& candidates,
+              std::vector<char>& out) const;
   // The gap that a contact's own points have at the end pose.
   double gap_at(Poses& start, Poses& end, const Contact& c) const;
   // Smallest distance of a person's parts from the statics, up to `range`, inf beyond.

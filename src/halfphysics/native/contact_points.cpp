@@ -20,6 +20,22 @@ constexpr double kSameRim = 0.5, kSettledRim = 1e-4;
 
 }  // namespace
 
+// What a hand gave a thing in the substep before it is likely to give again. (Of what stands the points
+// that would end deepest are wanted: those are not known without looking. And points between two things
+// that nothing presses together would give a pile energy.)
+bool World::recall(const std::vector<Remembered>& remembered, const std::vector<Candidate>& candidates,
+                   std::vector<char>& out) const {
+  out.assign(candidates.size(), 0);
+  bool any = false;
+  for (size_t i = 0; i < candidates.size(); i++) {
+    const Candidate& c = candidates[i];
+    if (!handles(c) || c.inside >= 0) continue;
+    for (const Remembered& w : remembered) out[i] |= w.key == key(c);
+    any |= out[i];
+  }
+  return any;
+}
+
 double World::gap_at(Poses& start, Poses& end, const Contact& c) const {
   const Candidate k = unpacked(c.key);
   if (norm2(c.rim) > 0) {

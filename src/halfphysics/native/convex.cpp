@@ -70,7 +70,13 @@ namespace {
 
 struct Simplex {
   Vec3 w[4], a[4], b[4];
+  int in_a[4], in_b[4];  // their vertices
   int n = 0;
+  void add(int i, int j, Vec3 p, Vec3 q) {
+    a[n] = p, b[n] = q, w[n] = p - q;
+    in_a[n] = i, in_b[n] = j;
+    n++;
+  }
 };
 
 // Nearest point to the origin of a segment, triangle or tetrahedron (Ericson 2005, ch. 5); keeps
@@ -139,13 +145,15 @@ Nearest nearest_tetrahedron(const Vec3* w, bool outside, bool& inside) {
 
 }  // namespace
 
-double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond) {
+double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond,
+           Hint* hint) {
   Simplex s;
   Vec3 v = norm2(guess) > 1e-24 ? guess : Vec3{1, 0, 0}, best;
   double vv = 1e300;
   double apart = 0;  // the distance that a separating direction has proved: `best`, a unit vector
   for (int it = 0; it < 64; it++) {
-    Vec3 p = a.farthest(-v), q = b.farthest(v), w = p - q;
+    const int i = a.points.support(-v), j = b.points.support(v);
+    const Vec3 p = a.swept(i, -v), q = b.swept(j, v), w = p - q;
     double vw = dot(v, w), length = norm(v);
     if (vw > apart * length) {
       apart = vw / length;
@@ -161,8 +169,13 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
       for (int k = 0; k < s.n; k++) known |= norm2(w - s.w[k]) < 1e-28;
       if (known) break;
     }
-    s.w[s.n] = w, s.a[s.n] = p, s.b[s.n] = q;
-    s.n++;
+    // Corners that were nearest before are at hand once the two are known to be apart: a flat
+    // tetrahedron of them cannot say otherwise.
+    if (s.n == 0 && hint && apart > kProved)
+      for (int k = 0; k < hint->n; k++)
+        if (hint->a[k] != i || hint->b[k] != j)
+          s.add(hint->a[k], hint->b[k], a.points.at(hint->a[k]), b.points.at(hint->b[k]));
+    s.add(i, j, p, q);
     bool inside = false;
     Nearest near = s.n == 1   ? Nearest{s.w[0], 1, {0}, {1}}
                    : s.n == 2 ? nearest_segment(s.w, 0, 1)
@@ -184,12 +197,18 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
     for (int k = 0; k < near.n; k++) {
       int id = near.id[k];
       kept.w[k] = s.w[id], kept.a[k] = s.a[id], kept.b[k] = s.b[id];
+      kept.in_a[k] = s.in_a[id], kept.in_b[k] = s.in_b[id];
       pa += near.l[k] * s.a[id];
       pb += near.l[k] * s.b[id];
     }
     s = kept;
     v = near.p;
     vv = norm2(v);
+  }
+  if (hint && a.rim == 0 && b.rim == 0) {
+    hint->n = std::min(s.n, 3);
+    std::copy_n(s.in_a, hint->n, hint->a);
+    std::copy_n(s.in_b, hint->n, hint->b);
   }
   double found = std::sqrt(vv);
   if (apart > kProved && apart < (1 - 1e-7) * found) v = apart * best, found = apart;
@@ -203,11 +222,12 @@ Separation separate_along(const Placed& a, const Placed& b, Vec3 n) {
   return {dist, n, pa, pa - dist * n};
 }
 
-Separation separate(const Placed& a, const Placed& b, double beyond, bool way_out, Vec3 guess) {
+Separation separate(const Placed& a, const Placed& b, double beyond, bool way_out, Vec3 guess,
+                    Hint* hint) {
   double round = a.shape->radius + b.shape->radius;
   Vec3 pa, pb;
   if (norm2(guess) == 0) guess = a.center - b.center;
-  double d = gjk(a.support(), b.support(), guess, pa, pb, beyond + round);
+  double d = gjk(a.support(), b.support(), guess, pa, pb, beyond + round, hint);
   if (d > beyond + round) return {d - round, pa - pb, {}, {}};
   Separation best;
   best.dist = -1e300;

@@ -22,8 +22,10 @@ struct Support {
 
   Support(Points p) : points(p) {}
   Support(Points p, Vec3 axis, double rim) : points(p), axis(axis), rim(rim) {}
-  Vec3 farthest(Vec3 d) const {
-    Vec3 p = points.at(points.support(d));
+  Vec3 farthest(Vec3 d) const { return swept(points.support(d), d); }
+  // What vertex i, which lies farthest along d, is swept to.
+  Vec3 swept(int i, Vec3 d) const {
+    Vec3 p = points.at(i);
     return rim == 0 ? p : p + on_rim(d);
   }
   // From a disc's centre to the point of its rim that lies farthest along d; 0 across the disc.
@@ -76,10 +78,17 @@ struct Placed {
   double highest(Vec3 n) const { return -lowest(-n); }
 };
 
+// Where a search for nearest points ended, for the next one to begin with: vertices of the two.
+struct Hint {
+  int n = 0;  // 0: nothing
+  int a[3] = {0, 0, 0}, b[3] = {0, 0, 0};
+};
+
 // Distance between two unrounded shapes (Gilbert, Johnson, Keerthi 1988) and the nearest points; 0 if
 // they touch or overlap. Stops early with a lower bound once that exceeds `beyond`; pa - pb is then the
-// unit direction, from b to a, that proves it.
-double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond = 1e300);
+// unit direction, from b to a, that proves it. A `hint` of the same two shapes saves time.
+double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond = 1e300,
+           Hint* hint = nullptr);
 
 // The shape, moved by a shift.
 Placed displaced(const Placed& a, Vec3 shift);
@@ -93,9 +102,10 @@ struct Separation {
 // Distance of two rounded shapes, up to `beyond` (then only dist, a lower bound, and n). Where they overlap, n is the least-depth
 // direction among the face normals of both and the line between their centres: exact for a point
 // or sphere in a hull and for faces that touch, an upper bound of the depth otherwise. Without
-// `way_out` an overlap is only said: dist is -1e300. A `guess` of n, if it is good, saves time.
+// `way_out` an overlap is only said: dist is -1e300. A `guess` of n, if it is good, and a `hint` of the
+// same two save time.
 Separation separate(const Placed& a, const Placed& b, double beyond = 1e300, bool way_out = true,
-                    Vec3 guess = {});
+                    Vec3 guess = {}, Hint* hint = nullptr);
 
 // The same along a given direction: dist = min over a of n.x - max over b of n.x.
 Separation separate_along(const Placed& a, const Placed& b, Vec3 n);

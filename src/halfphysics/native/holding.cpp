@@ -135,7 +135,7 @@ void Stepper::bear(const Drive& d, double h) {
   }
   if (most >= kRest) {
     build_inertia(h);
-    weigh(d, wanted.data(), 1, nullptr, need.data());
+    weigh(d, wanted.data(), need.data());
   }
   for (int i = first; i < end; i++) need[i] += h * load_[i];
   std::vector<double> may(count), rate(count, kCreep);

@@ -182,12 +182,7 @@ Material Poses::material(const Mover& m, const Placed& at, Vec3 x) const {
   if (!m.skin) return {-1, mul_t(kin.xmat[m.body], x - kin.xpos[m.body])};
   // Carried like the nearest vertex.
   const Points p = at.points();
-  int v = 0;
-  double least = 1e300;
-  for (int i = 0; i < p.n; i++) {
-    double d = norm2(p.at(i) - x);
-    if (d < least) least = d, v = i;
-  }
+  const int v = nearest(p.x, p.y, p.z, p.n, x.x, x.y, x.z);
   Share s[Endpoint::kMost];
   const int n = shares_of(*m.skin, m.vertex[v], s);
   Mat3 turn;

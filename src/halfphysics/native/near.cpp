@@ -112,7 +112,7 @@ void World::look(Poses& p, Near& e, double r) {
     e.dist = a.lowest(S.n) - S.offset;
     e.planes = {{S.n, S.offset, e.dist, -1, false}};
   } else if (S.kind == Static::Kind::Hull) {
-    Separation s = separate(a, S.placed, r, true, e.axis);
+    Separation s = separate(a, S.placed, r, true, e.axis, &e.hint);
     e.axis = s.n;
     e.dist = s.dist;
     e.planes.clear();
@@ -184,6 +184,8 @@ void World::save_near(std::vector<double>& out) const {
     out.insert(out.end(), {(double)e.mover, (double)e.other_static, (double)e.other_mover, e.dist,
                            e.way, e.reach, e.axis.x, e.axis.y, e.axis.z,
                            (double)e.planes.size()});
+    out.push_back(e.hint.n);
+    for (int k = 0; k < 3; k++) out.insert(out.end(), {(double)e.hint.a[k], (double)e.hint.b[k]});
     for (const Plane& q : e.planes)
       out.insert(out.end(), {q.n.x, q.n.y, q.n.z, q.offset, q.dist, (double)q.triangle,
                              q.overlaps ? 1.0 : 0.0});
@@ -211,6 +213,8 @@ const double* World::load_near(const double* in) {
     e.own = self_contact() && e.other_mover >= 0 && self_[e.mover * movers.size() + e.other_mover];
     int planes = (int)in[9];
     in += 10;
+    e.hint.n = (int)*in++;
+    for (int k = 0; k < 3; k++) e.hint.a[k] = (int)*in++, e.hint.b[k] = (int)*in++;
     for (; planes > 0; planes--, in += 7)
       e.planes.push_back({load3(in), in[3], in[4], (int)in[5], in[6] != 0});
     near_.push_back(std::move(e));

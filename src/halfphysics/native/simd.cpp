@@ -26,22 +26,51 @@ HP_CLONES int farthest(const double* x, const double* y, const double* z, int n,
                        double dy, double dz) {
   double best = -1e300;
   int at = 0, i = 0;
-  if (n >= 8) {
-    V most = {-1e300, -1e300, -1e300, -1e300};
-    I where = {0, 0, 0, 0}, here = {0, 1, 2, 3};
-    for (; i + 4 <= n; i += 4) {
+  if (n >= 16) {
+    // Two at a time, so that comparisons do not wait for each other.
+    V most = {-1e300, -1e300, -1e300, -1e300}, most2 = most;
+    I where = {0, 0, 0, 0}, where2 = where, here = {0, 1, 2, 3};
+    for (; i + 8 <= n; i += 8) {
       V s = dx * *(const V*)(x + i) + dy * *(const V*)(y + i) + dz * *(const V*)(z + i);
-      I more = s > most;
-      most = more ? s : most;
-      where = more ? here : where;
-      here += 4;
+      V s2 = dx * *(const V*)(x + i + 4) + dy * *(const V*)(y + i + 4) + dz * *(const V*)(z + i + 4);
+      I more = s > most, more2 = s2 > most2;
+      most = more ? s : most, most2 = more2 ? s2 : most2;
+      where = more ? here : where, where2 = more2 ? here + 4 : where2;
+      here += 8;
     }
-    for (int k = 0; k < 4; k++)
-      if (most[k] > best || (most[k] == best && where[k] < at)) best = most[k], at = (int)where[k];
+    auto take = [&](double s, long long k) {
+      if (s > best || (s == best && k < at)) best = s, at = (int)k;
+    };
+    for (int k = 0; k < 4; k++) take(most[k], where[k]), take(most2[k], where2[k]);
   }
   for (; i < n; i++) {
     double s = dx * x[i] + dy * y[i] + dz * z[i];
     if (s > best) best = s, at = i;
+  }
+  return at;
+}
+
+HP_CLONES int nearest(const double* x, const double* y, const double* z, int n, double px,
+                      double py, double pz) {
+  double best = 1e300;
+  int at = 0, i = 0;
+  if (n >= 8) {
+    V least = {1e300, 1e300, 1e300, 1e300};
+    I where = {0, 0, 0, 0}, here = {0, 1, 2, 3};
+    for (; i + 4 <= n; i += 4) {
+      const V u = *(const V*)(x + i) - px, v = *(const V*)(y + i) - py, w = *(const V*)(z + i) - pz;
+      const V s = u * u + v * v + w * w;
+      const I less = s < least;
+      least = less ? s : least;
+      where = less ? here : where;
+      here += 4;
+    }
+    for (int k = 0; k < 4; k++)
+      if (least[k] < best || (least[k] == best && where[k] < at)) best = least[k], at = (int)where[k];
+  }
+  for (; i < n; i++) {
+    const double u = x[i] - px, v = y[i] - py, w = z[i] - pz, s = u * u + v * v + w * w;
+    if (s < best) best = s, at = i;
   }
   return at;
 }
@@ -126,6 +155,19 @@ HP_CLONES void add_scaled(double* y, double a, const double* x0, double b, const
   for (; i < n; i++) y[i] += a * x0[i] + b * x1[i] + c * x2[i];
 }
 
+HP_CLONES void eliminate(double* rows, const int* start, const int* at, int n, const double* r0,
+                         const double* r1, const double* r2, const double* f) {
+  for (int a = 0; a < n; a++) {
+    double* y = rows + start[at[a]];
+    const double p = -f[0] * r0[a], q = -f[1] * r1[a], r = -f[2] * r2[a];
+    int c = 0;
+    for (; c + 4 <= a + 1; c += 4)
+      *(V*)(y + c) = *(const V*)(y + c) + p * *(const V*)(r0 + c) + q * *(const V*)(r1 + c) +
+                     r * *(const V*)(r2 + c);
+    for (; c <= a; c++) y[c] = y[c] + p * r0[c] + q * r1[c] + r * r2[c];
+  }
+}
+
 HP_CLONES void meet(const double* x, const int* at, const double* y, int n, double* s) {
   V s0 = {0, 0, 0, 0}, s1 = s0, s2 = s0;
   for (int k = 0; k < n; k++) {
@@ -137,6 +179,26 @@ HP_CLONES void meet(const double* x, const int* at, const double* y, int n, doub
 }
 
 #else
+
+int nearest(const double* x, const double* y, const double* z, int n, double px, double py,
+            double pz) {
+  double best = 1e300;
+  int at = 0;
+  for (int i = 0; i < n; i++) {
+    const double u = x[i] - px, v = y[i] - py, w = z[i] - pz, s = u * u + v * v + w * w;
+    if (s < best) best = s, at = i;
+  }
+  return at;
+}
+
+void eliminate(double* rows, const int* start, const int* at, int n, const double* r0, const double* r1,
+               const double* r2, const double* f) {
+  for (int a = 0; a < n; a++) {
+    double* y = rows + start[at[a]];
+    const double p = -f[0] * r0[a], q = -f[1] * r1[a], r = -f[2] * r2[a];
+    for (int c = 0; c <= a; c++) y[c] = y[c] + p * r0[c] + q * r1[c] + r * r2[c];
+  }
+}
 
 void blend(const double* v, int stride, int n, const double* R, const double* p, const double* w,
            double* out) {

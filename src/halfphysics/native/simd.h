@@ -8,6 +8,9 @@ namespace hp {
 // Index of the largest dx x[i] + dy y[i] + dz z[i]: the first one of several.
 int farthest(const double* x, const double* y, const double* z, int n, double dx, double dy,
              double dz);
+// Index of the point nearest to (px, py, pz): the first one of several.
+int nearest(const double* x, const double* y, const double* z, int n, double px, double py,
+            double pz);
 // out = p + R v for n points, coordinates one after the other in `v` and `out`; lo and hi receive
 // the smallest and largest coordinates.
 void transform(const double* v, int n, const double* R, const double* p, double* out, double* lo,
@@ -24,6 +27,11 @@ void add_scaled(double* y, double a, const double* x, int n);
 // y += a x0 + b x1 + c x2, in this order for each number.
 void add_scaled(double* y, double a, const double* x0, double b, const double* x1, double c,
                 const double* x2, int n);
+
+// For a < n and c <= a:  rows[start[at[a]] + c] -= sum over k of f[k] r_k[a] r_k[c]: three rows of a
+// matrix leave those of their ancestors.
+void eliminate(double* rows, const int* start, const int* at, int n, const double* r0,
+               const double* r1, const double* r2, const double* f);
 
 // s[4 p + q] = sum over k of x[4 at[k] + p] y[4 k + q], p and q < 3: how two sparse rows meet.
 void meet(const double* x, const int* at, const double* y, int n, double* s);

@@ -163,8 +163,8 @@ class Stepper {
   bool give_in(double h);
   void added(const Drive& d, double h, const double* x, double* out);
   void tally(double h);
-  // out = s (M + diag(extra)) x on one person's rows; without `extra` M x.
-  void weigh(const Drive& d, const double* x, double s, const double* extra, double* out) const;
+  // out = M x on one person's rows.
+  void weigh(const Drive& d, const double* x, double* out) const;
 
   // With it (substep.cpp).
   void substep(int k, double h);
@@ -267,7 +267,7 @@ class Stepper {
   size_t solved_ = 0;      // contacts that the last solve knew
   double step_ = 0;        // the whole substep's length [s]
   double pulled_ = 0;      // gravity has acted for this long since the start pose [s]
-  std::vector<char> violated_;       // per candidate
+  std::vector<char> violated_, recalled_;  // per candidate
   double overdue_ = 0;               // the worst violation that solving should have cured [m]
   std::vector<int> island_;          // per body: of the tree that it belongs to
   std::vector<char> gave_way_;       // per body: its tree's clearance has

@@ -66,21 +66,8 @@ std::vector<double> Drive::force() const {
   return out;
 }
 
-void Stepper::weigh(const Drive& d, const double* x, double s, const double* extra,
-                    double* out) const {
-  const int first = d.first_dof(), end = first + d.dof_count();
-  std::fill(out + first, out + end, 0.0);
-  for (int i = first; i < end; i++) {
-    const double* row = &inertia_.M[model.row_start[i]];
-    const int* dof = &model.chain[model.row_start[i]];
-    const int last = model.row_size[i] - 1;  // itself
-    for (int a = 0; a < last; a++) {
-      out[i] += row[a] * x[dof[a]];
-      out[dof[a]] += row[a] * x[i];
-    }
-    out[i] += (row[last] + (extra ? extra[i] : 0)) * x[i];
-  }
-  for (int i = first; i < end; i++) out[i] *= s;
+void Stepper::weigh(const Drive& d, const double* x, double* out) const {
+  inertia_.multiply(model, d.body(0), model.dof_body[d.first_dof() + d.dof_count() - 1], x, out);
 }
 
 // Cuts what the drive exerts to what its joints can; true if any could not.
@@ -111,7 +98,8 @@ void Stepper::limit_strength(double h) {
       less |= cap(d, k, kPull * h * d.limits[k] / own, change_.data());
     }
     std::fill(pushed_.begin(), pushed_.end(), 0.0);
-    weigh(d, change_.data(), s, resist_.data(), pushed_.data());
+    weigh(d, change_.data(), pushed_.data());
+    for (int i = first; i < end; i++) pushed_[i] = s * (pushed_[i] + resist_[i] * change_[i]);
     if (cut(d, h, pushed_.data())) {
       inertia_.solve(model, pushed_.data());
       std::copy(pushed_.begin() + first, pushed_.begin() + end, change_.begin() + first);
@@ -129,9 +117,9 @@ void Stepper::added(const Drive& d, double h, const double* x, double* out) {
   const int first = d.first_dof(), end = first + d.dof_count();
   const double s = d.scale(drive_settings, h);
   for (int i = first; i < end; i++) softer_[i] = share_[i] * x[i];
-  weigh(d, softer_.data(), s - 1, nullptr, out);
+  weigh(d, softer_.data(), out);
   for (int i = first; i < end; i++)
-    out[i] = share_[i] * (out[i] + s * stiff_[i] * softer_[i]);
+    out[i] = share_[i] * ((s - 1) * out[i] + s * stiff_[i] * softer_[i]);
 }
 
 // The impulse that a drive exerts in a substep that ends with the velocities v, into exerted_; false if it
@@ -143,26 +131,22 @@ bool Stepper::exertion(const Drive& d, const double* v, double h) {
   const bool touched = largest(d, pushed_.data()) > 0;
   const bool changes = touched || largest(d, change_.data()) >= kRest;
   if (!changes && !carries(d)) return false;
-  for (int i = first; i < end; i++) exerted_[i] = 0;
+  const bool overcome = overcome_[&d - drives_.data()] > 0;
+  const double s = touched && !overcome ? d.scale(drive_settings, h) : 1;
+  std::fill(exerted_.begin() + first, exerted_.begin() + end, 0.0);
   if (changes) {
     if (!inertia_ready_) {
       start_.kin.update_dofs(model, qpos_.data(), world.active.data());
       inertia_.compose(model, start_.kin, world.active.data());
     }
-    weigh(d, change_.data(), 1, nullptr, exerted_.data());
+    for (int i = first; touched && i < end; i++) change_[i] -= s * pushed_[i];
+    weigh(d, change_.data(), exerted_.data());
   }
-  if (carries(d))
-    for (int i = first; i < end; i++) exerted_[i] += h * load_[i];
+  for (int i = first; carries(d) && i < end; i++) exerted_[i] += h * load_[i];
   if (!touched) return true;
-  if (!overcome_[&d - drives_.data()]) {
-    weigh(d, pushed_.data(), d.scale(drive_settings, h), resist_.data(), change_.data());
-    for (int i = first; i < end; i++) exerted_[i] -= change_[i];
-    return true;
-  }
-  weigh(d, pushed_.data(), 1, nullptr, change_.data());
-  for (int i = first; i < end; i++) exerted_[i] -= change_[i];
-  added(d, h, pushed_.data(), change_.data());
-  for (int i = first; i < end; i++) exerted_[i] -= change_[i];
+  if (overcome) added(d, h, pushed_.data(), change_.data());
+  for (int i = first; i < end; i++)
+    exerted_[i] -= overcome ? change_[i] : s * resist_[i] * pushed_[i];
   return true;
 }
 
@@ -181,7 +165,7 @@ bool Stepper::give_in(double h) {
     bool over = !good_, none = !good_ || overcome_[p] == kRounds;
     d.unhindered(pushed_.data());
     for (int i = first; i < end; i++) pushed_[i] = v_star_[i] - pushed_[i];
-    weigh(d, pushed_.data(), 1, nullptr, change_.data());
+    weigh(d, pushed_.data(), change_.data());
     if (carries(d))
       for (int i = first; i < end; i++) change_[i] += h * load_[i];
     if (overcome_[p] == 0) std::copy_n(resist_.begin() + first, end - first, stiff_.begin() + first);

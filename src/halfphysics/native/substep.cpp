@@ -179,7 +179,14 @@ bool Stepper::verify(double h, int pass, double& worst) {
     return !is_person(world.movers[c.mover].body) ||
            (c.other_mover >= 0 && !is_person(world.movers[c.other_mover].body));
   };
+  // Where there is a first solve anyhow, what hands may touch is looked at after it, not before it too.
+  const bool begins = pass == 0 && world.recall(warm_, candidates_, recalled_);
   for (size_t i = 0; i < candidates_.size(); i++) {  // forgiven planes add to them
+    if (begins && world.handles(candidates_[i])) {
+      violated_.push_back(recalled_[i]);
+      good &= !recalled_[i];
+      continue;
+    }
     double e = excess(i, h);
     worst = std::min(worst, e);
     violated_.push_back(e < -allowed(candidates_[i]));

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "simd.h"
+
 namespace hp {
 
 void Model::finish() {
@@ -262,20 +264,31 @@ void Inertia::factor(const Model& m, const std::vector<double>& scale,
     for (int a = 0; free && a < n - 1; a++)
       if (!free[m.chain[start + a]]) L[start + a] = 0;
   }
-  for (int i = m.nv - 1; i >= 0; i--) {
-    if (stays(i)) continue;
-    double* row = &L[m.row_start[i]];
+  // Chain by chain from its end: of a ball's three dofs each leaves the rows of those before it, then
+  // all three together those of the ancestors that they share.
+  for (int i = m.nv - 1, count; i >= 0; i -= count) {
+    count = 1;
+    if (active && !active[m.dof_body[i]]) continue;
     const int* dof = &m.chain[m.row_start[i]];
-    int n = m.row_size[i] - 1;
-    double inv = 1 / row[n];
-    inv_D[i] = inv;
-    root_D[i] = std::sqrt(inv);
-    for (int a = n - 1; a >= 0; a--) {
-      double t = row[a] * inv;
-      double* up = &L[m.row_start[dof[a]]];
-      for (int c = 0; c <= a; c++) up[c] -= t * row[c];
+    while (count < 3 && i - count >= m.dof_first[m.dof_body[i]]) count++;
+    const int shared = m.row_size[i] - count;
+    double f[3] = {0, 0, 0};
+    const double* t[3] = {&L[m.row_start[i]], &L[m.row_start[i]], &L[m.row_start[i]]};
+    for (int k = 0; k < count; k++) {
+      double* row = &L[m.row_start[i - k]];
+      const int n = m.row_size[i - k] - 1;
+      t[k] = row;
+      if (stays(i - k)) continue;
+      f[k] = inv_D[i - k] = 1 / row[n];
+      root_D[i - k] = std::sqrt(f[k]);
+      for (int a = n - 1; a >= shared; a--) {
+        double* up = &L[m.row_start[dof[a]]];
+        for (int c = 0; c <= a; c++) up[c] -= row[a] * f[k] * row[c];
+      }
     }
-    for (int a = 0; a < n; a++) row[a] *= inv;
+    eliminate(L.data(), m.row_start.data(), dof, shared, t[0], t[1], t[2], f);
+    for (int k = 0; k < count; k++)
+      for (int a = 0; a < m.row_size[i - k] - 1; a++) L[m.row_start[i - k] + a] *= f[k];
   }
 }
 
@@ -298,6 +311,30 @@ void Inertia::half_solve_back(const Model& m, double* x) const {
     double t = x[i];
     for (int a = 0; a < m.row_size[i] - 1; a++) t -= row[a] * x[dof[a]];
     x[i] = t;
+  }
+}
+
+void Inertia::multiply(const Model& m, int first, int last, const double* x, double* out) const {
+  shared_.resize(2 * (size_t)m.nv);
+  for (int b = first; b <= last; b++)
+    std::fill_n(out + m.dof_first[b], m.dof_count[b], 0.0);
+  for (int b = first; b <= last; b++) {
+    const int from = m.dof_first[b], count = m.dof_count[b];
+    if (count == 0) continue;
+    const int n = m.row_size[from] - 1;
+    const int* dof = &m.chain[m.row_start[from]];
+    double *up = shared_.data(), *back = up + m.nv;  // x of the ancestors, and what they get
+    for (int a = 0; a < n; a++) up[a] = x[dof[a]], back[a] = 0;
+    for (int i = from; i < from + count; i++) {
+      const double* row = &M[m.row_start[i]];
+      out[i] += inner(row, up, n) + row[n + i - from] * x[i];
+      for (int j = from; j < i; j++) {
+        out[i] += row[n + j - from] * x[j];
+        out[j] += row[n + j - from] * x[i];
+      }
+      add_scaled(back, x[i], row, n);
+    }
+    for (int a = 0; a < n; a++) out[dof[a]] += back[a];
   }
 }
 

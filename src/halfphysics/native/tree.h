@@ -99,6 +99,8 @@ struct Inertia {
               const char* active = nullptr, const char* free = nullptr);
   void solve(const Model& m, double* x) const;       // x <- matrix^-1 x
   void half_solve_back(const Model& m, double* x) const;  // x <- L^-1 x, the last half of solve()
+  // out = M x on the dofs of bodies `first` to `last`, which are a tree.
+  void multiply(const Model& m, int first, int last, const double* x, double* out) const;
 
   struct Composite {
     double mass = 0;
@@ -110,6 +112,7 @@ struct Inertia {
 
  private:
   std::vector<Composite> composite_;
+  mutable std::vector<double> shared_;  // of the ancestors that a body's dofs have in common
 };
 
 }  // namespace hp

@@ -332,7 +332,7 @@ def test_no_torque_above_its_limit(body, mass):
     _, result = lifted(body, mass, "human")
     torque = np.linalg.norm(result.people[0].torque, axis=-1)
     _, limits = limits_of("human", body)
-    assert (torque <= 1.03 * limits).all()
+    assert (torque <= (1.0 + 1e-6) * limits).all()
     assert (torque >= 0.9 * limits).any()  # they are what holds it back
 
 

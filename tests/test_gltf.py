@@ -65,6 +65,13 @@ def test_a_violent_motion_of_one_person(tmp_path, suffix):
     assert tuple(names) == JOINT_NAMES
 
 
+def test_a_real_clip(tmp_path, shared_data):
+    motion = hp.Motion.load(sorted((shared_data / "motion").glob("*.npz"))[0])
+    body = Body.default(stature=1.6)
+    hp.export(motion, tmp_path / "clip.glb", body=body)
+    assert_shows(tmp_path / "clip.glb", take_of(motion, body))
+
+
 def test_between_frames_it_turns_the_short_way(tmp_path):
     """Between two frames as a motion resampled to twice the rate (half turns included)."""
     motion = violent(40)

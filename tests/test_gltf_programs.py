@@ -35,13 +35,13 @@ def module(name):
     return next((folder / name for folder in MODULES if (folder / name).is_dir()), None)
 
 
-def walk(frames=9):
+def walk(like):
     """A person who bends every joint in front of a camera."""
-    motion = violent(frames)
+    motion = violent(len(like))
     rotations = 0.4 * motion.rotations
-    turn = rot.exp(np.linspace([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], frames))
+    turn = rot.exp(np.linspace([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], len(like)))
     rotations[:, 0] = rot.log(rot.multiply(turn, rot.exp(FACING_X)))
-    return motion.with_frames(motion.translation, rotations)
+    return like.with_frames(motion.translation, rotations)
 
 
 def in_browser(glb, folder):
@@ -104,19 +104,22 @@ def test_three_js_shows_what_we_mean(tmp_path, posedirs):
     body = Body.default()
     if posedirs:  # on the weights of the default body, so that what is drawn is a person
         body = dataclasses.replace(body, posedirs=many_handed(4, posedirs).posedirs)
-    result = make_result(body, frames=9)
-    person = dataclasses.replace(result.people[0], motion=walk(), reference=walk())
-    result = dataclasses.replace(result, people=(person,))
+    result = make_result(body, frames=9, people=2)
+    seen, random = result.people  # the page's camera looks at the last
+    seen = dataclasses.replace(seen, motion=walk(seen.motion), reference=walk(seen.motion))
+    names = (*result.names[:-2], random.name, seen.name)
+    result = dataclasses.replace(result, people=(random, seen), names=names)
     hp.export(result, tmp_path / "file.glb")
     found = in_browser(tmp_path / "file.glb", tmp_path)
     assert found["complaints"] == []
     assert list(found["frames"]) == ["0", "2", "4", "6", "8"]
     assert min(found["painted"].values()) > 500
     for frame, meshes in found["frames"].items():
-        assert set(meshes) == {"person0_skin", "floor", "wall", "ball", "stick"}
-        theirs = np.reshape(meshes["person0_skin"], (-1, 3))
-        ours = y_up(body.vertices(person.motion, int(frame)))
-        assert np.abs(theirs - ours).max() < 1e-5
+        assert set(meshes) == {*("person0_skin", "person1_skin", "floor", "wall", "ball", "stick")}
+        for person in result.people:
+            theirs = np.reshape(meshes[f"{person.name}_skin"], (-1, 3))
+            ours = y_up(body.vertices(person.motion, int(frame)))
+            assert np.abs(theirs - ours).max() < 1e-5
         ball = result.objects["ball"]
         middle = np.reshape(meshes["ball"], (-1, 3)).mean(axis=0)
         assert np.abs(middle - y_up(ball.position[int(frame)])).max() < 1e-5

@@ -8,7 +8,7 @@ from people import t_pose
 
 from halfphysics import rotations as rot
 from halfphysics.body import Body
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.shapes import Box, Plane, Sphere
@@ -167,7 +167,8 @@ def test_who_is_wedged_stops_the_wall():
     path = np.zeros((43, 3))
     path[:, 0] = -1.0 + 1.2 * np.arange(43) / 45.0
     scene.add_moving("wall", Box((0.1, 3, 3)), path, fps=30.0)
-    result = simulate(motion, scene, body=body)
+    with pytest.warns(HalfPhysicsWarning, match="no room from"):
+        result = simulate(motion, scene, body=body)
     skin = body.vertices(result.people[0].motion)[..., 0]
     wall = result.objects["wall"].position[:, 0]
     assert (skin.min(axis=1) > wall + 0.05).all()

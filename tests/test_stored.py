@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import bz2
 import gzip
-import io
 import lzma
 import pickle
-import zipfile
 import zlib
-from pathlib import Path
 
 import numpy as np
 import pytest
+from dumps import Named, Tensor, Wrapper, joblib_dump, torch_saved
 from wrong_files import Boom
 
 from halfphysics.errors import FileError
@@ -21,59 +19,24 @@ from halfphysics.io import stored, torch_file
 # -- torch -------------------------------------------------------------------------------------
 
 
-class _Named:
-    """Pickled as the name of a thing in a module that is not there."""
-
-    def __init__(self, module: str, name: str) -> None:
-        self.module, self.name = module, name
-
-
-class _Tensor:
-    def __init__(self, key: str, kind: str, count: int, size, stride, offset=0) -> None:
-        self.key, self.kind, self.count = key, kind, count
-        self.size, self.stride, self.offset = size, stride, offset
-
-
-class _Pickler(pickle._Pickler):
-    """Writes what torch writes: globals by name, storages as persistent objects."""
-
-    def save(self, obj, save_persistent_id=True):
-        if isinstance(obj, _Named):
-            self.write(pickle.GLOBAL + f"{obj.module}\n{obj.name}\n".encode())
-        elif isinstance(obj, _Tensor):
-            self.save(_Named("torch._utils", "_rebuild_tensor_v2"))
-            self.write(pickle.MARK)
-            storage = ("storage", _Named("torch", obj.kind), obj.key, "cpu", obj.count)
-            super().save(storage, save_persistent_id=False)
-            self.write(pickle.BINPERSID)
-            for item in (obj.offset, obj.size, obj.stride, False, {}):
-                self.save(item)
-            self.write(pickle.TUPLE + pickle.REDUCE)
-        else:
-            super().save(obj, save_persistent_id)
-
-
-def torch_saved(path: Path, data, storages, byteorder: str | None = "little") -> Path:
-    buffer = io.BytesIO()
-    _Pickler(buffer, 2).dump(data)
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("clip/data.pkl", buffer.getvalue())
-        for key, array in storages.items():
-            archive.writestr(f"clip/data/{key}", array.tobytes())
-        if byteorder is not None:
-            archive.writestr("clip/byteorder", byteorder)
-        archive.writestr("clip/version", "3\n")
-    return path
+@pytest.mark.parametrize("shape", [(3, 4), (5,), (0, 2), ()])
+def test_a_tensor_is_written(tmp_path, shape):
+    array = np.random.default_rng(0).normal(size=shape).astype(np.float32)
+    torch_file.write(tmp_path / "a.pt", array)
+    read = stored.read(tmp_path / "a.pt")
+    assert read.shape == shape
+    assert read.dtype == np.float32
+    assert np.array_equal(read, array)
 
 
 def test_torch_tensors(tmp_path):
     numbers = np.arange(24.0)
     data = {
-        "whole": _Tensor("0", "DoubleStorage", 24, (4, 6), (6, 1)),
-        "turned": _Tensor("0", "DoubleStorage", 24, (6, 4), (1, 6)),
-        "part": _Tensor("0", "DoubleStorage", 24, (2, 3), (6, 1), 7),
-        "none": _Tensor("0", "DoubleStorage", 24, (0, 3), (3, 1)),
-        "flags": _Tensor("1", "BoolStorage", 3, (3,), (1,)),
+        "whole": Tensor("0", "DoubleStorage", 24, (4, 6), (6, 1)),
+        "turned": Tensor("0", "DoubleStorage", 24, (6, 4), (1, 6)),
+        "part": Tensor("0", "DoubleStorage", 24, (2, 3), (6, 1), 7),
+        "none": Tensor("0", "DoubleStorage", 24, (0, 3), (3, 1)),
+        "flags": Tensor("1", "BoolStorage", 3, (3,), (1,)),
         "list": [1, "two", (3.0, None)],
     }
     path = torch_saved(tmp_path / "a.pt", data, {"0": numbers, "1": np.array([1, 0, 1], "?")})
@@ -87,7 +50,7 @@ def test_torch_tensors(tmp_path):
     assert read["list"] == [1, "two", (3.0, None)]
     big = torch_saved(
         tmp_path / "b.pt",
-        _Tensor("0", "FloatStorage", 3, (3,), (1,)),
+        Tensor("0", "FloatStorage", 3, (3,), (1,)),
         {"0": np.array([1, 2, 3], ">f4")},
         byteorder="big",
     )
@@ -97,17 +60,17 @@ def test_torch_tensors(tmp_path):
 @pytest.mark.parametrize(
     "tensor",
     [
-        _Tensor("0", "DoubleStorage", 4, (5,), (1,)),
-        _Tensor("0", "DoubleStorage", 4, (2, 2), (3, 1)),
-        _Tensor("0", "DoubleStorage", 4, (2,), (1,), 3),
-        _Tensor("0", "DoubleStorage", 4, (2,), (-1,), 3),
-        _Tensor("0", "DoubleStorage", 4, (2,), (1,), -1),
-        _Tensor("0", "DoubleStorage", 4, (10**9,), (0,)),
-        _Tensor("0", "DoubleStorage", 4, (2, 2), (1,)),
-        _Tensor("9", "DoubleStorage", 4, (2,), (1,)),
-        _Tensor("0", "QInt8Storage", 4, (2,), (1,)),
-        _Named("os", "system"),
-        _Named("torch", "load"),
+        Tensor("0", "DoubleStorage", 4, (5,), (1,)),
+        Tensor("0", "DoubleStorage", 4, (2, 2), (3, 1)),
+        Tensor("0", "DoubleStorage", 4, (2,), (1,), 3),
+        Tensor("0", "DoubleStorage", 4, (2,), (-1,), 3),
+        Tensor("0", "DoubleStorage", 4, (2,), (1,), -1),
+        Tensor("0", "DoubleStorage", 4, (10**9,), (0,)),
+        Tensor("0", "DoubleStorage", 4, (2, 2), (1,)),
+        Tensor("9", "DoubleStorage", 4, (2,), (1,)),
+        Tensor("0", "QInt8Storage", 4, (2,), (1,)),
+        Named("os", "system"),
+        Named("torch", "load"),
     ],
     ids=range(11),
 )
@@ -127,54 +90,14 @@ def test_old_torch_files(tmp_path):
 # -- joblib ------------------------------------------------------------------------------------
 
 
-class _Wrapper:
-    """An array as joblib writes it: what it is, and its bytes right behind."""
-
-    def __init__(self, array: np.ndarray, order: str = "C") -> None:
-        self.array, self.order = array, order
-
-
-class _JoblibPickler(pickle._Pickler):
-    def save(self, obj, save_persistent_id=True):
-        if not isinstance(obj, _Wrapper):
-            super().save(obj, save_persistent_id)
-            return
-        self.write(pickle.GLOBAL + b"joblib.numpy_pickle\nNumpyArrayWrapper\n")
-        self.write(pickle.EMPTY_TUPLE + pickle.NEWOBJ)
-        state = {
-            "subclass": np.ndarray,
-            "shape": obj.array.shape,
-            "order": obj.order,
-            "dtype": obj.array.dtype,
-            "allow_mmap": True,
-            "numpy_array_alignment_bytes": 16,
-        }
-        super().save(state)
-        self.write(pickle.BUILD)
-        if self.proto >= 4:
-            self.framer.commit_frame(force=True)
-        if obj.array.dtype.hasobject:
-            pickle.dump(obj.array, self.file, protocol=2)
-            return
-        self.file.write(b"\x05" + b"\xff" * 5 + obj.array.tobytes(order=obj.order))
-
-
-def joblib_dump(data, protocol: int = 2) -> bytes:
-    buffer = io.BytesIO()
-    pickler = _JoblibPickler(buffer, protocol)
-    pickler.file = buffer
-    pickler.dump(data)
-    return buffer.getvalue()
-
-
 def joblib_data():
     grid = np.arange(12.0).reshape(3, 4)
     return {
         7: {
             "name": "sub1_box_003",
-            "a": _Wrapper(grid),
-            "f": _Wrapper(grid.T, "F"),
-            "o": _Wrapper(np.array(["x", None], dtype=object)),
+            "a": Wrapper(grid),
+            "f": Wrapper(grid.T, "F"),
+            "o": Wrapper(np.array(["x", None], dtype=object)),
             "after": [1, 2],
         }
     }
@@ -246,7 +169,7 @@ def test_nothing_is_run(tmp_path, kind):
     elif kind == "joblib":
         path.write_bytes(joblib_dump({"x": boom}))
     elif kind == "object in joblib":
-        path.write_bytes(joblib_dump({"x": _Wrapper(np.array([boom], dtype=object))}))
+        path.write_bytes(joblib_dump({"x": Wrapper(np.array([boom], dtype=object))}))
     elif kind == "npy":
         path = tmp_path / "evil.npy"
         np.save(path, np.array([boom], dtype=object), allow_pickle=True)
@@ -258,7 +181,7 @@ def test_nothing_is_run(tmp_path, kind):
 
 
 def test_pickles_within_pickles_end(tmp_path):
-    inner: object = _Wrapper(np.array([1], dtype=object))
+    inner: object = Wrapper(np.array([1], dtype=object))
     body = joblib_dump({"x": inner})
     # A wrapper of objects whose own pickle is the next wrapper, and so on.
     head = body[: body.index(pickle.BUILD) + 1]

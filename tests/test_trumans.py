@@ -134,6 +134,7 @@ def release(folder, objects=True):
     turn = rot.to_matrix(rot.exp(np.linspace(0, 1, 12)[:, None] * [0.3, 1.0, -0.2]))
     arrays["object_mat"][:12, 3, :3, :3] = np.swapaxes(turn, 1, 2)  # vertices are rows: v @ M
     arrays["object_mat"][:12, 3, :3, 3] = np.linspace(0, 1, 12)[:, None] * [1.0, 0.5, 0.2]
+    arrays["object_mat"][:12, 3, 0, 3] += 3.0  # away from the person
     if not objects:
         for key in ("object_list", "object_flag", "object_mat", "scene_list", "scene_flag"):
             del arrays[key]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.blocked import warn_of_lost_time
 from halfphysics.body import check_match
 from halfphysics.contacts import Contacts
 from halfphysics.errors import HalfPhysicsWarning, InputError
@@ -154,7 +155,7 @@ def follow(
             done += len(frames)
             bar.update(len(frames))
     torque.setflags(write=False)
-    return Result(
+    result = Result(
         people=tuple(
             PersonResult(
                 motion=motion.with_frames(*person.pose(qpos, motion.axes)),
@@ -177,6 +178,8 @@ def follow(
         diagnostics=dict(zip(DIAGNOSTICS, numbers.T, strict=True)),
         inside=inside_of(world, np.concatenate(inside), np.concatenate(inside_frames)),
     )
+    warn_of_lost_time(result, stacklevel=3)
+    return result
 
 
 def _warn_of_start(world: World, inside: Depths) -> None:

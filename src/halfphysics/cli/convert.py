@@ -62,16 +62,22 @@ class Command:
             export(what, self.target, body=self._body(motion, None), fps=self.to_fps)
         else:
             motion = self.motion_file.load(self.source) if result is None else result.motion
-            writer_of(motion, self.target, self.format)  # before the work
+            writer = writer_of(motion, self.target, self.format)  # before the work
             if self.to_fps is not None:
                 motion = motion.resample(self.to_fps)
-            motion.save(self.target, format=self.format, body=self._body(motion, result))
+            body = self._body(motion, result, writer.needs_body)
+            motion.save(self.target, format=self.format, body=body)
             for loss in losses(motion, self.target, self.format):
                 print(f"not in the file: {loss}")
         print(f"{motion}\nwritten: {self.target}")
 
-    def _body(self, motion: Motion, result: Result | None) -> Body | None:
-        """Whose motion it is, where that is known."""
-        if self.person.body is not None or self.person.stature is not None:
-            return self.person.load(motion)
-        return None if result is None else result.people[0].body
+    def _body(self, motion: Motion, result: Result | None, needed: bool = False) -> Body | None:
+        """Whose motion it is, where that is known; the default body if one is needed."""
+        said = self.person.given
+        if not said and result is not None:
+            return result.people[0].body
+        from halfphysics.io.bvh import DEFAULT_BODY
+
+        origin = motion.origin
+        retargeted = origin is not None and bool(origin.fields.get(DEFAULT_BODY))
+        return self.person.load(motion) if said or needed or retargeted else None

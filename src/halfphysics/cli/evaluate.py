@@ -63,7 +63,7 @@ class Command:
 
         result = Result.load(self.file, scene=scene)  # type: ignore[arg-type]
         people = list(result.people)
-        if self.person.body is not None or self.person.stature is not None:
+        if self.person.given:
             people = [
                 dataclasses.replace(p, body=self.person.load(p.motion))  # type: ignore[arg-type]
                 for p in people

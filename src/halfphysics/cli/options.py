@@ -54,6 +54,10 @@ class MotionOptions:
     assets: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
     """Folder of the data set's other files (object meshes, templates); may be said repeatedly."""
 
+    objects: Literal["free", "replayed", "none"] = "free"
+    """Objects that the data set recorded: free from their first pose on, moved as recorded, or left
+    out with the scene around them."""
+
     def load(self, path: Path) -> Motion:
         """The motion in a file."""
         from halfphysics.io import load_motion
@@ -63,8 +67,12 @@ class MotionOptions:
     def sequence(self, path: Path) -> Sequence:
         """The motion in a file with the objects and the scene that were recorded around it."""
         from halfphysics.io import load_sequence
+        from halfphysics.scene import Scene
+        from halfphysics.sequence import Sequence
 
-        return load_sequence(path, **self._said())
+        if self.objects == "none":
+            return Sequence(self.load(path), Scene())
+        return load_sequence(path, objects=self.objects, **self._said())
 
     def _said(self) -> dict[str, Any]:
         return {
@@ -102,6 +110,11 @@ class BodyOptions:
     """Height of the default body [m]."""
     allow_mismatch: bool = False
     """Take a body of another gender or model than the motion's, with its mean shape."""
+
+    @property
+    def given(self) -> bool:
+        """Whether any body was asked for."""
+        return self.body is not None or self.stature is not None
 
     def load(self, motion: Motion) -> Body:
         """The body for a motion: with its betas, where they are that model's."""
@@ -141,13 +154,18 @@ class SceneOptions:
     ground: bool = True
     """A floor at z = 0, where the scene brings no plane of its own."""
 
-    def load(self) -> Scene:
-        """The scene described."""
+    def load(self, base: Scene | None = None) -> Scene:
+        """The scene described: added to `base`, which a file takes the place of."""
         from halfphysics.scene import Scene
         from halfphysics.scene_spec import parse_object, parse_static
         from halfphysics.shapes import Plane
 
-        scene = Scene() if self.scene is None else Scene.load(self.scene)
+        if self.scene is not None and base is not None and (base.statics or base.objects):
+            raise InputError(
+                f"--scene {self.scene}: the motion's data set brings a scene of its own. Leave out "
+                "--scene, or say --objects none"
+            )
+        scene = Scene.load(self.scene) if self.scene is not None else base or Scene()
         for text in self.static:
             name, shape, options = parse_static(text)
             scene.add_static(name, shape, **options)

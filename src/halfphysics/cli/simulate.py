@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
@@ -17,6 +17,10 @@ from halfphysics.cli.options import (
 )
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
+
+if TYPE_CHECKING:
+    from halfphysics.scene import Scene
+    from halfphysics.sequence import Sequence
 
 EXAMPLES = """\
 halfphysics simulate walk.npz --scene room.yaml --out result.npz
@@ -50,9 +54,14 @@ class Command:
             )
         if self.out is not None:
             check_output(self.out, *self.motions, self.scene.scene, self.person.body)
-        motions = [self.motion_file.load(path) for path in self.motions]
-        scene = self.scene.load()
-        bodies = [self.person.load(motion) for motion in motions]
+        sequences = [self.motion_file.sequence(path) for path in self.motions]
+        motions = [sequence.motions[0] for sequence in sequences]
+        scene = self.scene.load(self._recorded(sequences))
+        bodies = [
+            self.person.load(s.motions[0]) if own is None or self.person.given else own
+            for s in sequences
+            for own in s.bodies
+        ]
         if self.grounded:
             motions = [m.grounded(body) for m, body in zip(motions, bodies, strict=True)]
         result = simulate(
@@ -69,3 +78,13 @@ class Command:
         else:
             result.save(self.out)
             print(f"result: {self.out}")
+
+    def _recorded(self, sequences: list[Sequence]) -> Scene:
+        """What stands and lies around by the data sets."""
+        full = [s.scene for s in sequences if s.scene.statics or s.scene.objects]
+        if len(full) > 1:
+            raise InputError(
+                "simulate: more than one motion brings a scene of its own, and there is one world. "
+                "Say --objects none and give the scene with --scene"
+            )
+        return full[0] if full else sequences[0].scene

@@ -25,6 +25,28 @@ def folders(source: Source, options: Options) -> Iterator[Path]:
     yield from list(here.parents)[:_PARENTS]
 
 
+def ends(path: str) -> tuple[str, ...]:
+    """A path that a file names, and its ends: the folders above it may be called anything.
+
+    A path that leads out of the folder it is looked for in is left out.
+    """
+    parts = [part for part in path.replace("\\", "/").split("/") if part not in ("", ".")]
+    if ".." in parts or (parts and ":" in parts[0]):
+        parts = parts[-1:] if parts[-1] != ".." else []
+    return tuple("/".join(parts[start:]) for start in range(len(parts)))
+
+
+def seek(source: Source, options: Options, names: Iterable[str]) -> Path | None:
+    """As `find`, for what need not be there."""
+    names = list(names)
+    for folder in dict.fromkeys(folders(source, options)):
+        for name in names:
+            path = folder / name
+            if path.is_file():
+                return path
+    return None
+
+
 def find(source: Source, options: Options, names: Iterable[str], what: str) -> Path:
     """The first file there is of `names` (paths below the folders).
 
@@ -37,12 +59,10 @@ def find(source: Source, options: Options, names: Iterable[str], what: str) -> P
         FileError: There is none: it says what was looked for, and where.
     """
     names = list(names)
+    path = seek(source, options, names)
+    if path is not None:
+        return path
     looked = list(dict.fromkeys(folders(source, options)))
-    for folder in looked:
-        for name in names:
-            path = folder / name
-            if path.is_file():
-                return path
     variable = "" if os.environ.get(VARIABLE) else f" or set ${VARIABLE}"
     raise FileError(
         f"{source.path}: needs {what}, which is not in the file. Looked for "

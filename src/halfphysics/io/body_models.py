@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.io import restricted_pickle
-from halfphysics.io.npz import Npz
+from halfphysics.io.npz_objects import NpzObjects
 from halfphysics.shape_space import ShapeSpace, Source
 from halfphysics.skeleton import (
     JOINT_INDEX,
@@ -109,6 +108,28 @@ def read_model(
     )
 
 
+def read_hands(path: str | os.PathLike[str], gender: str | None = None) -> tuple[Array, Array]:
+    """Mean hands (2, 45) [rad] and their components (2, 45, 45) of an SMPL-X or SMPL-H file.
+
+    Args:
+        path: The file, or a folder of files of which `gender` picks one.
+        gender: Of a folder.
+
+    Raises:
+        FileError: The file has no hands, or cannot be read.
+    """
+    file = _find(path, gender, None)
+    fields = _Fields(file)
+    mean = _hands(fields, ("hands_meanl", "hands_meanr"), (45,))
+    components = _hands(fields, ("hands_componentsl", "hands_componentsr"), (45, 45))
+    if mean is None or components is None:
+        raise FileError(
+            f"{file}: this body model has no fields hands_mean and hands_components, expected an "
+            "SMPL-X or SMPL-H file that has"
+        )
+    return mean, components
+
+
 def gender_of(path: Path) -> str | None:
     """What a model file's name says: SMPLX_MALE, basicmodel_f_lbs_10_207_0, male/model."""
     words = re.split(r"[^a-z]+", path.stem.lower())
@@ -185,7 +206,7 @@ class _Fields:
             raise FileError(f"{path}: cannot read: {error.strerror}") from None
         self.fields: Mapping[str, Any]
         if head == b"PK":
-            self.fields = Npz(path)
+            self.fields = NpzObjects(path)
         else:
             content = restricted_pickle.load(path)
             if not isinstance(content, dict):
@@ -213,7 +234,7 @@ class _Fields:
         """The file's own word on its gender, where it has one."""
         if "gender" not in self.fields:
             return None
-        stated = np.asarray(self._raw("gender")).reshape(-1)
+        stated = np.asarray(self.fields["gender"]).reshape(-1)
         word = stated[0] if stated.size else ""
         word = (word.decode("latin1") if isinstance(word, bytes) else str(word)).lower()
         return word if word in GENDERS else None
@@ -222,7 +243,7 @@ class _Fields:
         self, key: str, shape: tuple[int | None, ...], dtype: type | None = np.float64
     ) -> NDArray[Any]:
         """A field as an array of finite numbers of that shape (None: any length)."""
-        array = np.asarray(self._raw(key))
+        array = np.asarray(self.fields[key])
         wanted = "(" + ", ".join("n" if n is None else str(n) for n in shape) + ")"
         if array.dtype.kind not in "iuf":
             raise FileError(
@@ -240,26 +261,6 @@ class _Fields:
                 f"{self.path}: field '{key}' holds NaN or infinity. Download the file again"
             )
         return array if dtype is None else np.ascontiguousarray(array, dtype=dtype)
-
-    def _raw(self, key: str) -> Any:
-        if isinstance(self.fields, Npz) and self.fields.header(key)[1].hasobject:
-            return _object(self.path, key)
-        return self.fields[key]
-
-
-def _object(path: Path, key: str) -> Any:
-    """A field that numpy saved as a pickle inside the .npz (np.savez of a pickle's dict)."""
-    with zipfile.ZipFile(path) as archive, archive.open(f"{key}.npy") as stream:
-        version = np.lib.format.read_magic(stream)
-        read = (
-            np.lib.format.read_array_header_1_0
-            if version == (1, 0)
-            else np.lib.format.read_array_header_2_0
-        )
-        read(stream)
-        content = restricted_pickle.loads(stream.read(), f"{path}: field '{key}'")
-    # Anything but an array, a sparse matrix say, becomes an array of no dimensions around it.
-    return content.item() if isinstance(content, np.ndarray) and content.ndim == 0 else content
 
 
 def _source(path: Path) -> Source:

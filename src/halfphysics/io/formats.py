@@ -27,6 +27,8 @@ _HEAD = 4096
 class Source:
     """A file or folder to read a motion from, opened as far as a sniffer needs it.
 
+    It may be given where a path is asked for: what was read of it is not read again.
+
     Raises:
         FileError: It does not exist, is empty or cannot be read.
     """
@@ -49,6 +51,9 @@ class Source:
             raise FileError(f"{self.path}: cannot read: {error.strerror}") from None
         if not self.head:
             raise FileError(f"{self.path}: the file is empty, expected a motion")
+
+    def __fspath__(self) -> str:
+        return str(self.path)
 
     def _near(self) -> str:
         import difflib
@@ -145,5 +150,7 @@ class Format:
     suffixes: tuple[str, ...] = (".npz",)
     #: The up axis of the files that are written; None where the format says which it is.
     up: str | None = "z"
+    #: Whether its files hold the joints of a body, so that `save` cannot do without one.
+    needs_body: bool = False
     #: What of this motion a file of this format cannot hold, one line each.
     loses: Callable[[Motion], tuple[str, ...]] = _nothing

@@ -19,7 +19,7 @@ from halfphysics.io.atomic import atomic_write
 # A day of full-body motion at 120 fps is about 10 GB; anything a session uses is far below.
 MAX_BYTES = 8 * 2**30
 MAX_MEMBERS = 100_000
-_DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError)
+DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError)
 
 
 class Npz(Mapping[str, NDArray[Any]]):
@@ -36,7 +36,7 @@ class Npz(Mapping[str, NDArray[Any]]):
         try:
             with zipfile.ZipFile(self.path) as archive:
                 infos = archive.infolist()
-        except _DAMAGE as error:
+        except DAMAGE as error:
             raise FileError(
                 f"{self.path}: damaged or truncated .npz archive ({error}). Download or copy the "
                 "file again"
@@ -86,7 +86,7 @@ class Npz(Mapping[str, NDArray[Any]]):
                         "not read from untrusted files. Save it as a plain array or a string"
                     )
                 data = stream.read()
-        except _DAMAGE as error:
+        except DAMAGE as error:
             raise self._damaged(key, str(error)) from None
         count = int(np.prod(shape, dtype=np.float64))
         if len(data) != count * dtype.itemsize:
@@ -108,7 +108,7 @@ class Npz(Mapping[str, NDArray[Any]]):
         try:
             with zipfile.ZipFile(self.path) as archive:
                 return archive.open(self._members[key])
-        except _DAMAGE as error:
+        except DAMAGE as error:
             raise self._damaged(key, str(error)) from None
 
     def _read_header(
@@ -123,7 +123,7 @@ class Npz(Mapping[str, NDArray[Any]]):
             if version not in readers:
                 raise ValueError(f"array format version {version}")
             return readers[version](stream)
-        except (ValueError, SyntaxError, tokenize.TokenError, *_DAMAGE) as error:
+        except (ValueError, SyntaxError, tokenize.TokenError, *DAMAGE) as error:
             # numpy parses the header as Python source.
             raise self._damaged(key, str(error)) from None
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
-from halfphysics.errors import FileError
+from halfphysics.errors import FileError, InputError
 from halfphysics.io.formats import Options
 from halfphysics.io.meshes import load_mesh
 from halfphysics.io.report import warn
@@ -24,6 +26,15 @@ Array = NDArray[np.float64]
 DENSITY = 400.0
 # Entries of a rotation matrix as files have them, in single precision.
 _TOLERANCE = 1e-3
+
+
+@contextmanager
+def of_file(where: str) -> Iterator[None]:
+    """What a scene refuses of a file (a name, a mesh that spans no volume) is the file's fault."""
+    try:
+        yield
+    except InputError as error:
+        raise FileError(f"{where}: {error}") from None
 
 
 def add_recorded(

@@ -12,8 +12,13 @@ from halfphysics.io import (
     amass_smpl,
     amass_smplh,
     amass_smplx,
+    arctic,
     blender,
+    bvh,
+    grab,
+    intermimic,
     motionx,
+    omomo,
     smpl_codec,
     trumans_clip,
     trumans_release,
@@ -48,11 +53,16 @@ FORMATS: dict[str, Format] = {
         amass_smplh.FORMAT,
         amass_smpl.FORMAT,
         aist.FORMAT,
+        grab.FORMAT,
         motionx.FORMAT,
+        arctic.FORMAT,
         smpl_codec.FORMAT,
         trumans_clip.FORMAT,
         trumans_release.FORMAT,
+        omomo.FORMAT,
+        intermimic.FORMAT,
         blender.FORMAT,
+        bvh.FORMAT,
     )
 }
 
@@ -152,7 +162,13 @@ def save_motion(
 
 def losses(motion: Motion, path: str | os.PathLike[str], format: str | None = None) -> list[str]:
     """What of a motion the file that `save_motion` would write cannot hold, one line each."""
-    return list(writer_of(motion, file_path(path), format).loses(motion))
+    writer = writer_of(motion, file_path(path), format)
+    lost = list(writer.loses(motion))
+    origin = motion.origin
+    template = None if origin is None else origin.fields.get("template")
+    if template is not None and origin is not None and origin.format != writer.name:
+        lost.append(f"the subject's own shape: keep the template {template} beside it")
+    return lost
 
 
 def writer_of(motion: Motion, path: Path, format: str | None) -> Format:
@@ -263,7 +279,7 @@ def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Form
     from dataclasses import replace
     from itertools import islice
 
-    source = Source(path)
+    source = path if isinstance(path, Source) else Source(path)
     format = identify(source)
     if format is None:
         raise unknown(source)

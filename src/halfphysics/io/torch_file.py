@@ -1,10 +1,11 @@
-"""Files of `torch.save`, read without torch: tensors come out as numpy arrays.
+"""Files of `torch.save`, read and written without torch: tensors are numpy arrays here.
 
 A zip of `NAME/data.pkl`, a pickle that names tensors, and `NAME/data/KEY`, their raw numbers.
 """
 
 from __future__ import annotations
 
+import pickle
 import zipfile
 import zlib
 from pathlib import Path
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import FileError
+from halfphysics.io.atomic import atomic_write
 from halfphysics.io.restricted_pickle import MAX_BYTES, Guests, Placeholder, Refused, loads
 
 #: What a file of torch before 1.6, which is no zip, begins with (as a number).
@@ -118,3 +120,33 @@ def _tensor(storage: Any, offset: Any, size: Any, stride: Any, *rest: Any) -> ND
 def _parameter(data: Any, *rest: Any) -> Any:
     """torch._utils._rebuild_parameter: a tensor that was trained."""
     return data
+
+
+def write(path: Path, array: NDArray[np.float32]) -> None:
+    """Write one tensor of single precision, as `torch.save` does.
+
+    Raises:
+        FileError: The folder is missing or cannot be written; nothing is left behind.
+    """
+    numbers = np.array(array, dtype="<f4", order="C")
+    strides = tuple(step // numbers.itemsize for step in numbers.strides)
+    named = b"c%s\n%s\n"  # a global by name, which only the reader looks up
+    storage = (
+        b"(" + _plain("storage") + named % (b"torch", b"FloatStorage")
+        + _plain("0") + _plain("cpu") + _plain(numbers.size) + b"tQ"
+    )  # fmt: skip
+    tensor = (
+        b"\x80\x02" + named % (b"torch._utils", b"_rebuild_tensor_v2") + b"(" + storage
+        + _plain(0) + _plain(numbers.shape) + _plain(strides) + _plain(False)
+        + named % (b"collections", b"OrderedDict") + b")RtR."
+    )  # fmt: skip
+    with atomic_write(path) as handle, zipfile.ZipFile(handle, "w") as archive:
+        archive.writestr(f"archive{_PICKLE}", tensor)
+        archive.writestr("archive/byteorder", "little")
+        archive.writestr("archive/data/0", numbers.tobytes())
+        archive.writestr("archive/version", "3\n")
+
+
+def _plain(value: Any) -> bytes:
+    """The opcodes that put a number, a string or a tuple of numbers on the stack."""
+    return pickle.dumps(value, protocol=2)[2:-1]

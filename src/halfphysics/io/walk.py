@@ -5,7 +5,7 @@ from __future__ import annotations
 import glob
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,14 +32,16 @@ class Clip:
     path: Path
     format: str
     name: str | None = None
+    # Of a file of several, so that it is read once for all of them.
+    _source: Source | None = field(default=None, repr=False, compare=False)
 
     def load(self, **options: Any) -> Sequence:
         """Motion and scene, as `load_sequence(path, clip=name, **options)`."""
-        return load_sequence(self.path, clip=self.name, **options)
+        return load_sequence(self._source or self.path, clip=self.name, **options)
 
     def motion(self, **options: Any) -> Motion:
         """The motion alone, as `Motion.load(path, clip=name, **options)`."""
-        return load_motion(self.path, clip=self.name, **options)
+        return load_motion(self._source or self.path, clip=self.name, **options)
 
 
 def clips(path: str | os.PathLike[str]) -> Iterator[Clip]:
@@ -78,7 +80,7 @@ def _under(path: Path, asked: bool) -> Iterator[Clip]:
     if format is not None:
         names = format.clips(source) if format.clips is not None else (None,)
         for name in names:
-            yield Clip(path, format.name, name)
+            yield Clip(path, format.name, name, None if name is None else source)
     elif asked and not folder:
         raise unknown(source)
     elif folder:

@@ -11,6 +11,7 @@ struct SolveReport {
   int points = 0;       // contacts that took part
   double residual = 0;  // largest violation, friction's included [m/s]
   double normal = 0;    // largest violation of w_n, p_n >= 0 and p_n w_n = 0 [m/s]
+  bool crushed = false;  // something on a track leaves others no room: given up
 };
 
 // Each contact has three rows (n, t, s): 0 <= p_n, w_n >= 0, p_n w_n = 0, |p_t| <= mu p_n, slip

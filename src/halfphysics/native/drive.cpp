@@ -48,7 +48,6 @@ Drive::Drive(const Model& m, int root_body) {
   impulse_.assign(nv_, 0);
   gain_.assign(nv_, 0);
   stiffness_.assign(balls_.size(), 1);
-  debt_.assign(balls_.size() + 1, 0);
 }
 
 void Drive::reset(const double* target, double* qvel) {
@@ -56,7 +55,6 @@ void Drive::reset(const double* target, double* qvel) {
   previous_ = q_start_ = target_;
   for (auto* v : {&v_ref_, &deviation_, &v_drive_}) v->assign(nv_, 0);
   exerted_ = false;
-  std::fill(debt_.begin(), debt_.end(), 0.0);
   for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = 0;
   exact_ = fresh_ = true;
   gentle_left_ = 0;
@@ -135,7 +133,6 @@ void Drive::followed(bool exerts) {
   exact_ = true;
   velocity_known_ = false;
   exerted_ = exerted_ && exerts;
-  std::fill(debt_.begin(), debt_.end(), 0.0);
   std::fill(deviation_.begin(), deviation_.end(), 0.0);
 }
 
@@ -250,13 +247,13 @@ void Drive::end_substep(const double* qvel) {
 }
 
 void Drive::save(std::vector<double>& out) const {
-  for (const auto* v : {&target_, &v_ref_, &deviation_, &stiffness_, &debt_})
+  for (const auto* v : {&target_, &v_ref_, &deviation_, &stiffness_})
     out.insert(out.end(), v->begin(), v->end());
   out.insert(out.end(), {(exact_ ? 1.0 : 0.0) + (fresh_ ? 2.0 : 0.0), gentle_left_});
 }
 
 const double* Drive::load(const double* in) {
-  for (auto* v : {&target_, &v_ref_, &deviation_, &stiffness_, &debt_}) {
+  for (auto* v : {&target_, &v_ref_, &deviation_, &stiffness_}) {
     std::copy(in, in + v->size(), v->begin());
     in += v->size();
   }

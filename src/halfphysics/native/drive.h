@@ -66,9 +66,7 @@ class Drive {
   // What contacts made of v_free in a substep: the drive's own generalised impulse is M (change of
   // the deviation of velocity) - (contacts' impulses). `change` and `impulse`: nv of the model.
   void deviation_change(const double* qvel, double* change) const;
-  void exert(const double* impulse, double h);
-  // The impulse that it may exert in a substep of length h: limit 0 is the root's force, i + 1 ball i's.
-  double allowance(int limit, double h) const;
+  void exert(const double* impulse);
   // v_ref + e: the velocity that the drive would leave alone, into v[nv of the model].
   void unhindered(double* v) const;
   // The drive's mean generalised force over the frame, per dof of the person, root first; empty if
@@ -111,7 +109,6 @@ class Drive {
   std::vector<double> stiffness_;  // per ball
   std::vector<double> impulse_;    // of this frame, dof layout
   std::vector<double> gain_;       // reference_change() of this frame
-  std::vector<double> debt_;       // per limit: exerted beyond it, to be made up for
   bool exerted_ = false;
   bool fresh_ = true, first_ = true;  // nothing has been aimed at since the reset; nor before this frame
   Vec3 root_velocity_;

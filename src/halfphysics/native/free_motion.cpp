@@ -29,6 +29,13 @@ void Stepper::build_inertia(double h) {
     d.added_inertia(model, inertia_, extra_);
     double s = d.scale(drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
+    if (overcome_[&d - drives_.data()] == 0) continue;
+    // Less of what it adds, M^ - M: its joints give in (strength.cpp).
+    for (int i = d.first_dof(); i < d.first_dof() + d.dof_count(); i++) {
+      const double share = share_[i] * share_[i];
+      scale_[i] = 1 + (s - 1) * share;
+      extra_[i] *= s * share / scale_[i];
+    }
   }
   articulations.added_inertia(model, world.active, h, extra_);
   const std::vector<double> drive = extra_;

@@ -141,7 +141,7 @@ void Stepper::bear(const Drive& d, double h) {
   std::vector<double> may(count), rate(count, kCreep);
   bool enough = true;
   for (int k = 0; k < count; k++) {
-    may[k] = d.allowance(k, h);
+    may[k] = h * d.limits[k] / (1 + kShare);
     enough &= norm(load3(&need[d.limit_dof(k)])) <= may[k] + kRest * kRest;
   }
   if (enough) return;

@@ -13,6 +13,11 @@ namespace {
 
 // What lies as near as this many clearances to something that wakes, wakes too.
 constexpr double kLiesOn = 2;
+// What squeezes somebody goes so much slower in the next try, no slower than the second of these (then
+// it stands), and so much faster in every substep after that; what stands tries again after so many
+// substeps at most.
+constexpr double kSlowDown = 0.25, kLeastPace = 1.0 / 16, kFaster = 2;
+constexpr int kMostPatience = 32;
 
 }  // namespace
 
@@ -56,7 +61,7 @@ void Stepper::given_velocity(double h) {
     const int q = model.jnt_qpos[model.jnt_first[t.body]], d = model.dof_first[t.body];
     Vec3 p;
     Quat turn;
-    t.at(clock_[i] + h, p, turn);
+    t.at(clock_[i] + pace_[i].share * h, p, turn);
     store3(&v_free_[d], (1 / h) * (p - load3(&qpos_[q])));
     store3(&v_free_[d + 3], (1 / h) * log_quat(conjugate(load4(&qpos_[q + 3])) * turn));
     store3(&spin_[d + 3], {});
@@ -64,9 +69,83 @@ void Stepper::given_velocity(double h) {
 }
 
 // A track goes on where its thing was stopped: what blocks it delays it.
-void Stepper::pass_time(double h) {
-  for (size_t i = 0; i < tracks_.size(); i++) clock_[i] += h - behind_[tracks_[i].body];
+// Returns the most that one has lost.
+double Stepper::pass_time(double h) {
+  double most = 0;
+  for (size_t i = 0; i < tracks_.size(); i++) {
+    const double on = pace_[i].share * (h - behind_[tracks_[i].body]);
+    clock_[i] += on;
+    most = std::max(most, h - on);
+  }
   behind_.assign(model.nbody, 0);
+  return most;
+}
+
+// A thing that was slowed down picks up speed again; one that stands tries now and then.
+void Stepper::set_pace() {
+  for (Pace& p : pace_) {
+    if (p.share > 0) {
+      p.share = std::min(1.0, kFaster * p.share);
+      if (p.share == 1) p.patience = 0;
+    } else if (--p.wait <= 0) {
+      p.share = kLeastPace;
+    }
+  }
+}
+
+// Who is squeezed gets no clearance back: that would take room on both sides.
+void Stepper::squeeze() {
+  bool islands = false;
+  for (size_t i = 0; i < tracks_.size(); i++) {
+    if (pace_[i].share == 1 || !world.active[tracks_[i].body]) continue;
+    if (!islands) find_islands();
+    islands = true;
+    for (int b = 1; b < model.nbody; b++)
+      if (island_[model.root[b]] == island_[tracks_[i].body]) gave_way_[b] = 1;
+  }
+}
+
+// Of all that takes part and can be pushed [kg], where anything is on a track; else 0.
+double Stepper::moving_mass() const {
+  double mass = 0;
+  for (int b = 1; b < model.nbody && !tracks_.empty(); b++)
+    if (world.active[b] && !model.held[model.root[b]]) mass += model.mass[b];
+  return mass;
+}
+
+// Nor does friction hold them: where everything is wedged it has no answer, or many.
+void Stepper::slip_out() {
+  bool any = false;
+  for (const Pace& p : pace_) any |= p.share < 1;
+  if (!any) return;
+  for (Contact& c : contacts_) {
+    const int a = tree(candidates_[c.pair].mover);
+    if (person_[a] && gave_way_[a]) c.friction = 0;
+  }
+}
+
+// Where the contacts of a step cannot be solved because something on a track leaves no room, that goes
+// slower, or stands, and everybody else makes the step. False if nothing is to be slowed down.
+bool Stepper::slow_down(double h) {
+  bool slow = false;
+  for (const Pace& p : pace_) slow |= p.share < 1;
+  if (good_ || tracks_.empty() || !(crushed_ || slow)) return false;
+  find_islands();
+  std::vector<char> squeezed(model.nbody, 0);
+  for (size_t i = 0; i < candidates_.size() && i < violated_.size(); i++)
+    if (violated_[i]) squeezed[island(candidates_[i])] = 1;
+  bool any = false;
+  for (size_t i = 0; i < tracks_.size(); i++) {
+    Pace& p = pace_[i];
+    if (p.share == 0 || !squeezed[island_[tracks_[i].body]]) continue;
+    any = true;
+    p.share = p.share > kLeastPace ? std::max(kLeastPace, kSlowDown * p.share) : 0;
+    if (p.share > 0) continue;
+    p.patience = std::min(kMostPatience, std::max(1, 2 * p.patience));
+    p.wait = p.patience;
+  }
+  if (any) given_velocity(h);
+  return any;
 }
 
 void Stepper::wake(int body) {
@@ -168,7 +247,8 @@ void Stepper::adopt(Stepper& old, const std::vector<int>& body, const std::vecto
   }
   for (size_t i = 0; i < tracks_.size(); i++)
     for (size_t k = 0; k < old.tracks_.size(); k++)
-      if (body[tracks_[i].body] == old.tracks_[k].body) clock_[i] = old.clock_[k];
+      if (body[tracks_[i].body] == old.tracks_[k].body)
+        clock_[i] = old.clock_[k], pace_[i] = old.pace_[k];
   world.adopt(old.world, mover);
   // What is new may be inside somebody.
   for (const Inside& in : world.inside())

@@ -116,7 +116,7 @@ SolveReport Stepper::answer(double h) {
     from = &v_self_;
   }
   return solver_.solve(model, start_.kin, inertia_, h, from->data(), v_.data(), contacts_, tolerance_ / h,
-                       world.settings.max_sweeps);
+                       world.settings.max_sweeps, moving_mass());
 }
 
 // f += J^T p.

@@ -15,6 +15,10 @@ constexpr int kJoins = 12;
 constexpr double kJoin = 1e-3;
 constexpr double kRough = 10;
 constexpr double kFine = 1e-5;
+// An island in which something on a track squeezes others is given up where a contact needs so many times
+// the impulse that gives all that moves the largest velocity asked, or normal velocities miss what is
+// asked of them by so many tolerances.
+constexpr double kCrushing = 50, kUnsolved = 20;
 
 }  // namespace
 
@@ -160,9 +164,17 @@ void ContactSolver::response(const Model& m, const Kinematics& k, const Inertia&
   body_twists(m, k, dv_.data(), response_);
 }
 
+// Is anybody squeezed harder than who has room to give way?
+bool ContactSolver::crushes(const int* ids, int n, double mass) const {
+  double asked = 0, most = 0;
+  for (int l = 0; l < n; l++) asked = std::max(asked, -demand_[3 * ids[l]]);
+  for (size_t i = 0; i < rows_.size(); i++) most = std::max(most, problem_.p[3 * i]);
+  return most > kCrushing * mass * asked;
+}
+
 void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& inertia,
                            const int* ids, int n, std::vector<Contact>& contacts,
-                           double tolerance, int max_sweeps, SolveReport& report) {
+                           double tolerance, int max_sweeps, double mass, SolveReport& report) {
   rows_.clear();
   dof_.clear();
   y_.clear();
@@ -213,6 +225,10 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
       for (int q = 0; q < e->count; q++)
         things &= m.last_dof[e->body[q]] < 0 || m.row_size[m.last_dof[e->body[q]]] <= 6;
   const double fine = things ? kFine * tolerance : tolerance;
+  bool squeezed = false;  // by something on a track
+  for (int l = 0; l < n && mass > 0 && !squeezed; l++)
+    for (const Endpoint* e : {&contacts[ids[l]].a, &contacts[ids[l]].b})
+      for (int q = 0; q < e->count; q++) squeezed |= m.held[e->body[q]] != 0;
   // Roughly while others may join, then properly.
   SolveReport mine;
   bool rough = true;
@@ -220,12 +236,17 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
     rough = rough && round < kJoins && (int)rows_.size() < n;
     problem_.solve(rough ? kRough * tolerance : tolerance, rough ? kRough * tolerance : fine,
                    max_sweeps, mine);
+    if (squeezed && crushes(ids, n, mass)) {
+      report.crushed = true;
+      break;
+    }
     if (round >= kJoins || (int)rows_.size() == n) break;
     response(m, k, inertia);
     if (join_worst(violation)) continue;
     if (!rough) break;
     rough = false;
   }
+  report.crushed |= squeezed && mine.normal > kUnsolved * tolerance;
   for (int l = 0; l < n; l++) contacts[ids[l]].impulse = {};
   for (size_t i = 0; i < rows_.size(); i++) {
     Contact& c = contacts[rows_[i].contact];
@@ -240,7 +261,7 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
 SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Inertia& inertia,
                                  double h, const double* v_free, double* v,
                                  std::vector<Contact>& contacts, double tolerance,
-                                 int max_sweeps) {
+                                 int max_sweeps, double mass) {
   const int n = (int)contacts.size();
   std::memcpy(v, v_free, sizeof(double) * m.nv);
   SolveReport report;
@@ -289,7 +310,7 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   for (int first = 0; first < n;) {
     int last = first + 1;
     while (last < n && island_of(order_[last]) == island_of(order_[first])) last++;
-    island(m, k, inertia, &order_[first], last - first, contacts, tolerance, max_sweeps, report);
+    island(m, k, inertia, &order_[first], last - first, contacts, tolerance, max_sweeps, mass, report);
     response(m, k, inertia);
     for (int i = 0; i < m.nv; i++) v[i] += dv_[i];
     first = last;

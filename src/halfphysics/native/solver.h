@@ -77,10 +77,11 @@ class ContactSolver {
   //
   // Islands (trees that contacts connect) are solved one by one. Within an island only the
   // points that carry something take part: those that did so in the substep before and the worst
-  // of each pair; whichever else is violated then joins, and A is extended.
+  // of each pair; whichever else is violated then joins, and A is extended. `mass` [kg]
+  // of all that moves, where something on a track may squeeze others: else 0.
   SolveReport solve(const Model& m, const Kinematics& k, const Inertia& inertia, double h,
                     const double* v_free, double* v, std::vector<Contact>& contacts,
-                    double tolerance, int max_sweeps);
+                    double tolerance, int max_sweeps, double mass = 0);
 
  private:
   // A contact that takes part: its row of Y = D^-1/2 L^-T J^T, sparse over dofs.
@@ -94,10 +95,11 @@ class ContactSolver {
                  const Vec3 axis[3]);
   void add_to_row(int dof, double n, double t, double s);
   void island(const Model& m, const Kinematics& k, const Inertia& inertia, const int* ids, int n,
-              std::vector<Contact>& contacts, double tolerance, int max_sweeps,
+              std::vector<Contact>& contacts, double tolerance, int max_sweeps, double mass,
               SolveReport& report);
   void join(const Model& m, const Kinematics& k, const Inertia& inertia, const Contact& c,
             int contact);
+  bool crushes(const int* ids, int n, double mass) const;
   // dv of the island, into dv_, and the bodies' twists that it makes.
   void response(const Model& m, const Kinematics& k, const Inertia& inertia);
 

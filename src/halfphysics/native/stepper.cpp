@@ -50,14 +50,17 @@ void Stepper::finish(const std::vector<int>& person_roots) {
     }
   qpos_.assign(model.nq, 0);
   for (auto* v : {&qvel_, &v_free_, &v_, &spin_, &extra_, &torque_, &moved_, &pull_, &resist_, &change_,
-                  &pushed_, &exerted_, &load_})
+                  &pushed_, &exerted_, &stiff_, &softer_, &load_})
     v->assign(model.nv, 0);
+  overcome_.assign(drives_.size(), 0);
+  share_.assign(model.nv, 1);
   world.standing.assign(model.nbody, 0);
   scale_.assign(model.nv, 1);
   world.asleep.assign(model.nbody, 0);
   for (const Track& t : tracks_) model.held[t.body] = 1;
   behind_.assign(model.nbody, 0);
   clock_.assign(tracks_.size(), 0);
+  pace_.assign(tracks_.size(), {});
   start_.kin.resize(model);
   end_.kin.resize(model);
 }
@@ -76,6 +79,7 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   world.reset(model, start_);
   for (int b : start_asleep_) world.asleep[b] = 1;
   clock_.assign(tracks_.size(), 0);
+  pace_.assign(tracks_.size(), {});
   behind_.assign(model.nbody, 0);
   way_out_.assign(model.nbody, 0);
   for (const Inside& in : world.inside())
@@ -315,6 +319,8 @@ std::vector<double> Stepper::save() {
   out.insert(out.end(), way_out_.begin(), way_out_.end());
   out.insert(out.end(), world.asleep.begin(), world.asleep.end());
   out.insert(out.end(), clock_.begin(), clock_.end());
+  for (const Pace& p : pace_)
+    out.insert(out.end(), {p.share, (double)p.wait, (double)p.patience});
   out.push_back((double)warm_.size());
   for (const Remembered& w : warm_) {
     out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature,
@@ -348,6 +354,10 @@ void Stepper::restore(const std::vector<double>& state) {
   in += model.nbody;
   clock_.assign(in, in + clock_.size());
   in += clock_.size();
+  for (Pace& p : pace_) {
+    p = {in[0], (int)in[1], (int)in[2]};
+    in += 3;
+  }
   for (Drive& d : drives_)
     if (d.gentle()) d.go_gently(kGentle, joint_reach_);
   warm_.clear();

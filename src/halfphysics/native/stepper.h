@@ -146,6 +146,9 @@ class Stepper {
 
   // What the drive exerts (strength.cpp).
   void limit_strength(double h);
+  bool exertion(const Drive& d, const double* v, double h);
+  bool give_in(double h);
+  void added(const Drive& d, double h, const double* x, double* out);
   void tally(double h);
   // out = s (M + diag(extra)) x on one person's rows; without `extra` M x.
   void weigh(const Drive& d, const double* x, double s, const double* extra, double* out) const;
@@ -153,7 +156,7 @@ class Stepper {
   // With it (substep.cpp).
   void substep(int k, double h);
   void attempt(double h);
-  void emerge(double h);
+  void emerge(double h);  // with hurled() in emerging.cpp
   void try_step(double h);
   // By how much the fastest point of those who come out of something is faster than asked [m/s].
   double hurled();
@@ -190,7 +193,12 @@ class Stepper {
   bool is_person(int body) const { return person_[model.root[body]]; }
   // Things whose velocity is given (moving.cpp).
   void given_velocity(double h);
-  void pass_time(double h);
+  double pass_time(double h);
+  void set_pace();
+  bool slow_down(double h);
+  void squeeze();
+  void slip_out();
+  double moving_mass() const;
   bool wake_touched();
   void wake(int body);
 
@@ -216,6 +224,10 @@ class Stepper {
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
   std::vector<double> resist_;  // M^ without M, as factored last
   std::vector<double> v_star_, change_, pushed_, exerted_;
+  // In the substep under way: rounds in which a drive gave in (per drive), the share of M^ - M that is left
+  // (per dof, of either side), and M^ without M before.
+  std::vector<int> overcome_;
+  std::vector<double> share_, stiff_, softer_;
   std::vector<char> carried_;  // per body: what people hold, and the roots of those who hold something
   std::vector<double> load_;  // per dof: generalised force
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
@@ -253,6 +265,14 @@ class Stepper {
   std::vector<Twist> self_twists_;
   std::vector<Track> tracks_;
   std::vector<double> clock_;         // per track: where on it the thing is [s]
+  // Per track: how fast it goes on, as a share of what is asked, where it squeezes somebody; and when it
+  // stands, how many substeps it waits before it tries again, and waits after that.
+  struct Pace {
+    double share = 1;
+    int wait = 0, patience = 0;
+  };
+  std::vector<Pace> pace_;
+  bool crushed_ = false;  // the last solve found that something on a track leaves others no room
   std::vector<double> behind_;        // per body: time lost in the substep under way [s]
   std::vector<int> start_asleep_;     // bodies
   std::vector<Touch> touches_;

@@ -13,7 +13,13 @@ namespace hp {
 
 namespace {
 
+// Share of what it can that a drive pulls with by itself: the rest is for what holds the body to move.
+constexpr double kPull = 0.97;
+// Joints that give in are to exert this share of what they can; rounds of that, then all do.
+constexpr double kAim = 0.9;
+constexpr int kRounds = 6;
 constexpr double kRest = 1e-9;  // smaller changes of velocity are rounding [m/s, rad/s]
+constexpr double kFaint = 1e-9;  // and smaller impulses [N s, N m s]
 
 int first_of(const Drive& d, int limit) { return d.limit_dof(limit); }
 
@@ -47,18 +53,10 @@ void Drive::unhindered(double* v) const {
   for (int i = 0; i < nv_; i++) v[dof0_ + i] = v_ref_[i] + deviation_[i];
 }
 
-double Drive::allowance(int limit, double h) const {
-  return std::max(0.0, h * limits[limit] - debt_[limit]);
-}
-
-void Drive::exert(const double* impulse, double h) {
+void Drive::exert(const double* impulse) {
   if (!exerted_) std::fill(impulse_.begin(), impulse_.end(), 0.0);
   exerted_ = true;
   for (int i = 0; i < nv_; i++) impulse_[i] += impulse[dof0_ + i];
-  for (size_t i = 0; i < limits.size(); i++) {
-    const double size = norm(load3(impulse + first_of(*this, (int)i)));
-    debt_[i] = std::max(0.0, debt_[i] + size - h * limits[i]);
-  }
 }
 
 std::vector<double> Drive::force() const {
@@ -87,7 +85,7 @@ void Stepper::weigh(const Drive& d, const double* x, double s, const double* ext
 
 // The drive pulls the deviation e back by D in a substep, v* = v_ref + e - D, and against what holds
 // the body with M^ D. Neither any joint's own share of it, M^_jj |D_j|, nor what the joints' coupling
-// makes of it may exceed the joint's allowance. Where nothing is capped v* stays as it is, bit for bit.
+// makes of it may exceed what the joint can. Where nothing is capped v* stays as it is, bit for bit.
 void Stepper::limit_strength(double h) {
   for (const Drive& d : drives_) {
     if (d.limits.empty() || !world.active[d.body(0)] || d.gentle()) continue;
@@ -102,13 +100,13 @@ void Stepper::limit_strength(double h) {
       const int at = first_of(d, k);
       double own = 0;
       for (int c = 0; c < 3; c++) own += s * (inertia_.diagonal(model, at + c) + resist_[at + c]) / 3;
-      capped |= cap(d, k, d.allowance(k, h) / own, change_.data());
+      capped |= cap(d, k, kPull * h * d.limits[k] / own, change_.data());
     }
     std::fill(pushed_.begin(), pushed_.end(), 0.0);
     weigh(d, change_.data(), s, resist_.data(), pushed_.data());
     bool coupled = false;
     for (int k = 0; k <= d.ball_count(); k++)
-      coupled |= cap(d, k, d.allowance(k, h), pushed_.data());
+      coupled |= cap(d, k, kPull * h * d.limits[k], pushed_.data());
     if (coupled) {
       inertia_.solve(model, pushed_.data());
       std::copy(pushed_.begin() + first, pushed_.begin() + end, change_.begin() + first);
@@ -119,34 +117,96 @@ void Stepper::limit_strength(double h) {
   }
 }
 
-// Adds up what the drives exerted in a substep that has ended with qvel_.
-void Stepper::tally(double h) {
-  bool known = inertia_ready_;
-  for (Drive& d : drives_) {
-    if (!world.active[d.body(0)]) continue;
-    d.deviation_change(qvel_.data(), change_.data());
-    const int first = d.first_dof(), end = first + d.dof_count();
-    for (int i = first; i < end; i++) pushed_[i] = qvel_[i] - v_star_[i];
-    const bool touched = largest(d, pushed_.data()) > 0;
-    if (!touched && largest(d, change_.data()) < kRest) {
-      if (!carries(d)) continue;
-      for (int i = first; i < end; i++) exerted_[i] = h * load_[i];
-      d.exert(exerted_.data(), h);
-      continue;
-    }
-    if (!known) {
+// out = X x, what the drive adds to the inertia of the joints, less where they give in (share_):
+// X = share (M^ - M) share.
+void Stepper::added(const Drive& d, double h, const double* x, double* out) {
+  const int first = d.first_dof(), end = first + d.dof_count();
+  const double s = d.scale(drive_settings, h);
+  for (int i = first; i < end; i++) softer_[i] = share_[i] * x[i];
+  weigh(d, softer_.data(), s - 1, nullptr, out);
+  for (int i = first; i < end; i++)
+    out[i] = share_[i] * (out[i] + s * stiff_[i] * softer_[i]);
+}
+
+// The impulse that a drive exerts in a substep that ends with the velocities v, into exerted_; false if it
+// is none.
+bool Stepper::exertion(const Drive& d, const double* v, double h) {
+  const int first = d.first_dof(), end = first + d.dof_count();
+  d.deviation_change(v, change_.data());
+  for (int i = first; i < end; i++) pushed_[i] = v[i] - v_star_[i];
+  const bool touched = largest(d, pushed_.data()) > 0;
+  const bool changes = touched || largest(d, change_.data()) >= kRest;
+  if (!changes && !carries(d)) return false;
+  for (int i = first; i < end; i++) exerted_[i] = 0;
+  if (changes) {
+    if (!inertia_ready_) {
       start_.kin.update_dofs(model, qpos_.data(), world.active.data());
       inertia_.compose(model, start_.kin, world.active.data());
-      known = true;
     }
     weigh(d, change_.data(), 1, nullptr, exerted_.data());
-    if (touched) {
-      weigh(d, pushed_.data(), d.scale(drive_settings, h), resist_.data(), change_.data());
-      for (int i = first; i < end; i++) exerted_[i] -= change_[i];
+  }
+  if (carries(d))
+    for (int i = first; i < end; i++) exerted_[i] += h * load_[i];
+  if (!touched) return true;
+  if (!overcome_[&d - drives_.data()]) {
+    weigh(d, pushed_.data(), d.scale(drive_settings, h), resist_.data(), change_.data());
+    for (int i = first; i < end; i++) exerted_[i] -= change_[i];
+    return true;
+  }
+  weigh(d, pushed_.data(), 1, nullptr, change_.data());
+  for (int i = first; i < end; i++) exerted_[i] -= change_[i];
+  added(d, h, pushed_.data(), change_.data());
+  for (int i = first; i < end; i++) exerted_[i] -= change_[i];
+  return true;
+}
+
+// M^ = M + X is heavier than the body, and what hits it is met with X (v* - v) beyond the pull that was
+// limited, M (v* - v_ref - e), and what is held. A joint that would exert more than it can, in the step that was tried,
+// resists less: X becomes share X share. True if there is such a joint: the step is to be tried again.
+// Where that goes on, or the step would have to be made in pieces, nothing but the pull is left.
+bool Stepper::give_in(double h) {
+  bool any = false;
+  for (size_t p = 0; p < drives_.size(); p++) {
+    const Drive& d = drives_[p];
+    if (d.limits.empty() || overcome_[p] > kRounds || !world.active[d.body(0)] || d.gentle()) continue;
+    if (!exertion(d, v_.data(), h)) continue;
+    const bool carried = carries(d);  // then the pull is within the limits (holding.cpp)
+    if (carried && largest(d, pushed_.data()) == 0) continue;
+    const int first = d.first_dof(), end = first + d.dof_count();
+    bool over = !good_, none = !good_ || overcome_[p] == kRounds;
+    double pulled = 1;  // the pull alone is within the limits but for how M couples joints
+    d.unhindered(pushed_.data());
+    for (int i = first; i < end; i++) pushed_[i] = v_star_[i] - pushed_[i];
+    weigh(d, pushed_.data(), 1, nullptr, change_.data());
+    if (carried)
+      for (int i = first; i < end; i++) change_[i] += h * load_[i];
+    if (overcome_[p] == 0) std::copy_n(resist_.begin() + first, end - first, stiff_.begin() + first);
+    for (int k = 0; k <= d.ball_count(); k++) {
+      const int at = first_of(d, k);
+      const double most = h * d.limits[k];
+      const Vec3 pull = load3(&change_[at]), all = load3(&exerted_[at]);
+      if (norm(all) <= most + kFaint) continue;
+      over = true;
+      if (!carried && norm(pull) > most) pulled = std::min(pulled, most / norm(pull));
+      const double room = std::max(0.0, kAim * most - norm(pull)), more = norm(all - pull);
+      for (int c = 0; c < 3 && more > room; c++) share_[at + c] *= room / more;
     }
-    if (carries(d))
-      for (int i = first; i < end; i++) exerted_[i] += h * load_[i];
-    d.exert(exerted_.data(), h);
+    if (!over) continue;
+    if (none) std::fill_n(share_.begin() + first, end - first, 0.0);
+    overcome_[p] = none ? kRounds + 1 : overcome_[p] + 1;
+    any = true;
+    for (int i = first; pulled < 1 && i < end; i++)
+      v_free_[i] = v_star_[i] -= (1 - pulled) * pushed_[i];
+  }
+  if (any) inertia_ready_ = false;
+  return any;
+}
+
+// Adds up what the drives exerted in a substep that has ended with qvel_.
+void Stepper::tally(double h) {
+  for (Drive& d : drives_) {
+    if (!world.active[d.body(0)]) continue;
+    if (exertion(d, qvel_.data(), h)) d.exert(exerted_.data());
   }
 }
 

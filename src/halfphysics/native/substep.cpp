@@ -18,6 +18,7 @@ constexpr int kQueries = 4;  // for planes with ever larger reach
 constexpr double kSlackReach = 0.004;  // planes are asked for this much farther than needed [m]
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
+constexpr double kLeastMiss = 1e-13;   // the same, of who stands [m]
 // A gap may miss what is asked of it by this share: curvature within a substep costs no more solves.
 constexpr double kSlack = 0.02, kWear = 0.1, kLeisure = 0.5, kLeast = 1.25;
 // Nobody is pushed apart faster than this for the sake of a curved way: a shorter step is straighter,
@@ -33,10 +34,6 @@ constexpr double kNarrow = 5e-5, kFiner = 0.1;
 constexpr double kMostWork = 1e8, kRowWork = 60;
 constexpr size_t kMostContacts = 250;
 constexpr double kFar = 1e300;
-// Nobody is thrown by what comes out of something faster than this [m/s]; it then comes out more slowly,
-// by so many tries, and gains speed again by this factor a substep.
-constexpr double kHurl = 0.85, kRegain = 1.3;
-constexpr int kSlower = 4;
 constexpr double kWarmRadius2 = 0.02 * 0.02;
 
 }  // namespace
@@ -161,6 +158,9 @@ double Stepper::allowed(const Candidate& c) const {
   auto held = [&](int mover) { return mover >= 0 && model.held[world.movers[mover].body]; };
   if (c.target >= 0 && (held(c.mover) || held(c.other_mover)))
     miss = std::min(miss, kWear * c.target + kRounding);
+  // Nor may many small steps wear away the last of it.
+  if (c.dist > 0 && c.hard > 0.5 * c.dist)
+    miss = std::min(miss, std::max(0.0, c.target - c.hard) + kLeastMiss);
   return miss;
 }
 
@@ -259,6 +259,7 @@ bool Stepper::within_limits(double h) const {
 void Stepper::solve(double h) {
   const auto begin = std::chrono::steady_clock::now();
   build_inertia(step_);
+  slip_out();
   const size_t contacts = contacts_.size();
   for (size_t i = 0; i < limits_.size(); i++) limits_[i].pair = (int)(candidates_.size() + i);
   contacts_.insert(contacts_.end(), limits_.begin(), limits_.end());
@@ -274,6 +275,7 @@ void Stepper::solve(double h) {
   contacts_.resize(contacts);
   diagnostics_.sweeps += r.sweeps;
   diagnostics_.passes++;
+  crushed_ = r.crushed;
   double n3 = 3.0 * r.points;
   work_ += n3 * n3 * (kRowWork + r.sweeps);
   solved_ = contacts_.size();
@@ -323,62 +325,12 @@ bool Stepper::bounce(double h, bool good, double& worst) {
   return false;
 }
 
-double Stepper::hurled() {
-  // What the motion asks; objects have none of their own.
-  std::vector<double> asked(v_free_);
-  for (const Drive& d : drives_) d.reference(asked.data());
-  std::vector<Twist> own;
-  body_twists(model, start_.kin, v_.data(), twists_);
-  body_twists(model, start_.kin, asked.data(), own);
-  std::vector<char> tree(model.nbody, 0);
-  for (const Inside& in : world.inside()) tree[model.root[world.movers[in.mover].body]] = 1;
-  double fastest = 0;
-  for (size_t i = 0; i < world.movers.size(); i++) {
-    const Mover& m = world.movers[i];
-    if (!tree[model.root[m.body]] || !world.active[m.body]) continue;
-    if (speed_bound(m, twists_) <= fastest) continue;
-    const Points p = world.place(start_, (int)i).points();
-    const size_t n = p.n;
-    for (size_t k = 0; k < n; k++) {
-      auto speed = [&](const std::vector<Twist>& twists) {
-        Vec3 v;
-        for (size_t t = 0; t < m.ties.size(); t++) {
-          const double w = m.skin ? m.weights[t * n + k] : 1;
-          if (w == 0) continue;
-          const Twist& body = twists[m.ties[t].body];
-          v += w * (body.v + cross(body.w, p.at((int)k) - start_.kin.reference(model, m.body)));
-        }
-        return norm(v);
-      };
-      fastest = std::max(fastest, speed(twists_) - speed(own));
-    }
-  }
-  return fastest;
-}
-
-// A step of length h. Whoever comes out of something does so more slowly where that would throw
-// somebody or does not go with what else is asked; not at all, if need be.
-void Stepper::emerge(double h) {
-  if (!world.any_inside()) return try_step(h);
-  world.growth = std::min(1.0, kRegain * world.growth);
-  for (int k = 0; k < kSlower; k++) {
-    try_step(h);
-    const double speed = hurled();
-    if (good_ && speed <= kHurl) return;
-    const double slower = speed > kHurl ? 0.9 * kHurl / speed : 0.3;
-    world.growth *= std::max(0.1, slower);
-  }
-  const double kept = world.growth;
-  world.growth = 0;
-  try_step(h);
-  world.growth = kept;
-}
-
 // Solves for a step of length h from the start pose: velocities v_, their pose end_, whether all is
 // well with it.
 void Stepper::try_step(double h) {
   const double clear = world.settings.clearance;
   work_ = 0;
+  crushed_ = false;
   gave_way_.assign(model.nbody, 0);
   body_twists(model, start_.kin, qvel_.data(), moving_);
   turning_.clear();
@@ -410,7 +362,8 @@ void Stepper::try_step(double h) {
     tolerance_ = world.settings.tolerance;
     world.list(model, start_, reach_);
     world.gather(model, start_, reach_, h, candidates_);
-    if (query > 0) relax();
+    if (query == 0) squeeze();
+    relax();
     diagnostics_.candidates = std::max(diagnostics_.candidates, (int)candidates_.size());
     v_ = v_free_;
     pose_at(v_, h, end_, q_end_);
@@ -425,6 +378,7 @@ void Stepper::try_step(double h) {
       solve(h);
       pose_at(v_, h, end_, q_end_);
       good_ = verify(h, pass, worst_);
+      if (crushed_) break;
       least = std::min(least, overdue_);
       stale = overdue_ == 0 || overdue_ < 0.5 * mark ? 0 : stale + 1;
       if (stale == 0) mark = overdue_;
@@ -453,11 +407,15 @@ void Stepper::substep(int k, double h) {
   if (keep_times) solve_times.push_back(0);
   // Twists need the dofs' axes.
   start_.kin.update_dofs(model, qpos_.data(), world.active.data());
+  set_pace();
+  overcome_.assign(drives_.size(), 0);
+  share_.assign(model.nv, 1);
   free_velocity(k, h);
   v_star_ = v_free_;
   step_ = pulled_ = h;
   next_warm_.clear();
   attempt(h);
+  while (slow_down(h) || give_in(h)) attempt(h);
   if (keep_trace) {
     trace.qpos = qpos_, trace.qvel = qvel_, trace.v_free = v_free_, trace.v = v_;
     if (contacts_.empty()) trace.contacts.clear();
@@ -467,16 +425,16 @@ void Stepper::substep(int k, double h) {
   keep_trace = false;  // of the whole step only
   diagnostics_.contacts = std::max(diagnostics_.contacts, (int)contacts_.size());
   std::vector<double> share;
+  double lost = 0;
   if (!good_) share = shares(h);
-  if (share.empty()) {
+  if (share.empty())
     commit(h, share);
-  } else {
-    double lost = retry(h, share);
-    if (lost > 0) diagnostics_.shortened++;
-    diagnostics_.lost_time += lost;
-  }
+  else
+    lost = retry(h, share);
   keep_trace = tracing;
-  pass_time(h);
+  lost = std::max(lost, pass_time(h));
+  if (lost > 0) diagnostics_.shortened++;
+  diagnostics_.lost_time += lost;
   diagnostics_.residual = std::max(diagnostics_.residual, -worst_);
   warm_.swap(next_warm_);
   qvel_ = v_free_;

@@ -253,7 +253,11 @@ void Inertia::factor(const Model& m, const std::vector<double>& scale,
       inv_D[i] = root_D[i] = 0;
       continue;
     }
-    for (int a = 0; a < n; a++) L[start + a] = scale[i] * M[start + a];
+    for (int a = 0; a < n; a++) {
+      const double other = scale[m.chain[start + a]];
+      const double s = other == scale[i] ? other : 1 + std::sqrt((scale[i] - 1) * (other - 1));
+      L[start + a] = s * M[start + a];
+    }
     L[start + n - 1] += scale[i] * extra[i];
     for (int a = 0; free && a < n - 1; a++)
       if (!free[m.chain[start + a]]) L[start + a] = 0;

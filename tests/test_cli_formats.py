@@ -1,0 +1,68 @@
+"""The command line on data sets: clips, assets, objects, what a format cannot hold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from layouts import movement
+from test_cli import run
+from test_trumans import release
+
+import halfphysics as hp
+
+
+@pytest.fixture
+def dataset(tmp_path, monkeypatch):
+    """A release with a cup that falls in its first clip, and its meshes beside it."""
+    import trimesh
+
+    monkeypatch.chdir(tmp_path)
+    release(tmp_path / "TRUMANS")
+    for kind, name, size in (("Object", "cup", (0.1, 0.1, 0.1)), ("Scene", "hall", (9, 0.1, 9))):
+        folder = tmp_path / "meshes" / f"{kind}_mesh"
+        folder.mkdir(parents=True)
+        mesh = trimesh.creation.box(size)
+        mesh.apply_translation((0, -20, 0) if kind == "Scene" else (0, 0, 0))
+        mesh.export(folder / f"{name}.obj")
+    return tmp_path
+
+
+def test_simulate_takes_the_data_sets_objects(dataset, capsys):
+    common = ("simulate", "TRUMANS", "--clip", "walk@1", "--no-ground", "--out", "r.npz")
+    assert run(*common) == 2
+    assert "mesh of the scene 'hall'" in capsys.readouterr().err
+    assert run(*common, "--assets", "meshes") == 0
+    result = hp.Result.load(dataset / "r.npz")
+    assert list(result.objects) == ["cup"]
+    assert list(result.scene.statics) == ["hall"]
+    # Free: it falls, by symplectic Euler's sum in steps of h.
+    time, h = 11 / 30, 1 / 240
+    fallen = np.ptp(result.objects["cup"].position[:, 2])
+    assert abs(fallen - 0.5 * 9.81 * time * (time + h)) < 1e-9
+    assert run(*common, "--assets", "meshes", "--objects", "replayed") == 0
+    replayed = hp.Result.load(dataset / "r.npz").objects["cup"]
+    options = {"clip": "walk@1", "objects": "replayed"}
+    recorded = hp.load_sequence(dataset / "TRUMANS", dataset / "meshes", **options).recorded
+    assert np.abs(replayed.position - recorded["cup"].position).max() < 1e-9
+    assert run(*common, "--objects", "none") == 0
+    assert not hp.Result.load(dataset / "r.npz").objects
+
+
+def test_scene_of_ones_own_and_recorded(dataset, capsys):
+    hp.Scene().save(dataset / "mine.yaml")
+    clip = ("simulate", "TRUMANS", "--clip", "walk@1", "--assets", "meshes")
+    assert run(*clip, "--scene", "mine.yaml") == 2
+    assert "brings a scene of its own" in capsys.readouterr().err
+
+
+def test_convert_says_what_is_lost(dataset, capsys):
+    hp.Motion(*movement(), 30.0, betas=np.ones(10)).save(dataset / "a.npz")
+    arguments = ("convert", "a.npz", "a.pkl", "--format", "aist", "--stature", "1.7")
+    assert run(*arguments) == 0
+    said = capsys.readouterr().out
+    for line in ("the fingers", "jaw and eyes", "the shape (betas)", "the frame rate 30"):
+        assert f"not in the file: {line}" in said
+    assert run("convert", "a.npz", "b.smpl") == 2
+    assert "Say whose motion it is with body=" in capsys.readouterr().err
+    assert run("convert", "a.npz", "b.smpl", "--stature", "1.7") == 0
+    assert "not in the file" not in capsys.readouterr().out

@@ -27,7 +27,7 @@ def write_motion(path, frames=FRAMES, **changes):
     poses[:, :3] = UPRIGHT
     trans = np.zeros((frames, 3))
     trans[:, 0] = 0.01 * np.arange(frames)
-    trans[:, 2] = 1.3
+    trans[:, 2] = 0.94
     fields = {
         "trans": trans,
         "poses": poses,

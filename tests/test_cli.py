@@ -27,7 +27,7 @@ def write_motion(path, frames=FRAMES, **changes):
     poses[:, :3] = UPRIGHT
     trans = np.zeros((frames, 3))
     trans[:, 0] = 0.01 * np.arange(frames)
-    trans[:, 2] = 1.3
+    trans[:, 2] = 0.94
     fields = {
         "trans": trans,
         "poses": poses,
@@ -97,7 +97,7 @@ def test_simulate_evaluate_convert(folder, capsys):
 
 def test_evaluate_a_motion(folder, capsys):
     moved = np.zeros((FRAMES, 3))
-    moved[:, 2] = 1.3
+    moved[:, 2] = 0.94
     moved[:, 0] = 0.01 * np.arange(FRAMES) + 0.004
     write_motion("other.npz", trans=moved)
     assert run("evaluate", "walk.npz", "--reference", "other.npz") == 0
@@ -127,7 +127,7 @@ def test_grounded_and_frames(folder):
 
 def test_two_people(folder):
     shifted = np.zeros((FRAMES, 3))
-    shifted[:, 1:] = (3.0, 1.3)
+    shifted[:, 1:] = (3.0, 0.94)
     write_motion("other.npz", trans=shifted)
     assert run("simulate", "walk.npz", "other.npz", "--out", "r.npz") == 0
     assert hp.Result.load("r.npz").names == (GROUND, "person0", "person1")

@@ -290,6 +290,7 @@ def test_saved_as_amass(data_set, tmp_path):
 
 
 @pytest.mark.parametrize("objects", ["free", "replayed"])
+@pytest.mark.filterwarnings("ignore:person starts")
 def test_simulated_kept_and_read_again(data_set, tmp_path, objects):
     sequence = quiet(data_set, objects=objects, frames=(0, 6))
     names = {"free": ["cup"], "replayed": ["cup"]}[objects]

@@ -13,6 +13,7 @@ from halfphysics.blocked import warn_of_lost_time
 from halfphysics.body import check_match
 from halfphysics.contacts import Contacts
 from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.floating import floating
 from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_over_time
 from halfphysics.motion import Motion
@@ -123,7 +124,10 @@ def follow(
     qpos[0], clearance[0] = stepper.qpos(), stepper.clearance()
     inside = [stepper.inside()]
     inside_frames = [np.zeros(len(inside[0]), dtype=np.int64)]
-    _warn_of_start(world, inside_of(world, inside[0], inside_frames[0]))
+    if len(inside[0]):
+        _warn_of_start(world, inside_of(world, inside[0], inside_frames[0]))
+    else:
+        _warn_of_floating(world, motions)
     lost_time = np.zeros(count)
     torque = np.zeros((count, len(motions), N_JOINTS, 3))
     firmness = np.zeros((0, 0)) if stiffness is None else world.firmness(stiffness)
@@ -196,6 +200,20 @@ def _warn_of_start(world: World, inside: Depths) -> None:
         HalfPhysicsWarning,
         stacklevel=4,
     )
+
+
+def _warn_of_floating(world: World, motions: Sequence[Motion]) -> None:
+    """One warning for each clip from a file whose first frame is in mid-air in this scene."""
+    for person, motion in zip(world.people, motions, strict=True):
+        found = None if motion.origin is None else floating(person.body, motion[0], world.scene)
+        if found is not None:
+            warnings.warn(
+                f"{person.name} starts {100.0 * found[0]:.0f} cm above {found[1]}, on nothing. "
+                "Where the clip's floor is not the scene's: motion.grounded(body, z=...), or "
+                "--grounded",
+                HalfPhysicsWarning,
+                stacklevel=4,
+            )
 
 
 def _progress(frames: int, show: bool) -> Any:

@@ -25,6 +25,7 @@ from halfphysics.io.assets import find
 from halfphysics.io.building import (
     file_parameters,
     lost_joints,
+    lost_model,
     motion_of,
     rotations_of,
     same_length,
@@ -253,7 +254,7 @@ def _nearest_rotations(matrices: NDArray[Any]) -> Array:
 
 
 def _loses(motion: Motion) -> tuple[str, ...]:
-    lost = list(lost_joints(motion, skeleton.SMPL_JOINTS))
+    lost = [*lost_joints(motion, skeleton.SMPL_JOINTS), *lost_model(motion)]
     if motion.betas is not None and motion.betas[_BETAS:].any():
         lost.append(f"betas after the first {_BETAS}")
     if motion.fps != FPS:

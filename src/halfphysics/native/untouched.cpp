@@ -53,8 +53,9 @@ bool Stepper::find_touched() {
     for_touched(candidates_[c.pair], [&](int b) {
       if (touched_[b]) return;
       touched_[b] = 1;
-      if (model.parent[b] > 0 && model.dof_count[b] > 0 && extra_[model.dof_first[b]] > 0)
-        found = let_go_[model.root[b]] = 1;
+      if (model.parent[b] == 0 || model.dof_count[b] == 0 || extra_[model.dof_first[b]] == 0) return;
+      let_go_[model.root[b]] = 1;
+      found = true;
     });
   }
   if (found) factored_ = false;

@@ -200,7 +200,9 @@ def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, conta
         if t % 4 or n == 0:
             continue
         M = reference.inertia_matrix(model, qpos)
-        M = own.scale(1.0 / 240.0) * (M + np.diag(reference.stiff_diagonal(model, M, own)))
+        stiff = reference.stiff_diagonal(model, M, own)
+        held = reference.held_diagonal(model, stiff, own, trace["touched"])
+        M = own.scale(1.0 / 240.0) * (M + np.diag(held))
         problem = reference.contact_problem(model, qpos, trace["v_free"], M, 1.0 / 240.0, points)
         A = symmetric(problem.A)
         assert contact_residual(A, problem.b, problem.friction, problem.found).max() <= ENOUGH

@@ -6,8 +6,9 @@
 // contacts push gives way as before, and so do all joints between it and the root. With lambda = 0 nothing
 // is held, nor with Algorithm 1, which is as the paper has it; nor is who is overcome (strength.cpp).
 //
-// Whoever has to do with a thing that moves is not held at all: fingers close about it with all that they
-// touch, one after the other, and a ball between two palms was lost where those that did not were held.
+// Whoever has to do with a thing that moves, or with themselves, is not held at all: fingers close about it
+// with all that they touch, one after the other, and a ball between two palms was lost where those that did
+// not were held.
 //
 // What touches is what carries an impulse. It is first taken to be what did so lately; if solving finds
 // more, that is let go and all is solved for again.
@@ -34,7 +35,7 @@ void Stepper::for_touched(const Candidate& c, const std::function<void(int)>& ea
   for (int side = 0; side < 2; side++) {
     const int body = ends[side], other = ends[1 - side];
     if (!is_person(body)) continue;
-    if (other > 0 && !is_person(other)) {
+    if (other > 0 && (!is_person(other) || model.root[other] == model.root[body])) {
       for (int b = 1; b < model.nbody; b++)
         if (model.root[b] == model.root[body]) each(b);
     }
@@ -48,15 +49,18 @@ bool Stepper::find_touched() {
   if (drive_settings.time_constant == 0) return false;
   let_go_.assign(model.nbody, 0);
   bool found = false;
+  const auto touch = [&](int b) {
+    if (touched_[b]) return;
+    touched_[b] = 1;
+    if (model.parent[b] == 0 || model.dof_count[b] == 0 || extra_[model.dof_first[b]] == 0) return;
+    let_go_[model.root[b]] = 1;
+    found = true;
+  };
+  for (const Candidate& c : candidates_)
+    if (leaves_itself(c)) for_touched(c, touch);
   for (const Contact& c : contacts_) {
     if (norm2(c.impulse) == 0 || c.pair >= (int)candidates_.size()) continue;  // a joint's limit
-    for_touched(candidates_[c.pair], [&](int b) {
-      if (touched_[b]) return;
-      touched_[b] = 1;
-      if (model.parent[b] == 0 || model.dof_count[b] == 0 || extra_[model.dof_first[b]] == 0) return;
-      let_go_[model.root[b]] = 1;
-      found = true;
-    });
+    for_touched(candidates_[c.pair], touch);
   }
   if (found) factored_ = false;
   return found;

@@ -1,10 +1,14 @@
-"""Synthetic movement to fill the layouts of data sets with: smooth, plausible, all joints bent."""
+"""For tests of data sets: synthetic movement, smooth, plausible, all joints bent; quiet reading."""
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 
+import halfphysics as hp
 from halfphysics import rotations as rot
+from halfphysics.sequence import Sequence
 
 #: An upright body in files with z up stands turned by this about x.
 UPRIGHT = {"y": np.zeros(3), "z": np.array([np.pi / 2, 0.0, 0.0])}
@@ -23,3 +27,10 @@ def movement(frames: int = 12, seed: int = 0, up: str = "z") -> tuple[np.ndarray
     rotations[:, 0] = rot.log(lean)
     translation = rng.normal(0, 0.2, 3) + 0.3 * np.sin(t * 2 + rng.uniform(0, 6, 3))
     return translation, rotations
+
+
+def quiet(path, **options) -> Sequence:
+    """What `load_sequence` reads, without its warnings."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hp.HalfPhysicsWarning)
+        return hp.load_sequence(path, **options)

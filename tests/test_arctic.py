@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from layouts import movement
+from layouts import movement, quiet
 from model_files import VERTICES, write_npz
 from model_files import fields as model_fields
 from test_body_models import lbs
@@ -91,12 +91,6 @@ def data_set(tmp_path):
 
 def template() -> np.ndarray:
     return np.random.default_rng(11).uniform(-0.7, 0.7, (VERTICES, 3))
-
-
-def quiet(path, **options):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", hp.HalfPhysicsWarning)
-        return hp.load_sequence(path, **options)
 
 
 def test_flat_hands_z_up_30_fps(data_set):

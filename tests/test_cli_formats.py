@@ -9,6 +9,10 @@ from test_cli import run
 from test_trumans import release
 
 import halfphysics as hp
+from halfphysics.cli.options import SceneOptions
+
+DOOR = """<mujoco><worldbody><body name="wing"><joint name="hinge" axis="0 0 1"/>
+<geom type="box" size="0.4 0.02 1" mass="20"/></body></worldbody></mujoco>"""
 
 
 @pytest.fixture
@@ -53,6 +57,25 @@ def test_scene_of_ones_own_and_recorded(dataset, capsys):
     clip = ("simulate", "TRUMANS", "--clip", "walk@1", "--assets", "meshes")
     assert run(*clip, "--scene", "mine.yaml") == 2
     assert "brings a scene of its own" in capsys.readouterr().err
+
+
+def test_what_has_joints_is_a_scene_too(tmp_path):
+    hp.Scene().save(tmp_path / "mine.yaml")
+    recorded = hp.Scene()
+    recorded.add_articulated("door", DOOR)
+    with pytest.raises(hp.errors.InputError, match="brings a scene of its own"):
+        SceneOptions(scene=tmp_path / "mine.yaml").load(recorded)
+    assert list(SceneOptions().load(recorded).articulated) == ["door"]
+
+
+def test_a_part_of_a_result_is_converted(dataset, capsys):
+    clip = ("simulate", "TRUMANS", "--clip", "walk@1", "--objects", "none", "--no-ground")
+    assert run(*clip, "--out", "r.npz") == 0
+    assert run("convert", "r.npz", "part.npz", "--frames", "2:7") == 0
+    whole, part = hp.Result.load("r.npz").motion, hp.Motion.load("part.npz")
+    assert np.array_equal(part.rotations, whole.rotations[2:7])
+    assert run("convert", "r.npz", "part.glb", "--frames", "2:7") == 2
+    assert "a result is written to .glb files whole" in capsys.readouterr().err
 
 
 def test_convert_says_what_is_lost(dataset, capsys):

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import copy
-import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
-from layouts import movement
+from layouts import movement, quiet
 from model_files import VERTICES, write_npz
 from model_files import fields as model_fields
 from test_body_models import lbs
@@ -139,12 +138,6 @@ def asked() -> np.ndarray:
     return np.array(
         [lbs("smplx", model, np.zeros(0), r[i]) + translation[i] for i in range(FRAMES)]
     )
-
-
-def quiet(path, **options):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", hp.HalfPhysicsWarning)
-        return hp.load_sequence(path, **options)
 
 
 def test_hands_are_unfolded_without_a_model(data_set):

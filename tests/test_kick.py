@@ -243,7 +243,8 @@ def test_a_real_kick(body, shared_data, clip, low):
         scene.add_object("ball", Sphere(0.11), mass=mass, position=position)
         runs = (played(motion.resample(fps), scene, body)[1].max() for fps in RATES)
         speed[mass] = np.array(list(runs))
-        assert speed[mass].max() <= 1.1 * speed[mass].min()
+        # Along the floor the foot goes on pushing, and by how much differs by some percent.
+        assert speed[mass].max() <= (1.06 if low else 1.01) * speed[mass].min()
     assert speed[0.5].min() >= 5.0 * speed[200.0].max()
     # On the floor the foot goes on pushing 0.5 and 5 kg alike.
     assert (speed[0.5] > (0.98 if low else 1.0) * speed[5.0]).all()

@@ -187,11 +187,11 @@ def test_from_the_command_line(name, depth, tmp_path, capsys):
 
 
 def test_mistakes():
-    with pytest.raises(InputError, match=r"offset: found 3\.0, expected -2 to 2 m"):
+    with pytest.raises(InputError, match=r"offset: expected a number from -2 to 2 \[m\], found 3"):
         hp.scenarios.load("meet", offset=3.0)
     with pytest.raises(InputError, match="shakes: found -1, expected 0 to 50"):
         hp.scenarios.load("shake_hands", shakes=-1)
-    with pytest.raises(InputError, match=r"press: found 0\.5, expected 0 to 0\.02 m"):
+    with pytest.raises(InputError, match=r"press: expected .* from 0 to 0\.02 \[m\], found 0\.5"):
         hp.scenarios.load("shake_hands", press=0.5)
     with pytest.raises(InputError, match=r"stature: found .* people more alike"):
         hp.scenarios.load("shake_hands", stature=0.5)

@@ -35,6 +35,7 @@ class Hold:
 
     @property
     def part(self) -> str:
+        """Name of the joint."""
         return JOINT_NAMES[self.joint]
 
 

@@ -56,12 +56,21 @@ class Command:
                 f"--format: {self.target.suffix} files are of one format. Leave out --format"
             )
         result = Result.load(self.source) if is_result(self.source) else None
+        read_otherwise = self.motion_file != MotionOptions()
         if scene:
+            if result is not None and read_otherwise:
+                raise InputError(
+                    f"{self.source}: a result is written to {self.target.suffix} files whole, as "
+                    "it is. Leave out what says how to read a motion file, or write a motion first"
+                )
             what = self.motion_file.sequence(self.source) if result is None else result
             motion = what.motions[0] if isinstance(what, Sequence) else what.motion
             export(what, self.target, body=self._body(motion, None), fps=self.to_fps)
         else:
-            motion = self.motion_file.load(self.source) if result is None else result.motion
+            if result is None or read_otherwise:
+                motion = self.motion_file.load(self.source)
+            else:
+                motion = result.motion
             writer = writer_of(motion, self.target, self.format)  # before the work
             if self.to_fps is not None:
                 motion = motion.resample(self.to_fps)

@@ -138,6 +138,11 @@ class BodyOptions:
         return Body.shaped(space, motion.betas if own else None)
 
 
+def is_furnished(scene: Scene) -> bool:
+    """Whether anything stands or lies in a scene."""
+    return bool(scene.statics or scene.objects or scene.articulated)
+
+
 @dataclass(frozen=True, kw_only=True)
 class SceneOptions:
     """What stands and lies around."""
@@ -160,7 +165,7 @@ class SceneOptions:
         from halfphysics.scene_spec import parse_object, parse_static
         from halfphysics.shapes import Plane
 
-        if self.scene is not None and base is not None and (base.statics or base.objects):
+        if self.scene is not None and base is not None and is_furnished(base):
             raise InputError(
                 f"--scene {self.scene}: the motion's data set brings a scene of its own. Leave out "
                 "--scene, or say --objects none"

@@ -13,6 +13,7 @@ from halfphysics.cli.options import (
     MotionOptions,
     SceneOptions,
     check_output,
+    is_furnished,
     progress,
 )
 from halfphysics.errors import InputError
@@ -81,7 +82,7 @@ class Command:
 
     def _recorded(self, sequences: list[Sequence]) -> Scene:
         """What stands and lies around by the data sets."""
-        full = [s.scene for s in sequences if s.scene.statics or s.scene.objects]
+        full = [s.scene for s in sequences if is_furnished(s.scene)]
         if len(full) > 1:
             raise InputError(
                 "simulate: more than one motion brings a scene of its own, and there is one world. "

@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics import skeleton
-from halfphysics.io.building import file_parameters, lost_joints, motion_of, rotations_of
+from halfphysics.io.building import (
+    file_parameters,
+    lost_joints,
+    lost_rate,
+    motion_of,
+    rotations_of,
+)
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.record import Record
 from halfphysics.io.stored import write
@@ -23,7 +29,7 @@ if TYPE_CHECKING:
 
 NAME = "aist"
 FPS = 60.0
-#: What the data set's own clips have, about; for motions from elsewhere.
+#: Of motions from elsewhere: metres.
 SCALING = 1.0
 _RIGID_HANDS = "_rigid_hands"
 
@@ -81,8 +87,7 @@ def _loses(motion: Motion) -> tuple[str, ...]:
         lost.append("the shape (betas)")
     if motion.gender != "neutral":
         lost.append(f"the gender {motion.gender!r}: readers take neutral")
-    if motion.fps != FPS:
-        lost.append(f"the frame rate {motion.fps:g}: readers take {FPS:g}; say --to-fps 60")
+    lost += lost_rate(motion, FPS)
     return tuple(lost)
 
 

@@ -21,7 +21,13 @@ from halfphysics.io.arctic_object import PARTS as OBJECT_PARTS
 from halfphysics.io.arctic_object import add_hinged
 from halfphysics.io.assets import ends, find, seek
 from halfphysics.io.atomic import atomic_write
-from halfphysics.io.building import file_parameters, motion_of, rotations_of, same_length
+from halfphysics.io.building import (
+    file_parameters,
+    lost_rate,
+    motion_of,
+    rotations_of,
+    same_length,
+)
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.npy import Npy
 from halfphysics.io.record import Record
@@ -181,8 +187,7 @@ def _loses(motion: Motion) -> tuple[str, ...]:
     lost = []
     if motion.betas is not None and motion.betas.any():
         lost.append("the shape (betas)")
-    if motion.fps != FPS:
-        lost.append(f"the frame rate {motion.fps:g}: readers take {FPS:g}; say --to-fps 30")
+    lost += lost_rate(motion, FPS)
     if motion.gender != "neutral" and (motion.origin is None or motion.origin.format != NAME):
         lost.append(f"the gender {motion.gender!r}: readers look for it in meta/misc.json")
     return tuple(lost)

@@ -11,7 +11,8 @@ from halfphysics.io.formats import Options, Source
 
 #: The default folder for licensed models and data sets' assets.
 VARIABLE = "HALFPHYSICS_MODELS"
-# A clip lies a few folders under the root of its data set (GRAB: grab/s1/cup_lift.npz).
+# A clip lies a few folders under the root of its data set (GRAB: grab/s1/cup_lift.npz), whose own
+# folder is the first of these.
 _PARENTS = 3
 
 
@@ -22,6 +23,8 @@ def folders(source: Source, options: Options) -> Iterator[Path]:
     if own:
         yield Path(own)
     here = source.path.resolve()
+    if source.is_folder:
+        yield here
     yield from list(here.parents)[:_PARENTS]
 
 

@@ -82,6 +82,9 @@ def shaped_like(
         gender: What the caller says.
         hands: Whether the bones of the hands are those at rest, too.
 
+    Raises:
+        FileError: No model file is there, or it cannot be read.
+
     Warns:
         HalfPhysicsWarning: No shape of the model has these bones.
     """

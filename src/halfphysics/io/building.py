@@ -7,7 +7,7 @@ rate, gender, warnings) are here.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -41,6 +41,14 @@ def rotations_of(parts: Mapping[tuple[int, ...], Array]) -> Array:
     for joints, part in parts.items():
         full[:, list(joints)] = np.asarray(part).reshape(len(part), len(joints), 3)
     return full
+
+
+def own_name(name: str, known: Container[str]) -> str:
+    """The name of a clip; with a number where it is one of the `known` already: "walk#2"."""
+    again, new = 2, name
+    while new in known:
+        new, again = f"{name}#{again}", again + 1
+    return new
 
 
 def same_length(where: str, lengths: Mapping[str, int]) -> int:
@@ -223,6 +231,13 @@ def lost_joints(motion: Motion, held: Sequence[int]) -> tuple[str, ...]:
     if lost:
         lines.append(f"rotations of {', '.join(skeleton.JOINT_NAMES[j] for j in lost)}")
     return tuple(lines)
+
+
+def lost_rate(motion: Motion, fps: float) -> tuple[str, ...]:
+    """The line for `Format.loses` where a file says no rate, and readers take `fps`."""
+    if motion.fps == fps:
+        return ()
+    return (f"the frame rate {motion.fps:g}: readers take {fps:g}; say --to-fps {fps:g}",)
 
 
 def lost_model(motion: Motion, model: str = "smplx") -> tuple[str, ...]:

@@ -98,7 +98,7 @@ class Source:
             if isinstance(self.data, dict):
                 return f"a pickle with {Record(self.path, self.data).describe()}"
             return f"a pickle of a {type(self.data).__name__}"
-        return "a file that is not an .npz archive"
+        return "a file that is no .npz, .npy, pickle, torch or BVH file"
 
 
 #: Folders that a caller names.

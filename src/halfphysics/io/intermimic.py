@@ -30,6 +30,7 @@ from halfphysics.io.bones import Bones, bend, bones_of, default_like, shaped_lik
 from halfphysics.io.building import (
     file_parameters,
     lost_joints,
+    lost_rate,
     motion_of,
     rotations_of,
 )
@@ -109,14 +110,7 @@ def _turns(record: Record, rows: Array, columns: slice, what: str) -> Array:
             f"columns {columns.start}:{columns.stop} ({what}): found {xyzw[at].round(3).tolist()} "
             f"in frame {at}, expected a quaternion of length 1",
         )
-    return rot.normalize(_steady(xyzw)[:, [3, 0, 1, 2]])
-
-
-def _steady(turns: Array) -> Array:
-    """Quaternions (T, 4), each with the sign that is nearer to the one before."""
-    flips = np.einsum("tc,tc->t", turns[1:], turns[:-1]) < 0.0
-    signs = np.concatenate([[1.0], np.cumprod(np.where(flips, -1.0, 1.0))])
-    return turns * signs[:, None]
+    return rot.normalize(rot.continuous(xyzw)[:, [3, 0, 1, 2]])
 
 
 def _rows(source: Source, options: Options) -> tuple[Record, Array]:
@@ -171,7 +165,7 @@ def _with_body(source: Source, options: Options) -> tuple[Motion, Body]:
         betas=body.betas if named else None,
         hands=hands,
         per_frame={
-            _OBJECT_KEY: np.hstack([rows[:, _OBJECT], _steady(rows[:, _OBJECT_TURN])]),
+            _OBJECT_KEY: np.hstack([rows[:, _OBJECT], rot.continuous(rows[:, _OBJECT_TURN])]),
             _TOUCH_KEY: np.rint(rows[:, _TOUCH]).astype(np.int64),
         },
     )
@@ -251,7 +245,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
     angles = rot.log(rot.exp(rotations[:, list(ORDER[1:])])) @ UPRIGHT.T
     frames = len(motion)
     rows = np.zeros((frames, WIDTH))
-    rows[:, _ROOT], rows[:, _ROOT_TURN] = places[:, 0], _steady(xyzw[:, 0])
+    rows[:, _ROOT], rows[:, _ROOT_TURN] = places[:, 0], rot.continuous(xyzw[:, 0])
     rows[:, _ANGLES] = angles.reshape(frames, -1)
     rows[:, _PLACES] = places[:, list(ORDER)].reshape(frames, -1)
     rows[:, _TURNS] = xyzw.reshape(frames, -1)
@@ -272,8 +266,7 @@ def _loses(motion: Motion) -> tuple[str, ...]:
         lost.append("the shape (betas), but for the joints of it")
     if motion.gender != "neutral":
         lost.append(f"the gender {motion.gender!r}")
-    if motion.fps != FPS:
-        lost.append(f"the frame rate {motion.fps:g}: readers take {FPS:g}; say --to-fps 30")
+    lost += lost_rate(motion, FPS)
     if motion.origin is None or _OBJECT_KEY not in motion.origin.per_frame:
         lost.append("an object: there is none, and its columns say that it lies at the origin")
     return tuple(lost)

@@ -17,6 +17,7 @@ from halfphysics.io.building import (
     file_parameters,
     lost_joints,
     lost_model,
+    lost_rate,
     motion_of,
     rotations_of,
 )
@@ -79,8 +80,7 @@ def _loses(motion: Motion) -> tuple[str, ...]:
     lost = [*lost_joints(motion, _JOINTS), *lost_model(motion)]
     if motion.betas is not None and motion.betas[_BETAS:].any():
         lost.append(f"betas after the first {_BETAS}")
-    if motion.fps != FPS:
-        lost.append(f"the frame rate {motion.fps:g}: readers take {FPS:g}; say --to-fps 30")
+    lost += lost_rate(motion, FPS)
     if motion.gender != "neutral":
         lost.append(f"the gender {motion.gender!r}: readers take neutral")
     return tuple(lost)

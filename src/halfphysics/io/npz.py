@@ -19,6 +19,7 @@ from halfphysics.io.atomic import atomic_write
 # A day of full-body motion at 120 fps is about 10 GB; anything a session uses is far below.
 MAX_BYTES = 8 * 2**30
 MAX_MEMBERS = 100_000
+#: What Python's zip reader raises of damaged archives.
 DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError)
 
 

@@ -26,7 +26,9 @@ from halfphysics.io.building import (
     file_parameters,
     lost_joints,
     lost_model,
+    lost_rate,
     motion_of,
+    own_name,
     rotations_of,
     same_length,
 )
@@ -104,10 +106,7 @@ def _by_name(source: Source) -> _Clips:
                 "its fields"
             )
         name = Record(f"{source.path}, clip {id!r}", fields).text("seq_name")
-        again = 2
-        while name in clips:
-            name, again = f"{name.rpartition('#')[0] or name}#{again}", again + 1
-        clips[name] = id, fields
+        clips[own_name(name, clips)] = id, fields
     _KNOWN[source] = clips
     return clips
 
@@ -257,8 +256,7 @@ def _loses(motion: Motion) -> tuple[str, ...]:
     lost = [*lost_joints(motion, skeleton.SMPL_JOINTS), *lost_model(motion)]
     if motion.betas is not None and motion.betas[_BETAS:].any():
         lost.append(f"betas after the first {_BETAS}")
-    if motion.fps != FPS:
-        lost.append(f"the frame rate {motion.fps:g}: readers take {FPS:g}; say --to-fps 30")
+    lost += lost_rate(motion, FPS)
     return tuple(lost)
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from halfphysics import skeleton
 from halfphysics.errors import FileError
 from halfphysics.io.assets import find
-from halfphysics.io.building import motion_of, rotations_of, same_length
+from halfphysics.io.building import motion_of, own_name, rotations_of, same_length
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.npy import Npy
 from halfphysics.io.record import Record
@@ -98,17 +98,9 @@ def _segments(path: Path, stamp: tuple[int, int]) -> dict[str, tuple[int, int]]:
     segments: dict[str, tuple[int, int]] = {}
     for name, start, stop in zip(names, starts, [*starts[1:], count], strict=True):
         text = name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
-        segments[_new(text, segments)] = (start, stop)
+        # A name may come again after another's rows.
+        segments[own_name(text, segments)] = (start, stop)
     return segments
-
-
-def _new(name: str, known: Mapping[str, Any]) -> str:
-    """A name of its own for a clip whose name comes again after another's rows."""
-    again = 2
-    new = name
-    while new in known:
-        new, again = f"{name}#{again}", again + 1
-    return new
 
 
 def _clips(source: Source) -> dict[str, tuple[int, int]]:

@@ -47,8 +47,9 @@ class Clip:
 def clips(path: str | os.PathLike[str]) -> Iterator[Clip]:
     """The motions in a file, in all files under a folder, or in those that a glob names.
 
-    Nothing but heads of files is read before a clip is asked for, and files of no known format
-    are passed over. In the order of the names.
+    Nothing but heads of files is read before a clip is asked for. Files of no known format, and
+    such as cannot be read, are passed over, but one that is named outright. In the order of the
+    names.
 
     Args:
         path: For example "AMASS/", "AMASS/**/*_stageii.npz" or one file.

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kGiveWay = 0.05;   // speed at which a clearance that was lost is regained [m/s]
 constexpr double kTouch = 1e-5;     // overlaps up to this at the start are contacts at rest [m]
-constexpr double kDeeper = 0.3;  // who leaves itself may get deeper by this share of the speed out
+constexpr double kDeeper = 0.3;     // who leaves itself may get deeper by this share of the speed out
 constexpr double kAhead = 0.02;  // looked this much farther than asked, to know of the next [m]
 // A step that would end nearer than half of kLeastGap (or of the distance it starts from) is
 // shortened; under the first of these it may only wear the gap away as slowly as solving is exact,

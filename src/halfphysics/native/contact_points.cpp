@@ -153,7 +153,8 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
     if (c.other_mover >= 0)
       k.b = end_of(c.other_mover, xb, xb - (place(start, c.other_mover).reach(n) + back) * n, k.gap_b);
     // What comes out of something slides out.
-    const bool within = c.inside >= 0 || (c.dist < 0 && c.other_mover >= 0 && may_touch_itself(c.mover, c.other_mover));
+    const bool within = c.inside >= 0 || (c.dist < 0 && c.other_mover >= 0 &&
+                                          may_touch_itself(c.mover, c.other_mover));
     k.friction = within ? 0 : pair.friction;
     k.restitution = c.inside < 0 ? pair.restitution : 0;
     k.pair = index;

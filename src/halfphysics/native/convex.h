@@ -99,11 +99,11 @@ struct Separation {
   Vec3 pa, pb;      // nearest points of the rounded shapes; pa - pb is parallel to n
 };
 
-// Distance of two rounded shapes, up to `beyond` (then only dist, a lower bound, and n). Where they overlap, n is the least-depth
-// direction among the face normals of both and the line between their centres: exact for a point
-// or sphere in a hull and for faces that touch, an upper bound of the depth otherwise. Without
-// `way_out` an overlap is only said: dist is -1e300. A `guess` of n, if it is good, and a `hint` of the
-// same two save time.
+// Distance of two rounded shapes, up to `beyond` (then only dist, a lower bound, and n). Where they
+// overlap, n is the least-depth direction among the face normals of both and the line between their
+// centres: exact for a point or sphere in a hull and for faces that touch, an upper bound of the depth
+// otherwise. Without `way_out` an overlap is only said: dist is -1e300. A `guess` of n, if it is good, and
+// a `hint` of the same two save time.
 Separation separate(const Placed& a, const Placed& b, double beyond = 1e300, bool way_out = true,
                     Vec3 guess = {}, Hint* hint = nullptr);
 

@@ -120,10 +120,11 @@ void Stepper::bear_load(double h) {
     if (world.active[d.body(0)] && !d.limits.empty() && !d.gentle()) bear(d, h);
 }
 
-// Without contact a substep changes the deviation of velocity by x, M x = u - h load, u what the drive exerts.
-// It wants the x that v_free_ has. Where that takes more than it may, joints give way by y, x = wanted + y,
-// as dry friction does: u_j <= limit_j, and equal and against y_j where y_j is not zero. That is a convex
-// problem, solved as a row of linear ones with resistances limit_j / |y_j| (iteratively reweighted).
+// Without contact a substep changes the deviation of velocity by x, M x = u - h load, u what the drive
+// exerts. It wants the x that v_free_ has. Where that takes more than it may, joints give way by y,
+// x = wanted + y, as dry friction does: u_j <= limit_j, and equal and against y_j where y_j is not zero. That
+// is a convex problem, solved as a row of linear ones with resistances limit_j / |y_j| (iteratively
+// reweighted).
 void Stepper::bear(const Drive& d, double h) {
   const int first = d.first_dof(), end = first + d.dof_count(), count = d.ball_count() + 1;
   std::vector<double> wanted(model.nv, 0), need(model.nv, 0);

@@ -49,7 +49,8 @@ void Stepper::make_room(int a, int b, bool whole) {
       top[side] = j;
   for (int side = 0; side < 2; side++) {
     const int other = top[1 - side];
-    if (!top[side] || (!whole && other && model.carried[top[side]] > kHeavier * model.carried[other])) continue;
+    if (!top[side]) continue;
+    if (!whole && other && model.carried[top[side]] > kHeavier * model.carried[other]) continue;
     for (int j = ends[side];; j = model.parent[j]) {
       std::fill_n(gives_.begin() + model.dof_first[j], model.dof_count[j], 1);
       if (j == top[side]) break;
@@ -127,7 +128,8 @@ void Stepper::push(const Contact& c, std::vector<double>& f) const {
     for (int l = 0; l < e.count; l++) {
       const int b = e.body[l], last = model.pushed_dof(b);
       if (last < 0) continue;
-      const Vec3 linear = e.weight[l] * p, moment = cross(e.point[l] - start_.kin.reference(model, b), linear);
+      const Vec3 linear = e.weight[l] * p;
+      const Vec3 moment = cross(e.point[l] - start_.kin.reference(model, b), linear);
       const int* dof = &model.chain[model.row_start[last]];
       for (int a = 0; a < model.row_size[last]; a++) {
         const Twist& axis = start_.kin.cdof[dof[a]];

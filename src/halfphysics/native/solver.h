@@ -77,8 +77,8 @@ class ContactSolver {
   //
   // Islands (trees that contacts connect) are solved one by one. Within an island only the
   // points that carry something take part: those that did so in the substep before and the worst
-  // of each pair; whichever else is violated then joins, and A is extended. `mass` [kg]
-  // of all that moves, where something on a track may squeeze others: else 0.
+  // of each pair; whichever else is violated then joins, and A is extended. `mass` [kg] of
+  // all that moves, where something on a track may squeeze others: else 0.
   SolveReport solve(const Model& m, const Kinematics& k, const Inertia& inertia, double h,
                     const double* v_free, double* v, std::vector<Contact>& contacts,
                     double tolerance, int max_sweeps, double mass = 0);

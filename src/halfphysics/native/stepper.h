@@ -1,7 +1,7 @@
 // The substep: drive, contact, verification, integration; and the frame made of substeps.
 #pragma once
-#include <memory>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "articulation.h"

@@ -152,8 +152,9 @@ bool Stepper::exertion(const Drive& d, const double* v, double h) {
 
 // M^ = M + X is heavier than the body, and what hits it is met with X (v* - v) beyond the pull,
 // M (v* - v_ref - e), and what is held, which are within the limits. A joint that would exert more than it
-// can, in the step that was tried, resists less: X becomes share X share. True if there is such a joint: the step is to be tried again.
-// Where that goes on, or the step would have to be made in pieces, nothing but the pull is left.
+// can, in the step that was tried, resists less: X becomes share X share. True if there is such a joint: the
+// step is to be tried again. Where that goes on, or the step would have to be made in pieces, nothing but the
+// pull is left.
 bool Stepper::give_in(double h) {
   bool any = false;
   for (size_t p = 0; p < drives_.size(); p++) {

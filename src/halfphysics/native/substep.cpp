@@ -19,8 +19,12 @@ constexpr double kSlackReach = 0.004;  // planes are asked for this much farther
 constexpr double kBounceSpeed = 0.2;   // slower impacts do not bounce [m/s]
 constexpr double kRounding = 1e-9;     // of distances after a substep, at any tolerance [m]
 constexpr double kLeastMiss = 1e-13;   // the same, of who stands [m]
-// A gap may miss what is asked of it by this share: curvature within a substep costs no more solves.
-constexpr double kSlack = 0.02, kWear = 0.1, kLeisure = 0.5, kLeast = 1.25;
+// A gap may miss what is asked of it by this share: curvature within a substep costs no more solves. By
+// the second of these where one of the two is on a track.
+constexpr double kSlack = 0.02, kWear = 0.1;
+// Who leaves itself may miss this share of the way out that is asked; more than all of it, that is, get
+// deeper by a quarter of it, once the clearance has given way.
+constexpr double kLeisure = 0.5, kLeast = 1.25;
 // Nobody is pushed apart faster than this for the sake of a curved way: a shorter step is straighter,
 // and things that spin fast would gain energy [m/s].
 constexpr double kPush = 3, kThingsPush = 0.05;

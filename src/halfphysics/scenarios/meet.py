@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.errors import InputError
 from halfphysics.scenarios import stage
 from halfphysics.scenarios.gait import Walk, walk
 from halfphysics.sequence import Sequence
+from halfphysics.validation import number
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -37,8 +37,7 @@ def build(
         body: The first person; None: the default body.
         other: The second person; None: the default body of that stature.
     """
-    if not -2.0 <= offset <= 2.0:
-        raise InputError(f"offset: found {offset!r}, expected -2 to 2 m")
+    offset = number(offset, "offset", least=-2.0, most=2.0, unit="m")
     first, second = stage.actor(body), stage.partner(other, stature)
     here = Walk(distance=DISTANCE, speed=speed)
     there = Walk(distance=DISTANCE, speed=speed, start=(APART, offset), heading=np.pi)

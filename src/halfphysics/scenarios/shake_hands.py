@@ -15,6 +15,7 @@ from halfphysics.scenarios.gait import Walk, ease, walk
 from halfphysics.scenarios.legs import about
 from halfphysics.sequence import Sequence
 from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.validation import number
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -107,9 +108,8 @@ def build(
     """
     if not 0 <= shakes <= 50:
         raise InputError(f"shakes: found {shakes!r}, expected 0 to 50")
-    for name, value, most in (("height", height, 0.10), ("press", press, 0.02)):
-        if not 0.0 <= value <= most:
-            raise InputError(f"{name}: found {value!r}, expected 0 to {most:g} m")
+    height = number(height, "height", least=0.0, most=0.10, unit="m")
+    press = number(press, "press", least=0.0, most=0.02, unit="m")
     people = (stage.actor(body), stage.partner(other, stature))
     level = _HEIGHT * float(np.mean([one.stature for one in people]))
     start, plan = _start(), Walk(distance=DISTANCE, speed=SPEED)

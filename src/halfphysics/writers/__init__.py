@@ -57,7 +57,8 @@ def export(
 
     Raises:
         FileError: The folder does not exist or cannot be written.
-        InputError: Another suffix, or a package that the kind needs is missing.
+        InputError: Another suffix.
+        MissingDependencyError: A package that the kind needs is not installed (USD: usd-core).
     """
     from halfphysics.writers.take import take_of
 

@@ -19,6 +19,8 @@ Element = ElementTree.Element
 
 #: A solid whose hull is larger by no more than this part of it is convex.
 _CONVEX = 1e-6
+#: MuJoCo refuses meshes of fewer vertices.
+_LEAST_VERTICES = 4
 #: Groups of geoms: MuJoCo's viewer shows 0 to 2.
 _SEEN, _HIDDEN = "2", "3"
 _COLOUR = "0.72 0.66 0.58 1"
@@ -114,10 +116,6 @@ class Geoms:
             group=_SEEN,
             rgba=_COLOUR,
         )
-
-
-#: MuJoCo refuses meshes of fewer vertices.
-_LEAST_VERTICES = 4
 
 
 def _finer(vertices: Array, faces: NDArray[np.int32]) -> tuple[Array, NDArray[np.int32]]:

@@ -238,7 +238,7 @@ def _options(
         raise InputError(f"hands: found {hands!r}, expected 'flat' or 'mean'")
     if fps is not None:
         fps = frame_rate(fps)
-    if model is not None and str(model) not in MODELS and not Path(model).exists():
+    if model is not None and str(model) not in MODELS and not file_path(model).exists():
         raise InputError(
             f"model: found '{model}', expected one of {', '.join(MODELS)} or the path of a "
             "body-model file that exists"

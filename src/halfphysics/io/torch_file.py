@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import pickle
 import zipfile
-import zlib
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import FileError
 from halfphysics.io.atomic import atomic_write
+from halfphysics.io.npz import DAMAGE
 from halfphysics.io.restricted_pickle import MAX_BYTES, Guests, Placeholder, Refused, loads
 
 #: What a file of torch before 1.6, which is no zip, begins with (as a number).
@@ -26,7 +26,6 @@ _TYPES = {
     "IntStorage": "i4", "ShortStorage": "i2", "CharStorage": "i1", "ByteStorage": "u1",
     "BoolStorage": "?",
 }  # fmt: skip
-_DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError)
 
 
 class _Storage(Placeholder):
@@ -44,7 +43,7 @@ def is_torch(path: Path) -> bool:
     try:
         with zipfile.ZipFile(path) as archive:
             return any(name.endswith(_PICKLE) for name in archive.namelist())
-    except _DAMAGE:
+    except DAMAGE:
         return False
 
 
@@ -64,7 +63,7 @@ def read(path: Path) -> Any:
                 )
             inner = next(name for name in archive.namelist() if name.endswith(_PICKLE))
             return _Reader(archive, inner.removesuffix(_PICKLE), path).data
-    except _DAMAGE as error:
+    except DAMAGE as error:
         raise FileError(
             f"{path}: damaged or truncated torch file ({error}). Download or copy the file again"
         ) from None
@@ -141,10 +140,15 @@ def write(path: Path, array: NDArray[np.float32]) -> None:
         + named % (b"collections", b"OrderedDict") + b")RtR."
     )  # fmt: skip
     with atomic_write(path) as handle, zipfile.ZipFile(handle, "w") as archive:
-        archive.writestr(f"archive{_PICKLE}", tensor)
-        archive.writestr("archive/byteorder", "little")
-        archive.writestr("archive/data/0", numbers.tobytes())
-        archive.writestr("archive/version", "3\n")
+        for name, content in (
+            (f"archive{_PICKLE}", tensor),
+            ("archive/byteorder", b"little"),
+            ("archive/data/0", numbers.tobytes()),
+            ("archive/version", b"3\n"),
+        ):
+            info = zipfile.ZipInfo(name)  # of 1980: the bytes depend on the content only
+            info.external_attr = 0o644 << 16
+            archive.writestr(info, content)
 
 
 def _plain(value: Any) -> bytes:

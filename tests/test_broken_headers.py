@@ -123,3 +123,16 @@ def test_an_array_larger_than_its_header_is_not_unpacked(tmp_path):
         assert tracemalloc.get_traced_memory()[1] < 2**24
     finally:
         tracemalloc.stop()
+
+
+def test_an_archive_that_only_fills_the_memory(tmp_path, monkeypatch):
+    from halfphysics.io import npz
+
+    monkeypatch.setattr(npz, "SUSPICIOUS_BYTES", 2**20)
+    path = tmp_path / "bomb.npz"
+    still = {"trans": np.zeros((2000, 3)), "poses": np.zeros((2000, 165)), "fps": 30.0}
+    np.savez_compressed(path, **still)
+    with pytest.raises(FileError, match="expected at most 200 times its size"):
+        hp.Motion.load(path)
+    np.savez(path, **still, gender="male")
+    assert len(hp.Motion.load(path)) == 2000

@@ -56,6 +56,13 @@ class Npz(Mapping[str, NDArray[Any]]):
                 f"{self.path}: unpacks to {total / 2**30:.1f} GiB in {len(infos)} arrays, expected "
                 f"at most {MAX_BYTES / 2**30:.0f} GiB in {MAX_MEMBERS}. Split the file"
             )
+        packed = sum(info.compress_size for info in infos)
+        if total > max(SUSPICIOUS_BYTES, MAX_RATIO * packed):
+            raise FileError(
+                f"{self.path}: unpacks from {packed / 2**20:.1f} MiB to {total / 2**30:.1f} GiB, "
+                f"expected at most {MAX_RATIO} times its size. If it is what it should be, save it "
+                "uncompressed (numpy.savez)"
+            )
         for info in infos:
             # Names of control characters are no data set's, and would end up in messages.
             if info.filename.endswith(".npy") and info.filename.isprintable():

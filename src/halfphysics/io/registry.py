@@ -187,6 +187,8 @@ def writer_of(motion: Motion, path: Path, format: str | None) -> Format:
 
 
 def _by_suffix(motion: Motion, path: Path) -> Format:
+    from halfphysics.writers import KINDS
+
     own = FORMATS.get(motion.origin.format) if motion.origin is not None else None
     suffix = path.suffix.lower()
     if own is not None and own.save and (suffix in own.suffixes or not suffix):
@@ -199,8 +201,8 @@ def _by_suffix(motion: Motion, path: Path) -> Format:
             return known
     written = sorted({s for known in FORMATS.values() if known.save for s in known.suffixes})
     raise InputError(
-        f"{path}: found suffix {path.suffix!r}, expected one of {', '.join(written)}, or name the "
-        "format with format="
+        f"{path}: found suffix {path.suffix!r}, expected one of {', '.join(written)} (animated "
+        f"scenes, by halfphysics.export: {', '.join(KINDS)}), or name the format with format="
     )
 
 

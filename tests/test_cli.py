@@ -296,7 +296,7 @@ def test_warnings_are_lines_without_python_in_them(folder, capsys):
     err = capsys.readouterr().err
     assert err == (
         "halfphysics: warning: unsaid.npz: no field 'gender': taken as neutral. "
-        "Say it with gender=\n"
+        "Say it with --gender\n"
     )
 
 

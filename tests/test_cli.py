@@ -178,7 +178,7 @@ MISTAKES = {
     "a field missing": (["notrans.npz"], r"notrans\.npz: field 'trans' is missing.*expected trans"),
     "NaN": (["nan.npz"], r"nan\.npz: field 'poses': 1 values are NaN.*frame 3.*expected finite"),
     "one frame": (["one.npz"], r"one\.npz.*found 1 frame.*expected at least 2.*Repeat"),
-    "no frame rate": (["nofps.npz"], r"nofps\.npz: no frame rate.*Say it with fps="),
+    "no frame rate": (["nofps.npz"], r"nofps\.npz: no frame rate.*Say it with --fps,"),
     "truncated": (["cut.npz"], r"cut\.npz: damaged or truncated"),
     "text": (["text.npz"], r"text\.npz: no known motion format"),
     "unknown shape": (
@@ -296,7 +296,7 @@ def test_warnings_are_lines_without_python_in_them(folder, capsys):
     err = capsys.readouterr().err
     assert err == (
         "halfphysics: warning: unsaid.npz: no field 'gender': taken as neutral. "
-        "Say it with gender=\n"
+        "Say it with --gender\n"
     )
 
 

@@ -86,6 +86,25 @@ def test_convert_says_what_is_lost(dataset, capsys):
     for line in ("the fingers", "jaw and eyes", "the shape (betas)", "the frame rate 30"):
         assert f"not in the file: {line}" in said
     assert run("convert", "a.npz", "b.smpl") == 2
-    assert "Say whose motion it is with body=" in capsys.readouterr().err
+    assert "Say whose motion it is with --body\n" in capsys.readouterr().err
     assert run("convert", "a.npz", "b.smpl", "--stature", "1.7") == 0
     assert "not in the file" not in capsys.readouterr().out
+
+
+def test_the_way_out_is_said_in_options(dataset, capsys):
+    translation, rotations = movement()
+    fields = {"trans": translation, "poses": rotations.reshape(-1, 165)}
+    np.savez(dataset / "a.npz", **fields)
+    assert run("convert", "a.npz", "b.npz") == 2
+    assert "Say it with --fps, for example --fps 30\n" in capsys.readouterr().err
+    assert run("convert", "a.npz", "b.npz", "--fps", "30") == 0
+    assert "taken as neutral. Say it with --gender\n" in capsys.readouterr().err
+    assert run("convert", "b.npz", "b.pkl", "--format", "trumans-clip", "--stature", "1.7") == 0
+    assert run("convert", "b.pkl", "c.npz") == 2
+    assert "Say --hands flat, or --hands mean with --model (" in capsys.readouterr().err
+    fields["trans"] = np.full_like(translation, np.nan)
+    np.savez(dataset / "a.npz", **fields)
+    assert run("convert", "a.npz", "b.npz", "--fps", "30") == 2
+    assert "or read others with --frames START:STOP\n" in capsys.readouterr().err
+    assert run("convert", "b.npz", "b.fbx") == 2
+    assert ".glb" in capsys.readouterr().err

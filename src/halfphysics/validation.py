@@ -5,6 +5,7 @@ Each raises `InputError` naming what the value is for, what was found and what i
 
 from __future__ import annotations
 
+import errno
 import numbers
 import os
 from pathlib import Path
@@ -13,7 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.errors import InputError
+from halfphysics.errors import FileError, InputError
+
+#: What the system says of a path at which nothing is.
+_NOT_THERE = (errno.ENOENT, errno.ENOTDIR, errno.ELOOP)
 
 
 def number(
@@ -97,14 +101,27 @@ def frame_rate(value: object, example: str = "30.0") -> float:
 
 
 def file_path(value: object) -> Path:
-    """`value` as a path, if it is one."""
+    """`value` as a path, if it is one that can be asked for: something may be there or not.
+
+    Raises:
+        InputError: It is no path.
+        FileError: It or a folder on the way is closed to us, or the name is too long.
+    """
     try:
         text = os.fspath(value)  # type: ignore[call-overload]
     except TypeError:
         text = None
     if not isinstance(text, str) or "\0" in text:
         raise InputError(f"path: expected the path of a file, text or a Path, found {shown(value)}")
-    return Path(text)
+    path = Path(text)
+    try:
+        path.stat()
+    except OSError as error:
+        if error.errno not in _NOT_THERE:
+            raise FileError(f"{path}: cannot be reached: {error.strerror}") from None
+    if path.is_dir() and not os.access(path, os.R_OK | os.X_OK):
+        raise FileError(f"{path}: cannot read this folder: Permission denied")
+    return path
 
 
 def body(value: Any, method: str) -> Any:

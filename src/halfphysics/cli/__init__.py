@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import re
 import sys
 import warnings
 from collections.abc import Mapping, Sequence
@@ -44,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         try:
             return _run(arguments)
         except HalfPhysicsError as error:
-            print(f"halfphysics: error: {error}", file=sys.stderr)
+            print(f"halfphysics: error: {_as_options(str(error))}", file=sys.stderr)
             return MISTAKE
         except KeyboardInterrupt:
             return INTERRUPTED
@@ -104,12 +105,23 @@ def _overview() -> str:
     )
 
 
+def _as_options(message: str) -> str:
+    """A message of the package, which names arguments (fps=30), for the command line (--fps 30)."""
+    message = message.replace("frames=(start, stop)", "--frames START:STOP")
+    message = message.replace("motion alone with Motion.load", "motion alone with --objects none")
+    return re.sub(
+        r"(?<![\w-])(fps|hands|model|gender|clip|assets|body|format)=(?:'([^']*)'|(\d[\w.]*))?",
+        lambda found: f"--{found[1]} {found[2] or found[3] or ''}".rstrip(),
+        message,
+    )
+
+
 def _show_warning(other: Any) -> Any:
     """Our warnings as one line; those of others as they are."""
 
     def show(message: Any, category: type[Warning], *rest: Any, **named: Any) -> None:
         if issubclass(category, HalfPhysicsWarning):
-            print(f"halfphysics: warning: {message}", file=sys.stderr)
+            print(f"halfphysics: warning: {_as_options(str(message))}", file=sys.stderr)
         else:
             other(message, category, *rest, **named)
 

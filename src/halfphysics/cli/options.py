@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from halfphysics.errors import FileError, InputError
+from halfphysics.validation import file_path
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -128,7 +129,7 @@ class BodyOptions:
                 "--stature is for the default body; the shape of a model comes from the motion's "
                 "betas. Leave out --stature or --body"
             )
-        folder = self.body.is_dir()
+        folder = file_path(self.body).is_dir()
         space = read_model(
             self.body,
             gender=motion.gender if folder else None,
@@ -199,6 +200,7 @@ def check_output(path: Path, *inputs: Path | None) -> None:
     Raises:
         FileError: No such folder, a folder, or one of the inputs.
     """
+    path = file_path(path)
     if path.is_dir():
         raise FileError(f"{path}: cannot write, this is a folder. Give a file name")
     if not path.parent.is_dir():
@@ -206,5 +208,10 @@ def check_output(path: Path, *inputs: Path | None) -> None:
             f"{path}: cannot write, the folder {path.parent} does not exist. Create it first"
         )
     for given in inputs:
-        if given is not None and given.exists() and path.exists() and path.samefile(given):
+        if (
+            given is not None
+            and file_path(given).exists()
+            and path.exists()
+            and path.samefile(given)
+        ):
             raise FileError(f"{path}: this is the input. Give another name for the output")

@@ -21,7 +21,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[Any]]:
     step) and is removed when anything goes wrong.
 
     Raises:
-        FileError: The folder is missing, `path` is a folder, or writing fails.
+        FileError: The folder is missing, `path` is a folder, a pipe or a device, or writing fails.
     """
     path = file_path(path)
     if not path.parent.is_dir():
@@ -30,6 +30,8 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[Any]]:
         )
     if path.is_dir():
         raise FileError(f"{path}: cannot write, this is a folder. Give a file name")
+    if path.exists() and not path.is_file():
+        raise FileError(f"{path}: cannot write, this is a pipe or a device. Give a file name")
     try:
         descriptor, name = tempfile.mkstemp(
             dir=path.parent, prefix=f".{path.name}.", suffix=".part"

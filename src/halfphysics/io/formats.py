@@ -44,6 +44,11 @@ class Source:
         self.head = b""
         if self.is_folder:
             return
+        if not self.path.is_file():
+            raise FileError(
+                f"{self.path}: this is a pipe or a device, expected a file. Copy what comes out of "
+                "it to a file first"
+            )
         try:
             with self.path.open("rb") as handle:
                 self.head = handle.read(_HEAD)
@@ -60,6 +65,8 @@ class Source:
 
         if not self.path.parent.is_dir():
             return f" The folder {self.path.parent} does not exist either"
+        if not os.access(self.path.parent, os.R_OK):
+            return ""
         names = [entry.name for entry in self.path.parent.iterdir() if entry.is_file()]
         near = difflib.get_close_matches(self.path.name, names, n=3)
         return f" In that folder: {', '.join(near)}" if near else ""

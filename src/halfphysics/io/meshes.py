@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import FileError, InputError, MissingDependencyError
 from halfphysics.mesh import Mesh, MeshSource
+from halfphysics.validation import file_path
 
 #: Formats that say themselves which way is up.
 Y_UP_SUFFIXES = (".glb", ".gltf")
@@ -39,7 +40,7 @@ def load_mesh(
     Raises:
         FileError: missing, unreadable or unknown file, no triangles, NaN vertices.
     """
-    path = Path(path)
+    path = file_path(path)
     if not path.is_file():
         kind = "it is a folder" if path.is_dir() else "there is no such file"
         raise FileError(f"{path}: {kind}, expected a mesh{_similar(path)}")
@@ -97,6 +98,8 @@ def _similar(path: Path) -> str:
 
     if not path.parent.is_dir():
         return f"; the folder {path.parent} does not exist"
+    if not os.access(path.parent, os.R_OK):
+        return ""
     names = [entry.name for entry in path.parent.iterdir() if entry.is_file()]
     close = difflib.get_close_matches(path.name, names, n=1)
     return f"; did you mean {path.parent / close[0]}?" if close else ""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import lzma
+import math
 import os
-import tokenize
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
@@ -15,12 +17,18 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import FileError
 from halfphysics.io.atomic import atomic_write
+from halfphysics.io.npy import read_header
 
 # A day of full-body motion at 120 fps is about 10 GB; anything a session uses is far below.
 MAX_BYTES = 8 * 2**30
 MAX_MEMBERS = 100_000
-#: What Python's zip reader raises of damaged archives.
-DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError)
+# Motion packs to a fifth or so. Only what is made to fill the memory packs to less than this.
+MAX_RATIO, SUSPICIOUS_BYTES = 200, 2**30
+#: How reading a damaged archive can fail.
+DAMAGE = (
+    zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, NotImplementedError,
+    RuntimeError, ValueError, OSError,
+)  # fmt: skip
 
 
 class Npz(Mapping[str, NDArray[Any]]):
@@ -48,8 +56,16 @@ class Npz(Mapping[str, NDArray[Any]]):
                 f"{self.path}: unpacks to {total / 2**30:.1f} GiB in {len(infos)} arrays, expected "
                 f"at most {MAX_BYTES / 2**30:.0f} GiB in {MAX_MEMBERS}. Split the file"
             )
+        packed = sum(info.compress_size for info in infos)
+        if total > max(SUSPICIOUS_BYTES, MAX_RATIO * packed):
+            raise FileError(
+                f"{self.path}: unpacks from {packed / 2**20:.1f} MiB to {total / 2**30:.1f} GiB, "
+                f"expected at most {MAX_RATIO} times its size. If it is what it should be, save it "
+                "uncompressed (numpy.savez)"
+            )
         for info in infos:
-            if info.filename.endswith(".npy"):
+            # Names of control characters are no data set's, and would end up in messages.
+            if info.filename.endswith(".npy") and info.filename.isprintable():
                 self._members[info.filename.removesuffix(".npy")] = info
 
     def __iter__(self) -> Iterator[str]:
@@ -86,16 +102,19 @@ class Npz(Mapping[str, NDArray[Any]]):
                         f"{self.path}: field '{key}' holds Python objects (a pickle), which are "
                         "not read from untrusted files. Save it as a plain array or a string"
                     )
+                count = math.prod(shape)
+                size = self._members[key].file_size - stream.tell()
+                if size != count * dtype.itemsize:  # before anything is unpacked
+                    raise self._damaged(
+                        key,
+                        f"{size} bytes for shape {shape} of {dtype}, which needs "
+                        f"{count * dtype.itemsize}",
+                    )
                 data = stream.read()
         except DAMAGE as error:
             raise self._damaged(key, str(error)) from None
-        count = int(np.prod(shape, dtype=np.float64))
-        if len(data) != count * dtype.itemsize:
-            raise self._damaged(
-                key,
-                f"{len(data)} bytes for shape {shape} of {dtype}, which needs "
-                f"{count * dtype.itemsize}",
-            )
+        if len(data) != size:
+            raise self._damaged(key, f"{len(data)} bytes of {size}")
         array = np.frombuffer(data, dtype=dtype, count=count)
         return array.reshape(shape, order="F" if fortran else "C")
 
@@ -115,17 +134,9 @@ class Npz(Mapping[str, NDArray[Any]]):
     def _read_header(
         self, key: str, stream: IO[bytes]
     ) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
-        readers = {
-            (1, 0): np.lib.format.read_array_header_1_0,
-            (2, 0): np.lib.format.read_array_header_2_0,
-        }
         try:
-            version = np.lib.format.read_magic(stream)
-            if version not in readers:
-                raise ValueError(f"array format version {version}")
-            return readers[version](stream)
-        except (ValueError, SyntaxError, tokenize.TokenError, *DAMAGE) as error:
-            # numpy parses the header as Python source.
+            return read_header(stream)
+        except DAMAGE as error:
             raise self._damaged(key, str(error)) from None
 
 

@@ -187,6 +187,8 @@ def writer_of(motion: Motion, path: Path, format: str | None) -> Format:
 
 
 def _by_suffix(motion: Motion, path: Path) -> Format:
+    from halfphysics.writers import KINDS
+
     own = FORMATS.get(motion.origin.format) if motion.origin is not None else None
     suffix = path.suffix.lower()
     if own is not None and own.save and (suffix in own.suffixes or not suffix):
@@ -199,8 +201,8 @@ def _by_suffix(motion: Motion, path: Path) -> Format:
             return known
     written = sorted({s for known in FORMATS.values() if known.save for s in known.suffixes})
     raise InputError(
-        f"{path}: found suffix {path.suffix!r}, expected one of {', '.join(written)}, or name the "
-        "format with format="
+        f"{path}: found suffix {path.suffix!r}, expected one of {', '.join(written)} (animated "
+        f"scenes, by halfphysics.export: {', '.join(KINDS)}), or name the format with format="
     )
 
 
@@ -238,7 +240,7 @@ def _options(
         raise InputError(f"hands: found {hands!r}, expected 'flat' or 'mean'")
     if fps is not None:
         fps = frame_rate(fps)
-    if model is not None and str(model) not in MODELS and not Path(model).exists():
+    if model is not None and str(model) not in MODELS and not file_path(model).exists():
         raise InputError(
             f"model: found '{model}', expected one of {', '.join(MODELS)} or the path of a "
             "body-model file that exists"

@@ -60,6 +60,8 @@ _CLEAR = Inside.none()  # files without rows, as those of old
 def is_result(path: str | os.PathLike[str]) -> bool:
     """Whether a file is a result file, by content."""
     try:
+        if not Path(path).is_file():  # opening a pipe would wait for a writer
+            return False
         with Path(path).open("rb") as handle:
             if handle.read(2) != b"PK":
                 return False
@@ -136,8 +138,11 @@ def load_result(
     if not path.is_file():
         kind = "this is a folder" if path.is_dir() else "no such file"
         raise FileError(f"{path}: {kind}, expected a result file (Result.save writes one)")
-    with path.open("rb") as handle:
-        head = handle.read(2)
+    try:
+        with path.open("rb") as handle:
+            head = handle.read(2)
+    except OSError as error:
+        raise FileError(f"{path}: cannot read: {error.strerror}") from None
     if head != b"PK":
         raise FileError(f"{path}: not an .npz archive, expected a result file (Result.save)")
     npz = Npz(path)

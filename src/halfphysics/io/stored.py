@@ -23,6 +23,8 @@ from halfphysics.io.restricted_pickle import MAX_BYTES
 _PROTOCOL = b"\x80"
 _SUFFIXES = (".pkl", ".pickle", ".p", ".joblib", ".pt", ".pth")
 _ZIP, _NPY, _LZ4 = b"PK", b"\x93NUMPY", b"\x04\x22M\x18"
+#: A text that has been given the name of a pickle, and what may stand before it.
+_BVH, _BLANK = b"HIERARCHY", b"\xef\xbb\xbf \t\r\n"
 _CHUNK = 2**20
 
 
@@ -32,7 +34,9 @@ def is_stored(path: Path, head: bytes) -> bool:
         return torch_file.is_torch(path)
     if head.startswith(_NPY):
         return Npy(path).dtype.hasobject
-    return head.startswith(_PROTOCOL) or path.suffix.lower() in _SUFFIXES
+    if head.startswith(_PROTOCOL):
+        return True
+    return path.suffix.lower() in _SUFFIXES and not head.lstrip(_BLANK).startswith(_BVH)
 
 
 def read(path: Path) -> Any:

@@ -140,10 +140,15 @@ def write(path: Path, array: NDArray[np.float32]) -> None:
         + named % (b"collections", b"OrderedDict") + b")RtR."
     )  # fmt: skip
     with atomic_write(path) as handle, zipfile.ZipFile(handle, "w") as archive:
-        archive.writestr(f"archive{_PICKLE}", tensor)
-        archive.writestr("archive/byteorder", "little")
-        archive.writestr("archive/data/0", numbers.tobytes())
-        archive.writestr("archive/version", "3\n")
+        for name, content in (
+            (f"archive{_PICKLE}", tensor),
+            ("archive/byteorder", b"little"),
+            ("archive/data/0", numbers.tobytes()),
+            ("archive/version", b"3\n"),
+        ):
+            info = zipfile.ZipInfo(name)  # of 1980: the bytes depend on the content only
+            info.external_attr = 0o644 << 16
+            archive.writestr(info, content)
 
 
 def _plain(value: Any) -> bytes:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from halfphysics.errors import FileError
 from halfphysics.io.formats import Source
 from halfphysics.io.registry import identify, load_motion, load_sequence, unknown
+from halfphysics.io.report import warn
 from halfphysics.validation import file_path
 
 if TYPE_CHECKING:
@@ -49,7 +50,8 @@ def clips(path: str | os.PathLike[str]) -> Iterator[Clip]:
 
     Nothing but heads of files is read before a clip is asked for. Files of no known format, and
     such as cannot be read, are passed over, but one that is named outright. In the order of the
-    names.
+    names; what links lead to more than once comes once, and a folder that cannot be read is passed
+    over with a warning.
 
     Args:
         path: For example "AMASS/", "AMASS/**/*_stageii.npz" or one file.
@@ -58,21 +60,57 @@ def clips(path: str | os.PathLike[str]) -> Iterator[Clip]:
         FileError: There is nothing of that name, or one file that is no motion.
     """
     given = file_path(path)
+    seen: set[str] = set()  # links may lead back to where they lie
     if given.exists():
-        yield from _under(given, asked=True)
+        yield from _under(given, seen, asked=True)
         return
     found = False
-    for name in sorted(glob.iglob(str(given), recursive=True)):
+    for path in sorted(set(_fitting(Path(given.anchor), given.relative_to(given.anchor).parts))):
         found = True
-        yield from _under(Path(name), asked=False)
+        yield from _under(path, seen, asked=False)
     if not found:
         raise FileError(f"{given}: no such file or folder, and no file fits it as a pattern")
 
 
-def _under(path: Path, asked: bool) -> Iterator[Clip]:
+def _fitting(base: Path, pattern: tuple[str, ...]) -> Iterator[Path]:
+    """What fits the parts of a glob below `base`, as glob.glob has it. That goes round in rings of
+    links: as many times as there are paths of 40 links."""
+    if not pattern:
+        yield base
+    elif pattern[0] == "**":
+        for folder in _folders(base, set()):
+            yield from _fitting(folder, pattern[1:])
+    else:
+        for name in glob.glob(pattern[0], root_dir=base):
+            yield from _fitting(base / name, pattern[1:])
+
+
+def _folders(base: Path, seen: set[str]) -> Iterator[Path]:
+    """A folder and all below it that are not hidden, each once."""
+    real = os.path.realpath(base)
+    if real in seen or not base.is_dir():
+        return
+    seen.add(real)
+    yield base
+    for name in glob.glob("*/", root_dir=base):
+        yield from _folders(base / name, seen)
+
+
+def _under(path: Path, seen: set[str], asked: bool) -> Iterator[Clip]:
     folder = path.is_dir()
+    real = os.path.realpath(path)
+    if real in seen:
+        return
+    seen.add(real)
     try:
         source = Source(path)
+    except FileError as error:
+        if asked:
+            raise
+        if folder:
+            warn(f"{error}. Passed over")
+        return
+    try:
         format = identify(source)
     except FileError:
         if asked and not folder:
@@ -86,4 +124,4 @@ def _under(path: Path, asked: bool) -> Iterator[Clip]:
         raise unknown(source)
     elif folder:
         for entry in sorted(path.iterdir()):
-            yield from _under(entry, asked=False)
+            yield from _under(entry, seen, asked=False)

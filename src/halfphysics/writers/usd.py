@@ -8,7 +8,9 @@ blend shapes (`correctives`), which act before the skinning, as they must.
 
 from __future__ import annotations
 
+import os
 import tempfile
+import time
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -30,6 +32,9 @@ from halfphysics.writers.take import Actor, Prop, Take
 
 Array = NDArray[np.float64]
 
+# A zip has the local time of what is in it: the same in every one, so that the same take gives the
+# same bytes.
+_STAMP = time.mktime((1980, 1, 2, 0, 0, 0, 0, 0, -1))
 _ROOT, _LOOKS = "/World", "/World/Looks"
 
 
@@ -52,6 +57,7 @@ def write(take: Take, path: Path) -> None:
         made = Path(folder) / f"take{'.usdc' if suffix == '.usdz' else suffix}"
         builder.stage.GetRootLayer().Export(str(made))
         if suffix == ".usdz":
+            os.utime(made, (_STAMP, _STAMP))
             package = made.with_suffix(".usdz")
             pxr.UsdUtils.CreateNewUsdzPackage(pxr.Sdf.AssetPath(str(made)), str(package))
             made = package

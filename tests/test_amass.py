@@ -408,7 +408,9 @@ def test_missing_empty_and_foreign_files(tmp_path):
     with pytest.raises(FileError, match="the file is empty"):
         Motion.load(tmp_path / "empty.npz")
     (tmp_path / "text.npz").write_text("hello")
-    with pytest.raises(FileError, match=r"no known motion format. Found a file that is no"):
+    with pytest.raises(
+        FileError, match=r"no known motion format. Found a file that begins with b.hello"
+    ):
         Motion.load(tmp_path / "text.npz")
 
 

@@ -136,3 +136,13 @@ def test_an_archive_that_only_fills_the_memory(tmp_path, monkeypatch):
         hp.Motion.load(path)
     np.savez(path, **still, gender="male")
     assert len(hp.Motion.load(path)) == 2000
+
+
+def test_what_is_no_motion_is_described(tmp_path):
+    (tmp_path / "a.npz").write_text("<html>404: not found</html>")
+    with pytest.raises(FileError, match="a file that begins with b'<html>404"):
+        hp.Motion.load(tmp_path / "a.npz")
+    with zipfile.ZipFile(tmp_path / "b.npz", "w") as archive:
+        archive.write(tmp_path / "a.npz")
+    with pytest.raises(FileError, match="a zip archive without arrays"):
+        hp.Motion.load(tmp_path / "b.npz")

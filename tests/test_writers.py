@@ -10,7 +10,7 @@ import pytest
 from layouts import movement
 
 import halfphysics as hp
-from halfphysics.errors import FileError
+from halfphysics.errors import FileError, InputError
 from halfphysics.io import FORMATS
 from halfphysics.writers import KINDS
 
@@ -89,3 +89,18 @@ def test_any_kind_of_number(tmp_path, dtype, order):
         for key, array in arrays.items():
             assert again[key].dtype == array.dtype
             assert np.array_equal(again[key], array)
+
+
+def test_arguments_of_another_kind(tmp_path, motion):
+    for path in (tmp_path / "o.glb", tmp_path / "o.xml"):
+        with pytest.raises(InputError, match=r"body: expected a halfphysics\.Body"):
+            hp.export(motion, path, body="SMPLX_NEUTRAL.npz")
+    for path in (tmp_path / "o.bvh", tmp_path / "o.smpl", tmp_path / "o.npz"):
+        with pytest.raises(InputError, match=r"body: expected a halfphysics\.Body"):
+            motion.save(path, body="SMPLX_NEUTRAL.npz")
+    with pytest.raises(InputError, match="format: found"):
+        motion.save(tmp_path / "o.npz", format=["bvh"])
+    assert not list(tmp_path.iterdir())
+    motion.save(tmp_path / "o.npz")
+    with pytest.raises(InputError, match="path: expected the path of a file"):
+        hp.load_sequence(tmp_path / "o.npz", assets=3)

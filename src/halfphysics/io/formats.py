@@ -15,7 +15,7 @@ from halfphysics.io.npy import Npy
 from halfphysics.io.npz import Npz
 from halfphysics.io.record import Record
 from halfphysics.motion import Motion
-from halfphysics.validation import file_path
+from halfphysics.validation import file_path, shown
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -105,7 +105,9 @@ class Source:
             if isinstance(self.data, dict):
                 return f"a pickle with {Record(self.path, self.data).describe()}"
             return f"a pickle of a {type(self.data).__name__}"
-        return "a file that is no .npz, .npy, pickle, torch or BVH file"
+        if self.head[:2] == b"PK":
+            return "a zip archive without arrays. If it holds motion files, unpack it first"
+        return f"a file that begins with {shown(self.head[:24])}"
 
 
 #: Folders that a caller names.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,7 @@ from halfphysics.io import (
 )
 from halfphysics.io.formats import Assets, Format, Options, Source
 from halfphysics.motion import GENDERS, MODELS, Motion
+from halfphysics.validation import body as checked_body
 from halfphysics.validation import file_path, frame_rate, shown
 
 if TYPE_CHECKING:
@@ -152,6 +154,8 @@ def save_motion(
 ) -> None:
     """The work behind `Motion.save`; see there."""
     path = file_path(path)
+    if body is not None:
+        checked_body(body, "joint_frames")
     writer = writer_of(motion, path, format)
     assert writer.save is not None
     own = motion.origin is not None and motion.origin.format == writer.name
@@ -177,7 +181,7 @@ def writer_of(motion: Motion, path: Path, format: str | None) -> Format:
     Raises:
         InputError: It is unknown, or can only be read.
     """
-    if format is not None and format not in FORMATS:
+    if format is not None and (not isinstance(format, str) or format not in FORMATS):
         raise InputError(f"format: found {format!r}, expected one of {', '.join(FORMATS)}")
     writer = _by_suffix(motion, path) if format is None else FORMATS[format]
     if writer.save is None:
@@ -256,7 +260,7 @@ def _options(
         raise InputError(f"clip: found {shown(clip)}, expected the name of a clip in the file")
     if assets is None:
         assets = ()
-    elif isinstance(assets, str | os.PathLike):
+    elif isinstance(assets, str | os.PathLike) or not isinstance(assets, Iterable):
         assets = (assets,)
     folders = tuple(file_path(folder) for folder in assets)
     for folder in folders:

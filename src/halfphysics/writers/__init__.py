@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from halfphysics.errors import InputError
+from halfphysics.validation import body as checked_body
 from halfphysics.validation import file_path
 
 if TYPE_CHECKING:
@@ -68,5 +69,7 @@ def export(
             f"{path}: found suffix {path.suffix!r}, expected one of {', '.join(KINDS)}. Motions "
             "alone are written by Motion.save"
         )
+    if body is not None:
+        checked_body(body, "joint_frames")
     module = importlib.import_module(f"{__name__}.{KINDS[path.suffix.lower()]}")
     module.write(take_of(what, body, fps=fps), path)

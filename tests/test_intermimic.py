@@ -368,3 +368,15 @@ def test_positions_that_disagree_are_said(tmp_path):
 
 def test_broken_bytes(tmp_path):
     broken_bytes_are_refused(written(tmp_path / NAME, rows(hp.Body.default())))
+
+
+def test_a_damaged_model_in_a_folder_is_said(tmp_path):
+    """A folder need not have all genders; what is there and cannot be read is no missing one."""
+    folder = tmp_path / "models"
+    folder.mkdir()
+    model(folder, "neutral")
+    path = written(tmp_path / NAME, rows(hp.Body.load(next(folder.iterdir()))))
+    assert hp.Motion.load(path, model=folder).gender == "neutral"
+    (folder / "SMPLX_MALE.npz").write_bytes(b"PK no more")
+    with pytest.raises(hp.HalfPhysicsError, match=r"SMPLX_MALE\.npz"):
+        hp.Motion.load(path, model=folder)

@@ -25,6 +25,7 @@ from halfphysics.io.building import (
     file_parameters,
     lost_rate,
     motion_of,
+    own_fields,
     rotations_of,
     same_length,
 )
@@ -149,8 +150,7 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
             fps=motion.fps,
             options=options,
         )
-    assert motion.origin is not None
-    template = ends(motion.origin.fields["template"])
+    template = ends(own_fields(motion)["template"])
     body = subject_body(source, options, gender=motion.gender, template=template)
     return Sequence(motion, scene, body, recorded=tracks)
 

@@ -179,6 +179,11 @@ def _find(path: str | os.PathLike[str] | None, gender: str | None, model: str | 
     )
 
 
+def genders_in(folder: Path) -> tuple[str, ...]:
+    """The genders that a folder has model files of, of whatever model."""
+    return tuple(g for g in GENDERS if any(_in_folder(folder, name, g) for name in _LAYOUTS))
+
+
 def _in_folder(folder: Path, model: str, gender: str) -> Path | None:
     for base in (folder / model, folder / "models" / model, folder):
         for suffix in (".npz", ".pkl"):

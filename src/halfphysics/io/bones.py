@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -88,15 +88,12 @@ def shaped_like(
     Warns:
         HalfPhysicsWarning: No shape of the model has these bones.
     """
-    from halfphysics.io.body_models import GENDERS, read_model
+    from halfphysics.io.body_models import genders_in, read_model
 
-    spaces = []
+    there: tuple[str | None, ...] = (gender,)
     if gender is None and os.path.isdir(path):
-        for each in GENDERS:
-            # A folder need not have all three.
-            with contextlib.suppress(FileError):
-                spaces.append(read_model(path, gender=each))
-    spaces = spaces or [read_model(path, gender=gender)]
+        there = genders_in(Path(path)) or there  # a folder need not have all three
+    spaces = [read_model(path, gender=each) for each in there]
     joints = list(skeleton.BODY_JOINTS)
     if hands:
         joints += [*skeleton.LEFT_HAND_JOINTS, *skeleton.RIGHT_HAND_JOINTS]

@@ -204,6 +204,11 @@ def motion_of(
     return motion
 
 
+def own_fields(motion: Motion) -> Mapping[str, Any]:
+    """What the file of a motion said besides (`Origin.fields`); nothing where it had none."""
+    return motion.origin.fields if motion.origin is not None else {}
+
+
 def file_parameters(motion: Motion, format: str) -> tuple[Array, Array, Mapping[str, Any]]:
     """What a writer starts from: translation and rotations as the format's file has them.
 

@@ -21,7 +21,7 @@ from halfphysics import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.io.assets import ends, find
 from halfphysics.io.body_models import read_hands
-from halfphysics.io.building import motion_of, rotations_of, same_length
+from halfphysics.io.building import motion_of, own_fields, rotations_of, same_length
 from halfphysics.io.formats import Format, Options, Source
 from halfphysics.io.meshes import load_mesh
 from halfphysics.io.npz_objects import NpzObjects
@@ -172,8 +172,7 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
             fps=motion.fps,
             options=options,
         )
-    assert motion.origin is not None
-    template = ends(motion.origin.fields["template"])
+    template = ends(own_fields(motion)["template"])
     body = subject_body(source, options, gender=motion.gender, template=template)
     return Sequence(motion, scene, body, recorded=tracks)
 

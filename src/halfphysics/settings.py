@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from .errors import InputError
 from .joint_groups import joint_values
@@ -14,6 +14,17 @@ from .strength import checked_strength
 #: Largest clearance that can be asked for [m]: fifty times the default. Hands that keep more from
 #: what they hold (twice, for the two sides of a rod) hold nothing of the size of a hand.
 MAX_CLEARANCE = 0.05
+
+#: How a motion may drive the body.
+Mode = Literal[
+    "velocity",
+    "torque",
+    "positions",
+    "interpolated",
+    "kinematic",
+    "engine_kinematic",
+    "engine_velocity",
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +63,13 @@ class Settings:
     """What the drive can exert (with drive_time): all it needs (None), as much as a person
     ("human"), or per joint group or joint [N m]; "pelvis" limits the torque on the whole body,
     "root" the force on it [N]; what is not named has no limit."""
+    mode: Mode = "velocity"
+    """How the motion drives the body: by velocity (half-physics), or, to compare with, one of the
+    baselines of docs/physics.md, "Baselines"."""
+    internal_forces: bool = False
+    """Coriolis and gyroscopic forces act on the person, which the paper leaves out: an ablation."""
+    joint_damping: float = 0.0
+    """Viscous damping of the person's joints [N m s/rad]: an ablation."""
     threads: int = 1
     """Threads for measuring a result (a substep runs on one); no number depends on it."""
     record: Literal["frames", "substeps"] = "frames"
@@ -116,6 +134,9 @@ class Settings:
             "None without drive_time: Algorithm 1 sets velocities, whatever force that takes. Set "
             "drive_time, such as 0.02",
         )
+        choice("mode", *get_args(Mode))
+        check("internal_forces", isinstance(self.internal_forces, bool), "True or False")
+        number("joint_damping", least=0.0)
         check("self_contact", isinstance(self.self_contact, bool), "True or False")
         number("depenetration_speed", least=0.0)
         number("tolerance", above=0.0)

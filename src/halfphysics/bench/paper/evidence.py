@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from halfphysics.errors import InputError
-from halfphysics.validation import number, shown
+from halfphysics.validation import shown
 
 #: What a user may bring: a folder of AIST++, of any motions, of any scenes.
 DATA = ("aist", "clips", "scenes")
@@ -35,7 +35,8 @@ class Options:
     data: Mapping[str, Path] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if isinstance(self.seed, bool) or int(number(self.seed, "seed", least=0)) != self.seed:
+        whole = isinstance(self.seed, int) and not isinstance(self.seed, bool)
+        if not whole or self.seed < 0:
             raise InputError(f"seed: found {shown(self.seed)}, expected a whole number from 0")
         for name, folder in self.data.items():
             if name not in DATA:

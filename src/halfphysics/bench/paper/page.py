@@ -369,6 +369,6 @@ def _legend() -> str:
     return (
         f'<section id="legend"><h2>How to read this</h2><ul class="legend">{lines}</ul>'
         f"<p><b>{MISSING}</b> under “Paper”: the paper has no such number. Where it has one, ours "
-        "has as many decimals, or more if it would vanish. The file <code>paper.json</code> beside "
+        "has at least as many decimals. The file <code>paper.json</code> beside "
         "this page has every number in full.</p></section>"
     )

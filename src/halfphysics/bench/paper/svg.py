@@ -144,7 +144,8 @@ def _axes(plot: Mapping[str, Any], across: int, up: int) -> tuple[Axis, Axis]:
     points = [p for series in plot["series"] for p in _pairs(series) if p is not None]
     return (
         axis((x for x, _ in points), ticks=across, snug=True),
-        axis((y for _, y in points), ticks=up),
+        # A curve that leaves zero is read where zero is.
+        axis((y for _, y in points), ticks=up, log=False if 0 in {y for _, y in points} else None),
     )
 
 
@@ -204,8 +205,8 @@ def _curve(points: list[tuple[float, float] | None], k: int) -> list[str]:
     marks: list[str] = []
     for point in [*points, None]:
         if point is not None:
-            # What is nearer than half a pixel to the point before it cannot be seen.
-            near = run and abs(point[0] - run[-1][0]) + abs(point[1] - run[-1][1]) < 0.5
+            # What is nearer than a pixel to the point before it cannot be seen.
+            near = run and abs(point[0] - run[-1][0]) + abs(point[1] - run[-1][1]) < 1
             if not near:
                 run.append(point)
             continue

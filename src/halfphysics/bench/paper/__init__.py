@@ -23,7 +23,7 @@ from halfphysics.io.atomic import atomic_write
 __all__ = ["MODULES", "Options", "Report", "make", "sections"]
 
 #: Modules of this package, in the order of the report.
-MODULES = ("scenes", "speed")
+MODULES = ("scenes", "objects", "speed")
 
 #: Files of a report, in its folder.
 JSON, SPEED, PAGE, WORK = "paper.json", "paper-speed.json", "paper.html", "work"

@@ -11,7 +11,7 @@ from browser import CHROMIUM, tab
 
 from halfphysics.bench.paper import page
 
-SIZES = {"desktop": (1280, 800), "phone": (390, 844), "small": (320, 568), "between": (860, 700)}
+SIZES = {"desktop": (1280, 800), "phone": (390, 844), "small": (320, 568), "between": (700, 900)}
 VOID = {"meta", "link", "img"}
 
 
@@ -77,7 +77,7 @@ def test_links_lead_somewhere_and_names_are_given_once(parsed):
     targets = {a["href"][1:] for tag, a in parsed.elements if tag == "a"}
     assert targets <= set(parsed.ids)
     assert {"summary", "table1", "table4", "figure8", "speed-speed", "legend"} <= targets
-    assert "table2-2" in targets  # the row that is not reproduced
+    assert "table2.2" in targets  # the row that is not reproduced
 
 
 def test_what_is_not_reproduced_is_said_before_everything_else(made):
@@ -141,7 +141,17 @@ def test_pictures_are_in_the_page_and_missing_ones_are_said(made, parsed):
 
 def test_without_speed_there_is_no_machine(made):
     assert 'id="machine"' in made
-    assert 'id="machine"' not in page.build(sample.document(), None, sample.pictures)
+    for speed in (None, {**sample.speed(), "sections": []}):
+        without = page.build(sample.document(), speed, sample.pictures)
+        assert "machine" not in without.split("</style>")[1]
+
+
+def test_speed_that_is_not_reached_is_said_at_the_top_too():
+    speed = sample.speed()
+    speed["sections"][0]["rows"][0]["figures"][0].update(ours=12.5, reproduced=False)
+    made = page.build(sample.document(), speed, sample.pictures)
+    assert "Not reproduced (3)" in made
+    assert made.index('<a href="#speed-speed.1">Speed</a>') < made.index("<nav")
 
 
 def test_a_report_in_which_all_came_out_says_so():

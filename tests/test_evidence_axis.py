@@ -90,6 +90,8 @@ def test_snug_axes_end_where_the_values_do():
     assert (found.low, found.high) == (0.0, 2.7)
     assert labels(found) == ["0", "1", "2"]
     assert axis([1.0, 7.0], from_zero=True).low == 0.0
+    near = axis([1 / 30, 3.9], snug=True)  # to the next tick, where it is near
+    assert (near.low, near.high) == (0.0, 4.0)
 
 
 @pytest.mark.parametrize(

@@ -112,7 +112,7 @@ def test_bars_have_their_length_and_their_value():
     assert first.get("x") == base.get("x1")
     assert texts(root, "value") == ["4", "−2", "–"]
     assert texts(root, "name") == ["light", "heavy", "none"]
-    assert texts(root, "axis") == ["speed [m/s]"]
+    assert texts(root, "axis") == ["mass [kg]", "speed [m/s]"]
 
 
 def test_series_of_bars_meet_by_name():
@@ -123,10 +123,20 @@ def test_series_of_bars_meet_by_name():
     assert texts(root, "value") == ["1", "–", "2", "3", "–", "4", "–", "5"]
 
 
-def test_numbers_on_the_places_of_bars_have_their_quantity():
+def test_places_have_names_and_a_quantity():
     root = drawn(bars([0.1, 1000], [1.0, 2.0]))
     assert texts(root, "name") == ["0.1", "1000"]
-    assert sorted(texts(root, "axis")) == ["mass [kg]", "speed [m/s]"]
+    assert texts(root, "axis") == ["mass [kg]", "speed [m/s]"]
+
+
+def test_lines_of_the_grid_keep_clear_of_names_above_bars():
+    names = ["a name that is too long to stand beside its bar", "another that is as long as that"]
+    root = drawn(bars(names, [1.0, 2.0], [3.0, 4.0]), svg.NARROW)
+    lines = [(float(e.get("y1")), float(e.get("y2"))) for e in root.iter("line")]
+    for text in root.iter("text"):
+        if text.get("class") == "name":
+            base = float(text.get("y"))
+            assert all(y2 < base - 11 or base + 1 < y1 for y1, y2 in lines)
 
 
 def test_lines_along_names_are_bars():

@@ -58,3 +58,9 @@ def test_an_empty_report_says_so():
 
 def test_speed_is_said_the_same_way():
     assert "at least 952.94" in text.summary(sample.speed())
+
+
+def test_rows_of_one_name_are_told_apart_by_their_data(said):
+    table = said.split("Table 1")[1].split("\n\n")[0]
+    assert "(dance, embedded, 12 clips)" in table
+    assert "(daily motion, embedded, 8 clips)" in table

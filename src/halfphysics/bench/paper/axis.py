@@ -12,6 +12,8 @@ from halfphysics.bench.paper.wording import signed
 
 #: Positive values over as many decades are shown on a logarithmic axis.
 _DECADES = 3
+#: A tick beyond the values is near within this share of their span.
+_NEAR = 0.04
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -71,7 +73,7 @@ def axis(
     Args:
         values: What is to be shown; what is no finite number is passed over.
         ticks: About how many ticks there is room for.
-        snug: The axis ends at the outermost values, not at the ticks beyond them.
+        snug: The axis ends at the outermost values, unless the ticks beyond them are near.
         from_zero: Zero is on a linear axis.
         log: Whether in decades; None: where no value is negative, and the positive ones span
             three decades and spread over decades more evenly than over the values themselves.
@@ -142,6 +144,10 @@ def _linear(numbers: list[float], ticks: int, snug: bool, from_zero: bool) -> Ax
     step = float(Decimal(mantissa).scaleb(exponent))
     first, last = low / step, high / step
     if snug:
+        near = _NEAR * (last - first)
+        first = math.floor(first) if first - math.floor(first) <= near else first
+        last = math.ceil(last) if math.ceil(last) - last <= near else last
+        low, high = min(low, first * step), max(high, last * step)
         counts = range(math.ceil(first - 1e-9), math.floor(last + 1e-9) + 1)
     else:
         counts = range(math.floor(first + 1e-9), math.ceil(last - 1e-9) + 1)

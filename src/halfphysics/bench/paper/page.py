@@ -155,7 +155,8 @@ def _said(value: object) -> str:
 def _summary(document: Mapping[str, Any], evidence: Places, timing: Places) -> str:
     counts = document["verdict"]
     tiles = "".join(
-        f'<li class="{kind}"><b>{n:,}</b>{_mark(kind)}</li>' for kind, n in counts.items()
+        f'<li class="{kind if n else "shown"}"><b>{n:,}</b>{_mark(kind)}</li>'
+        for kind, n in counts.items()
     )
     bar = "".join(
         f'<span class="{kind}" style="flex-grow:{n}"></span>' for kind, n in counts.items() if n
@@ -279,10 +280,12 @@ def _row(anchor: str, row: Mapping[str, Any]) -> str:
     for figure in figures:
         kind = verdict(row, figure)
         expected = _e(figure["expected"])
+        none = " none" if figure["paper"] is None else ""
         lines.append(
             f"<tr>{first}"
             f'<td class="measure">{_e(quantity(figure["name"], figure["unit"]))}</td>'
-            f'<td class="paper">{_paper(figure)}</td><td class="ours">{_ours(figure)}</td>'
+            f'<td class="paper{none}">{_paper(figure)}</td>'
+            f'<td class="ours">{_ours(figure)}</td>'
             f'<td class="expected">{expected}</td><td class="verdict">{_mark(kind)}</td></tr>'
         )
         first = ""

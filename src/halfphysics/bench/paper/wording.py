@@ -105,7 +105,9 @@ def number(value: Any, *, beside: Any = None) -> str:
     decimals = max(0, 3 - math.floor(math.log10(size)))
     least = 0
     if isinstance(beside, int | float) and math.isfinite(beside) and beside:
-        least = max(0, -_exponent(float(beside)))
+        # Six digits are enough, however many more the paper's decimals would make.
+        most = max(0, 5 - math.floor(math.log10(size)))
+        least = min(max(0, -_exponent(float(beside))), most)
     whole, _, rest = f"{value:.{max(decimals, least)}f}".partition(".")
     rest = rest[:least] + rest[least:].rstrip("0")
     return _grouped(f"{whole}.{rest}" if rest else whole)

@@ -186,7 +186,7 @@ def _distance(a: ConvexCollider, b: Solid) -> float:
         )
     else:
         normal, offset = b
-        across = np.linalg.norm(a.rim) ** 2 - (a.rim @ normal) ** 2
+        across = float(a.rim @ a.rim - (a.rim @ normal) ** 2)
         lowest = (a.vertices @ normal).min() - a.radius - np.sqrt(max(across, 0.0))
         distance = float(lowest - offset)
     return distance if distance < RANGE else float("inf")

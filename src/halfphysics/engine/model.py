@@ -57,7 +57,10 @@ class EngineModel:
             mine, theirs = 1 | 2 << i, sum(2 << j for j in range(i))
             add = add_person_mocap if mocap else add_person
             add(spec, body.variant, prefix, contype=mine, conaffinity=theirs)
-        owner = add_scene(spec, scene, people=prefixes)
+        # Nothing answers to mocap bodies but what can move: no need to cut a room for them.
+        objects = scene.objects.values()
+        answers = bool(scene.articulated) or not all(isinstance(o, Moving) for o in objects)
+        owner = add_scene(spec, scene, people=prefixes) if answers or not mocap else {}
         spec.option.gravity = scene.gravity
         spec.option.timestep = timestep
         # The sparse factor of MuJoCo 4.0.0's Newton solver is wrong; the numbers are the same.
@@ -68,11 +71,10 @@ class EngineModel:
         self._places = [jointed.places(self.model, t) for t in scene.articulated.values()]
         self._name_people(world, prefixes, mocap)
         self._name_geoms(owner, prefixes)
-        things = scene.objects.values()
         self.moving = tuple(
             (int(self.model.body(f"object/{thing.name}").mocapid[0]), thing)
-            for thing in things
-            if isinstance(thing, Moving)
+            for thing in objects
+            if owner and isinstance(thing, Moving)
         )
 
     def _name_people(self, world: World, prefixes: Sequence[str], mocap: bool) -> None:

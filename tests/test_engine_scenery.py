@@ -132,8 +132,9 @@ def test_a_mesh_touches_as_its_convex_pieces(body):
     scene.add_static("corner", two_boxes())
     scene.add_object("ball", Sphere(0.05), mass=1.0, position=(0.4, 0.0, 0.25))
     settings = Settings(mode="engine_kinematic")
-    with pytest.warns(HalfPhysicsWarning, match="'corner'.*convex pieces, 2 of them"):
+    with pytest.warns(HalfPhysicsWarning, match="'corner'.*convex pieces, 2 of them") as said:
         result = simulate(along_x(0.0, 31, start=-9.0), scene, body=body, settings=settings)
+    assert said[0].filename == __file__
     np.testing.assert_allclose(result.objects["ball"].position[-1], [0.4, 0.0, 0.25], atol=1e-3)
     assert {result.names[i] for i in result.contacts.other} == {"corner"}
 

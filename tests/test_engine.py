@@ -329,6 +329,15 @@ DOOR = """
 
 
 @ENGINE
+def test_what_is_unstable_is_said(body, settings, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log where it is
+    scene = Scene(gravity=1e11)
+    scene.add_object("ball", Sphere(0.1), mass=1.0)
+    with pytest.raises(InputError, match=r"MuJoCo became unstable before frame 1 \(0\.03 s\)"):
+        simulate(along_x(0.0, 5, start=-3.0), scene, body=body, settings=settings)
+
+
+@ENGINE
 def test_what_it_does_not_heed_is_said(body, settings):
     scene = Scene()
     scene.add_static("floor", Plane(), position=(0.0, 0.0, -5.0))

@@ -10,7 +10,7 @@ import json
 import pytest
 from PIL import Image
 
-from halfphysics.bench.paper import evidence, playing, scenes
+from halfphysics.bench.paper import evidence, objects, playing, scenes
 from halfphysics.bench.paper.evidence import Options
 
 #: A picture of a strip [bytes].
@@ -52,7 +52,7 @@ def check_content(section, values, options=None):
     return content
 
 
-SECTIONS = (scenes.SECTION,)
+SECTIONS = (scenes.SECTION, objects.SECTION)
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda s: s.key)
@@ -106,3 +106,33 @@ def test_what_fails_is_said_to_fail():
     (row,) = scenes.content(Options(quick=True), {sofa: worse}).rows
     wrong = {f.name for f in row.figures if f.reproduced is False}
     assert wrong == {"rate", "deepest", "joints that are free"}
+
+
+@pytest.fixture(scope="module")
+def handled():
+    keys = ("drop", "lift", "door", "kick", "monitor", "fast", "heavy", "stays", "slips")
+    return played(objects.SECTION, *keys)
+
+
+def test_objects(handled):
+    content = check_content(objects.SECTION, handled)
+    assert [row.name[7:9] for row in content.rows] == [f"5{letter}" for letter in "bcdefghij"]
+    for row in content.rows:
+        assert all(f.reproduced is not False for f in row.figures), row.name
+        assert figures(row)["deepest"].ours == 0.0
+    fall = figures(content.rows[0])["acceleration of the fall"]
+    assert fall.ours == pytest.approx(9.81, abs=1e-6)  # nothing touches: to rounding
+    assert handled["monitor"]["different"] == 0
+    (speeds,) = content.plots
+    assert max(speeds.series[1].y) == handled["fast"]["speed"]
+
+
+def test_objects_that_behave_otherwise_are_not_reproduced(handled):
+    """Mass and friction without a say: what is heavy flies, what is smooth is lifted."""
+    swapped = {**handled, "heavy": handled["kick"], "stays": handled["lift"]}
+    swapped["slips"], swapped["lift"] = handled["lift"], handled["slips"]
+    swapped["monitor"] = {**handled["monitor"], "different": 1}
+    swapped["drop"] = {**handled["drop"], "freed": None, "fall": None}
+    rows = objects.content(Options(quick=True), swapped).rows
+    wrong = {r.name[7:9] for r in rows if any(f.reproduced is False for f in r.figures)}
+    assert wrong == {"5b", "5c", "5f", "5h", "5i", "5j"}

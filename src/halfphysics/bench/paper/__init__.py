@@ -28,6 +28,7 @@ MODULES = (
     "torque",
     "internal_forces",
     "scenes",
+    "objects",
     "speed",
 )
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics import metrics, scenarios
 from halfphysics import rotations as rot
-from halfphysics import scenarios
 from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.result import SETTLE
 from halfphysics.settings import Settings
@@ -31,6 +31,8 @@ Choice = dict[str, Any]
 LIMP: Choice = {"drive_time": None, "substeps": 8, "stiffness": 0.0}
 FIRM: Choice = {**LIMP, "stiffness": 1.0}
 
+#: How many frames apart the skin is looked at if it is to be quick.
+EVERY = 4
 #: Pictures of a strip; each this wide and high [pixels]: two beside each other fill a phone.
 _TILES, _QUICK_TILES, _COLUMNS, _SIZE = 4, 2, 2, (230, 250)
 
@@ -74,6 +76,14 @@ def strip(result: Result, *, quick: bool, frames: Several[int] | None = None) ->
     if frames is None:
         frames = key_frames(result, _QUICK_TILES if quick else _TILES)
     return strip_png(result, frames, _COLUMNS, _SIZE, samples=1 if quick else 2, colors=96)
+
+
+def penetration(result: Result, *, quick: bool) -> metrics.PenetrationReport:
+    """How deep the skin is in anything, at every frame, or at some if it is to be quick."""
+    every = slice(None, None, EVERY if quick else 1)
+    tracks = {k: frames_of(track, every) for k, track in result.objects.items()}
+    body = result.people[0].body
+    return metrics.penetration(result.motion[every], body, result.scene, objects=tracks)
 
 
 def frames_of(track: ObjectTrack, which: slice) -> ObjectTrack:

@@ -87,6 +87,11 @@ PARAMETERS = {
     "metrics.mpjpe": "a b body",
     "metrics.mpjpe_global": "a b body",
     "metrics.penetration": "motion body scene * objects people threads progress",
+    "metrics.success": "motion asked",
+    "metrics.jerk": "motion body",
+    "metrics.foot_skate": "motion body * ground height speed",
+    "metrics.deviation": "result person * settle",
+    "metrics.over_sequences": "reports",
     "scenarios.names": "",
     "scenarios.load": "name ** chosen",
 }

@@ -26,6 +26,9 @@ Mode = Literal[
     "engine_velocity",
 ]
 
+#: Modes that run in MuJoCo instead of the native core.
+ENGINE_MODES: frozenset[Mode] = frozenset({"engine_kinematic", "engine_velocity"})
+
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:

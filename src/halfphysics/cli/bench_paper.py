@@ -51,6 +51,7 @@ class Command:
     def run(self) -> None:
         """Compute, write, print."""
         from halfphysics.bench import paper
+        from halfphysics.bench.paper import text
 
         if self.jobs is not None and self.jobs < 1:
             raise InputError(f"--jobs: found {self.jobs}, expected at least 1")
@@ -62,7 +63,10 @@ class Command:
             workers=self.jobs or os.cpu_count() or 1,
             progress=_shown,
         )
-        for name in (paper.JSON, paper.SPEED):
+        print(text.summary(report.content))
+        if report.speed["sections"]:
+            print(f"\n{text.summary(report.speed)}")
+        for name in (paper.PAGE, paper.JSON, paper.SPEED):
             print(f"written: {report.folder / name}")
         print(f"in {time.perf_counter() - start:.0f} s")
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from halfphysics.bench.paper import document
+from halfphysics.bench.paper import document, page
 from halfphysics.bench.paper.evidence import Options, Section
 from halfphysics.bench.paper.runner import Done, Job, run
 from halfphysics.bench.paper.store import Store
@@ -23,7 +23,14 @@ from halfphysics.io.atomic import atomic_write
 __all__ = ["MODULES", "Options", "Report", "make", "sections"]
 
 #: Modules of this package, in the order of the report.
-MODULES = ("fidelity", "torque", "internal_forces", "speed")
+MODULES = (
+    "fidelity",
+    "torque",
+    "internal_forces",
+    "scenes",
+    "objects",
+    "speed",
+)
 
 #: Files of a report, in its folder.
 JSON, SPEED, PAGE, WORK = "paper.json", "paper-speed.json", "paper.html", "work"
@@ -88,6 +95,7 @@ def make(
     speed["machine"] = document.machine()
     _write(folder / JSON, _json(content))
     _write(folder / SPEED, _json(speed))
+    _write(folder / PAGE, page.build(content, speed, store.picture).encode())
     return Report(folder, content, speed)
 
 

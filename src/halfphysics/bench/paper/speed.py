@@ -28,6 +28,16 @@ CASES = {
     "glass": (False, 90.0),
     "sofa": (False, 90.0),
 }
+#: What is played.
+WHAT = {
+    "free": "a walk, nothing near: motion in, motion out",
+    "live": "the same walk, pose by pose",
+    "wall": "a T-pose walked into a wall",
+    "grasp": "two hands squeeze and lift a box of 3 kg",
+    "lift": "two palms lift a suitcase of 5 kg",
+    "glass": "one hand lifts, shakes and turns over a glass",
+    "sofa": "sitting down on a sofa and rocking",
+}
 QUICK = ("free", "wall")
 _REPEATS = 3
 
@@ -77,8 +87,8 @@ def _row(case: str, record: Mapping[str, Any], judged: bool) -> Row:
         Figure(name="ours over MuJoCo", ours=record["ratio"]),
     )
     return Row(
-        name=case,
-        data=record["setting"],
+        name=f"{case}: {record['setting']}",
+        data=WHAT[case],
         setting=f"{record['frames']} frames, one core",
         figures=(speed, *(f for f in others if f.ours is not None)),
     )

@@ -101,7 +101,7 @@ def test_table_1(tmp_path):
     assert quoted.quoted
     assert [figure.paper for figure in quoted.figures] == [92.5, 49.192, 34.467]
     assert [figure.ours for figure in quoted.figures] == [None] * 3
-    assert len(rows) == 4
+    assert len(rows) == 6
     for row in rows:
         found = figures(row)
         assert [f.paper for f in found.values()] == [100.0, 0.003, 0.003]
@@ -246,7 +246,7 @@ def test_the_command_makes_the_report(tmp_path):
     assert png is not None
     assert png.startswith(b"\x89PNG")
     assert report.content["verdict"] == {
-        "reproduced": 12,
+        "reproduced": 18,
         "not_reproduced": 0,
         "shown": 0,
         "missing": 0,

@@ -210,6 +210,6 @@ def _pieces(name: str, mesh: Mesh) -> list[Array]:
         f"{len(made.pieces)} convex pieces, which stick out of it by up to {made.outside_mm:.1f} "
         f"mm and leave up to {made.inside_mm:.1f} mm of it bare",
         HalfPhysicsWarning,
-        stacklevel=2,
+        stacklevel=8,  # the line that called `simulate`
     )
     return [piece.vertices for piece in made.pieces]

@@ -50,7 +50,8 @@ class Task:
     """Work that can be done alone, in any order and in any process.
 
     Attributes:
-        key: Its name within the section: letters, digits, "-", "_", "." and "/".
+        key: Its name within the section: letters, digits, spaces, "-", "_", "." and
+            "/".
         function: "MODULE:NAME" of a function that returns an `Outcome`; a module without a dot in
             its name is one of this package. The same arguments give the same values, bit for bit.
         arguments: Its arguments: what JSON can say.

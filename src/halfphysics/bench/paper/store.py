@@ -17,7 +17,7 @@ from halfphysics.bench.paper.program import program
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.atomic import atomic_write
 
-_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
+_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_. -]*")
 
 
 class Store:
@@ -79,7 +79,10 @@ class Store:
     def _place(self, section: str, key: str, end: str) -> Path:
         parts = (section, *f"{key}{end}".split("/"))
         if not all(_NAME.fullmatch(part) for part in parts):
-            raise InputError(f"task {key!r}: expected letters, digits, '-', '_', '.' and '/'")
+            raise InputError(
+                f"task {key + end!r} of {section!r}: expected letters, digits, spaces, '-', '_', "
+                "'.' and '/'"
+            )
         return self.folder.joinpath(*parts)
 
 

@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from grasp_judge import judge
 
 from halfphysics import rotations as rot
 from halfphysics import scenarios
+from halfphysics.bench.paper.grasping import judge
 from halfphysics.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.scenarios import grasp_glass, place_glass

@@ -3,57 +3,18 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from point_bodies import Ball, Cloud, Drift, Track
 
 from halfphysics import metrics, rotations
 from halfphysics.errors import InputError
 from halfphysics.mesh_queries import closest_reference, winding_reference
 from halfphysics.scene import Scene
 from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
-
-
-@dataclass
-class Drift:
-    """A motion that only moves: frames (T, 3)."""
-
-    translation: np.ndarray
-    fps: float = 30.0
-
-    @property
-    def rotations(self) -> np.ndarray:
-        return np.zeros((len(self.translation), 55, 3))
-
-    def __len__(self) -> int:
-        return len(self.translation)
-
-    def __getitem__(self, frames: slice) -> Drift:
-        part = self.translation[frames]
-        assert len(part) > 1, "real motions have at least two frames"
-        return Drift(part, self.fps)
-
-
-class Cloud:
-    """A body of points (V, 3) that follows the translation; its joints are the first 55."""
-
-    def __init__(self, points: np.ndarray) -> None:
-        self.points = points
-
-    def vertices(self, motion: Drift) -> np.ndarray:
-        return self.points + motion.translation[:, None]
-
-    def joints(self, motion: Drift) -> np.ndarray:
-        return self.vertices(motion)[:, :55]
-
-
-@dataclass
-class Track:
-    position: np.ndarray
-    quaternion: np.ndarray
 
 
 @pytest.fixture
@@ -110,14 +71,6 @@ def test_definitions_by_hand() -> None:
     np.testing.assert_allclose(report.by_name["floor"], [0.0, 30.0])
     clear = metrics.penetration(motion, body, Scene())
     assert (clear.rate_percent, clear.depth_max_mm, clear.depth_penetrating_mm) == (0.0, 0.0, 0.0)
-
-
-class Ball(Cloud):
-    """A cloud with faces between its points."""
-
-    def __init__(self, points: np.ndarray, faces: np.ndarray) -> None:
-        super().__init__(points)
-        self.faces = faces
 
 
 @pytest.mark.parametrize("holes", [0, 1])

@@ -8,11 +8,11 @@ from functools import cache
 import numpy as np
 import pytest
 import trimesh
-from grasp_judge import judge
 from test_grasp import CREEP, FALL, FORCE, FREED, JITTER, PEAK, SETTLED, SLIP, SPREAD, TURN
 
 from halfphysics import rotations as rot
 from halfphysics import scenarios
+from halfphysics.bench.paper.grasping import judge
 from halfphysics.errors import InputError
 from halfphysics.scenarios import grasp_glass
 from halfphysics.scenarios.lathe import turn

@@ -26,7 +26,7 @@ from halfphysics.skeleton import (
 if TYPE_CHECKING:
     from xml.etree import ElementTree
 
-    from halfphysics.variant import Variant
+    from halfphysics.variant import Part, Variant
 
 Array = NDArray[np.float64]
 
@@ -91,22 +91,43 @@ def add_person(
         body.ipos = part.com
         body.inertia, body.iquat = principal(part.inertia)
         body.explicitinertial = True
-        if geoms and len(part.vertices):
-            spec.add_mesh(
-                name=name,
-                uservert=part.vertices.ravel(),
-                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
-            )
-            body.add_geom(
-                name=name,
-                type=mujoco.mjtGeom.mjGEOM_MESH,
-                meshname=name,
-                rgba=part_color(i),
-                contype=contype,
-                conaffinity=conaffinity,
-            )
+        if geoms:
+            _add_geom(spec, body, part, name, contype, conaffinity)
         bodies.append(body)
     return bodies[0]
+
+
+def add_person_mocap(
+    spec: Any, variant: Variant, prefix: str = "", *, contype: int = 1, conaffinity: int = 0
+) -> None:
+    """Add the parts to a `mujoco.MjSpec` as mocap bodies, which are where they are put.
+
+    Arguments and names as in `add_person`. Frames are the joints', all in the world.
+    """
+    for part in variant.parts:
+        body = spec.worldbody.add_body(name=prefix + part.name, mocap=True)
+        _add_geom(spec, body, part, prefix + part.name, contype, conaffinity)
+
+
+def _add_geom(spec: Any, body: Any, part: Part, name: str, contype: int, conaffinity: int) -> None:
+    """The hull of a part; of one without a shape nothing."""
+    import mujoco
+
+    if not len(part.vertices):
+        return
+    spec.add_mesh(
+        name=name,
+        uservert=part.vertices.ravel(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
+    )
+    body.add_geom(
+        name=name,
+        type=mujoco.mjtGeom.mjGEOM_MESH,
+        meshname=name,
+        rgba=part_color(part.index),
+        contype=contype,
+        conaffinity=conaffinity,
+    )
 
 
 def to_mjcf(

@@ -19,6 +19,7 @@ from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_over_time
 from halfphysics.motion import Motion
 from halfphysics.result import DIAGNOSTICS, ObjectTrack, PersonResult, Result, Substeps
+from halfphysics.settings import ENGINE_MODES
 from halfphysics.simulator import Simulator, several
 from halfphysics.skeleton import N_JOINTS
 from halfphysics.touches import touches
@@ -119,6 +120,12 @@ def follow(
     """
     world, stepper = simulator.world, simulator.world.stepper
     count = len(motions[0])
+    if simulator.settings.mode in ENGINE_MODES:
+        from halfphysics.engine.following import check_settings, follow_in_engine
+
+        check_settings(simulator.settings, stiffness)
+        with _progress(count - 1, progress) as bar:
+            return follow_in_engine(world, motions, simulator.dt, bar.update)
     targets = world.motion_coordinates(motions)
     simulator.reset([m[0] for m in motions])
     qpos, clearance = np.empty((count, world.nq)), np.empty(count)

@@ -16,7 +16,7 @@ from halfphysics.forced import FORCED
 from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_array
 from halfphysics.pose import Pose
-from halfphysics.settings import Settings
+from halfphysics.settings import ENGINE_MODES, Settings
 from halfphysics.skeleton import N_JOINTS
 from halfphysics.touches import Touches, touches
 
@@ -188,6 +188,7 @@ class Simulator:
 
     def reset(self, pose: Pose | Sequence[Pose]) -> Frame:
         """Put the people at a pose (one each), objects at their start; everything forgets."""
+        self._must_be_native()
         poses = self._checked(pose)
         if self.world.held:
             self.world = running().rebuilt(self.world, self.world.scene, False, {})
@@ -259,6 +260,7 @@ class Simulator:
         Raises:
             InputError: The state belongs to another model.
         """
+        self._must_be_native()
         if not isinstance(state, State) or state.signature != self.world.signature:
             raise InputError(
                 "set_state: the state is of another simulator; expected one with the same people "
@@ -402,6 +404,13 @@ class Simulator:
     def _must_run(self, what: str) -> None:
         if not self._started:
             raise InputError(f"{what}: the simulator has no pose yet; call reset(pose) first")
+
+    def _must_be_native(self) -> None:
+        if self.settings.mode in ENGINE_MODES:
+            raise InputError(
+                f"Settings.mode is {self.settings.mode!r}, which follows whole motions only; "
+                "expected another mode here. Use halfphysics.simulate"
+            )
 
     def _checked(self, pose: Pose | Sequence[Pose]) -> list[Pose]:
         poses = several(pose)

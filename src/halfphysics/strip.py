@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -149,39 +150,77 @@ def picture_strip(
     """
     from halfphysics.io.atomic import atomic_write
 
+    drawing, picked = _checked(result, frames, columns, size)
+    with atomic_write(path) as file:  # an impossible path is refused before the work
+        sheet = _draw(drawing, picked, columns, size, samples, threads)
+        sheet.save(file, format="PNG")
+    return Path(path)
+
+
+def strip_png(
+    result: Result,
+    frames: Sequence[int] | None = None,
+    columns: int = 6,
+    size: tuple[int, int] = (300, 340),
+    *,
+    samples: int = 2,
+    colors: int = 128,
+) -> bytes:
+    """The same strip as the bytes of a PNG with a palette: a third of the size, to be embedded.
+
+    Args:
+        result, frames, columns, size, samples: As of `picture_strip`.
+        colors: In the palette, 2 to 256.
+
+    Raises:
+        InputError: No such frame, no columns, an impossible size or number of colours.
+    """
+    if not 2 <= colors <= 256:
+        raise InputError(f"colors: found {colors}, expected 2 to 256")
+    drawing, picked = _checked(result, frames, columns, size)
+    sheet = _draw(drawing, picked, columns, size, samples, 1).quantize(colors, dither=0)
+    data = BytesIO()
+    sheet.save(data, format="PNG", optimize=True)
+    return data.getvalue()
+
+
+def _checked(
+    result: Result, frames: Sequence[int] | None, columns: int, size: tuple[int, int]
+) -> tuple[Drawing, list[int]]:
+    """What is drawn, and which of its frames."""
     if columns < 1:
         raise InputError(f"columns: found {columns}, expected 1 or more")
     if min(size) < 16:
         raise InputError(f"size: found {size}, expected at least 16 x 16 pixels")
     drawing = Drawing(result)
     if frames is None:
-        picked = key_frames(result, _ROWS * columns)
-    else:
-        picked = [drawing.check_frame(f) for f in frames]
-        if not picked:
-            raise InputError("frames: found none, expected at least one frame")
-    with atomic_write(path) as file:  # an impossible path is refused before the work
-        direction = choose_direction(drawing, picked, size)
-        tiles = []
-        for frame, camera in zip(picked, cameras(drawing, picked, direction, size), strict=True):
-            surfaces = drawing.surfaces(frame)
-            faint = glass(surfaces, camera, size)
-            if faint:
-                surfaces = drawing.surfaces(frame, faint=faint)
-            look = Look().aimed(camera, drawing.middle)
-            tiles.append(
-                render(
-                    list(surfaces.values()),
-                    camera,
-                    size,
-                    samples=samples,
-                    look=look,
-                    threads=threads,
-                )
-            )
-        sheet = _compose(result, picked, tiles, columns, size)
-        sheet.save(file, format="PNG")
-    return Path(path)
+        return drawing, key_frames(result, _ROWS * columns)
+    picked = [drawing.check_frame(f) for f in frames]
+    if not picked:
+        raise InputError("frames: found none, expected at least one frame")
+    return drawing, picked
+
+
+def _draw(
+    drawing: Drawing,
+    picked: Sequence[int],
+    columns: int,
+    size: tuple[int, int],
+    samples: int,
+    threads: int,
+) -> Any:
+    """The whole sheet."""
+    direction = choose_direction(drawing, picked, size)
+    tiles = []
+    for frame, camera in zip(picked, cameras(drawing, picked, direction, size), strict=True):
+        surfaces = drawing.surfaces(frame)
+        faint = glass(surfaces, camera, size)
+        if faint:
+            surfaces = drawing.surfaces(frame, faint=faint)
+        look = Look().aimed(camera, drawing.middle)
+        shown = list(surfaces.values())
+        tiles.append(render(shown, camera, size, samples=samples, look=look, threads=threads))
+    return _compose(drawing.result, picked, tiles, columns, size)
 
 
 def _font(pixels: int) -> Any:

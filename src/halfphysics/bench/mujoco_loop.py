@@ -1,11 +1,4 @@
-"""The peer: a plain MuJoCo loop that follows a motion, as one would write it by hand.
-
-Each frame sets the velocities that lead to the target (Algorithm 1: joints and root rotation
-from the actual pose, root translation from target to target), each substep cancels the person's
-internal forces (Coriolis, gyroscopic, weight) with applied ones. mj_step1 and mj_step2
-instead of mj_step, because the forces to cancel are those of the present state: with mj_step the
-motion is missed by 0.01 to 0.1 mm, and it is no faster.
-"""
+"""The peer: a plain MuJoCo loop that follows a motion, see `halfphysics.engine.velocity`."""
 
 from __future__ import annotations
 
@@ -16,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
-from halfphysics.bench.mujoco_scene import add_scene
+from halfphysics.engine.scenery import add_scene
+from halfphysics.engine.velocity import VelocityDrive
 from halfphysics.person_model import add_person, addresses
 
 if TYPE_CHECKING:
@@ -54,20 +48,16 @@ class MujocoLoop:
         add_person(spec, body.variant, geoms=scene is not None)
         spec.option.gravity = [0.0, 0.0, 0.0]
         if scene is not None:
-            add_scene(spec, scene, hulls or {})
+            add_scene(spec, scene, hulls)
             spec.option.gravity = scene.gravity if scene.objects else [0.0, 0.0, 0.0]
         spec.option.timestep = 1.0 / fps / substeps
         self._mujoco = mujoco
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
-        self.substeps = substeps
-        self._dt = 1.0 / fps
-        self._velocity = np.zeros(self.model.nv)
         places = addresses(self.model)
-        # The person was added first: the rest of the velocities are objects'.
-        self._own = slice(0, self.model.nv - 6 * (len(scene.objects) if scene else 0))
+        self._drive = VelocityDrive(self.model, self.data, [places], substeps, 1.0 / fps)
         self._quats = places.quat[:, None] + np.arange(4)
-        self._root, self._root_dof = places.root_position, places.root_velocity
+        self._root = places.root_position
         self._pelvis = body.rest_joints[0]
 
     def coordinates(self, translation: Array, rotations: Array, axes: Array) -> Array:
@@ -106,7 +96,7 @@ class MujocoLoop:
         self._reset(targets[0])
         out[0] = targets[0]
         for t in range(1, len(targets)):
-            out[t] = self._frame(targets[t - 1], targets[t])
+            out[t] = self._drive.frame(targets[t - 1], targets[t])
         return out
 
     def reset(self, pose: Pose) -> None:
@@ -117,7 +107,7 @@ class MujocoLoop:
     def step(self, pose: Pose) -> tuple[Array, Array]:
         """One frame towards a pose; the translation (3,) and rotations (55, 3) that come of it."""
         target = self._of(pose)
-        qpos = self._frame(self._target, target)
+        qpos = self._drive.frame(self._target, target)
         self._target = target
         translation = qpos[self._root : self._root + 3] - pose.axes @ self._pelvis
         return translation, rot.log(qpos[self._quats])
@@ -141,7 +131,7 @@ class MujocoLoop:
         self._reset(targets[0])
         count = 0
         for t in range(1, len(targets)):
-            self._frame(targets[t - 1], targets[t])
+            self._drive.frame(targets[t - 1], targets[t])
             count += self.data.ncon
         return count / max(1, len(targets) - 1)
 
@@ -151,18 +141,3 @@ class MujocoLoop:
     def _reset(self, qpos: Array) -> None:
         self._mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = qpos
-
-    def _frame(self, before: Array, target: Array) -> Array:
-        mj_step1, mj_step2 = self._mujoco.mj_step1, self._mujoco.mj_step2
-        model, data, velocity, dt = self.model, self.data, self._velocity, self._dt
-        self._mujoco.mj_differentiatePos(model, velocity, dt, data.qpos, target)
-        root, dof = self._root, self._root_dof
-        velocity[dof : dof + 3] = (target[root : root + 3] - before[root : root + 3]) / dt
-        own = self._own
-        data.qvel[own] = velocity[own]
-        applied, internal = data.qfrc_applied[own], data.qfrc_bias[own]
-        for _ in range(self.substeps):
-            mj_step1(model, data)
-            applied[:] = internal
-            mj_step2(model, data)
-        return data.qpos

@@ -1,8 +1,4 @@
-"""Measures of a motion: joint errors against a reference, penetration of a scene.
-
-Motions are `halfphysics.motion.Motion`, bodies `halfphysics.body.Body`, scenes
-`halfphysics.scene.Scene`.
-"""
+"""Penetration: how much of a skin is inside a scene, and how deep."""
 
 from __future__ import annotations
 
@@ -12,11 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from halfphysics import rotations, validation
 from halfphysics.errors import InputError
 from halfphysics.mesh_queries import MeshQuery, is_closed
+from halfphysics.metrics.inputs import Array, check_motion
 from halfphysics.scene import Scene
 from halfphysics.shape_base import Shape
 from halfphysics.validation import number, shown
@@ -25,53 +21,7 @@ if TYPE_CHECKING:
     from halfphysics.articulated import Link, LinkGeom
     from halfphysics.things import Object
 
-Array = NDArray[np.float64]
-
 _BATCH = 32  # frames skinned at a time: about 10 MB of vertices
-
-
-def mpjpe(a: Any, b: Any, body: Any) -> float:
-    """Mean error of joint positions relative to the pelvis [mm].
-
-    Both motions are posed on `body`; each frame's pelvis position is subtracted, nothing is
-    rotated; the mean is over all frames and 55 joints. Raises `InputError` where lengths or
-    frame rates differ.
-    """
-    p, q = _joints(a, b, body)
-    return _mean_error(p - p[:, :1], q - q[:, :1])
-
-
-def mpjpe_global(a: Any, b: Any, body: Any) -> float:
-    """Mean error of joint positions in the world [mm]; otherwise as `mpjpe`."""
-    return _mean_error(*_joints(a, b, body))
-
-
-def _joints(a: Any, b: Any, body: Any) -> tuple[Array, Array]:
-    _check_motion("a", a)
-    _check_motion("b", b)
-    validation.body(body, "joints")
-    if len(a) != len(b):
-        raise InputError(
-            f"motions of one length are compared, found {len(a)} and {len(b)} frames; "
-            "cut the longer one (motion[:n]) or resample one (motion.resample(fps))"
-        )
-    if abs(a.fps - b.fps) > 1e-6 * abs(b.fps):
-        raise InputError(
-            f"motions of one frame rate are compared, found {a.fps:g} and {b.fps:g} fps; "
-            "resample one: motion.resample(fps)"
-        )
-    return body.joints(a), body.joints(b)
-
-
-def _check_motion(name: str, motion: Any, *, pose: bool = False) -> None:
-    wanted = ("rotations", "translation") if pose else ("rotations", "translation", "fps")
-    if isinstance(motion, type) or not all(hasattr(motion, field) for field in wanted):
-        kind = "halfphysics.Motion or Pose" if pose else "halfphysics.Motion"
-        raise InputError(f"{name}: expected a {kind}, found {shown(motion)}")
-
-
-def _mean_error(p: Array, q: Array) -> float:
-    return float(1000.0 * np.linalg.norm(p - q, axis=-1).mean())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,6 +40,7 @@ class PenetrationReport:
         share: Share of vertices inside in every frame (T,) [%].
         deepest: Deepest vertex of every frame (T,) [mm].
         by_name: Deepest vertex of every frame in each thing, name -> (T,) [mm].
+        vertices_inside: Number of vertices inside, summed over the frames.
     """
 
     rate_percent: float
@@ -99,6 +50,7 @@ class PenetrationReport:
     share: Array
     deepest: Array
     by_name: Mapping[str, Array]
+    vertices_inside: int = 0
 
 
 def penetration(
@@ -130,7 +82,7 @@ def penetration(
         InputError: Something of a wrong type; tracks of unknown objects or another length; people
             named like things or with another number of frames.
     """
-    _check_motion("motion", motion, pose=True)
+    check_motion("motion", motion, pose=True)
     validation.body(body, "vertices")
     if not isinstance(scene, Scene):
         raise InputError(f"scene: expected a halfphysics.Scene, found {shown(scene)}")
@@ -183,6 +135,7 @@ def penetration(
         share=share,
         deepest=deepest,
         by_name=by_name,
+        vertices_inside=count,
     )
 
 
@@ -215,7 +168,7 @@ def _others(scene: Scene, people: Any, frames: int) -> dict[str, tuple[Any, Any]
             raise InputError(f"{what}: the scene has a thing of this name; expected another")
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise InputError(f"{what}: expected a pair (motion, body), found {shown(pair)}")
-        _check_motion(what, pair[0], pose=True)
+        check_motion(what, pair[0], pose=True)
         validation.body(pair[1], "vertices")
         shape = np.shape(pair[0].rotations)
         found = shape[0] if len(shape) == 3 else 1

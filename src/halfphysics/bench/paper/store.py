@@ -1,0 +1,108 @@
+"""Outcomes on disk: what has been computed is not computed again.
+
+One JSON file per task, its pictures beside it, each written whole or not at all. What is damaged,
+or was computed by another program, from other arguments or other files, counts as not there.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+from halfphysics.bench.paper.evidence import Outcome, Task, plain
+from halfphysics.bench.paper.program import program
+from halfphysics.errors import FileError, InputError
+from halfphysics.io.atomic import atomic_write
+
+_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_. -]*")
+
+
+class Store:
+    """Outcomes in a folder, which is made when the first one is kept."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def load(self, section: str, task: Task) -> Any | None:
+        """The values of a task, None if they have to be computed."""
+        path = self._path(section, task)
+        try:
+            kept = json.loads(path.read_bytes())
+        except (OSError, ValueError):
+            return None
+        if not isinstance(kept, dict) or kept.get("of") != _identity(task):
+            return None
+        if _sum(kept.get("values")) != kept.get("sum"):
+            return None
+        for name, expected in kept["pictures"].items():
+            found = self.picture(section, task.key, name)
+            if found is None or hashlib.sha256(found).hexdigest() != expected:
+                return None
+        return kept["values"]
+
+    def keep(self, section: str, task: Task, outcome: Outcome) -> None:
+        """Remember an outcome.
+
+        Raises:
+            InputError: Values that JSON cannot say.
+            FileError: The folder cannot be written.
+        """
+        values = plain(outcome.values, f"{section}/{task.key}")
+        path = self._path(section, task)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileError(f"{path.parent}: cannot make this folder: {error.strerror}") from None
+        sums = {}
+        for name, png in outcome.pictures.items():
+            with atomic_write(self._picture(section, task.key, name)) as handle:
+                handle.write(png)
+            sums[name] = hashlib.sha256(png).hexdigest()
+        kept = {"of": _identity(task), "sum": _sum(values), "values": values, "pictures": sums}
+        with atomic_write(path) as handle:
+            handle.write(json.dumps(kept, indent=1).encode())
+
+    def picture(self, section: str, key: str, name: str) -> bytes | None:
+        """The PNG that a task made."""
+        path = self._picture(section, key, name)
+        return path.read_bytes() if path.is_file() else None
+
+    def _path(self, section: str, task: Task) -> Path:
+        return self._place(section, task.key, ".json")
+
+    def _picture(self, section: str, key: str, name: str) -> Path:
+        return self._place(section, key, f".{name}.png")
+
+    def _place(self, section: str, key: str, end: str) -> Path:
+        parts = (section, *f"{key}{end}".split("/"))
+        if not all(_NAME.fullmatch(part) for part in parts):
+            raise InputError(
+                f"task {key + end!r} of {section!r}: expected letters, digits, spaces, '-', '_', "
+                "'.' and '/'"
+            )
+        return self.folder.joinpath(*parts)
+
+
+def _identity(task: Task) -> dict[str, Any]:
+    """What has to be the same for an outcome to be this task's."""
+    return {
+        "program": program(),
+        "function": task.function,
+        "arguments": plain(task.arguments, task.key),
+        "inputs": [_file_sum(path) for path in task.inputs],
+    }
+
+
+def _file_sum(path: str) -> str:
+    try:
+        with open(path, "rb") as handle:
+            return hashlib.file_digest(handle, "sha256").hexdigest()
+    except OSError:
+        return ""  # the task itself says what is wrong with it
+
+
+def _sum(values: Any) -> str:
+    return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()

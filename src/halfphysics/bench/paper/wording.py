@@ -1,0 +1,151 @@
+"""How the report says things: numbers, units, verdicts and names that anybody may have chosen."""
+
+from __future__ import annotations
+
+import math
+import unicodedata
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from types import MappingProxyType
+from typing import Any
+
+#: What stands where there is no number.
+MISSING = "–"
+
+#: Verdict -> (mark, word). Marks differ in shape, so that nothing hangs on colour.
+VERDICTS: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "reproduced": ("✓", "reproduced"),
+        "not_reproduced": ("✗", "not reproduced"),
+        "shown": ("·", "shown"),
+        "missing": (MISSING, "missing"),
+        "quoted": ("“", "quoted"),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One figure, where it stands (numbers of section and row), and what became of it."""
+
+    section: int
+    row: int
+    figure: Mapping[str, Any]
+    verdict: str
+
+
+def claims(sections: Sequence[Mapping[str, Any]]) -> Iterator[Claim]:
+    """Every figure of a report's sections, in their order."""
+    for s, section in enumerate(sections):
+        for r, row in enumerate(section["rows"]):
+            for figure in row["figures"]:
+                yield Claim(s, r, figure, verdict(row, figure))
+
+
+def verdict(row: Mapping[str, Any], figure: Mapping[str, Any]) -> str:
+    """Which of `VERDICTS` a figure of a row has: what is expected and has no number is missing."""
+    if row["quoted"]:
+        return "quoted"
+    if figure["ours"] is None and figure["expected"]:
+        return "missing"
+    if figure["reproduced"] is None:
+        return "shown"
+    return "reproduced" if figure["reproduced"] else "not_reproduced"
+
+
+def tally(sections: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """How many figures have which verdict; what ended in an error is missing."""
+    count = dict.fromkeys(VERDICTS, 0)
+    for claim in claims(sections):
+        count[claim.verdict] += 1
+    count["missing"] += sum(len(section["failed"]) for section in sections)
+    return count
+
+
+def plain(text: object) -> str:
+    """One line of text without what steers a terminal or turns the line around.
+
+    Control characters, marks of direction and halves of surrogate pairs (from file names that are
+    no UTF-8) become U+FFFD; white space of any kind becomes one blank.
+    """
+    clean = "".join(
+        " " if c.isspace() else "\ufffd" if unicodedata.category(c) in ("Cc", "Cf", "Cs") else c
+        for c in str(text)
+    )
+    return " ".join(clean.split())
+
+
+def number(value: Any, *, beside: Any = None) -> str:
+    """A value in as many digits as mean something.
+
+    Args:
+        value: A number, None, a truth value or a text.
+        beside: The paper's number, if there is one: ours then has at least its decimals, so that
+            the two can be compared at a glance.
+    """
+    if value is None:
+        return MISSING
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, int | float):
+        return plain(value) or MISSING
+    if isinstance(value, int):
+        return _grouped(str(value))
+    if math.isnan(value):
+        return MISSING
+    if math.isinf(value):
+        return "∞" if value > 0 else "-∞"
+    if value == 0:
+        return "0"
+    size = abs(value)
+    if not 1e-4 <= size < 1e7:
+        mantissa, exponent = f"{value:.2e}".split("e")
+        return f"{_trimmed(mantissa)}e{int(exponent)}"
+    decimals = max(0, 3 - math.floor(math.log10(size)))
+    least = 0
+    if isinstance(beside, int | float) and math.isfinite(beside) and beside:
+        # Six digits are enough, however many more the paper's decimals would make.
+        most = max(0, 5 - math.floor(math.log10(size)))
+        least = min(max(0, -_exponent(float(beside))), most)
+    whole, _, rest = f"{value:.{max(decimals, least)}f}".partition(".")
+    rest = rest[:least] + rest[least:].rstrip("0")
+    return _grouped(f"{whole}.{rest}" if rest else whole)
+
+
+def published(value: Any) -> str:
+    """A number as the paper prints it: every digit that was written down."""
+    if isinstance(value, float) and math.isfinite(value) and 1e-4 <= abs(value) < 1e7:
+        return _grouped(_trimmed(format(Decimal(repr(value)), "f")))
+    return number(value)
+
+
+def signed(digits: str) -> str:
+    """A number as it is typeset: with a minus, not a hyphen, before it."""
+    return "−" + digits[1:] if digits.startswith("-") else digits
+
+
+def quantity(label: str, unit: str) -> str:
+    """What is measured, and in what: `distance [mm]`."""
+    label, unit = plain(label), plain(unit)
+    if not unit:
+        return label
+    return f"{label} [{unit}]" if label else f"[{unit}]"
+
+
+def _exponent(value: float) -> int:
+    """The power of ten of a number's last digit."""
+    exponent = Decimal(repr(value)).normalize().as_tuple().exponent
+    return exponent if isinstance(exponent, int) else 0
+
+
+def _trimmed(digits: str) -> str:
+    return digits.rstrip("0").rstrip(".") if "." in digits else digits
+
+
+def _grouped(digits: str) -> str:
+    """Commas in what has five digits or more before the point."""
+    whole, point, rest = digits.partition(".")
+    if len(whole.lstrip("-")) > 4:
+        whole = f"{int(whole):,}"
+    return f"{whole}{point}{rest}"

@@ -1,0 +1,37 @@
+"""Measures of a motion and of a result: docs/metrics.md has every definition.
+
+Motions are `halfphysics.motion.Motion`, bodies `halfphysics.body.Body`, scenes
+`halfphysics.scene.Scene`, results `halfphysics.result.Result`.
+"""
+
+from __future__ import annotations
+
+from halfphysics.metrics.completeness import success
+from halfphysics.metrics.contact_labels import LabelReport, contact_precision
+from halfphysics.metrics.forces import ForceReport, contact_forces
+from halfphysics.metrics.intent import Deviation, IntentReport, deviation
+from halfphysics.metrics.joint_errors import mpjpe, mpjpe_global
+from halfphysics.metrics.penetration import PenetrationReport, penetration
+from halfphysics.metrics.sequences import PenetrationSummary, over_sequences
+from halfphysics.metrics.skating import SkateReport, foot_skate
+from halfphysics.metrics.smoothness import jerk
+
+__all__ = [
+    "Deviation",
+    "ForceReport",
+    "IntentReport",
+    "LabelReport",
+    "PenetrationReport",
+    "PenetrationSummary",
+    "SkateReport",
+    "contact_forces",
+    "contact_precision",
+    "deviation",
+    "foot_skate",
+    "jerk",
+    "mpjpe",
+    "mpjpe_global",
+    "over_sequences",
+    "penetration",
+    "success",
+]

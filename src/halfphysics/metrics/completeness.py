@@ -1,0 +1,31 @@
+"""Success: whether every frame came back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from halfphysics.metrics.inputs import check_motion
+
+
+def success(motion: Any | None, asked: Any) -> bool:
+    """Whether a motion came back whole: as many frames as asked, at the same rate, all finite.
+
+    The share of clips for which this holds is the success rate of the paper's Table 1 as we
+    define it (the paper leaves room; trackers also count a fall as a failure).
+
+    Args:
+        motion: What came back, T frames; None: nothing did.
+        asked: The motion that was asked for.
+
+    Raises:
+        InputError: Something that is no motion.
+    """
+    check_motion("asked", asked)
+    if motion is None:
+        return False
+    check_motion("motion", motion)
+    same = len(motion) == len(asked) and abs(motion.fps - asked.fps) <= 1e-6 * abs(asked.fps)
+    arrays = (np.asarray(motion.translation), np.asarray(motion.rotations))
+    return same and all(bool(np.isfinite(a).all()) and len(a) == len(asked) for a in arrays)

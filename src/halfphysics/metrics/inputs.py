@@ -1,0 +1,54 @@
+"""Checks of what the measures are given."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import validation
+from halfphysics.errors import InputError
+from halfphysics.validation import shown
+
+Array = NDArray[np.float64]
+
+
+def check_motion(name: str, motion: Any, *, pose: bool = False) -> None:
+    """Refuse what is no motion; with `pose` a single pose will do.
+
+    Raises:
+        InputError: Something else.
+    """
+    wanted = ("rotations", "translation") if pose else ("rotations", "translation", "fps")
+    if isinstance(motion, type) or not all(hasattr(motion, field) for field in wanted):
+        kind = "halfphysics.Motion or Pose" if pose else "halfphysics.Motion"
+        raise InputError(f"{name}: expected a {kind}, found {shown(motion)}")
+
+
+def check_result(result: Any) -> None:
+    """Refuse what is no `Result`.
+
+    Raises:
+        InputError: Something else.
+    """
+    from halfphysics.result import Result
+
+    if not isinstance(result, Result):
+        raise InputError(
+            f"result: expected a halfphysics.Result, as `simulate` gives back, found "
+            f"{shown(result)}"
+        )
+
+
+def joints_of(motion: Any, body: Any, *, least: int, what: str) -> tuple[Array, float]:
+    """Joints (T, 55, 3) [m] of a motion of at least so many frames, and its frame rate.
+
+    Raises:
+        InputError: No motion, no body, or too few frames for `what`.
+    """
+    check_motion("motion", motion)
+    validation.body(body, "joints")
+    if len(motion) < least:
+        raise InputError(f"{what} takes at least {least} frames, found {len(motion)}")
+    return np.asarray(body.joints(motion)), validation.frame_rate(motion.fps)

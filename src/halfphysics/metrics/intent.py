@@ -1,0 +1,99 @@
+"""Deviation from the intent: how far a result is from what was asked, in and out of contact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+from halfphysics.joint_groups import JOINT_GROUPS
+from halfphysics.metrics.inputs import check_result
+from halfphysics.result import SETTLE
+from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.validation import number
+
+if TYPE_CHECKING:
+    from halfphysics.result import Result
+
+#: What deviations are told of: the groups of `JOINT_GROUPS` by these names.
+GROUPS = ("trunk", "head", "arms", "hands", "legs", "feet", "all")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Deviation:
+    """Mean deviation from the reference over some frames; all 0 where there are none.
+
+    Attributes:
+        frames: How many frames.
+        root_mm: Distance of the root from where it was asked to be, in the world [mm].
+        root_deg: Angle between its rotation and the one asked for [deg].
+        local_mm: Distance of a group's joints from the reference's, both seen from their pelvis
+            without turning anything [mm]; by group.
+        angle_deg: Angle between the rotations of a group's joints, in their parents' frames, and
+            the reference's [deg]; by group.
+    """
+
+    frames: int
+    root_mm: float
+    root_deg: float
+    local_mm: Mapping[str, float]
+    angle_deg: Mapping[str, float]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class IntentReport:
+    """Deviation of a person's motion from the reference.
+
+    Attributes:
+        whole: Over all frames.
+        free: Over frames in which nothing acts on the person (`Result.free_frames`).
+        touched: Over the others: in contact, or shortly after.
+    """
+
+    whole: Deviation
+    free: Deviation
+    touched: Deviation
+
+
+def deviation(result: Result, person: int = 0, *, settle: float = SETTLE) -> IntentReport:
+    """How far a person's motion is from what was asked, by group of joints.
+
+    Args:
+        result: What was simulated.
+        person: Which person.
+        settle: How long after a contact frames still count as touched [s].
+
+    Raises:
+        InputError: No result, no such person, or an impossible time.
+        FileError: In a result from a file: the body has gone.
+    """
+    check_result(result)
+    settle = number(settle, "settle", least=0.0, unit="s")
+    free = result.free_frames(person, settle)
+    who = result.people[person]
+    local = 1000.0 * who.joint_errors()[0]
+    was, now = rot.exp(who.reference.rotations), rot.exp(who.motion.rotations)
+    turned = rot.log(rot.multiply(rot.conjugate(was), now))
+    angle = np.rad2deg(np.linalg.norm(turned, axis=-1))
+    shift = who.motion.translation - who.reference.translation
+    root = 1000.0 * np.linalg.norm(shift, axis=-1)
+
+    def over(frames: NDArray[np.bool_]) -> Deviation:
+        def mean(values: NDArray[np.float64]) -> float:
+            return float(values[frames].mean()) if frames.any() else 0.0
+
+        joints = {g: [JOINT_INDEX[name] for name in JOINT_GROUPS[g]] for g in GROUPS}
+        return Deviation(
+            frames=int(frames.sum()),
+            root_mm=mean(root),
+            root_deg=mean(angle[:, 0]),
+            local_mm=MappingProxyType({g: mean(local[:, its]) for g, its in joints.items()}),
+            angle_deg=MappingProxyType({g: mean(angle[:, its]) for g, its in joints.items()}),
+        )
+
+    return IntentReport(whole=over(np.ones_like(free)), free=over(free), touched=over(~free))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
 from .errors import InputError
+from .forced import check_forced
 from .joint_groups import joint_values
 from .strength import checked_strength
 
@@ -146,6 +147,7 @@ class Settings:
         count("max_sweeps")
         count("threads")
         choice("record", "frames", "substeps")
+        check_forced(self)
 
     @classmethod
     def paper(cls, stiffness: float | Mapping[str, float] = 0.0, **changes: Any) -> Settings:

@@ -21,6 +21,7 @@ from halfphysics import rotations as rot
 from halfphysics.colliders import convex_collider
 from halfphysics.errors import InputError
 from halfphysics.fingerprint import fingerprint
+from halfphysics.forced import FORCED
 from halfphysics.joint_groups import stiffness_array
 from halfphysics.person_model import addresses, principal
 from halfphysics.person_movers import add_person_movers
@@ -145,6 +146,7 @@ class World:
         self._add_statics()
         self._set_pairings()
         set_settings(self.stepper, settings, scene.gravity)
+        self.stepper.set_forced(FORCED.get(settings.mode, 0))
         self._add_given()
         self.stepper.finish([p.root for p in self.people])
         self._set_strength()

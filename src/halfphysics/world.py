@@ -426,7 +426,7 @@ def set_settings(stepper: Any, settings: Settings, gravity: Array) -> None:
     """Give the stepper its settings and gravity (3,) [m/s^2]."""
     s = settings
     stepper.set_settings(
-        s.drive_time or 0.0,
+        0.0 if s.mode == "torque" else s.drive_time or 0.0,
         s.recovery_rate,
         s.root == "recover",
         s.root_speed,
@@ -436,6 +436,12 @@ def set_settings(stepper: Any, settings: Settings, gravity: Array) -> None:
         s.tolerance,
         s.max_sweeps,
         np.array(gravity),
+    )
+    stepper.set_ablations(
+        s.internal_forces,
+        s.joint_damping,
+        s.torque_frequency if s.mode == "torque" else 0.0,
+        s.torque_damping,
     )
 
 

@@ -204,6 +204,14 @@ void bind_physics(nb::module_& m) {
              s.clearance_range = clearance_range;
              s.gravity = load3(gravity.data());
            })
+      // After set_settings: what is there to compare with, see DriveSettings.
+      .def("set_ablations",
+           [](Stepper& s, bool internal_forces, double joint_damping, double torque_frequency,
+              double torque_damping) {
+             DriveSettings& d = s.drive_settings;
+             d.internal_forces = internal_forces, d.joint_damping = joint_damping;
+             d.torque_frequency = torque_frequency, d.torque_damping = torque_damping;
+           })
       // In the order of set_model: per dof, per joint, per coordinate, and two per joint.
       .def("set_joint_forces",
            [](Stepper& s, Doubles damping, Doubles stiffness, Doubles spring, Ints limited,

@@ -152,6 +152,12 @@ class Stepper {
   void build_inertia(double h);
   void stiffen();
 
+  // Forces of people that the paper leaves out (ablations.cpp).
+  void damp_joints(double h);
+  void own_forces(double h);
+  void limit_own();
+  void discount_own(const Drive& d, const double* v, double h);
+
   // What people hold, what it asks of the drives, and what is more than those can do (holding.cpp).
   void find_carried();
   bool carries(const Drive& d) const { return carried_[d.body(0)]; }
@@ -256,6 +262,7 @@ class Stepper {
   std::vector<double> share_, stiff_, softer_;
   std::vector<char> carried_;  // per body: what people hold, and the roots of those who hold something
   std::vector<double> load_;  // per dof: generalised force
+  std::vector<double> own_impulse_;  // per dof: of internal forces in the substep under way
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;
   Poses start_, end_;

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -67,23 +69,33 @@ def _cut(text: object) -> str:
 def _section(section: Mapping[str, Any]) -> str:
     lines = [["", "measure", "paper", "ours", "", "expected"]]
     for row in section["rows"]:
-        name = _cut(row["name"])
-        for figure in row["figures"]:
-            lines.append(
-                [
-                    name,
-                    _cut(quantity(figure["name"], figure["unit"])),
-                    published(figure["paper"]),
-                    _ours(figure),
-                    VERDICTS[verdict(row, figure)][0],
-                    plain(figure["expected"]),
-                ]
-            )
-            name = ""
+        lines.extend(_lines(row))
     title = plain(section["title"])
     if len(lines) == 1:
         return f"{title}\n  no rows"
     return f"{title}\n{_aligned(lines)}\n  {plain(section['command'])}".rstrip()
+
+
+def _lines(row: Mapping[str, Any]) -> list[list[str]]:
+    """A row's name and data, as many lines as they need, and its figures beside them."""
+    what = [*textwrap.wrap(plain(row["name"]), _WIDEST), *textwrap.wrap(_data(row), _WIDEST)]
+    figures = [
+        [
+            _cut(quantity(figure["name"], figure["unit"])),
+            published(figure["paper"]),
+            _ours(figure),
+            VERDICTS[verdict(row, figure)][0],
+            plain(figure["expected"]),
+        ]
+        for figure in row["figures"]
+    ]
+    pairs = itertools.zip_longest(what, figures)
+    return [[left or "", *(right or [""] * 5)] for left, right in pairs]
+
+
+def _data(row: Mapping[str, Any]) -> str:
+    said = plain(row["data"])
+    return f"({said})" if said else ""
 
 
 def _aligned(rows: Sequence[Sequence[str]]) -> str:

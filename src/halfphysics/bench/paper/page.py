@@ -93,7 +93,10 @@ def _e(text: object) -> str:
 def _mark(kind: str, word: bool = True) -> str:
     sign, said = VERDICTS[kind]
     if word:
-        return f'<span class="mark {kind}"><b aria-hidden="true">{sign}</b> {said}</span>'
+        return (
+            f'<span class="mark {kind}"><b aria-hidden="true">{sign}</b> '
+            f'<span class="word">{said}</span></span>'
+        )
     return f'<span class="mark {kind}" title="{said}"><b>{sign}</b></span>'
 
 
@@ -286,7 +289,7 @@ def _row(anchor: str, row: Mapping[str, Any]) -> str:
         expected = _e(figure["expected"])
         none = " none" if figure["paper"] is None else ""
         lines.append(
-            f"<tr>{first}"
+            f'<tr class="{kind}">{first}'
             f'<td class="measure">{_e(quantity(figure["name"], figure["unit"]))}</td>'
             f'<td class="paper{none}">{_paper(figure)}</td>'
             f'<td class="ours">{_ours(figure)}</td>'
@@ -377,7 +380,7 @@ def _legend() -> str:
     lines = "".join(f"<li>{_mark(kind)}<span>{text}</span></li>" for kind, text in meanings.items())
     return (
         f'<section id="legend"><h2>How to read this</h2><ul class="legend">{lines}</ul>'
-        f"<p><b>{MISSING}</b> under “Paper”: the paper has no such number. Where it has one, ours "
-        "has at least as many decimals. The file <code>paper.json</code> beside "
+        "<p>Ours is in bold. Where the paper has a number, ours has at least as many decimals; "
+        f"{MISSING} stands where there is none. The file <code>paper.json</code> beside "
         "this page has every number in full.</p></section>"
     )

@@ -380,7 +380,7 @@ def _legend() -> str:
     lines = "".join(f"<li>{_mark(kind)}<span>{text}</span></li>" for kind, text in meanings.items())
     return (
         f'<section id="legend"><h2>How to read this</h2><ul class="legend">{lines}</ul>'
-        "<p>Ours is in bold. Where the paper has a number, ours has at least as many decimals; "
-        f"{MISSING} stands where there is none. The file <code>paper.json</code> beside "
+        "<p>Ours is in bold. Where the paper has a number, ours has at least its decimals, up to "
+        f"six digits; {MISSING} stands where there is none. The file <code>paper.json</code> beside "
         "this page has every number in full.</p></section>"
     )

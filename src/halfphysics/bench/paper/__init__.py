@@ -141,7 +141,7 @@ def _entries(
             found = None if task.key in causes else store.load(section.key, task)
             if found is not None:
                 values[task.key] = found
-        entries.append(document.section(section, options, values, causes))
+        entries.append(document.entry(section, options, values, causes))
     return entries
 
 

@@ -92,6 +92,8 @@ PARAMETERS = {
     "metrics.foot_skate": "motion body * ground height speed",
     "metrics.deviation": "result person * settle",
     "metrics.over_sequences": "reports",
+    "metrics.contact_precision": "result * margin",
+    "metrics.contact_forces": "result",
     "scenarios.names": "",
     "scenarios.load": "name ** chosen",
 }

@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
 from .errors import InputError
+from .forced import check_forced
 from .joint_groups import joint_values
 from .strength import checked_strength
 
@@ -155,6 +156,7 @@ class Settings:
         count("max_sweeps")
         count("threads")
         choice("record", "frames", "substeps")
+        check_forced(self)
 
     def _check_ablations(self, check: Callable[[str, bool, str], None]) -> None:
         """What is there to compare with goes together with what it is defined for."""

@@ -312,6 +312,13 @@ void bind_physics(nb::module_& m) {
              d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
              return d;
            })
+      // Before finish(): people's poses are set, see Forced.
+      .def("set_forced",
+           [](Stepper& s, int how) {
+             need(how >= 0 && how <= 3, "set_forced: no such way");
+             s.forced = static_cast<Forced>(how);
+             s.world.forced = how > 0;
+           })
       // In somebody else's world: see Stepper::begin_hosted.
       .def("begin_hosted",
            [](Stepper& s, Doubles targets, double dt) {

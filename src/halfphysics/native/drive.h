@@ -41,6 +41,8 @@ class Drive {
   // The pose at the end of the frame (share 1), or before it, of who is settled and meets nothing;
   // `qpos` is the pose at its start.
   void follow(double share, double* qpos) const;
+  // The pose at a share of the frame as the motion has it, root position included, whatever happens.
+  void put(double share, double* qpos) const;
   // The frame was followed to its end; `exerts`: the drive carried something meanwhile.
   void followed(bool exerts = false);
   // The frame is stepped through instead: velocities; Algorithm 1 sets qvel here.

@@ -29,6 +29,8 @@ MODULES = (
     "internal_forces",
     "scenes",
     "objects",
+    "forcing",
+    "firmness",
     "speed",
 )
 

@@ -75,7 +75,7 @@ class Settings:
     ablation, for mode="velocity" and "torque"."""
     joint_damping: float = 0.0
     """Viscous damping of the person's joints [N m s/rad]: an ablation, for the same modes."""
-    torque_frequency: float = 90.0
+    torque_frequency: float = 100.0
     """With mode="torque": natural frequency of the joints' PD control [rad/s]. Stiffness and
     drive_time do not apply then."""
     torque_damping: float = 1.0

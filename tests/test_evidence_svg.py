@@ -102,6 +102,12 @@ def test_series_differ_without_colour():
     assert len({d for _, d in dashes[:6]}) == 6
 
 
+def test_more_series_of_bars_than_colours_differ():
+    root = drawn(bars(["a"], *([k + 1.0] for k in range(12))))
+    assert len({r.get("class") for r in root.iter("rect")}) == 12
+    assert all(svg.swatch(k, "bars") != svg.swatch(j, "bars") for k in range(12) for j in range(k))
+
+
 def test_bars_have_their_length_and_their_value():
     root = drawn(bars(["light", "heavy", "none"], [4.0, -2.0, None]))
     found = {r.get("class"): r for r in root.iter("rect")}

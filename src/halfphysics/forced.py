@@ -7,6 +7,10 @@ from typing import TYPE_CHECKING
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from halfphysics.motion import Motion
     from halfphysics.settings import Settings
 
 #: Modes in which the person's pose is the reference's, and how the core calls them.
@@ -32,6 +36,15 @@ def check_forced(settings: Settings) -> None:
     for name, (only, why) in refused.items():
         if getattr(settings, name) != only:
             raise InputError(
-                f"Settings.{name} is {getattr(settings, name)!r} with mode={settings.mode!r}, which "
-                f"sets the person's pose: {why}; expected {only!r}, or mode='velocity'"
+                f"Settings.{name} is {getattr(settings, name)!r} with mode={settings.mode!r}, "
+                f"which sets the person's pose: {why}; expected {only!r}, or mode='velocity'"
             )
+
+
+def recorded(
+    motion: Motion, translation: NDArray[np.float64], rotations: NDArray[np.float64], fps: float
+) -> Motion:
+    """A motion's poses as they were in all substeps, `fps` a second: those that are set may jump."""
+    poses = motion.with_frames(translation, rotations, fps=1.0)
+    object.__setattr__(poses, "fps", fps)
+    return poses

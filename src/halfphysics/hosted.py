@@ -117,8 +117,8 @@ class Control:
             )
         if settings.mode in FORCED:
             raise InputError(
-                f"bind: Settings.mode is {settings.mode!r}; in a MuJoCo world of one's own a person "
-                "is driven. Expected mode='velocity', or use halfphysics.Simulator"
+                f"bind: Settings.mode is {settings.mode!r}; in a MuJoCo world of one's own a "
+                "person is driven. Expected mode='velocity', or use halfphysics.Simulator"
             )
         at = addresses(model, human.prefix)
         _check_masses(model, human, at.body)

@@ -261,7 +261,10 @@ def _table(anchor: str, rows: Sequence[Mapping[str, Any]]) -> str:
         )
     )
     parts = "".join(_row(f"{anchor}.{k}", row) for k, row in enumerate(rows, 1))
-    return f'<table class="figures"><thead><tr>{head}</tr></thead>{parts}</table>'
+    # Where the paper has pictures only, its column would be empty.
+    quoting = any(f["paper"] is not None for row in rows for f in row["figures"])
+    kind = "figures" if quoting else "figures alone"
+    return f'<table class="{kind}"><thead><tr>{head}</tr></thead>{parts}</table>'
 
 
 def _row(anchor: str, row: Mapping[str, Any]) -> str:

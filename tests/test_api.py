@@ -60,7 +60,7 @@ PARAMETERS = {
     "Cylinder": "radius length",
     "Settings": "* substeps stiffness drive_time recovery_rate root root_speed clearance "
     "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
-    "mode internal_forces joint_damping threads record",
+    "mode internal_forces joint_damping torque_frequency torque_damping threads record",
     "Settings.paper": "stiffness ** changes",
     "simulate": "motion scene * body settings stiffness allow_mismatch progress",
     "Simulator": "scene * body settings fps",
@@ -92,6 +92,8 @@ PARAMETERS = {
     "metrics.foot_skate": "motion body * ground height speed",
     "metrics.deviation": "result person * settle",
     "metrics.over_sequences": "reports",
+    "metrics.contact_precision": "result * margin",
+    "metrics.contact_forces": "result",
     "scenarios.names": "",
     "scenarios.load": "name ** chosen",
 }

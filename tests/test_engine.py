@@ -12,7 +12,7 @@ from halfphysics import rotations as rot
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.body import Body
 from halfphysics.engine.kinematic import between
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.result import Result
 from halfphysics.scene import Scene
 from halfphysics.settings import Settings
@@ -326,6 +326,31 @@ DOOR = """
   <geom type="box" size="0.02 0.5 1" pos="0 0.5 0" mass="10"/>
 </body></worldbody></mujoco>
 """
+
+
+@ENGINE
+def test_what_is_unstable_is_said(body, settings, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log where it is
+    scene = Scene(gravity=1e11)
+    scene.add_object("ball", Sphere(0.1), mass=1.0)
+    with pytest.raises(InputError, match=r"MuJoCo became unstable before frame 1 \(0\.03 s\)"):
+        simulate(along_x(0.0, 5, start=-3.0), scene, body=body, settings=settings)
+
+
+@ENGINE
+def test_what_it_does_not_heed_is_said(body, settings):
+    scene = Scene()
+    scene.add_static("floor", Plane(), position=(0.0, 0.0, -5.0))
+    scene.add_object("ball", Sphere(0.1), mass=1.0, restitution=0.5)
+    scene.add_object("lamp", Sphere(0.1), mass=1.0, position=(3.0, 0.0, 0.0), start="asleep")
+    motion = along_x(0.0, 3, start=-9.0)
+    with pytest.warns(HalfPhysicsWarning) as said:
+        simulate(motion, scene, body=body, settings=settings)
+    words = [str(w.message) for w in said]
+    assert len(words) == 2
+    assert words[0].startswith("'ball': restitution is not heeded")
+    assert words[1].startswith("'lamp': starts awake")
+    assert {w.filename for w in said} == {__file__}
 
 
 @ENGINE

@@ -10,7 +10,7 @@ import json
 import pytest
 from PIL import Image
 
-from halfphysics.bench.paper import evidence, objects, playing, scenes
+from halfphysics.bench.paper import evidence, firmness, forcing, objects, playing, scenes
 from halfphysics.bench.paper.evidence import Options
 
 #: A picture of a strip [bytes].
@@ -52,12 +52,12 @@ def check_content(section, values, options=None):
     return content
 
 
-SECTIONS = (scenes.SECTION, objects.SECTION)
+SECTIONS = (scenes.SECTION, objects.SECTION, forcing.SECTION, firmness.SECTION)
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda s: s.key)
 def test_tasks(section):
-    for quick, most in ((True, 25.0 / 2), (False, 200.0)):
+    for quick, most in ((True, 16.0), (False, 200.0)):
         tasks = section.tasks(Options(quick=quick))
         assert len({task.key for task in tasks}) == len(tasks)
         assert sum(task.seconds for task in tasks) <= most
@@ -85,7 +85,7 @@ def test_scenes():
         assert all(f.reproduced is not False for f in row.values())
         assert row["deepest"].ours == row["rate"].ours == row["lost time"].ours == 0.0
     assert rows["fly_with_ball"]["the ball slips"].ours < scenes.SLIP
-    assert len(content.pictures) == 2
+    assert [picture.task for picture in content.pictures] == [sofa]
 
 
 def test_strips_are_pictures_for_a_phone():
@@ -136,3 +136,75 @@ def test_objects_that_behave_otherwise_are_not_reproduced(handled):
     rows = objects.content(Options(quick=True), swapped).rows
     wrong = {r.name[7:9] for r in rows if any(f.reproduced is False for f in r.figures)}
     assert wrong == {"5b", "5c", "5f", "5h", "5i", "5j"}
+
+
+#: Ways to move a body whose figures must come out as the paper has it.
+FORCED = ("engine-kinematic",)
+
+
+@pytest.fixture(scope="module")
+def forced():
+    keys = [f"{what}/{key}" for key in FORCED for what in ("wall", "lift", "kick")]
+    ours = ("wall/half-physics", "lift/half-physics", "kick/half-physics", "kick/engine-velocity")
+    return played(forcing.SECTION, *ours, *keys)
+
+
+def test_half_physics_is_stopped_holds_and_sees_mass(forced):
+    content = check_content(forcing.SECTION, forced)
+    for row in content.rows:
+        if row.name.endswith(": half-physics"):
+            assert all(f.reproduced is not False for f in row.figures), row.name
+    assert forced["wall/half-physics"]["beyond"] < -0.1
+    assert forced["wall/half-physics"]["deepest"] == 0.0
+    assert forced["lift/half-physics"]["into_suitcase"] == 0.0
+    light, heavy = forced["kick/half-physics"]["speeds"]
+    assert light > 10.0 * heavy
+    assert forced["kick/half-physics"]["depths"] == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("key", FORCED)
+def test_forced_poses_penetrate_and_are_blind_to_mass(forced, key):
+    content = forcing.content(Options(quick=True), {k: v for k, v in forced.items() if key in k})
+    assert len(content.rows) == 3
+    for row in content.rows:
+        assert all(f.reproduced is not False for f in row.figures), row.name
+    assert forced[f"wall/{key}"]["beyond"] > 1.0
+    assert forced[f"wall/{key}"]["deepest"] > 45.0  # half of a wall 10 cm thick
+    assert forced[f"lift/{key}"]["into_suitcase"] > forcing.DEEP
+    light, heavy = forced[f"kick/{key}"]["speeds"]
+    assert light > 1.0
+    assert abs(light - heavy) < forcing.BLIND * light
+    assert min(forced[f"kick/{key}"]["depths"]) > 0.0
+
+
+def test_a_peer_that_sees_mass_is_not_said_to_be_blind(forced):
+    light, heavy = forced["kick/engine-velocity"]["speeds"]
+    assert light > 10.0 * heavy
+    blind = {"kick/engine-kinematic": forced["kick/engine-velocity"]}
+    (row,) = forcing.content(Options(quick=True), blind).rows
+    assert figures(row)["spread of the speeds"].reproduced is False
+    seeing = {"kick/half-physics": forced["kick/engine-kinematic"]}
+    (row,) = forcing.content(Options(quick=True), seeing).rows
+    assert [f.reproduced for f in row.figures[-2:]] == [False, False]
+
+
+@pytest.fixture(scope="module")
+def firm():
+    return played(firmness.SECTION, "lambda-0", "lambda-1", "lambda-10")
+
+
+def test_limp_legs_bend_and_firm_bodies_are_displaced(firm):
+    content = check_content(firmness.SECTION, firm)
+    for row in content.rows:
+        assert all(f.reproduced is not False for f in row.figures), row.name
+    limp, middle, rigid = (firm[f"lambda-{s}"] for s in (0, 1, 10))
+    assert limp["more"] > middle["more"] + firmness.BENDS
+    assert rigid["more"] < 1.0
+    assert rigid["root"] > middle["root"] > firmness.TIMES * limp["root"]
+    assert [picture.task for picture in content.pictures] == ["lambda-0", "lambda-1"]
+
+
+def test_firmness_the_wrong_way_round_is_not_reproduced(firm):
+    swapped = {"lambda-0": firm["lambda-1"], "lambda-1": firm["lambda-0"]}
+    rows = firmness.content(Options(quick=True), swapped).rows
+    assert all(any(f.reproduced is False for f in row.figures) for row in rows)

@@ -101,6 +101,13 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
     from halfphysics.world import Thing
 
     what = f"attach {shown(name)}"
+    driven = world.settings
+    if driven.mode != "velocity" or driven.internal_forces or driven.joint_damping:
+        raise InputError(
+            f"{what}: with mode={driven.mode!r}, internal_forces={driven.internal_forces} and "
+            f"joint_damping={driven.joint_damping:g} nobody bears what is tied to them; expected "
+            "mode='velocity' without the others. What a hand grips needs no attach"
+        )
     place = {thing.name: thing for thing in world.things}.get(name)
     if place is None:
         raise InputError(f"attach: {_stranger(world, name)}")

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from halfphysics import geoms
 from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.forced import FORCED
 from halfphysics.joint_groups import stiffness_array
 from halfphysics.person_model import add_person, addresses
 from halfphysics.person_movers import add_person_movers
@@ -113,6 +114,11 @@ class Control:
             raise InputError(
                 "bind: Settings.self_contact is True; a person in a MuJoCo world of one's own has "
                 "no contact with itself yet. Leave it False, or use halfphysics.Simulator"
+            )
+        if settings.mode in FORCED:
+            raise InputError(
+                f"bind: Settings.mode is {settings.mode!r}; in a MuJoCo world of one's own a "
+                "person is driven. Expected mode='velocity', or use halfphysics.Simulator"
             )
         at = addresses(model, human.prefix)
         _check_masses(model, human, at.body)

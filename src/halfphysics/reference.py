@@ -194,10 +194,10 @@ class ReferenceDrive:
         if s.root == "recover":
             u = (1.0 - np.exp(-dt / 0.3)) * (self.previous[:3] - q[:3]) / dt
             root = root + u * min(1.0, s.root_speed / max(float(np.linalg.norm(u)), 1e-300))
-        self.v_ref = np.concatenate([root, _turns(self.previous, target).ravel() / dt])
+        self.v_ref = np.concatenate([root, turns(self.previous, target).ravel() / dt])
         if s.drive_time is None:
             self.q_start = q.copy()
-            self.v_drive = np.concatenate([root, _turns(q, target).ravel() / dt])
+            self.v_drive = np.concatenate([root, turns(q, target).ravel() / dt])
             qvel[self.dofs] = self.v_drive
 
     def free_velocity(
@@ -217,7 +217,7 @@ class ReferenceDrive:
         expected = _turned(start, expected_at * asked[3:].reshape(-1, 3))
         if s.drive_time is not None:
             tau = s.drive_time
-            xi = _turns(expected, q)
+            xi = turns(expected, q)
             size = np.linalg.norm(xi, axis=1, keepdims=True)
             limit = 2.0 * s.recovery_rate * tau
             xi = np.where(size > limit, xi * limit / np.maximum(size, 1e-300), xi)
@@ -229,7 +229,7 @@ class ReferenceDrive:
                 pull = pull_within(pull, most, M, self.heavier(h, M, stiff), now, self.v_ref)
             return self.v_ref + self.deviation - pull
         v = qvel[self.dofs].copy()
-        turn = _turns(q, expected)
+        turn = turns(q, expected)
         # About a half turn rounding decides which way round the log goes; it is the way it turns.
         angle = np.linalg.norm(turn, axis=1, keepdims=True)
         against = np.sum(turn * v[3:].reshape(-1, 3), axis=1, keepdims=True) < 0.0
@@ -286,7 +286,7 @@ def _quats(q: Array) -> Array:
     return np.concatenate([q[3:7][None], q[7:].reshape(-1, 4)])
 
 
-def _turns(a: Array, b: Array) -> Array:
+def turns(a: Array, b: Array) -> Array:
     """log(a^-1 b) (n, 3), in the children's frames."""
     return rot.log(rot.multiply(rot.conjugate(_quats(a)), _quats(b)))
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
 from .errors import InputError
+from .forced import check_forced
 from .joint_groups import joint_values
 from .strength import checked_strength
 
@@ -70,9 +71,15 @@ class Settings:
     """How the motion drives the body: by velocity (half-physics), or, to compare with, one of the
     baselines of docs/physics.md, "Baselines"."""
     internal_forces: bool = False
-    """Coriolis and gyroscopic forces act on the person, which the paper leaves out: an ablation."""
+    """Coriolis, centrifugal and gyroscopic forces act on the person, which the paper leaves out: an
+    ablation, for mode="velocity" and "torque"."""
     joint_damping: float = 0.0
-    """Viscous damping of the person's joints [N m s/rad]: an ablation."""
+    """Viscous damping of the person's joints [N m s/rad]: an ablation, for the same modes."""
+    torque_frequency: float = 90.0
+    """With mode="torque": natural frequency of the joints' PD control [rad/s]. Stiffness and
+    drive_time do not apply then."""
+    torque_damping: float = 1.0
+    """With mode="torque": damping ratio of the joints' PD control."""
     threads: int = 1
     """Threads for measuring a result (a substep runs on one); no number depends on it."""
     record: Literal["frames", "substeps"] = "frames"
@@ -140,12 +147,35 @@ class Settings:
         choice("mode", *get_args(Mode))
         check("internal_forces", isinstance(self.internal_forces, bool), "True or False")
         number("joint_damping", least=0.0)
+        number("torque_frequency", above=0.0)
+        number("torque_damping", least=0.0)
+        self._check_ablations(check)
         check("self_contact", isinstance(self.self_contact, bool), "True or False")
         number("depenetration_speed", least=0.0)
         number("tolerance", above=0.0)
         count("max_sweeps")
         count("threads")
         choice("record", "frames", "substeps")
+        check_forced(self)
+
+    def _check_ablations(self, check: Callable[[str, bool, str], None]) -> None:
+        """What is there to compare with goes together with what it is defined for."""
+        driven = self.mode in ("velocity", "torque")
+        for name in ("internal_forces", "joint_damping"):
+            off = not getattr(self, name)
+            check(name, driven or off, f"none with mode={self.mode!r}: no forces act on the person")
+            check(
+                name, self.strength is None or off, "none with strength: it limits the drive alone"
+            )
+        check(
+            "mode",
+            self.mode == "velocity" or self.strength is None,
+            "'velocity' with strength: it limits that drive",
+        )
+        for name in ("torque_frequency", "torque_damping"):
+            default = type(self).__dataclass_fields__[name].default
+            asked = getattr(self, name) != default
+            check(name, self.mode == "torque" or not asked, "the default without mode='torque'")
 
     @classmethod
     def paper(cls, stiffness: float | Mapping[str, float] = 0.0, **changes: Any) -> Settings:

@@ -14,6 +14,7 @@ from halfphysics.body import check_match
 from halfphysics.contacts import Contacts
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.floating import floating
+from halfphysics.forced import FORCED, recorded
 from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_over_time
 from halfphysics.motion import Motion
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from halfphysics.body import Body
     from halfphysics.scene import Scene
     from halfphysics.settings import Settings
-    from halfphysics.world import World
+    from halfphysics.world import Person, World
 
 Array = NDArray[np.float64]
 #: lambda: one for all joints, by joint group or joint, or over time.
@@ -169,7 +170,7 @@ def follow(
     result = Result(
         people=tuple(
             PersonResult(
-                motion=motion.with_frames(*person.pose(qpos, motion.axes)),
+                motion=_followed(motion, person, qpos, settings),
                 reference=motion,
                 body=person.body,
                 name=person.name,
@@ -191,6 +192,13 @@ def follow(
     )
     warn_of_lost_time(result, stacklevel=3)
     return result
+
+
+def _followed(motion: Motion, person: Person, qpos: Array, settings: Settings) -> Motion:
+    """What became of a motion: coordinates (T, nq) of all frames, or what set the pose itself."""
+    if settings.mode in FORCED:
+        return motion.with_frames(motion.translation, motion.rotations)
+    return motion.with_frames(*person.pose(qpos, motion.axes))
 
 
 def _warn_of_start(world: World, inside: Depths) -> None:
@@ -256,7 +264,7 @@ def _substeps(simulator: Simulator, motions: Sequence[Motion], qpos: Array) -> S
     fps = motions[0].fps * simulator.settings.substeps_for(simulator.dt)
     return Substeps(
         motions=tuple(
-            m.with_frames(*person.pose(qpos, m.axes), fps=fps)
+            recorded(m, *person.pose(qpos, m.axes), fps)
             for m, person in zip(motions, world.people, strict=True)
         ),
         objects=_tracks(world, qpos),

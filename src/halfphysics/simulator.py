@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.errors import InputError
+from halfphysics.forced import FORCED
 from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_array
 from halfphysics.pose import Pose
@@ -59,12 +60,15 @@ class Frame:
     _world: World
     _qpos: Array
     _axes: tuple[Array, ...]
+    _set: tuple[Pose, ...] | None  # poses that were set, as they were given
     _touches: Array
     _inside: Array
     _torques: Array
 
     @cached_property
     def poses(self) -> tuple[Pose, ...]:
+        if self._set is not None:
+            return self._set
         people = zip(self._world.people, self._axes, strict=True)
         return tuple(Pose.trusted(*person.pose(self._qpos, axes), axes) for person, axes in people)
 
@@ -192,7 +196,7 @@ class Simulator:
         self.world.stepper.reset(*self.world.start(poses))
         self._set_firmness(np.tile(self.world.stiffness, (len(poses), 1)))
         self._started = True
-        return self._frame(np.zeros((0, self.world.nq)), moved=False)
+        return self._frame(np.zeros((0, self.world.nq)), poses, moved=False)
 
     def step(self, pose: Pose | Sequence[Pose], dt: float | None = None) -> Frame:
         """Drive the people towards a pose (one each) for one frame of `dt` [s] (None: 1/fps).
@@ -204,10 +208,7 @@ class Simulator:
         if not self._started:
             raise InputError("step: the simulator has no pose yet; call reset(pose) first")
         dt = self.dt if dt is None else _positive("dt", dt)
-        return self._advance(self.world.targets(poses), dt)
-
-    def _advance(self, targets: Array, dt: float) -> Frame:
-        return self._frame(self._move(targets, dt))
+        return self._frame(self._move(self.world.targets(poses), dt), poses)
 
     def _move(self, targets: Array, dt: float) -> Array:
         """One frame of the core; what `Settings.record` asks to keep of it (., nq)."""
@@ -358,9 +359,14 @@ class Simulator:
 
         Raises:
             InputError: Before `reset`; another name, part or person; something held already, on a
-                trajectory or articulated.
+                trajectory or articulated; a mode that sets the person's pose.
         """
         self._must_run("attach")
+        if self.settings.mode in FORCED:
+            raise InputError(
+                f"attach: with Settings.mode={self.settings.mode!r} the person's pose is set, and "
+                "nothing hangs on it; expected another mode, such as 'velocity'"
+            )
         held = running().holding.with_held(self.world, name, part, person)
         self.world = running().rebuilt(self.world, self.world.scene, True, held)
 
@@ -416,7 +422,7 @@ class Simulator:
             )
         return poses
 
-    def _frame(self, substeps: Array, moved: bool = True) -> Frame:
+    def _frame(self, substeps: Array, poses: list[Pose], moved: bool = True) -> Frame:
         stepper = self.world.stepper
         numbers = stepper.diagnostics() if moved else {"lost_time": 0.0}
         return Frame(
@@ -427,6 +433,7 @@ class Simulator:
             _world=self.world,
             _qpos=stepper.qpos(),
             _axes=self._axes,
+            _set=tuple(poses) if self.settings.mode in FORCED else None,
             _touches=stepper.touches(),
             _inside=stepper.inside(),
             _torques=stepper.torques() if moved else np.zeros((0, 3)),

@@ -21,6 +21,7 @@ from halfphysics import rotations as rot
 from halfphysics.colliders import convex_collider
 from halfphysics.errors import InputError
 from halfphysics.fingerprint import fingerprint
+from halfphysics.forced import FORCED
 from halfphysics.joint_groups import stiffness_array
 from halfphysics.person_model import addresses, principal
 from halfphysics.person_movers import add_person_movers
@@ -145,6 +146,7 @@ class World:
         self._add_statics()
         self._set_pairings()
         set_settings(self.stepper, settings, scene.gravity)
+        self.stepper.set_forced(FORCED.get(settings.mode, 0))
         self._add_given()
         self.stepper.finish([p.root for p in self.people])
         self._set_strength()
@@ -306,6 +308,7 @@ class World:
         friction, restitution, ignore = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
         # What nothing pushes meets nothing that nothing pushes.
         unmoved = {n for n, o in self.scene.objects.items() if isinstance(o, Moving)}
+        given = unmoved | ({"person", *self._told} if self.settings.mode in FORCED else set())
         unmoved |= set(self.scene.statics)
         owner = self._owner
         known = ["person" if name in people else owner.get(name, name) for name in self.names]
@@ -317,7 +320,8 @@ class World:
                     continue  # a thing does not meet itself
                 friction[i, j] = self.scene.friction_of(a, b)
                 restitution[i, j] = self.scene.restitution_of(a, b)
-                ignore[i, j] = self.scene.ignores(a, b) or {a, b} <= unmoved
+                both = {a, b}
+                ignore[i, j] = self.scene.ignores(a, b) or both <= unmoved or both <= given
         self.stepper.set_pairings(friction, restitution, ignore)
 
     def _set_strength(self) -> None:
@@ -424,7 +428,7 @@ def set_settings(stepper: Any, settings: Settings, gravity: Array) -> None:
     """Give the stepper its settings and gravity (3,) [m/s^2]."""
     s = settings
     stepper.set_settings(
-        s.drive_time or 0.0,
+        0.0 if s.mode == "torque" else s.drive_time or 0.0,
         s.recovery_rate,
         s.root == "recover",
         s.root_speed,
@@ -434,6 +438,12 @@ def set_settings(stepper: Any, settings: Settings, gravity: Array) -> None:
         s.tolerance,
         s.max_sweeps,
         np.array(gravity),
+    )
+    stepper.set_ablations(
+        s.internal_forces,
+        s.joint_damping,
+        s.torque_frequency if s.mode == "torque" else 0.0,
+        s.torque_damping,
     )
 
 

@@ -36,6 +36,9 @@ _WITHOUT: Mapping[str, Any] = {
     "joint_damping": 0.0,
 }
 
+#: What MuJoCo watches.
+_STATE = ("QPOS", "QVEL", "QACC")
+
 
 def check_settings(settings: Settings, stiffness: Any = None) -> None:
     """Refuse what these modes cannot heed.
@@ -69,7 +72,8 @@ def follow_in_engine(
         bar: Told how many frames were done.
 
     Raises:
-        InputError: What MuJoCo cannot have, see `check_settings` and `add_scene`.
+        InputError: What MuJoCo cannot have, see `check_settings` and `add_scene`; or it became
+            unstable.
     """
     import mujoco
 
@@ -92,6 +96,7 @@ def follow_in_engine(
     for t in range(1, count):
         recorder.begin()
         advance(t, recorder)
+        _check_stable(data, settings, t, dt)
         qpos.append(recorder.qpos.copy() if every else recorder.qpos[-1:].copy())
         rows.append(recorder.rows())
         frames.append(np.full(len(rows[-1]), t))
@@ -122,6 +127,18 @@ def follow_in_engine(
         substeps=_substeps(engine, motions, whole, substeps, mocap) if every else None,
     )
     return replace(result, clearance=clearances(result)[0].min(axis=(0, 2)))
+
+
+def _check_stable(data: Any, settings: Settings, t: int, dt: float) -> None:
+    """MuJoCo starts all over where numbers are too large; nothing that comes after is a result."""
+    import mujoco
+
+    if any(data.warning[getattr(mujoco.mjtWarning, f"mjWARN_BAD{x}")].number for x in _STATE):
+        raise InputError(
+            f"Settings.mode is {settings.mode!r}: MuJoCo became unstable before frame {t} "
+            f"({t * dt:.2f} s), expected forces that {settings.substeps_for(dt)} steps per frame "
+            "can follow. Use more substeps=, heavier objects, or another mode"
+        )
 
 
 def _by_velocity(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from halfphysics import articulated as jointed
 from halfphysics import rotations as rot
 from halfphysics.engine.scenery import add_scene
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.moving import Moving
 from halfphysics.person_model import add_person, add_person_mocap, addresses
 from halfphysics.result import ObjectTrack
@@ -19,6 +20,7 @@ from halfphysics.skeleton import JOINT_INDEX, N_JOINTS
 from halfphysics.world import Person
 
 if TYPE_CHECKING:
+    from halfphysics.scene import Scene
     from halfphysics.world import World
 
 Array = NDArray[np.float64]
@@ -26,6 +28,8 @@ Ints = NDArray[np.int64]
 
 #: Bits of `contype` that are left for telling people apart.
 _MOST_PEOPLE = 30
+
+_NAMED = 5  # this many things are named
 
 
 class EngineModel:
@@ -57,7 +61,11 @@ class EngineModel:
             mine, theirs = 1 | 2 << i, sum(2 << j for j in range(i))
             add = add_person_mocap if mocap else add_person
             add(spec, body.variant, prefix, contype=mine, conaffinity=theirs)
-        owner = add_scene(spec, scene, people=prefixes)
+        # Nothing answers to mocap bodies but what can move: no need to cut a room for them.
+        objects = scene.objects.values()
+        answers = bool(scene.articulated) or not all(isinstance(o, Moving) for o in objects)
+        owner = add_scene(spec, scene, people=prefixes) if answers or not mocap else {}
+        _warn_of_unheeded(scene)
         spec.option.gravity = scene.gravity
         spec.option.timestep = timestep
         # The sparse factor of MuJoCo 4.0.0's Newton solver is wrong; the numbers are the same.
@@ -68,11 +76,10 @@ class EngineModel:
         self._places = [jointed.places(self.model, t) for t in scene.articulated.values()]
         self._name_people(world, prefixes, mocap)
         self._name_geoms(owner, prefixes)
-        things = scene.objects.values()
         self.moving = tuple(
             (int(self.model.body(f"object/{thing.name}").mocapid[0]), thing)
-            for thing in things
-            if isinstance(thing, Moving)
+            for thing in objects
+            if owner and isinstance(thing, Moving)
         )
 
     def _name_people(self, world: World, prefixes: Sequence[str], mocap: bool) -> None:
@@ -145,3 +152,22 @@ class EngineModel:
     def joints(self, qpos: Array) -> dict[str, Array]:
         """Values of the joints of articulated objects at coordinates (T, nq)."""
         return {joint.name: joint.values(qpos) for _, joints in self._places for joint in joints}
+
+
+def _warn_of_unheeded(scene: Scene) -> None:
+    """One warning of each kind of thing that MuJoCo's defaults do not know."""
+    things: list[Any] = [*scene.statics.values(), *scene.objects.values()]
+    things += scene.articulated.values()
+    bouncy = [thing.name for thing in things if thing.restitution > 0.0]
+    asleep = [thing.name for thing in scene.objects.values() if thing.start == "asleep"]
+    for names, what in (
+        (bouncy, "restitution is not heeded: MuJoCo's contact knows none"),
+        (asleep, "starts awake: nothing is asleep in MuJoCo until it is touched"),
+    ):
+        if names:
+            more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+            warnings.warn(
+                f"{', '.join(map(repr, names[:_NAMED]))}{more}: {what}",
+                HalfPhysicsWarning,
+                stacklevel=6,  # the line that called `simulate`
+            )

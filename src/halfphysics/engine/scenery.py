@@ -206,9 +206,9 @@ def _pieces(name: str, mesh: Mesh) -> list[Array]:
             f"{error}. Add it as a Plane or as boxes, or use another mode"
         ) from None
     warnings.warn(
-        f"static {name!r}: MuJoCo knows convex solids only: the mesh touches there as "
-        f"{len(made.pieces)} convex pieces, which stick out of it by up to {made.outside_mm:.1f} "
-        f"mm and leave up to {made.inside_mm:.1f} mm of it bare",
+        f"static {name!r}: MuJoCo knows convex solids only: the mesh touches there in convex "
+        f"pieces, {len(made.pieces)} of them, which are up to {made.outside_mm:.1f} mm outside of "
+        f"it and leave up to {made.inside_mm:.1f} mm of it bare",
         HalfPhysicsWarning,
         stacklevel=8,  # the line that called `simulate`
     )

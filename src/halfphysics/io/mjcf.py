@@ -327,8 +327,10 @@ def _warn_of_ignored(what: str, model: Any) -> None:
         "flexible bodies": model.nflex,
         "friction losses of joints": int(np.count_nonzero(model.dof_frictionloss)),
         "gravity compensations": int(np.count_nonzero(model.body_gravcomp)),
-        "damping and stiffness that are not linear": int(
-            np.count_nonzero(model.dof_dampingpoly) + np.count_nonzero(model.jnt_stiffnesspoly)
+        # Older versions of MuJoCo have no such thing.
+        "damping and stiffness that are not linear": sum(
+            int(np.count_nonzero(getattr(model, field, ())))
+            for field in ("dof_dampingpoly", "jnt_stiffnesspoly")
         ),
     }
     for kind, count in counts.items():

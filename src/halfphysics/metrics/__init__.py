@@ -7,6 +7,8 @@ Motions are `halfphysics.motion.Motion`, bodies `halfphysics.body.Body`, scenes
 from __future__ import annotations
 
 from halfphysics.metrics.completeness import success
+from halfphysics.metrics.contact_labels import LabelReport, contact_precision
+from halfphysics.metrics.forces import ForceReport, contact_forces
 from halfphysics.metrics.intent import Deviation, IntentReport, deviation
 from halfphysics.metrics.joint_errors import mpjpe, mpjpe_global
 from halfphysics.metrics.penetration import PenetrationReport, penetration
@@ -16,10 +18,14 @@ from halfphysics.metrics.smoothness import jerk
 
 __all__ = [
     "Deviation",
+    "ForceReport",
     "IntentReport",
+    "LabelReport",
     "PenetrationReport",
     "PenetrationSummary",
     "SkateReport",
+    "contact_forces",
+    "contact_precision",
     "deviation",
     "foot_skate",
     "jerk",

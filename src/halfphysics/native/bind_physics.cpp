@@ -204,6 +204,14 @@ void bind_physics(nb::module_& m) {
              s.clearance_range = clearance_range;
              s.gravity = load3(gravity.data());
            })
+      // After set_settings: what is there to compare with, see DriveSettings.
+      .def("set_ablations",
+           [](Stepper& s, bool internal_forces, double joint_damping, double torque_frequency,
+              double torque_damping) {
+             DriveSettings& d = s.drive_settings;
+             d.internal_forces = internal_forces, d.joint_damping = joint_damping;
+             d.torque_frequency = torque_frequency, d.torque_damping = torque_damping;
+           })
       // In the order of set_model: per dof, per joint, per coordinate, and two per joint.
       .def("set_joint_forces",
            [](Stepper& s, Doubles damping, Doubles stiffness, Doubles spring, Ints limited,
@@ -303,6 +311,13 @@ void bind_physics(nb::module_& m) {
              d["torques"] = array({torque_frames.size(), (size_t)s.ball_count(), 3}, torques);
              d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);
              return d;
+           })
+      // Before finish(): people's poses are set, see Forced.
+      .def("set_forced",
+           [](Stepper& s, int how) {
+             need(how >= 0 && how <= 3, "set_forced: no such way");
+             s.forced = static_cast<Forced>(how);
+             s.world.forced = how > 0;
            })
       // In somebody else's world: see Stepper::begin_hosted.
       .def("begin_hosted",

@@ -63,7 +63,7 @@ void World::demand(Candidate& c, double h) {
   else if (it != pairs_.end() && it->second.kept)
     c.target = c.dist;
   else
-    c.target = c.dist + std::min(settings.depenetration_speed * h, -c.dist);
+    c.target = c.dist + std::min(pace_of(c) * settings.depenetration_speed * h, -c.dist);
   if (c.dist <= 0) {
     const bool own = c.other_mover >= 0 && may_touch_itself(c.mover, c.other_mover);
     c.hard = c.dist - (own ? kDeeper * settings.depenetration_speed * h : 1e-7);
@@ -95,6 +95,7 @@ bool World::takes_part(const Near& e) const {
 void World::gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
                    std::vector<Candidate>& out) {
   out.clear();
+  if (!exits_known_) find_exits(m, start);
   // A pair that overlaps leaves along the direction fixed when the overlap was first seen.
   // Fixed in the world; of two of one person, in the frame of the other, which may turn.
   auto fixed_exit = [&](Candidate& c, const Mat3& frame, auto along) {
@@ -199,6 +200,7 @@ void World::reset(const Model& m, Poses& start) {
   std::vector<Overlap> overlaps;
   for (Near& e : near_) {
     bool inside = false;
+    if (forced && movers[e.mover].person >= 0) continue;
     if (e.other_mover >= 0) {
       const Mover &A = movers[e.mover], &B = movers[e.other_mover];
       if (A.person < 0 || B.person >= 0) continue;  // of things that overlap: see fixed_exit

@@ -118,6 +118,12 @@ class World {
   std::vector<char> standing;
   // Trees (per body) that hang where they are until something touches them: nothing else is in their way.
   std::vector<char> asleep;
+  // People's poses are set: nothing that stands is in their way, and what they are inside of is found anew.
+  bool forced = false;
+  // They have been put somewhere else: ways out of them are forgotten, to be found by the next gather().
+  void people_put();
+  // Per body: how fast a thing leaves them in the next substep, as a share of what is asked.
+  std::vector<double> pace;
 
   // Everybody is somewhere else now: nothing is known of distances.
   void forget();
@@ -245,6 +251,12 @@ class World {
   }
   static Vec3 least_overlap(const Placed& a, const Placed& b, Vec3 guess);
   void demand(Candidate& c, double h);
+  double pace_of(const Candidate& c) const {
+    return forced && c.other_mover >= 0 ? pace[movers[c.other_mover].body] : 1.0;
+  }
+  // Of things that people were put into (forced.cpp).
+  void find_exits(const Model& m, Poses& start);
+  bool exits_known_ = true;
   // Of a pair, the plane that it is to stay behind, among the candidates.
   void take(Candidate& c, const Plane& p, double h, std::vector<Candidate>& out);
   // Starting inside (inside.cpp).

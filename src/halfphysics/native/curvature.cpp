@@ -20,8 +20,11 @@ void Stepper::bend_way(Contact& c) {
   const Candidate& k = candidates_[c.pair];
   const int a = body(k.mover), b = body(k.other_mover);
   // Only of a person and a thing: of two things, which nobody drives, neither has a way to keep to, and
-  // both would gain energy. And not with Algorithm 1, which is as the paper has it.
-  if (k.other_mover < 0 || is_person(a) == is_person(b) || drive_settings.time_constant == 0) return;
+  // both would gain energy. And not with Algorithm 1, which is as the paper has it,
+  // nor of who is set somewhere and has no velocity there.
+  if (k.other_mover < 0 || is_person(a) == is_person(b) || drive_settings.time_constant == 0 ||
+      forced != Forced::No)
+    return;
   // Two bodies have one way past each other: points that differed would work against each other.
   for (const Contact& o : contacts_) {
     const Candidate& other = candidates_[o.pair];

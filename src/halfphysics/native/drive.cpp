@@ -106,6 +106,7 @@ void Drive::aim(const DriveSettings& s, const double* target, double dt, const d
 }
 
 bool Drive::settled(const DriveSettings& s, const double* qpos) const {
+  if (s.own_forces() || s.torque()) return false;
   if (exact_) return true;
   if (s.time_constant > 0)
     for (double e : deviation_)
@@ -190,16 +191,18 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
     }
     store3(&v_drive_[b.dof], w);
   }
-  for (int i = 0; i < nv_; i++) qvel[dof0_ + i] = v_drive_[i];
+  const int set = s.torque() ? 6 : nv_;  // torques leave the joints as they are
+  for (int i = 0; i < set; i++) qvel[dof0_ + i] = v_drive_[i];
+  if (s.torque()) v_ref_.assign(nv_, 0);  // all of a velocity is deviation
 }
 
-void Drive::added_inertia(const Model& m, const Inertia& inertia,
+void Drive::added_inertia(const DriveSettings& s, double h, const Model& m, const Inertia& inertia,
                           std::vector<double>& extra) const {
   for (size_t i = 1; i < balls_.size(); i++) {
     int d = dof0_ + balls_[i].dof;
     double mean = 0;
     for (int c = 0; c < 3; c++) mean += inertia.diagonal(m, d + c) / 3;
-    for (int c = 0; c < 3; c++) extra[d + c] = stiffness_[i] * mean;
+    for (int c = 0; c < 3; c++) extra[d + c] = (s.torque() ? s.torque_firmness(h) : stiffness_[i]) * mean;
   }
 }
 
@@ -227,6 +230,7 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
     return false;
   }
   for (int i = 0; i < nv_; i++) v[i] = qvel[dof0_ + i];
+  if (s.torque()) return torque_deviation(s, h, qpos, qvel, deviation);
   bool any = false;
   double* out = deviation + dof0_;
   for (size_t i = 1; i < balls_.size(); i++) {

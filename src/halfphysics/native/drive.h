@@ -11,6 +11,14 @@ struct DriveSettings {
   double recovery_rate = 8;  // w_max [rad/s]
   bool recover_root = false;
   double root_speed = 1;     // v_max [m/s]
+  // To compare with (ablations.cpp).
+  bool internal_forces = false;
+  double joint_damping = 0;     // [N m s/rad]
+  double torque_frequency = 0;  // of PD torques in place of the joints' velocities [rad/s]; 0: none
+  double torque_damping = 1;
+  bool own_forces() const { return internal_forces || joint_damping > 0; }
+  bool torque() const { return torque_frequency > 0; }
+  double torque_firmness(double h) const;
 };
 
 // One person: a free root and ball joints, contiguous in the model.
@@ -33,6 +41,8 @@ class Drive {
   // The pose at the end of the frame (share 1), or before it, of who is settled and meets nothing;
   // `qpos` is the pose at its start.
   void follow(double share, double* qpos) const;
+  // The pose at a share of the frame as the motion has it, root position included, whatever happens.
+  void put(double share, double* qpos) const;
   // The frame was followed to its end; `exerts`: the drive carried something meanwhile.
   void followed(bool exerts = false);
   // The frame is stepped through instead: velocities; Algorithm 1 sets qvel here.
@@ -49,6 +59,9 @@ class Drive {
   // M^-1 (lambda I / h) deviation.
   bool free_velocity(const DriveSettings& s, int k, double h, const double* qpos,
                      const double* qvel, double* v_free, double* deviation) const;
+  // The same of PD torques towards the target (ablations.cpp).
+  bool torque_deviation(const DriveSettings& s, double h, const double* qpos, const double* qvel,
+                        double* deviation) const;
   // Firmness lambda of every ball joint, in the model's order; the first is the root's and ignored.
   void set_stiffness(const double* lambda);
   const std::vector<double>& stiffness() const { return stiffness_; }
@@ -57,7 +70,8 @@ class Drive {
   // The first of three dofs that a limit is of: 0 the root's position, i + 1 ball i.
   int limit_dof(int limit) const { return limit == 0 ? dof0_ : ball_dof(limit - 1); }
   // lambda * mean of each joint's diagonal entries of M, into extra[nv of the model].
-  void added_inertia(const Model& m, const Inertia& inertia, std::vector<double>& extra) const;
+  void added_inertia(const DriveSettings& s, double h, const Model& m, const Inertia& inertia,
+                     std::vector<double>& extra) const;
   double scale(const DriveSettings& s, double h) const;
 
   // Most that the drive may exert (strength.cpp): a force on the root [N], then a torque on every ball

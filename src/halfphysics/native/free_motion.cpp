@@ -26,7 +26,7 @@ void Stepper::build_inertia(double h) {
   std::fill(extra_.begin(), extra_.end(), 0.0);
   for (const Drive& d : drives_) {
     if (!world.active[d.body(0)]) continue;
-    d.added_inertia(model, inertia_, extra_);
+    d.added_inertia(drive_settings, h, model, inertia_, extra_);
     double s = d.scale(drive_settings, h);
     std::fill_n(scale_.begin() + d.first_dof(), d.dof_count(), s);
     if (overcome_[&d - drives_.data()] == 0) continue;
@@ -42,6 +42,7 @@ void Stepper::build_inertia(double h) {
   for (size_t i = 0; i < hosted_damping_.size(); i++) extra_[i] += h * hosted_damping_[i];
   hold_untouched();
   stiffen();
+  if (drive_settings.joint_damping > 0) damp_joints(h);
   inertia_.factor(model, scale_, extra_, world.active.data());
   for (const Drive& d : drives_)  // who stands keeps what is known of it
     if (world.active[d.body(0)])
@@ -93,13 +94,16 @@ void Stepper::free_velocity(int k, double h) {
       any |= d.free_velocity(drive_settings, k, h, qpos_.data(), qvel_.data(), v_free_.data(),
                              torque_.data());
   const bool trees = articulations.any(model, world.active);
-  if (any || trees) {
+  const bool own = drive_settings.own_forces();
+  if (any || trees || own) {
     build_inertia(h);
     for (int i = 0; i < model.nv; i++) torque_[i] *= extra_[i] / h;
     if (trees)
       articulations.impulse(model, start_.kin, world.active, gravity, qpos_.data(), qvel_.data(), h,
                             torque_.data());
+    if (own) own_forces(h);
     inertia_.solve(model, torque_.data());
+    if (drive_settings.internal_forces) limit_own();
     for (int i = 0; i < model.nv; i++) v_free_[i] += torque_[i];
     for (int i : articulations.dofs()) pull_[i] = torque_[i];
   }

@@ -186,7 +186,7 @@ bool Stepper::wake_touched() {
 
 // A step of length h, in which what is touched is free from the beginning.
 void Stepper::attempt(double h) {
-  do emerge(h);
+  do push_out(h);
   while (wake_touched());
 }
 

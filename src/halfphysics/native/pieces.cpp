@@ -111,7 +111,7 @@ double Stepper::catch_up(double h, double left, bool begun) {
 
 // Those who made only a share of the step go on one island after the other.
 double Stepper::retry(double h, std::vector<double> share) {
-  const std::vector<char> all = world.active;
+  const std::vector<char> all = world.active, stood = world.standing;
   const std::vector<int> islands = island_;
   const double pulled = pulled_;
   std::vector<double> left(model.nbody, 0);
@@ -130,7 +130,7 @@ double Stepper::retry(double h, std::vector<double> share) {
     const double rest = left[first];
     for (int b = 1; b < model.nbody; b++) {
       world.active[b] = all[b] && islands[model.root[b]] == which;
-      world.standing[b] = all[b] && !world.active[b];
+      world.standing[b] = stood[b] || (all[b] && !world.active[b]);
       if (world.active[b]) left[b] = 0;
     }
     pulled_ = pulled;
@@ -141,7 +141,7 @@ double Stepper::retry(double h, std::vector<double> share) {
     lost = std::max(lost, late);
   }
   world.active = all;
-  world.standing.assign(model.nbody, 0);
+  world.standing = stood;
   return lost;
 }
 

@@ -60,6 +60,8 @@ void Stepper::finish(const std::vector<int>& person_roots) {
   world.standing.assign(model.nbody, 0);
   scale_.assign(model.nv, 1);
   world.asleep.assign(model.nbody, 0);
+  world.pace.assign(model.nbody, 1);
+  push_.assign(model.nbody, {});
   for (const Track& t : tracks_) model.held[t.body] = 1;
   behind_.assign(model.nbody, 0);
   clock_.assign(tracks_.size(), 0);
@@ -79,6 +81,9 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   pose_known_ = false;
   start_pose();
   world.asleep.assign(model.nbody, 0);  // what they rest on is known when they wake
+  world.pace.assign(model.nbody, 1);
+  push_.assign(model.nbody, {});
+  if (forced != Forced::No) leave_people();
   world.reset(model, start_);
   for (int b : start_asleep_) world.asleep[b] = 1;
   clock_.assign(tracks_.size(), 0);
@@ -203,6 +208,7 @@ void Stepper::find_busy(double dt, std::vector<char>& busy) {
 }
 
 void Stepper::frame(const double* targets, double dt, int n, std::vector<double>* poses) {
+  if (forced != Forced::No) return force_frame(targets, dt, n, poses);
   touches_.clear();
   diagnostics_ = {};
   disturbed_.assign(model.nbody, 0);
@@ -324,6 +330,8 @@ std::vector<double> Stepper::save() {
   out.insert(out.end(), clock_.begin(), clock_.end());
   for (const Pace& p : pace_)
     out.insert(out.end(), {p.share, (double)p.wait, (double)p.patience});
+  for (int b = 0; b < model.nbody && forced != Forced::No; b++)
+    out.insert(out.end(), {world.pace[b], push_[b].wait, push_[b].patience});
   out.push_back((double)warm_.size());
   for (const Remembered& w : warm_) {
     out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature,
@@ -361,6 +369,8 @@ void Stepper::restore(const std::vector<double>& state) {
     p = {in[0], (int)in[1], (int)in[2]};
     in += 3;
   }
+  for (int b = 0; b < model.nbody && forced != Forced::No; b++, in += 3)
+    world.pace[b] = in[0], push_[b] = {in[1], in[2]};
   for (Drive& d : drives_)
     if (d.gentle()) d.go_gently(kGentle, joint_reach_);
   warm_.clear();

@@ -35,6 +35,10 @@ struct Diagnostics {  // of one frame
   double lost_time = 0;  // [s]
 };
 
+// How the motion gets into the world: by velocity, or as a pose that is set (forced.cpp) once a frame with nothing
+// touched, or once a frame, or in every substep, with things pushed out.
+enum class Forced { No = 0, Kinematic = 1, Positions = 2, Interpolated = 3 };
+
 // Who came out of something goes back to the motion no faster than this [m/s].
 constexpr double kGentle = 0.7;
 
@@ -48,6 +52,7 @@ class Stepper {
   DriveSettings drive_settings;
   Vec3 gravity{0, 0, -9.81};
   double clearance_range = 0.05;
+  Forced forced = Forced::No;
   std::vector<std::shared_ptr<const Skin>> skins;
 
   // After model and world are filled in.
@@ -122,6 +127,15 @@ class Stepper {
   std::vector<double> solve_times;
 
  private:
+  // Poses that are set (forced.cpp).
+  void force_frame(const double* targets, double dt, int n, std::vector<double>* poses);
+  void put_people(double share);
+  void leave_people();
+  void push_out(double h);
+  void set_push(double h);
+  void jam(int tree);
+  double fastest(int body, const std::vector<Twist>& twists) const;
+
   void start_pose();
   bool comes_out(const Drive& d) const;  // of something that the person started inside
   // Marks the trees that have to be stepped through; the others' end of frame is in q_free_.
@@ -138,6 +152,12 @@ class Stepper {
   void object_velocity(double h, const std::vector<char>* only = nullptr);  // per body
   void build_inertia(double h);
   void stiffen();
+
+  // Forces of people that the paper leaves out (ablations.cpp).
+  void damp_joints(double h);
+  void own_forces(double h);
+  void limit_own();
+  void discount_own(const Drive& d, const double* v, double h);
 
   // What people hold, what it asks of the drives, and what is more than those can do (holding.cpp).
   void find_carried();
@@ -243,6 +263,7 @@ class Stepper {
   std::vector<double> share_, stiff_, softer_;
   std::vector<char> carried_;  // per body: what people hold, and the roots of those who hold something
   std::vector<double> load_;  // per dof: generalised force
+  std::vector<double> own_impulse_;  // per dof: of internal forces in the substep under way
   std::vector<double> qpos_, qvel_, v_free_, v_, spin_, extra_, scale_, torque_, moved_,
       q_end_;
   Poses start_, end_;
@@ -288,6 +309,13 @@ class Stepper {
     int wait = 0, patience = 0;
   };
   std::vector<Pace> pace_;
+  // Per body: of things that people whose poses are set overlap and that had no room to leave, how long they are
+  // not pushed, and will not be the next time [s].
+  struct Push {
+    double wait = 0, patience = 0;
+  };
+  std::vector<Push> push_;
+  std::vector<int> jammed_;  // bodies, in the attempt under way
   bool crushed_ = false;  // the last solve found that something on a track leaves others no room
   std::vector<double> behind_;        // per body: time lost in the substep under way [s]
   std::vector<int> start_asleep_;     // bodies

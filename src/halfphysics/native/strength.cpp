@@ -130,7 +130,8 @@ bool Stepper::exertion(const Drive& d, const double* v, double h) {
   for (int i = first; i < end; i++) pushed_[i] = v[i] - v_star_[i];
   const bool touched = largest(d, pushed_.data()) > 0;
   const bool changes = touched || largest(d, change_.data()) >= kRest;
-  if (!changes && !carries(d)) return false;
+  const bool own = drive_settings.own_forces();
+  if (!changes && !carries(d) && !own) return false;
   const bool overcome = overcome_[&d - drives_.data()] > 0;
   const double s = touched && !overcome ? d.scale(drive_settings, h) : 1;
   std::fill(exerted_.begin() + first, exerted_.begin() + end, 0.0);
@@ -143,6 +144,7 @@ bool Stepper::exertion(const Drive& d, const double* v, double h) {
     weigh(d, change_.data(), exerted_.data());
   }
   for (int i = first; carries(d) && i < end; i++) exerted_[i] += h * load_[i];
+  if (own) discount_own(d, v, h);
   if (!touched) return true;
   if (overcome) added(d, h, pushed_.data(), change_.data());
   for (int i = first; i < end; i++)

@@ -30,6 +30,8 @@ MODULES = (
     "internal_forces",
     "scenes",
     "objects",
+    "forcing",
+    "firmness",
     "speed",
 )
 

@@ -12,6 +12,8 @@ from halfphysics.bench.paper.wording import signed
 
 #: Positive values over as many decades are shown on a logarithmic axis.
 _DECADES = 3
+#: A tick beyond the values is near within this share of their span.
+_NEAR = 0.04
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -71,20 +73,37 @@ def axis(
     Args:
         values: What is to be shown; what is no finite number is passed over.
         ticks: About how many ticks there is room for.
-        snug: The axis ends at the outermost values, not at the ticks beyond them.
+        snug: The axis ends at the outermost values, unless the ticks beyond them are near.
         from_zero: Zero is on a linear axis.
-        log: Whether in decades; None: where no value is negative and the positive ones span
-            three decades. Negative values make it linear in any case.
+        log: Whether in decades; None: where no value is negative, and the positive ones span
+            three decades and spread over decades more evenly than over the values themselves.
+            Negative values make it linear in any case.
         decades: A logarithmic axis shows as many at most, the uppermost ones; what is below
             stands with the zeros at its foot.
     """
     numbers = [x for x in map(finite, values) if x is not None]
-    positive = [x for x in numbers if x > 0]
-    decimal_span = math.log10(max(positive)) - math.log10(min(positive)) if positive else 0.0
-    wanted = decimal_span >= _DECADES if log is None else log
-    if wanted and positive and min(numbers) >= 0:
+    positive = sorted(x for x in numbers if x > 0)
+    if log is None:
+        log = _in_decades(positive)
+    if log and positive and min(numbers) >= 0:
         return _logarithmic(positive, min(numbers) == 0, ticks, decades)
     return _linear(numbers or [0.0, 1.0], ticks, snug, from_zero)
+
+
+def _in_decades(positive: list[float]) -> bool:
+    """Whether sorted positive values are better told apart on a logarithmic axis."""
+    if not positive or math.log10(positive[-1]) - math.log10(positive[0]) < _DECADES:
+        return False
+    powers = [math.log10(x) for x in positive]
+    # How far from its middle an axis would have the median.
+    off = [
+        abs((some[len(some) // 2] + some[(len(some) - 1) // 2] - some[0] - some[-1]) / span)
+        for some, span in (
+            ([x / positive[-1] for x in positive], 1.0),
+            (powers, powers[-1] - powers[0]),
+        )
+    ]
+    return off[1] < off[0]
 
 
 def _logarithmic(positive: list[float], zeros: bool, ticks: int, decades: int) -> Axis:
@@ -115,13 +134,20 @@ def _linear(numbers: list[float], ticks: int, snug: bool, from_zero: bool) -> Ax
         low, high = min(low, 0.0), max(high, 0.0)
     size = max(abs(low), abs(high))
     if high / 2 - low / 2 <= max(size * 1e-9, 1e-290):  # one value, to what can be written
-        room = size / 2 if size > 1e-280 else 0.5
-        low, high = max(low - room, -1.7e308), min(high + room, 1.7e308)
-        snug = False
+        if snug or size < 1e-280:
+            room = size / 2 if size > 1e-280 else 0.5
+            low, high = max(low - room, -1.7e308), min(high + room, 1.7e308)
+            snug = False
+        else:
+            low, high = min(low, 0.0), max(high, 0.0)
     mantissa, exponent = _step(high / ticks - low / ticks)
     step = float(Decimal(mantissa).scaleb(exponent))
     first, last = low / step, high / step
     if snug:
+        near = _NEAR * (last - first)
+        first = math.floor(first) if first - math.floor(first) <= near else first
+        last = math.ceil(last) if math.ceil(last) - last <= near else last
+        low, high = min(low, first * step), max(high, last * step)
         counts = range(math.ceil(first - 1e-9), math.floor(last + 1e-9) + 1)
     else:
         counts = range(math.floor(first + 1e-9), math.ceil(last - 1e-9) + 1)

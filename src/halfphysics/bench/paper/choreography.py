@@ -91,9 +91,14 @@ def wave(score: Score, rng: np.random.Generator, at: float, size: float) -> floa
         rest = 12.0 if name.endswith(("elbow", "down")) else 0.0
         score.to(t, up, **{name: size * peak})
         score.to(t + up, up, **{name: rest})
-    for k in range(4):
-        score.both(at + k * beat, 0.9 * beat, hip=10.0 + 12.0 * (k % 2), knee=18.0 + 24.0 * (k % 2))
-        score.to(at + k * beat, 0.9 * beat, look=25.0 * left * (1.0 - k / 1.5))
+    for k in range(5):
+        t, (free, still) = at + k * beat, (side, other) if k % 2 == 0 else (other, side)
+        # A slow step to the side on every beat, the standing knee giving.
+        away = {"hip": 30.0, "knee": 48.0, "open": size * 26.0}
+        score.to(t, 0.5 * beat, **{f"{free}_{name}": value for name, value in away.items()})
+        score.to(t + 0.5 * beat, 0.45 * beat, **{f"{free}_hip": 9.0, f"{free}_knee": 16.0})
+        score.to(t, 0.9 * beat, **{f"{still}_hip": 15.0, f"{still}_knee": 27.0, f"{still}_open": 2})
+        score.to(t, 0.9 * beat, look=25.0 * left * (1.0 - k / 2.0))
     return 5.0
 
 
@@ -300,7 +305,7 @@ def dance(
     figures, (slow, fast) = STYLES[style_of(number)]
     rng = np.random.default_rng([seed, number])
     score = Score(60.0 / rng.uniform(slow, fast))
-    size, heading = rng.uniform(0.75, 1.0), rng.uniform(-np.pi, np.pi)
+    size, heading = rng.uniform(0.85, 1.0), rng.uniform(-np.pi, np.pi)
     # The style's own figure first: it is seen in the shortest clip.
     at = 0.1 + figures[0](score, rng, 0.1, size) * score.beat
     while at < seconds:

@@ -74,7 +74,6 @@ def follow(source: Mapping[str, Any], runs: Mapping[str, Chosen], strip: str = "
 def _followed(
     motion: Motion, body: Body, settings: Settings
 ) -> tuple[Result | None, dict[str, Any]]:
-    from halfphysics import metrics
     from halfphysics.simulation import simulate
 
     failed: dict[str, Any] = {"success": False, "mpjpe": None, "mpjpe_global": None, "curve": []}
@@ -82,15 +81,23 @@ def _followed(
         result = simulate(motion, body=body, settings=settings)
     except InputError as error:  # a motion that came out as no motion: not finite, or torn apart
         return None, {**failed, "cause": str(error)}
-    apart = np.linalg.norm(body.joints(result.motion) - body.joints(motion), axis=2).mean(axis=1)
+    apart = np.linalg.norm(body.joints(result.motion) - body.joints(motion), axis=2)
     if len(result.motion) != len(motion) or not np.isfinite(apart).all():
         return None, {**failed, "cause": "frames are missing or not finite"}
-    every = max(1, round(motion.fps / _CURVE))
-    return result, {
+    return result, errors(result.motion, motion, body)
+
+
+def errors(came: Motion, asked: Motion, body: Body) -> dict[str, Any]:
+    """What `follow` says of a motion that came back whole."""
+    from halfphysics import metrics
+
+    apart = np.linalg.norm(body.joints(came) - body.joints(asked), axis=2).mean(axis=1)
+    every = max(1, round(asked.fps / _CURVE))
+    return {
         "success": True,
         "cause": "",
-        "mpjpe": metrics.mpjpe(result.motion, motion, body),
-        "mpjpe_global": metrics.mpjpe_global(result.motion, motion, body),
+        "mpjpe": metrics.mpjpe(came, asked, body),
+        "mpjpe_global": metrics.mpjpe_global(came, asked, body),
         "curve": 1000.0 * apart[::every],
     }
 
@@ -106,12 +113,17 @@ def _strip(result: Result) -> bytes:
 
 
 def task(
-    group: Group, source: Source, runs: Mapping[str, Chosen], seconds: float, strip: str = ""
+    group: Group,
+    source: Source,
+    runs: Mapping[str, Chosen],
+    seconds: float,
+    strip: str = "",
+    function: str = "following:follow",
 ) -> Task:
     """The task that follows a source of a group; its key is "group/source"."""
     return Task(
         key=f"{group.key}/{source.name}",
-        function="following:follow",
+        function=function,
         arguments={"source": source.arguments, "runs": runs, "strip": strip},
         inputs=() if source.file is None else (source.file,),
         seconds=seconds,

@@ -55,8 +55,10 @@ def _glass(
         "fall_error": float(np.abs(fall + GRAVITY).max()) if len(fall) else None,
         "deepest": playing.penetration(result, quick=quick).depth_max_mm,
     }
-    frames = [round(t * result.fps) for t in (times["grasp"][1], end)]
-    frames += [len(result) - 1] if quick else [round(end * result.fps + 10), len(result) - 1]
+    opened = round(end * result.fps)
+    frames = [opened, len(result) - 1]
+    if not quick:
+        frames = [round(begin * result.fps), opened, opened + 10, len(result) - 1]
     return Outcome(values=values, pictures=_picture(result, strip, quick, frames))
 
 
@@ -74,7 +76,7 @@ def kick(options: Values, choice: Values, strip: bool, quick: bool) -> Outcome:
     track = result.objects["ball"]
     turned = playing.joint_angles(result.reference, result.motion).max(axis=0)
     speed = playing.object_speed(result, "ball")
-    at = int(speed.argmax())
+    at = playing.first_touch(result, "ball")
     values = {
         "speed": float(speed.max()),
         "speeds": speed.tolist(),
@@ -84,7 +86,7 @@ def kick(options: Values, choice: Values, strip: bool, quick: bool) -> Outcome:
         "ankle": float(turned[JOINT_INDEX["right_ankle"]]),
         "deepest": playing.penetration(result, quick=quick).depth_max_mm,
     }
-    frames = [at - 1, at + 1] if quick else [at - 3, at, at + 2, at + 5]
+    frames = [at - 1, at + 1] if quick else [at - 2, at, at + 1, at + 4]
     return Outcome(values=values, pictures=_picture(result, strip, quick, frames))
 
 

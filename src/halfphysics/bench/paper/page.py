@@ -30,6 +30,8 @@ _PNG = b"\x89PNG\r\n\x1a\n"
 #: A picture wider than this many times its height scrolls on a phone instead of shrinking.
 _STRIP = 2.2
 
+#: Sections and where they are on the page.
+Places = Sequence[tuple[str, Mapping[str, Any]]]
 Pictures = Callable[[str, str, str], bytes | None]
 
 
@@ -48,8 +50,8 @@ def build(document: Mapping[str, Any], speed: Mapping[str, Any] | None, pictures
     evidence = [(names.of(s["key"]), s) for s in document["sections"]]
     timing = [(names.of("speed-" + s["key"]), s) for s in (speed or {}).get("sections", ())]
     body = [_section(anchor, section, pictures) for anchor, section in evidence]
-    if speed is not None:
-        body.append(_machine(speed))
+    if speed is not None and timing:
+        body.append(_machine(speed["machine"]))
         body.extend(_section(anchor, section, pictures) for anchor, section in timing)
     body.append(_legend())
     title = _e(document["title"])
@@ -61,7 +63,7 @@ def build(document: Mapping[str, Any], speed: Mapping[str, Any] | None, pictures
         f'<link rel="icon" href="data:,">\n<title>{title}</title>\n'
         f"<style>\n{_STYLE.read_text(encoding='utf-8')}</style>\n</head>\n<body>\n"
         f'<div class="page first">{_head(document)}'
-        f"{_summary(document, [anchor for anchor, _ in evidence])}</div>\n"
+        f"{_summary(document, evidence, timing)}</div>\n"
         f'{_contents(evidence, timing)}\n<main class="page">\n'
         + "\n".join(body)
         + "\n</main>\n</body>\n</html>\n"
@@ -107,11 +109,8 @@ def _tally(counts: Mapping[str, int]) -> str:
     return f'<span class="tally">{" ".join(parts)}</span>'
 
 
-def _contents(
-    evidence: Sequence[tuple[str, Mapping[str, Any]]],
-    timing: Sequence[tuple[str, Mapping[str, Any]]],
-) -> str:
-    def entries(sections: Sequence[tuple[str, Mapping[str, Any]]]) -> str:
+def _contents(evidence: Places, timing: Places) -> str:
+    def entries(sections: Places) -> str:
         return "".join(
             f'<li><a href="#{anchor}">{_e(s["title"])}</a>{_tally(tally([s]))}</li>'
             for anchor, s in sections
@@ -153,10 +152,11 @@ def _said(value: object) -> str:
     return escape(number(value))
 
 
-def _summary(document: Mapping[str, Any], anchors: Sequence[str]) -> str:
+def _summary(document: Mapping[str, Any], evidence: Places, timing: Places) -> str:
     counts = document["verdict"]
     tiles = "".join(
-        f'<li class="{kind}"><b>{n:,}</b>{_mark(kind)}</li>' for kind, n in counts.items()
+        f'<li class="{kind if n else "shown"}"><b>{n:,}</b>{_mark(kind)}</li>'
+        for kind, n in counts.items()
     )
     bar = "".join(
         f'<span class="{kind}" style="flex-grow:{n}"></span>' for kind, n in counts.items() if n
@@ -167,33 +167,39 @@ def _summary(document: Mapping[str, Any], anchors: Sequence[str]) -> str:
         if document["quick"]
         else ""
     )
+    speed = (
+        "<p>What depends on the machine is counted apart: "
+        f'<a href="#machine">on this machine</a> {_tally(tally([s for _, s in timing]))}</p>'
+        if timing
+        else ""
+    )
     return (
         '<section id="summary"><h2>Summary</h2>'
-        f'<ul class="tiles">{tiles}</ul><div class="shares" aria-hidden="true">{bar}</div>{quick}'
-        + _against(document, anchors, "not_reproduced")
-        + _against(document, anchors, "missing")
-        + _failures(document, anchors)
+        f'<ul class="tiles">{tiles}</ul><div class="shares" aria-hidden="true">{bar}</div>'
+        f"{speed}{quick}"
+        + _against([*evidence, *timing], "not_reproduced")
+        + _against([*evidence, *timing], "missing")
+        + _failures([*evidence, *timing])
         + "</section>"
     )
 
 
-def _against(document: Mapping[str, Any], anchors: Sequence[str], kind: str) -> str:
+def _against(places: Places, kind: str) -> str:
     """What did not come out, or did not come, first of all and figure by figure."""
-    sections = document["sections"]
-    found = [claim for claim in claims(sections) if claim.verdict == kind]
+    found = [claim for claim in claims([s for _, s in places]) if claim.verdict == kind]
     if not found:
         said = "No claim that was judged failed to come out."
         return f'<p class="clear">{said}</p>' if kind == "not_reproduced" else ""
     lines = []
     for claim in found:
-        section, f = sections[claim.section], claim.figure
+        (anchor, section), f = places[claim.section], claim.figure
         unit = f" {_e(f['unit'])}" if plain(f["unit"]) else ""
         numbers = [f"expected {_e(f['expected'])}"] if plain(f["expected"]) else []
         numbers += [f"paper {_paper(f)}{unit}"] if f["paper"] is not None else []
         if kind == "not_reproduced":
             numbers.insert(0, f"<b>ours {_ours(f)}{unit}</b>")
         lines.append(
-            f'<li class="{kind}"><a href="#{anchors[claim.section]}-{claim.row + 1}">'
+            f'<li class="{kind}"><a href="#{anchor}.{claim.row + 1}">'
             f"{_e(section['title'])}</a> <span>{_e(section['rows'][claim.row]['name'])}, "
             f"{_e(f['name'])}: {', '.join(numbers)}</span></li>"
         )
@@ -204,11 +210,11 @@ def _list(head: str, lines: Sequence[str]) -> str:
     return f'<h3>{head} ({len(lines)})</h3><ul class="list">{"".join(lines)}</ul>'
 
 
-def _failures(document: Mapping[str, Any], anchors: Sequence[str]) -> str:
+def _failures(places: Places) -> str:
     lines = [
         f'<li class="missing"><a href="#{anchor}">{_e(section["title"])}</a> '
         f"<span>{_e(failed['task'])}: {_e(failed['cause'])}</span></li>"
-        for anchor, section in zip(anchors, document["sections"], strict=True)
+        for anchor, section in places
         for failed in section["failed"]
     ]
     if not lines:
@@ -254,8 +260,11 @@ def _table(anchor: str, rows: Sequence[Mapping[str, Any]]) -> str:
             ("verdict", "Verdict"),
         )
     )
-    parts = "".join(_row(f"{anchor}-{k}", row) for k, row in enumerate(rows, 1))
-    return f'<table class="figures"><thead><tr>{head}</tr></thead>{parts}</table>'
+    parts = "".join(_row(f"{anchor}.{k}", row) for k, row in enumerate(rows, 1))
+    # Where the paper has pictures only, its column would be empty.
+    quoting = any(f["paper"] is not None for row in rows for f in row["figures"])
+    kind = "figures" if quoting else "figures alone"
+    return f'<table class="{kind}"><thead><tr>{head}</tr></thead>{parts}</table>'
 
 
 def _row(anchor: str, row: Mapping[str, Any]) -> str:
@@ -274,10 +283,12 @@ def _row(anchor: str, row: Mapping[str, Any]) -> str:
     for figure in figures:
         kind = verdict(row, figure)
         expected = _e(figure["expected"])
+        none = " none" if figure["paper"] is None else ""
         lines.append(
             f"<tr>{first}"
             f'<td class="measure">{_e(quantity(figure["name"], figure["unit"]))}</td>'
-            f'<td class="paper">{_paper(figure)}</td><td class="ours">{_ours(figure)}</td>'
+            f'<td class="paper{none}">{_paper(figure)}</td>'
+            f'<td class="ours">{_ours(figure)}</td>'
             f'<td class="expected">{expected}</td><td class="verdict">{_mark(kind)}</td></tr>'
         )
         first = ""
@@ -349,11 +360,11 @@ def _picture(png: bytes | None, caption: object) -> str:
     return f'<figure class="{kind}">{image}<figcaption>{said}</figcaption></figure>'
 
 
-def _machine(speed: Mapping[str, Any]) -> str:
+def _machine(machine: Mapping[str, Any]) -> str:
     return (
         '<section id="machine" class="divider"><h2>On this machine</h2>'
         "<p>What follows depends on the machine and on what else it did; everything above does "
-        f"not.</p>{_facts(speed.get('machine', {}).items())}</section>"
+        f"not.</p>{_facts(machine.items())}</section>"
     )
 
 
@@ -369,6 +380,6 @@ def _legend() -> str:
     return (
         f'<section id="legend"><h2>How to read this</h2><ul class="legend">{lines}</ul>'
         f"<p><b>{MISSING}</b> under “Paper”: the paper has no such number. Where it has one, ours "
-        "has as many decimals, or more if it would vanish. The file <code>paper.json</code> beside "
+        "has at least as many decimals. The file <code>paper.json</code> beside "
         "this page has every number in full.</p></section>"
     )

@@ -78,9 +78,11 @@ def strip(result: Result, *, quick: bool, frames: Several[int] | None = None) ->
     return strip_png(result, frames, _COLUMNS, _SIZE, samples=1 if quick else 2, colors=96)
 
 
-def penetration(result: Result, *, quick: bool) -> metrics.PenetrationReport:
-    """How deep the skin is in anything, at every frame, or at some if it is to be quick."""
-    every = slice(None, None, EVERY if quick else 1)
+def penetration(
+    result: Result, *, quick: bool = False, frames: slice | None = None
+) -> metrics.PenetrationReport:
+    """How deep the skin is in anything: at all frames or those given; at some if quick."""
+    every = frames or slice(None, None, EVERY if quick else 1)
     tracks = {k: frames_of(track, every) for k, track in result.objects.items()}
     body = result.people[0].body
     return metrics.penetration(result.motion[every], body, result.scene, objects=tracks)
@@ -132,3 +134,10 @@ def object_speed(result: Result, name: str) -> Array:
     """How fast an object goes between frames (T - 1,) [m/s]."""
     way = np.diff(result.objects[name].position, axis=0)
     return np.asarray(np.linalg.norm(way, axis=1) * result.fps)
+
+
+def first_touch(result: Result, name: str) -> int:
+    """The frame in which the person first touches something; the last one if that never is."""
+    contacts = result.contacts
+    touched = (contacts.other == result.names.index(name)) & (contacts.person == 0)
+    return int(contacts.frame[touched].min()) if touched.any() else len(result) - 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -132,26 +133,39 @@ def _aist(folder: Path, quick: bool) -> Group:
 
 
 def _clips(folder: Path, quick: bool) -> Group:
-    """All that is a motion in the folder, and what ought to be one but cannot be read."""
-    from halfphysics.io.formats import Source as File
-    from halfphysics.io.registry import identify
+    """The first motions in the folder, and what ought to be one there but cannot be read."""
     from halfphysics.io.walk import clips
 
-    found: list[tuple[Path, str | None]] = [(clip.path, clip.name) for clip in clips(folder)]
-    known = {path for path, _ in found}
+    count = QUICK_CLIPS if quick else MOST_CLIPS
+    # One more, to know whether there are more; libraries of thousands are not walked to their end.
+    walked = [(clip.path, clip.name) for clip in islice(clips(folder), count + 1)]
+    last = str(walked[-1][0]) if len(walked) > count else ""
+    found = sorted(
+        walked + [(path, None) for path in _damaged(folder, {path for path, _ in walked}, last)],
+        key=lambda clip: (str(clip[0]), clip[1] or ""),
+    )
+    if not found:
+        raise FileError(f"{folder}: no motion in it of a format that is known")
+    many = f"the first {count} clips in order" if len(found) > count else f"{len(found)} clips"
+    data = _shortened(f"{folder.name}, {many}", quick)
+    return Group("clips", data, _files(found[:count], quick), judged=False)
+
+
+def _damaged(folder: Path, known: set[Path], last: str) -> list[Path]:
+    """What is called like a motion but cannot be read, up to a path in order ("": all)."""
+    from halfphysics.io.formats import Source as File
+    from halfphysics.io.registry import identify
+
+    out = []
     for path in sorted(p for p in folder.rglob("*") if p.suffix.lower() in _SUFFIXES):
-        if path in known or not path.is_file() or known & set(path.parents):
+        inside = path in known or not known.isdisjoint(path.parents)
+        if inside or not path.is_file() or (last and str(path) > last):
             continue
         try:
             identify(File(path))
         except FileError:
-            found.append((path, None))  # its task says what is wrong with it
-    if not found:
-        raise FileError(f"{folder}: no motion in it of a format that is known")
-    found.sort(key=lambda clip: (str(clip[0]), clip[1] or ""))
-    taken = found[: QUICK_CLIPS if quick else MOST_CLIPS]
-    data = f"{folder.name}, {len(taken)} of {len(found)} clips in order"
-    return Group("clips", _shortened(data, quick), _files(taken, quick), judged=False)
+            out.append(path)  # its task says what is wrong with it
+    return out
 
 
 def _shortened(data: str, quick: bool) -> str:

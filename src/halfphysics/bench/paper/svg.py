@@ -88,7 +88,7 @@ def draw(plot: Mapping[str, Any], width: int) -> str:
 def swatch(k: int, kind: str) -> str:
     """The sign of series `k` in a legend."""
     if kind == "bars":
-        inside = f'<rect class="bar s{k % _COLOURS}" x="7" y="1" width="14" height="12" rx="2"/>'
+        inside = f'<rect class="{_bar_kind(k)}" x="7" y="1" width="14" height="12" rx="2"/>'
     else:
         inside = _path([(1.0, 7.0), (27.0, 7.0)], k) + _mark(k, 14.0, 7.0)
     return f'<svg class="swatch" width="28" height="14" aria-hidden="true">{inside}</svg>'
@@ -144,7 +144,8 @@ def _axes(plot: Mapping[str, Any], across: int, up: int) -> tuple[Axis, Axis]:
     points = [p for series in plot["series"] for p in _pairs(series) if p is not None]
     return (
         axis((x for x, _ in points), ticks=across, snug=True),
-        axis((y for _, y in points), ticks=up),
+        # A curve that leaves zero is read where zero is.
+        axis((y for _, y in points), ticks=up, log=False if 0 in {y for _, y in points} else None),
     )
 
 
@@ -204,8 +205,8 @@ def _curve(points: list[tuple[float, float] | None], k: int) -> list[str]:
     marks: list[str] = []
     for point in [*points, None]:
         if point is not None:
-            # What is nearer than half a pixel to the point before it cannot be seen.
-            near = run and abs(point[0] - run[-1][0]) + abs(point[1] - run[-1][1]) < 0.5
+            # What is nearer than a pixel to the point before it cannot be seen.
+            near = run and abs(point[0] - run[-1][0]) + abs(point[1] - run[-1][1]) < 1
             if not near:
                 run.append(point)
             continue
@@ -248,14 +249,10 @@ def _bars(plot: Mapping[str, Any], width: int) -> tuple[list[str], float]:
     along = _fitting(lambda count: _bar_axis(plot, count), end - start)
     foot = start + max(0.0, along.at(0.0)) * (end - start)
     thick, gap = (18.0, 12.0) if len(plot["series"]) > 1 else (22.0, 12.0)
-    # Numbers on the places need their quantity said; names speak for themselves.
-    head = (
-        quantity(*plot["x"])
-        if all(finite(x) is not None for s in plot["series"] for x in s["x"])
-        else ""
-    )
+    head = quantity(*plot["x"])
     y = 26.0 if head else 6.0
-    top, drawn = y, []
+    drawn: list[str] = []
+    spans: list[tuple[float, float]] = []
     for name, row in rows:
         if not beside:
             drawn.append(_text(2, y + 14, shortened(name, width - 4), kind="name"))
@@ -263,19 +260,22 @@ def _bars(plot: Mapping[str, Any], width: int) -> tuple[list[str], float]:
         else:
             middle = y + len(row) * thick / 2 + 5
             drawn.append(_text(left - 10, middle, name, "end", "name"))
+        spans.append((y - 2, y + len(row) * thick + 2))
         for k, value in enumerate(row):
             drawn.extend(_bar(k, value, y, thick, foot, start, end, along))
             y += thick
         y += gap
     bottom = y - gap + 6
-    grid = []
+    if beside:  # no name stands in the way
+        spans = [(spans[0][0], bottom)] if spans else []
+    grid: list[str] = []
     for tick in along.ticks:
         x = start + tick.at * (end - start)
-        grid.append(_line(x, top - 2, x, bottom, "grid"))
+        grid.extend(_line(x, y1, x, y2, "grid") for y1, y2 in spans)
         half = text_width(tick.label) / 2
         place = min(max(x, half + 1), width - half - 1)
         grid.append(_text(place, bottom + 18, tick.label, "middle", "tick"))
-    grid.append(_line(foot, top - 2, foot, bottom, "base"))
+    grid.extend(_line(foot, y1, foot, y2, "base") for y1, y2 in spans)
     if head:
         grid.append(_text(2, 16, shortened(head, width - 4), kind="axis"))
     name = shortened(quantity(*plot["y"]), width - 4)
@@ -283,6 +283,11 @@ def _bars(plot: Mapping[str, Any], width: int) -> tuple[list[str], float]:
     place = min(max((start + end) / 2, half + 2), width - half - 2)
     grid.append(_text(place, bottom + 40, name, "middle", "axis"))
     return grid + drawn, bottom + 48
+
+
+def _bar_kind(k: int) -> str:
+    """The style of a series of bars: where there are no more colours, they are hollow."""
+    return f"bar s{k % _COLOURS}" + (" hollow" if k // _COLOURS % 2 else "")
 
 
 def _bar(
@@ -304,7 +309,7 @@ def _bar(
     if abs(tip - foot) > 0.05:
         x, long = min(tip, foot), abs(tip - foot)
         out.append(
-            f'<rect class="bar s{k % _COLOURS}" x="{_px(x)}" y="{_px(y + 1)}" '
+            f'<rect class="{_bar_kind(k)}" x="{_px(x)}" y="{_px(y + 1)}" '
             f'width="{max(long, 1.0):.1f}" height="{_px(thick - 3)}" rx="1.5"/>'
         )
     if value < 0:

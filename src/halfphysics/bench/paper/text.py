@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -19,10 +21,27 @@ from halfphysics.bench.paper.wording import (
 #: Columns that are numbers stand to the right.
 _RIGHT = {2, 3}
 _WIDEST = 34
+#: For terminals without these signs; as wide, so that columns stay.
+_PLAINER = str.maketrans("✓✗·–“…", "+X.-q~")
 
 
-def summary(document: Mapping[str, Any]) -> str:
-    """A report (the content of `paper.json` or `paper-speed.json`) as text."""
+def summary(document: Mapping[str, Any], *, encoding: str = "utf-8") -> str:
+    """A report (the content of `paper.json` or `paper-speed.json`) as text.
+
+    Args:
+        document: The report.
+        encoding: What the text will be written in; where it has no marks like ✓ and ✗, plain
+            letters stand for them, and "?" for what cannot be said at all.
+    """
+    text = _summary(document)
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError:
+        return text.translate(_PLAINER).encode(encoding, "replace").decode(encoding)
+    return text
+
+
+def _summary(document: Mapping[str, Any]) -> str:
     counts = document["verdict"]
     said = ", ".join(f"{n} {VERDICTS[kind][1]}" for kind, n in counts.items())
     parts = [f"{plain(document['title'])}: {said}"]
@@ -67,23 +86,33 @@ def _cut(text: object) -> str:
 def _section(section: Mapping[str, Any]) -> str:
     lines = [["", "measure", "paper", "ours", "", "expected"]]
     for row in section["rows"]:
-        name = _cut(row["name"])
-        for figure in row["figures"]:
-            lines.append(
-                [
-                    name,
-                    _cut(quantity(figure["name"], figure["unit"])),
-                    published(figure["paper"]),
-                    _ours(figure),
-                    VERDICTS[verdict(row, figure)][0],
-                    plain(figure["expected"]),
-                ]
-            )
-            name = ""
+        lines.extend(_lines(row))
     title = plain(section["title"])
     if len(lines) == 1:
         return f"{title}\n  no rows"
     return f"{title}\n{_aligned(lines)}\n  {plain(section['command'])}".rstrip()
+
+
+def _lines(row: Mapping[str, Any]) -> list[list[str]]:
+    """A row's name and data, as many lines as they need, and its figures beside them."""
+    what = [*textwrap.wrap(plain(row["name"]), _WIDEST), *textwrap.wrap(_data(row), _WIDEST)]
+    figures = [
+        [
+            _cut(quantity(figure["name"], figure["unit"])),
+            published(figure["paper"]),
+            _ours(figure),
+            VERDICTS[verdict(row, figure)][0],
+            plain(figure["expected"]),
+        ]
+        for figure in row["figures"]
+    ]
+    pairs = itertools.zip_longest(what, figures)
+    return [[left or "", *(right or [""] * 5)] for left, right in pairs]
+
+
+def _data(row: Mapping[str, Any]) -> str:
+    said = plain(row["data"])
+    return f"({said})" if said else ""
 
 
 def _aligned(rows: Sequence[Sequence[str]]) -> str:

@@ -81,8 +81,8 @@ def number(value: Any, *, beside: Any = None) -> str:
 
     Args:
         value: A number, None, a truth value or a text.
-        beside: The paper's number, if there is one: ours then has its decimals, so that the two
-            can be compared at a glance, unless that would leave fewer than two digits of ours.
+        beside: The paper's number, if there is one: ours then has at least its decimals, so that
+            the two can be compared at a glance.
     """
     if value is None:
         return MISSING
@@ -103,11 +103,14 @@ def number(value: Any, *, beside: Any = None) -> str:
         mantissa, exponent = f"{value:.2e}".split("e")
         return f"{_trimmed(mantissa)}e{int(exponent)}"
     decimals = max(0, 3 - math.floor(math.log10(size)))
-    if isinstance(beside, float) and math.isfinite(beside) and beside:
-        theirs = max(0, -_exponent(beside))
-        if size >= 10.0 ** (1 - theirs) or f"{size:.{theirs}f}" == f"{abs(beside):.{theirs}f}":
-            return _grouped(f"{value:.{theirs}f}")
-    return _grouped(_trimmed(f"{value:.{decimals}f}"))
+    least = 0
+    if isinstance(beside, int | float) and math.isfinite(beside) and beside:
+        # Six digits are enough, however many more the paper's decimals would make.
+        most = max(0, 5 - math.floor(math.log10(size)))
+        least = min(max(0, -_exponent(float(beside))), most)
+    whole, _, rest = f"{value:.{max(decimals, least)}f}".partition(".")
+    rest = rest[:least] + rest[least:].rstrip("0")
+    return _grouped(f"{whole}.{rest}" if rest else whole)
 
 
 def published(value: Any) -> str:

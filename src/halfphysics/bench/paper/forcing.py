@@ -1,0 +1,331 @@
+"""Figures 6 and 7: a body that is only moved, and poses that are forced into a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from halfphysics.bench.paper import lifting, playing
+from halfphysics.bench.paper.evidence import (
+    Content,
+    Figure,
+    Options,
+    Outcome,
+    Picture,
+    Plot,
+    Row,
+    Section,
+    Series,
+    Task,
+    at_least,
+    at_most,
+)
+from halfphysics.result import Result
+from halfphysics.skeleton import JOINT_INDEX
+
+Values = Mapping[str, Any]
+
+#: Balls that are kicked [kg].
+MASSES = (0.1, 0.5, 5.0, 200.0, 1000.0)
+QUICK_MASSES = (0.1, 1000.0)
+#: Blind to mass: the heaviest ball leaves as fast as the lightest, to this share. Half-physics: it
+#: gets at most so much of its speed.
+BLIND, SEEING = 0.01, 0.2
+#: What is forced goes into the suitcase this deep at least, which "barely moves" up to so high;
+#: ours goes up with the hands to this [mm].
+DEEP, BARELY, BEHIND = 10.0, 50.0, 20.0
+#: The wall [m].
+_WALL = {"thickness": 0.1}
+_LIFT = {"carry": 1.0, "shake": 0.0}
+# A toe that touches a ball is not farther from its middle than this [m].
+_NEAR = 0.5
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way to move a body: its name, its settings, and what the paper says of it.
+
+    `through`: it walks through the wall; `forced`: it goes into what it handles, and that barely
+    moves; `blind`: to mass. None: the paper does not say.
+    """
+
+    name: str
+    choice: playing.Choice
+    through: bool | None = None
+    forced: bool | None = None
+    blind: bool | None = None
+
+
+#: By the end of a task's key.
+WAYS = {
+    "half-physics": Way("half-physics", {}, False, False, False),
+    "kinematic": Way("poses set, nothing responds", {"mode": "kinematic"}, True, True),
+    "positions": Way("poses forced, at 30 Hz", {"mode": "positions"}, True, True, True),
+    "interpolated-240": Way(
+        "poses interpolated, at 240 Hz", {"mode": "interpolated", "substeps": 8}, True, True, True
+    ),
+    "interpolated-1000": Way(
+        "poses interpolated, at 1,020 Hz",
+        {"mode": "interpolated", "substeps": 34},
+        True,
+        True,
+        True,
+    ),
+    "engine-kinematic": Way(
+        "MuJoCo, kinematic bodies", {"mode": "engine_kinematic"}, True, True, True
+    ),
+    "engine-velocity": Way("MuJoCo, velocities set", {"mode": "engine_velocity"}),
+    "paper": Way("half-physics, firmness 1", playing.FIRM, False, None, False),
+}
+#: What is left out if it is to be quick, and what has a picture.
+_SLOW = ("paper", "interpolated-240")
+_PICTURED = {
+    "wall": ("half-physics", "kinematic"),
+    "lift": ("half-physics", "positions"),
+}
+_QUICKLY = {"wall": ("half-physics",), "lift": ("positions",)}
+
+
+def wall(choice: Values, strip: bool, quick: bool) -> Outcome:
+    """A walk straight at a wall: where it ends, and how deep the skin gets."""
+    result = playing.play("walk_into_wall", _WALL, choice)
+    body, there = result.people[0].body, result.scene.statics["wall"].position[0]
+    pelvis, asked = (body.joints(m)[:, 0, 0] for m in (result.motion, result.reference))
+    report = playing.penetration(result, quick=quick)
+    values = {
+        "fps": result.fps,
+        "beyond": float(pelvis[-1] - there),
+        "way": pelvis.tolist(),
+        "rate": report.rate_percent,
+        "deepest": report.depth_max_mm,
+    }
+    at = int((asked > there).argmax())  # the ghost is in the wall
+    frames = [at + 10] if quick else [at, at + 10]
+    return Outcome(values=values, pictures=_picture(result, strip, quick, frames))
+
+
+def lift(choice: Values, strip: bool, quick: bool) -> Outcome:
+    """A suitcase between two palms."""
+    result = playing.play("lift_suitcase", _LIFT, choice)
+    height = 1e3 * (result.objects["suitcase"].position[:, 2])
+    values = {
+        **lifting.judged(result, quick=quick),
+        "fps": result.fps,
+        "heights": (height - height[0]).tolist(),
+    }
+    frames = [round(t * result.fps) for t in ((2.2,) if quick else (0.9, 2.2))]
+    return Outcome(values=values, pictures=_picture(result, strip, quick, frames))
+
+
+def _near(result: Result) -> slice:
+    """The frames in which a foot is near the ball."""
+    joints = result.people[0].body.joints(result.motion)
+    feet = joints[:, [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]]
+    away = np.linalg.norm(feet - result.objects["ball"].position[:, None], axis=-1).min(axis=1)
+    near = np.flatnonzero(away < _NEAR)
+    return slice(int(near.min()), int(near.max()) + 1)
+
+
+def kick(choice: Values, masses: list[float]) -> Outcome:
+    """The same kick at balls of several masses: how fast they get, how deep the foot gets."""
+    speeds, depths = [], []
+    for mass in masses:
+        result = playing.play("kick_ball", {"mass": mass}, choice)
+        speeds.append(float(playing.object_speed(result, "ball").max()))
+        report = playing.penetration(result, frames=_near(result))
+        depths.append(float(report.by_name["ball"].max()))
+    return Outcome(values={"masses": masses, "speeds": speeds, "depths": depths})
+
+
+def _picture(result: Result, strip: bool, quick: bool, frames: list[int]) -> dict[str, bytes]:
+    if not strip:
+        return {}
+    frames = [min(frame, len(result) - 1) for frame in frames]
+    return {"strip": playing.strip(result, quick=quick, frames=frames)}
+
+
+def _ways(options: Options) -> list[tuple[str, Way]]:
+    return [(k, way) for k, way in WAYS.items() if not (options.quick and k in _SLOW)]
+
+
+def _pictured(what: str, key: str, quick: bool) -> bool:
+    return key in (_QUICKLY if quick else _PICTURED)[what]
+
+
+def tasks(options: Options) -> list[Task]:
+    """Every way to move a body at a wall, a suitcase and a ball."""
+    masses = list(QUICK_MASSES if options.quick else MASSES)
+    found = []
+    for key, way in _ways(options):
+        for what in ("wall", "lift"):
+            arguments = {
+                "choice": way.choice,
+                "strip": _pictured(what, key, options.quick),
+                "quick": options.quick,
+            }
+            found.append(
+                Task(
+                    key=f"{what}/{key}",
+                    function=f"forcing:{what}",
+                    arguments=arguments,
+                    seconds=0.5 if options.quick else 1.5,
+                )
+            )
+        found.append(
+            Task(
+                key=f"kick/{key}",
+                function="forcing:kick",
+                arguments={"choice": way.choice, "masses": masses},
+                seconds=0.5 if options.quick else 2.5,
+            )
+        )
+    return found
+
+
+def content(options: Options, values: Values) -> Content:
+    """Rows by what is done and by way to do it; places over time, speeds over mass."""
+    rows: list[Row] = []
+    pictures = []
+    for what, data, figures in (
+        ("wall", "walk_into_wall thickness=0.1", _at_wall),
+        ("lift", "lift_suitcase carry=1 shake=0", _lifted),
+        ("kick", "kick_ball mass=...", _kicked),
+    ):
+        for key, way in _ways(options):
+            found = values.get(f"{what}/{key}")
+            if found is None:
+                continue
+            title = f"{_TITLES[what]}: {way.name}"
+            rows.append(
+                Row(
+                    name=title,
+                    data=data,
+                    setting=playing.said(way.choice),
+                    figures=tuple(figures(way, found)),
+                )
+            )
+            if what in _PICTURED and _pictured(what, key, options.quick):
+                caption = f"{title}. Blue: as asked for."
+                pictures.append(Picture(caption=caption, task=f"{what}/{key}", name="strip"))
+    return Content(rows=tuple(rows), plots=_plots(options, values), pictures=tuple(pictures))
+
+
+_TITLES = {
+    "wall": "Figure 6, a walk into a wall",
+    "lift": "Figure 7, a suitcase",
+    "kick": "blindness to mass, a kick",
+}
+
+
+def _at_wall(way: Way, found: Values) -> list[Figure]:
+    beyond = Figure(name="pelvis beyond the wall", unit="m", ours=found["beyond"])
+    deepest = Figure(name="deepest", unit="mm", ours=found["deepest"])
+    rate = Figure(name="rate", unit="%", ours=found["rate"])
+    if way.through:
+        beyond = at_least(0.0, beyond.ours, name=beyond.name, unit="m")
+    elif way.through is False:
+        beyond = at_most(0.0, beyond.ours, name=beyond.name, unit="m")
+        deepest = at_most(0.0, deepest.ours, name=deepest.name, unit="mm")
+    return [beyond, rate, deepest]
+
+
+def _lifted(way: Way, found: Values) -> list[Figure]:
+    into = Figure(name="skin in the suitcase", unit="mm", ours=found["into_suitcase"])
+    rise = Figure(name="rise", unit="mm", ours=found["rise"])
+    rest = [
+        Figure(name="rate", unit="%", ours=found["rate"]),
+        Figure(name="hands rise", unit="mm", ours=found["hands"]),
+    ]
+    if way.forced:
+        into = at_least(DEEP, into.ours, name=into.name, unit="mm")
+        rise = at_most(BARELY, rise.ours, name=rise.name, unit="mm")
+    elif way.forced is False:
+        into = at_most(0.0, into.ours, name=into.name, unit="mm")
+        behind = abs(found["rise"] - found["hands"])
+        rest.append(at_most(BEHIND, behind, name="rise, less that of the hands", unit="mm"))
+    return [into, rise, *rest]
+
+
+def _kicked(way: Way, found: Values) -> list[Figure]:
+    figures = [
+        Figure(name=f"speed of {mass:g} kg", unit="m/s", ours=speed)
+        for mass, speed in zip(found["masses"], found["speeds"], strict=True)
+    ]
+    low, high = found["speeds"][0], found["speeds"][-1]
+    share = high / low if low > 0.0 else None
+    name = f"speed of {found['masses'][-1]:g} kg, of that of {found['masses'][0]:g} kg"
+    if way.blind and share is not None:
+        spread = (max(found["speeds"]) - min(found["speeds"])) / max(found["speeds"])
+        figures.append(Figure(name=name, ours=share))
+        figures.append(at_most(BLIND, spread, name="spread of the speeds"))
+    elif way.blind is False:
+        figures.append(at_most(SEEING, share, name=name))
+    else:
+        figures.append(Figure(name=name, ours=share))
+    into = max(found["depths"])
+    if way.blind is False:
+        figures.append(at_most(0.0, into, name="skin in the ball", unit="mm"))
+    elif way.blind:
+        figures.append(
+            Figure(
+                name="skin in the ball",
+                unit="mm",
+                ours=into,
+                expected="more than 0",
+                reproduced=into > 0.0,
+            )
+        )
+    else:
+        figures.append(Figure(name="skin in the ball", unit="mm", ours=into))
+    return figures
+
+
+def _plots(options: Options, values: Values) -> tuple[Plot, ...]:
+    def over_time(what: str, field: str) -> tuple[Series, ...]:
+        lines = []
+        for key, way in _ways(options):
+            found = values.get(f"{what}/{key}")
+            if found is not None:
+                times = [round(t / found["fps"], 6) for t in range(len(found[field]))]
+                lines.append(Series(way.name, times, found[field]))
+        return tuple(lines)
+
+    plots = [
+        Plot(
+            title="Figure 6: where the pelvis is",
+            x=("time", "s"),
+            y=("way", "m"),
+            series=over_time("wall", "way"),
+        ),
+        Plot(
+            title="Figure 7: how high the suitcase is",
+            x=("time", "s"),
+            y=("height", "mm"),
+            series=over_time("lift", "heights"),
+        ),
+        Plot(
+            title="How fast a ball is kicked",
+            x=("mass", "log10 of kg"),
+            y=("speed", "m/s"),
+            series=tuple(
+                Series(way.name, np.log10(found["masses"]).tolist(), found["speeds"])
+                for key, way in _ways(options)
+                if (found := values.get(f"kick/{key}")) is not None
+            ),
+        ),
+    ]
+    return tuple(plot for plot in plots if plot.series)
+
+
+SECTION = Section(
+    key="figures6and7",
+    title="Figures 6 and 7: against forced poses",
+    about="A body that is only moved walks through walls. Where its poses are forced into a "
+    "simulation, once a frame or interpolated, it goes into what it handles, and light and heavy "
+    "things answer alike. Half-physics is stopped, holds, and has mass its say.",
+    tasks=tasks,
+    content=content,
+)

@@ -1,0 +1,154 @@
+"""Plausibility of contact forces: no pull, friction inside its cone, objects' momentum."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from halfphysics import rotations as rot
+from halfphysics.metrics.inputs import Array, check_result
+from halfphysics.moving import Moving
+from halfphysics.pairs import PERSON
+from halfphysics.skeleton import JOINT_NAMES
+
+if TYPE_CHECKING:
+    from halfphysics.contacts import Contacts
+    from halfphysics.result import Result
+    from halfphysics.scene import Scene
+    from halfphysics.things import Object
+
+#: Impulses are compared with each other to this fraction of their size, and this much [N s].
+TOLERANCE, LEAST = 1e-6, 1e-9
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ForceReport:
+    """How plausible a result's contact impulses are.
+
+    Attributes:
+        contacts: Number of labelled contacts that carry an impulse.
+        push_percent: Share of them whose impulse pushes along the contact's normal [%]; 100 where
+            there are none.
+        cone_percent: Share of them whose impulse is in the friction cone [%]; likewise.
+        pull: Largest impulse against the normal [N s].
+        slip: Largest impulse across the normal beyond what friction allows [N s].
+        balance: Object -> what is missing in its momentum's balance of every frame (T,) [N s], 0
+            in frame 0 and while it is asleep. Empty unless the result has every substep
+            (``Settings(record="substeps")``).
+        unbalanced: Largest of those [N s]; nan where nothing was balanced.
+    """
+
+    contacts: int
+    push_percent: float
+    cone_percent: float
+    pull: float
+    slip: float
+    balance: Mapping[str, Array]
+    unbalanced: float
+
+
+def contact_forces(result: Result) -> ForceReport:
+    """How plausible the contact impulses of a result are.
+
+    A contact's impulse p, of all points of a pair in a frame, is split along the contact's normal
+    n into p_n = p . n and the rest p_t. It pushes where p_n >= 0, and is in its cone where
+    |p_t| <= mu p_n, mu being the pair's friction (`Scene.friction_of`); both to a millionth of
+    |p|. Where a pair touches in several planes their normals differ, and a sum of impulses that
+    are each in their own cone can be outside the mean one's.
+
+    Each object's momentum m v changes in a frame by the impulses on it and by gravity:
+    r_t = m (v_t - v_{t-1}) - sum of impulses - m g dt should be 0; |r_t| is reported. v is the
+    velocity of the centre of mass in the frame's last substep, by its two last positions: exact
+    where no step was shortened (`Result.lost_time`) or divided.
+
+    Raises:
+        InputError: No result.
+        FileError: In a result from a file: the scene has gone.
+    """
+    check_result(result)
+    contacts, scene = result.contacts, result.scene
+    contacts = contacts[contacts.strength > 0.0]
+    along = np.einsum("ni,ni->n", contacts.impulse, contacts.normal)
+    across = np.linalg.norm(contacts.impulse - along[:, None] * contacts.normal, axis=1)
+    beyond = across - _friction(result, contacts) * np.maximum(along, 0.0)
+    room = TOLERANCE * contacts.strength + LEAST
+    balance = _balance(result, scene)
+
+    def percent(good: Array) -> float:
+        return float(100.0 * good.mean()) if len(good) else 100.0
+
+    def largest(values: Array) -> float:
+        return float(np.maximum(values, 0.0).max()) if len(values) else 0.0
+
+    return ForceReport(
+        contacts=len(contacts),
+        push_percent=percent(along >= -room),
+        cone_percent=percent((beyond <= room) & (along >= -room)),
+        pull=largest(-along),
+        slip=largest(beyond),
+        balance=MappingProxyType(balance),
+        unbalanced=max((float(r.max()) for r in balance.values()), default=float("nan")),
+    )
+
+
+def _friction(result: Result, contacts: Contacts) -> Array:
+    """Coefficient of friction (n,) of every contact's pair."""
+    scene, first_person = result.scene, len(result.names) - len(result.people)
+    owner = {n: thing.name for thing in scene.articulated.values() for n in thing.link_names}
+
+    def name(index: int, part: int) -> str:
+        if part >= 0:
+            return f"{PERSON}/{JOINT_NAMES[part]}"
+        known = result.names[index]
+        return PERSON if index >= first_person else owner.get(known, known)
+
+    columns = (contacts.subject, contacts.part, contacts.other, contacts.other_part)
+    keys, place = np.unique(np.stack(columns), axis=1, return_inverse=True)
+    values = [scene.friction_of(name(s, p), name(o, q)) for s, p, o, q in keys.T.tolist()]
+    return np.array(values, dtype=np.float64)[place.reshape(-1)]
+
+
+def _balance(result: Result, scene: Scene) -> dict[str, Array]:
+    """Size of the missing momentum (T,) of every object that moves freely."""
+    if result.substeps is None:
+        return {}
+    dt = 1.0 / result.fps
+    count = result.settings.substeps_for(dt)
+    balance = {}
+    for name, track in result.substeps.objects.items():
+        thing = scene.objects.get(name)
+        if thing is None or isinstance(thing, Moving):  # a link, or given
+            continue
+        turn = rot.normalize(track.quaternion)
+        centre = track.position + rot.rotate(turn, np.broadcast_to(thing.com, track.position.shape))
+        speed = np.diff(centre, axis=0)[count - 1 :: count] * (count / dt)
+        arm = rot.rotate(turn[0], np.asarray(thing.com, dtype=np.float64))
+        start = thing.velocity + np.cross(thing.angular_velocity, arm)
+        gained = thing.mass * np.diff(np.concatenate([start[None], speed]), axis=0)
+        missing = gained - _received(result, name)[1:] - thing.mass * dt * scene.gravity
+        missing[: _asleep(thing, centre[::count])] = 0.0
+        balance[name] = np.concatenate([[0.0], np.linalg.norm(missing, axis=1)])
+        balance[name].setflags(write=False)
+    return balance
+
+
+def _received(result: Result, name: str) -> Array:
+    """Sum of the contact impulses on an object in every frame (T, 3) [N s]."""
+    contacts, index = result.contacts, result.names.index(name)
+    total = np.zeros((len(result), 3))
+    for column, sign in ((contacts.subject, 1.0), (contacts.other, -1.0)):
+        rows = column == index
+        np.add.at(total, contacts.frame[rows], sign * contacts.impulse[rows])
+    return total
+
+
+def _asleep(thing: Object, centre: Array) -> int:
+    """For how many frames an object that starts asleep is held where it is; centre (T, 3)."""
+    if thing.start != "asleep":
+        return 0
+    moved = (centre != centre[0]).any(axis=1)
+    return int(moved.argmax()) if moved.any() else len(centre) - 1

@@ -25,6 +25,7 @@ __all__ = ["MODULES", "Options", "Report", "make", "sections"]
 #: Modules of this package, in the order of the report.
 MODULES = (
     "fidelity",
+    "furnished",
     "torque",
     "internal_forces",
     "scenes",

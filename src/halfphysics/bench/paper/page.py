@@ -381,6 +381,6 @@ def _legend() -> str:
     return (
         f'<section id="legend"><h2>How to read this</h2><ul class="legend">{lines}</ul>'
         "<p>Ours is in bold. Where the paper has a number, ours has at least its decimals, up to "
-        f"six digits; {MISSING} stands where there is none. The file <code>paper.json</code> beside "
-        "this page has every number in full.</p></section>"
+        f"six digits; {MISSING} stands where there is none. The file <code>paper.json</code> "
+        "beside this page has every number in full.</p></section>"
     )

@@ -21,6 +21,7 @@ from halfphysics.bench.paper.wording import (
     signed,
     tally,
     verdict,
+    visible,
 )
 
 _STYLE = Path(__file__).with_name("style.css")
@@ -307,9 +308,11 @@ def _failed(failed: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _command(command: object) -> str:
+    """A command to copy: word by word, so that no line ends within an option."""
     if not plain(command):
         return ""
-    return f'<div class="command"><span>Made by</span><pre><code>{_e(command)}</code></pre></div>'
+    words = " ".join(f"<span>{escape(word)}</span>" for word in visible(command).split(" "))
+    return f'<div class="command"><b>Made by</b><pre><code>{words}</code></pre></div>'
 
 
 def _plot(plot: Mapping[str, Any]) -> str:

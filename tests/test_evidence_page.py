@@ -101,6 +101,14 @@ def test_every_figure_is_there_with_its_verdict(made):
     assert {mark for _, mark in rows} == set("✓✗·–“")
 
 
+def test_a_section_without_numbers_of_the_paper_has_no_column_of_them(made):
+    kinds = re.findall(r'<section id="([^"]*)">(?:(?!</section>).)*?<table class="([^"]*)"', made)
+    assert dict(kinds) == {
+        **dict.fromkeys(["table1", "table2", "table3", "table4", "speed-speed"], "figures"),
+        **dict.fromkeys(["figure5", "figure8"], "figures alone"),
+    }
+
+
 def test_texts_are_escaped_and_steer_nothing(made, parsed):
     assert "<script" not in made
     whole = "".join(parsed.texts)

@@ -14,7 +14,7 @@ from halfphysics.body import check_match
 from halfphysics.contacts import Contacts
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.floating import floating
-from halfphysics.forced import FORCED
+from halfphysics.forced import FORCED, recorded
 from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_over_time
 from halfphysics.motion import Motion
@@ -264,7 +264,7 @@ def _substeps(simulator: Simulator, motions: Sequence[Motion], qpos: Array) -> S
     fps = motions[0].fps * simulator.settings.substeps_for(simulator.dt)
     return Substeps(
         motions=tuple(
-            m.with_frames(*person.pose(qpos, m.axes), fps=fps)
+            recorded(m, *person.pose(qpos, m.axes), fps)
             for m, person in zip(motions, world.people, strict=True)
         ),
         objects=_tracks(world, qpos),

@@ -359,7 +359,8 @@ class Simulator:
 
         Raises:
             InputError: Before `reset`; another name, part or person; something held already, on a
-                trajectory or articulated; a mode that sets the person's pose.
+                trajectory or articulated; a mode other than "velocity", internal forces or joint
+                damping.
         """
         self._must_run("attach")
         if self.settings.mode in FORCED:

@@ -63,9 +63,10 @@ class Command:
             workers=self.jobs or os.cpu_count() or 1,
             progress=_shown,
         )
-        print(text.summary(report.content))
+        encoding = sys.stdout.encoding
+        print(text.summary(report.content, encoding=encoding))
         if report.speed["sections"]:
-            print(f"\n{text.summary(report.speed)}")
+            print(f"\n{text.summary(report.speed, encoding=encoding)}")
         for name in (paper.PAGE, paper.JSON, paper.SPEED):
             print(f"written: {report.folder / name}")
         print(f"in {time.perf_counter() - start:.0f} s")

@@ -140,39 +140,61 @@ void Stepper::set_push(double h) {
   }
 }
 
-// A step of length h. A thing that people are inside of leaves them more slowly where it would be thrown, and
-// not at all where it has no room.
+// A thing stays where it is in this substep, whatever touches it.
+void Stepper::jam(int tree) {
+  for (int b = tree; b < model.nbody; b++) {
+    if (model.root[b] != tree) continue;
+    jammed_.push_back(b);
+    model.held[b] = 1;
+    for (int i = model.dof_first[b]; i < model.dof_first[b] + model.dof_count[b]; i++)
+      v_free_[i] = spin_[i] = 0;
+  }
+}
+
+// A step of length h. A thing that people are inside of leaves them more slowly where it would be thrown, and not
+// at all where it has no room; what is thrown even so is jammed and stays where it is.
 void Stepper::push_out(double h) {
   if (forced == Forced::No) return emerge(h);
   for (int tries = 0;; tries++) {
     emerge(h);
-    std::vector<char> inside(model.nbody, 0);
+    std::vector<char> inside(model.nbody, 0), forget(model.nbody, 0);
     for (const Candidate& c : candidates_)
       if (c.dist < 0 && c.other_mover >= 0 && is_person(world.movers[c.mover].body))
         inside[world.movers[c.other_mover].body] = 1;
-    bool again = false;
-    body_twists(model, start_.kin, v_.data(), twists_);
     std::vector<Twist> free;
+    body_twists(model, start_.kin, v_.data(), twists_);
     body_twists(model, start_.kin, v_free_.data(), free);
+    bool again = false;
     for (int b = 1; b < model.nbody; b++) {
-      double& pace = world.pace[b];
       if (!inside[b]) push_[b].patience = 0;
-      if (!inside[b] || pace == 0) continue;
+      if (!inside[b] || model.held[b]) continue;
+      double& pace = world.pace[b];
       const double most = fastest(b, free) + kThrown * world.settings.depenetration_speed,
                    speed = fastest(b, twists_);
       const bool room = good_ && !gave_way_[model.root[b]];
-      if (room && speed <= most) continue;
-      if (room && tries < kTries) {
+      if (speed <= most && (room || pace == 0)) continue;
+      if (pace == 0) {
+        jam(model.root[b]);
+      } else if (room && tries < kTries) {
         pace *= std::max(kLeast, kGentler * most / speed);
       } else {
         Push& p = push_[b];
         p.wait = p.patience = std::min(kMostPatience, std::max(kPatience, 2 * p.patience));
         pace = 0;
       }
-      again |= !good_ || speed > most;
+      forget[model.root[b]] = 1;
+      again = true;
     }
-    if (!again) return;
+    if (!again) break;
+    // What pressed on it without an end is no guess of what presses now.
+    auto forgotten = [&](const Remembered& w) {
+      const int other = (int)(w.key & 0xffffffff);
+      return forget[tree((int)(w.key >> 32))] || (other % 2 == 1 && forget[tree(other / 2)]);
+    };
+    warm_.erase(std::remove_if(warm_.begin(), warm_.end(), forgotten), warm_.end());
   }
+  for (int b : jammed_) model.held[b] = 0;
+  jammed_.clear();
 }
 
 void Stepper::force_frame(const double* targets, double dt, int n, std::vector<double>* poses) {

@@ -74,7 +74,7 @@ class _Names:
     """Names of places on the page: from keys that anybody may have chosen, each given once."""
 
     def __init__(self) -> None:
-        self._given: set[str] = {"summary", "machine", "legend"}
+        self._given: set[str] = {"summary", "contents", "machine", "legend"}
 
     def of(self, key: str) -> str:
         letters = (c if c.isascii() and c.isalnum() else "-" for c in str(key).lower())
@@ -118,7 +118,7 @@ def _contents(evidence: Places, timing: Places) -> str:
 
     speed = f"<h2>On this machine</h2><ol>{entries(timing)}</ol>" if timing else ""
     return (
-        '<nav aria-label="Contents"><h2>Contents</h2>'
+        '<nav id="contents" aria-label="Contents"><h2>Contents</h2>'
         f'<ol><li><a href="#summary">Summary</a></li>{entries(evidence)}</ol>{speed}'
         '<ol><li><a href="#legend">How to read this</a></li></ol></nav>'
     )
@@ -228,7 +228,8 @@ def _section(anchor: str, section: Mapping[str, Any], pictures: Pictures) -> str
     )
     return (
         f'<section id="{anchor}"><h2><a href="#{anchor}">{_e(section["title"])}</a></h2>'
-        f'{_tally(tally([section]))}<div class="about">{about}</div>'
+        f"{_tally(tally([section]))}"
+        f'<a class="up" href="#contents">↑ contents</a><div class="about">{about}</div>'
         + _table(anchor, section["rows"])
         + _failed(section["failed"])
         + _command(section["command"])
@@ -261,7 +262,10 @@ def _table(anchor: str, rows: Sequence[Mapping[str, Any]]) -> str:
         )
     )
     parts = "".join(_row(f"{anchor}.{k}", row) for k, row in enumerate(rows, 1))
-    return f'<table class="figures"><thead><tr>{head}</tr></thead>{parts}</table>'
+    # Where the paper has pictures only, its column would be empty.
+    quoting = any(f["paper"] is not None for row in rows for f in row["figures"])
+    kind = "figures" if quoting else "figures alone"
+    return f'<table class="{kind}"><thead><tr>{head}</tr></thead>{parts}</table>'
 
 
 def _row(anchor: str, row: Mapping[str, Any]) -> str:
@@ -302,10 +306,7 @@ def _failed(failed: Sequence[Mapping[str, Any]]) -> str:
 def _command(command: object) -> str:
     if not plain(command):
         return ""
-    return (
-        '<div class="command"><span>Made by</span>'
-        f'<pre tabindex="0"><code>{_e(command)}</code></pre></div>'
-    )
+    return f'<div class="command"><span>Made by</span><pre><code>{_e(command)}</code></pre></div>'
 
 
 def _plot(plot: Mapping[str, Any]) -> str:

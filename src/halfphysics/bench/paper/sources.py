@@ -17,9 +17,9 @@ from halfphysics.errors import FileError
 if TYPE_CHECKING:
     from halfphysics.motion import Motion
 
-#: Of a quick report: which dances, which daily motions, how long they are [s], how many of the
-#: user's clips.
-QUICK_DANCES, QUICK_DAILY, QUICK_SECONDS, QUICK_CLIPS = (3, 4, 6, 7), (0, 1), 4.0, 4
+#: Of a quick report: which dances, which daily motions, how many of the user's clips, and how much
+#: of each [s] (dances are whole).
+QUICK_DANCES, QUICK_DAILY, QUICK_CLIPS, QUICK_SECONDS = (3, 4, 6, 7), (0, 1), 4, 4.0
 #: Of a full one: how many of the user's clips at most, and how much of each [s].
 MOST_CLIPS, MOST_SECONDS = 40, 60.0
 #: The test set of AIST++, beside its motions or in the folder above, one name a line.
@@ -67,20 +67,28 @@ def load(arguments: Mapping[str, Any]) -> Motion:
         return choreography.dance(**given)
     if kind == "daily":
         return everyday.daily(**given)
-    path = Path(given["path"])
+    path, fps = Path(given["path"]), given.get("fps")
     if not path.exists():
         raise FileError(f"{path}: no such file, though the test set names it")
     # The default body goes with every motion; betas of other models mean nothing to it.
     motion = replace(Motion.load(path, clip=given["clip"]), betas=None)
-    return motion[: max(2, round(given["seconds"] * motion.fps))]
+    motion = motion[: max(2, round(given["seconds"] * motion.fps))]
+    return motion if fps is None or fps >= motion.fps else motion.resample(fps)
 
 
 def dances(options: Options) -> Group:
     """The embedded dances."""
     numbers = QUICK_DANCES if options.quick else tuple(range(choreography.CLIPS))
-    seconds = QUICK_SECONDS if options.quick else choreography.SECONDS
+    seconds = choreography.SECONDS
     data = f"dance, embedded, {len(numbers)} clips of {seconds:g} s at {choreography.FPS:g} fps"
     return Group("dance", data, _made("dance", numbers, options.seed, seconds))
+
+
+def slower(group: Group, fps: float) -> Group:
+    """The same motions at fewer frames per second."""
+    sources = (replace(s, arguments={**s.arguments, "fps": fps}) for s in group.sources)
+    data = f"{group.data}, taken at {fps:g} fps"
+    return Group(f"{group.key}-{fps:g}fps", data, tuple(sources), group.judged)
 
 
 def daily(options: Options) -> Group:

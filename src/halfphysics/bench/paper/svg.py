@@ -88,7 +88,7 @@ def draw(plot: Mapping[str, Any], width: int) -> str:
 def swatch(k: int, kind: str) -> str:
     """The sign of series `k` in a legend."""
     if kind == "bars":
-        inside = f'<rect class="bar s{k % _COLOURS}" x="7" y="1" width="14" height="12" rx="2"/>'
+        inside = f'<rect class="{_bar_kind(k)}" x="7" y="1" width="14" height="12" rx="2"/>'
     else:
         inside = _path([(1.0, 7.0), (27.0, 7.0)], k) + _mark(k, 14.0, 7.0)
     return f'<svg class="swatch" width="28" height="14" aria-hidden="true">{inside}</svg>'
@@ -285,6 +285,11 @@ def _bars(plot: Mapping[str, Any], width: int) -> tuple[list[str], float]:
     return grid + drawn, bottom + 48
 
 
+def _bar_kind(k: int) -> str:
+    """The style of a series of bars: where there are no more colours, they are hollow."""
+    return f"bar s{k % _COLOURS}" + (" hollow" if k // _COLOURS % 2 else "")
+
+
 def _bar(
     k: int,
     value: float | None,
@@ -304,7 +309,7 @@ def _bar(
     if abs(tip - foot) > 0.05:
         x, long = min(tip, foot), abs(tip - foot)
         out.append(
-            f'<rect class="bar s{k % _COLOURS}" x="{_px(x)}" y="{_px(y + 1)}" '
+            f'<rect class="{_bar_kind(k)}" x="{_px(x)}" y="{_px(y + 1)}" '
             f'width="{max(long, 1.0):.1f}" height="{_px(thick - 3)}" rx="1.5"/>'
         )
     if value < 0:

@@ -21,10 +21,27 @@ from halfphysics.bench.paper.wording import (
 #: Columns that are numbers stand to the right.
 _RIGHT = {2, 3}
 _WIDEST = 34
+#: For terminals without these signs; as wide, so that columns stay.
+_PLAINER = str.maketrans("✓✗·–“…", "+X.-q~")
 
 
-def summary(document: Mapping[str, Any]) -> str:
-    """A report (the content of `paper.json` or `paper-speed.json`) as text."""
+def summary(document: Mapping[str, Any], *, encoding: str = "utf-8") -> str:
+    """A report (the content of `paper.json` or `paper-speed.json`) as text.
+
+    Args:
+        document: The report.
+        encoding: What the text will be written in; where it has no marks like ✓ and ✗, plain
+            letters stand for them, and "?" for what cannot be said at all.
+    """
+    text = _summary(document)
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError:
+        return text.translate(_PLAINER).encode(encoding, "replace").decode(encoding)
+    return text
+
+
+def _summary(document: Mapping[str, Any]) -> str:
     counts = document["verdict"]
     said = ", ".join(f"{n} {VERDICTS[kind][1]}" for kind, n in counts.items())
     parts = [f"{plain(document['title'])}: {said}"]

@@ -80,10 +80,10 @@ def test_scenes():
     assert set(rows) == {"sit_on_sofa", "fly_with_ball"}
     asked = rows["sit_on_sofa"]
     assert asked["deepest, asked for"].ours > 60.0
-    assert asked["rate, asked for"].ours > 0.5
+    assert asked["penetration rate, asked for"].ours > 0.5
     for row in rows.values():
         assert all(f.reproduced is not False for f in row.values())
-        assert row["deepest"].ours == row["rate"].ours == row["lost time"].ours == 0.0
+        assert row["deepest"].ours == row["penetration rate"].ours == row["lost time"].ours == 0.0
     assert rows["fly_with_ball"]["the ball slips"].ours < scenes.SLIP
     assert [picture.task for picture in content.pictures] == [sofa]
 
@@ -105,7 +105,7 @@ def test_what_fails_is_said_to_fail():
     worse = {**found, "ours": {"rate": 0.001, "mean_mm": 0.01, "max_mm": 0.02}, "free_deg": 5.1}
     (row,) = scenes.content(Options(quick=True), {sofa: worse}).rows
     wrong = {f.name for f in row.figures if f.reproduced is False}
-    assert wrong == {"rate", "deepest", "joints that are free"}
+    assert wrong == {"penetration rate", "deepest", "joints that are free"}
 
 
 @pytest.fixture(scope="module")

@@ -172,7 +172,7 @@ _TITLES = {
 def _at_wall(way: Way, found: Values) -> list[Figure]:
     beyond = Figure(name="pelvis beyond the wall", unit="m", ours=found["beyond"])
     deepest = Figure(name="deepest", unit="mm", ours=found["deepest"])
-    rate = Figure(name="rate", unit="%", ours=found["rate"])
+    rate = Figure(name="penetration rate", unit="%", ours=found["rate"])
     if way.through:
         beyond = at_least(0.0, beyond.ours, name=beyond.name, unit="m")
     elif way.through is False:
@@ -185,7 +185,7 @@ def _lifted(way: Way, found: Values) -> list[Figure]:
     into = Figure(name="skin in the suitcase", unit="mm", ours=found["into_suitcase"])
     rise = Figure(name="rise", unit="mm", ours=found["rise"])
     rest = [
-        Figure(name="rate", unit="%", ours=found["rate"]),
+        Figure(name="penetration rate", unit="%", ours=found["rate"]),
         Figure(name="hands rise", unit="mm", ours=found["hands"]),
     ]
     if way.forced:

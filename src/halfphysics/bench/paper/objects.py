@@ -289,6 +289,7 @@ CASES = {
         quick=_BRIEF,
     ),
 }
+_PRESSED = "limp joints press less, or less evenly, than what our authored hands hold needs"
 #: If it is to be quick: which are left out, and which have pictures.
 _LEFT_OUT = ("wine", "drawer", "laptop")
 _PICTURED = ("drop", "heavy")
@@ -351,6 +352,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
                     data=" ".join([case.said, *(f"{k}={v:g}" for k, v in more.items())]),
                     setting=playing.said(choice),
                     figures=tuple(figures),
+                    note=_PRESSED if case.grip and end.startswith("/limp") else "",
                 )
             )
             if _pictured(key, end, options.quick):

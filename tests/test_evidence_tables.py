@@ -122,7 +122,7 @@ def test_a_motion_that_comes_back_as_none_is_no_success(monkeypatch):
 
 
 def test_table_1(tmp_path):
-    values, failed = computed(fidelity.SECTION, QUICK, tmp_path)
+    values, failed = computed(fidelity.SECTION, QUICK, tmp_path, "dance/04", "daily/00")
     assert not failed
     content = fidelity.SECTION.content(QUICK, values)
     quoted, *rows = content.rows

@@ -241,6 +241,7 @@ def test_the_test_set_of_aist_is_taken_by_its_names(tmp_path):
         row = figures(rows["half-physics"])
         assert row["success"].ours == 100.0
         assert row["MPJPE-g"].reproduced
+        assert rows["half-physics"].note == "without 1 of the 2 clips, which failed"
 
 
 def test_without_a_split_the_first_clips_of_aist_are_taken_and_it_is_said(tmp_path):

@@ -275,9 +275,10 @@ CONTRAST = """(() => {
 
 
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-def test_everything_can_be_told_from_what_is_behind_it(chromium, dark):
+@pytest.mark.parametrize("size", ["desktop", "phone"])
+def test_everything_can_be_told_from_what_is_behind_it(chromium, size, dark):
     """The contrast that WCAG 2 asks of text (AA)."""
-    chromium.size(1280, 800, dark)
+    chromium.size(*SIZES[size], dark)
     chromium.open(chromium.path)
     ratio, where = chromium.evaluate(CONTRAST)
     assert ratio >= 4.5, where

@@ -51,7 +51,7 @@ def texts(root, kind):
     return [t.text for t in root.iter("text") if t.get("class") == kind]
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(st.lists(st.lists(VALUES, max_size=6), min_size=1, max_size=4), st.booleans(),
        st.sampled_from([svg.WIDE, svg.NARROW]))  # fmt: skip
 def test_any_values_make_a_picture(ys, lie, width):

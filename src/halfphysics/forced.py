@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from halfphysics.errors import InputError
+from halfphysics.validation import frame_rate
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,17 +22,13 @@ def check_forced(settings: Settings) -> None:
     """Refuse what says nothing where poses are set.
 
     Raises:
-        InputError: A limit of strength, a return to the reference, contact with oneself or forces
-            on joints, with a mode of `FORCED`.
+        InputError: A return to the reference or contact with oneself, with a mode of `FORCED`.
     """
     if settings.mode not in FORCED:
         return
     refused = {
-        "strength": (None, "nothing is exerted"),
         "root": ("stay", "nobody leaves the reference"),
         "self_contact": (False, "nobody gives way"),
-        "internal_forces": (False, "no force acts on the person"),
-        "joint_damping": (0.0, "no force acts on the person"),
     }
     for name, (only, why) in refused.items():
         if getattr(settings, name) != only:
@@ -44,7 +41,7 @@ def check_forced(settings: Settings) -> None:
 def recorded(
     motion: Motion, translation: NDArray[np.float64], rotations: NDArray[np.float64], fps: float
 ) -> Motion:
-    """A motion's poses as they were in all substeps, `fps` a second: those that are set may jump."""
+    """A motion's poses in all substeps, `fps` a second: those that are set may jump."""
     poses = motion.with_frames(translation, rotations, fps=1.0)
-    object.__setattr__(poses, "fps", fps)
+    object.__setattr__(poses, "fps", frame_rate(fps))
     return poses

@@ -23,7 +23,7 @@ from halfphysics.person_model import add_person, addresses
 from halfphysics.person_movers import add_person_movers
 from halfphysics.pose import Pose
 from halfphysics.scene import PERSON_FRICTION
-from halfphysics.settings import Settings
+from halfphysics.settings import ENGINE_MODES, Settings
 from halfphysics.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
 from halfphysics.strength import limits_of
 from halfphysics.touches import Touches, touches
@@ -115,7 +115,7 @@ class Control:
                 "bind: Settings.self_contact is True; a person in a MuJoCo world of one's own has "
                 "no contact with itself yet. Leave it False, or use halfphysics.Simulator"
             )
-        if settings.mode in FORCED:
+        if settings.mode in (*FORCED, *ENGINE_MODES):
             raise InputError(
                 f"bind: Settings.mode is {settings.mode!r}; in a MuJoCo world of one's own a "
                 "person is driven. Expected mode='velocity', or use halfphysics.Simulator"

@@ -21,6 +21,7 @@ from halfphysics.axes import turned
 from halfphysics.columns import Table
 from halfphysics.contacts import Contacts
 from halfphysics.errors import FileError, InputError
+from halfphysics.forced import recorded
 from halfphysics.inside import Inside
 from halfphysics.io import amass_smpl, amass_smplh, amass_smplx, load_motion
 from halfphysics.io.npz import Npz, write_npz
@@ -303,7 +304,8 @@ def _substeps(npz: Npz, people: tuple[PersonResult, ...]) -> Substeps | None:
         return None
     fps = _scalar(npz, f"{SUBSTEPS}fps")
     motions = [
-        person.motion.with_frames(
+        recorded(
+            person.motion,
             _field(npz, f"{SUBSTEPS}person/{index}/translation"),
             _field(npz, f"{SUBSTEPS}person/{index}/rotations"),
             fps,

@@ -17,6 +17,8 @@ namespace triangles {
 constexpr double kFourPi = 12.566370614359172954;
 constexpr int kLeaf = 4;       // triangles in a leaf
 constexpr int kStack = 128;    // median splits: depth is at most log2(triangles) + 1
+constexpr int kSteps = 2048;   // clusters opened at most for one question
+constexpr double kUnknown = 100.0;    // off by more than any winding number that is asked for
 
 struct Vec {
   double x, y, z;
@@ -90,10 +92,20 @@ Vec closest_on_triangle(Vec p, const Triangle& t) {
 struct Cluster {
   Vec centre;
   double radius, remainder;
+  double change[2];      // over d^3 and d^4, how fast the expansion changes as q moves at most
   Vec dipole;            // integral of n dA, over 4 pi
   double diagonal[3];    // integral of (x - p)_i n_i dA, over 4 pi
   double mixed[3];       // xy, yz, zx: integral of (x - p)_i n_j + (x - p)_j n_i dA, over 4 pi
 };
+
+// The expansion, r from q to the centre; 1 / |r|^2 and 1 / |r|^3.
+inline double far_field(const Cluster& c, Vec r, double inv2, double inv3) {
+  const double trace = c.diagonal[0] + c.diagonal[1] + c.diagonal[2];
+  const double quadratic = c.diagonal[0] * r.x * r.x + c.diagonal[1] * r.y * r.y +
+                           c.diagonal[2] * r.z * r.z + c.mixed[0] * r.x * r.y +
+                           c.mixed[1] * r.y * r.z + c.mixed[2] * r.z * r.x;
+  return (dot(c.dipole, r) + trace - 3.0 * quadratic * inv2) * inv3;
+}
 
 struct Node {
   int left;            // index of the left child (the right one follows it), -1 in a leaf
@@ -109,6 +121,26 @@ inline double box_distance2(const Box& b, Vec p) {
   const double y = std::max({b.lo.y - p.y, 0.0, p.y - b.hi.y});
   const double z = std::max({b.lo.z - p.z, 0.0, p.z - b.hi.z});
   return x * x + y * y + z * z;
+}
+
+// A box along its own axes around the triangles of a node: flat where they are flat, so that it is
+// known how near they come without looking at them. In single precision, rounded outwards; the
+// axes are unit vectors to 1e-6.
+struct Slab {
+  float centre[3], half[3];
+  float axes[3][3];
+};
+
+// A lower bound of the squared distance of a point from what is in a slab.
+inline double slab_distance2(const Slab& b, Vec p) {
+  const double x = p.x - b.centre[0], y = p.y - b.centre[1], z = p.z - b.centre[2];
+  double sum = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const double along = b.axes[k][0] * x + b.axes[k][1] * y + b.axes[k][2] * z;
+    const double out = std::max(std::abs(along) - b.half[k], 0.0);
+    sum += out * out;
+  }
+  return (1.0 - 1e-6) * sum;
 }
 
 inline double axis(Vec v, int k) { return k == 0 ? v.x : (k == 1 ? v.y : v.z); }
@@ -136,6 +168,7 @@ class Tree {
     if (triangles_.empty()) throw std::invalid_argument("a mesh needs at least one triangle");
     nodes_.resize(1);
     boxes_.resize(1);
+    slabs_.resize(1);
     if (winding_) clusters_.resize(1);
     build(0, 0, static_cast<int>(triangles_.size()));
   }
@@ -152,15 +185,11 @@ class Tree {
       const Cluster& c = clusters_[index];
       const Node& node = nodes_[index];
       const Vec r = c.centre - q;
-      const double r2 = dot(r, r), length = std::sqrt(r2), d = length - c.radius;
-      const double d4 = (d * d) * (d * d);
-      if (d > 0.0 && c.remainder <= share * d4) {
+      const double d2 = slab_distance2(slabs_[index], q), d4 = d2 * d2;
+      if (d2 > 0.0 && c.remainder <= share * d4) {
+        const double r2 = dot(r, r), length = std::sqrt(r2);
         const double inv2 = 1.0 / r2, inv3 = inv2 / length;
-        const double trace = c.diagonal[0] + c.diagonal[1] + c.diagonal[2];
-        const double quadratic = c.diagonal[0] * r.x * r.x + c.diagonal[1] * r.y * r.y +
-                                 c.diagonal[2] * r.z * r.z + c.mixed[0] * r.x * r.y +
-                                 c.mixed[1] * r.y * r.z + c.mixed[2] * r.z * r.x;
-        far += (dot(c.dipole, r) + trace - 3.0 * quadratic * inv2) * inv3;
+        far += far_field(c, r, inv2, inv3);
         rest += c.remainder / d4;
       } else if (node.left < 0) {
         for (int i = node.first; i < node.first + node.count; ++i) {
@@ -194,6 +223,66 @@ class Tree {
       if (std::abs(w - threshold) > error + 1e-9) return w > threshold;
     }
     return winding(q, -1.0, error) > threshold;
+  }
+
+  // Whether the winding number is over a threshold in all of a ball (or at a point: rho = 0), as
+  // the full sum would say: 1 yes, 0 no, -1 not known after so many steps. The cluster that leaves
+  // most open is opened first, until what is open cannot change the answer.
+  int decide(Vec q, double rho, double threshold, int steps) const {
+    Open heap[kSteps + 1];
+    int size = 0;
+    double value = 0.0, off = 0.0;  // at the centre, and by how much it may be another anywhere
+    auto less = [](const Open& a, const Open& b) { return a.off < b.off; };
+    auto add = [&](int index) {
+      const Open open = seen(index, q, rho);
+      value += open.value;
+      off += open.off;
+      if (open.node < 0) return;  // as exact as it gets
+      heap[size++] = open;
+      std::push_heap(heap, heap + size, less);
+    };
+    add(0);
+    for (int k = 0;; ++k) {
+      if (std::abs(value - threshold) > off + 1e-9) return value > threshold;
+      if (size == 0 || k == steps) return -1;
+      std::pop_heap(heap, heap + size, less);
+      const Open open = heap[--size];
+      value -= open.value;
+      off -= open.off;
+      add(nodes_[open.node].left);
+      add(nodes_[open.node].left + 1);
+    }
+  }
+
+  // `exceeds` of n points with one threshold, points[order[i]]: all of a ball at once where it can
+  // be said of all of it. `order` is changed.
+  template <typename Point, typename Tell>
+  void exceeds_all(const Point& point, int* order, int n, double threshold, const Tell& tell) const {
+    // A question about several is worth so many steps for each of them.
+    constexpr int kFew = 4, kParts = 4, kEach = 8;
+    if (n <= kFew) {
+      for (int i = 0; i < n; ++i) tell(order[i], exceeds(point(order[i]), threshold));
+      return;
+    }
+    const double inf = std::numeric_limits<double>::infinity();
+    Vec lo{inf, inf, inf}, hi{-inf, -inf, -inf};
+    for (int i = 0; i < n; ++i) {
+      const Vec p = point(order[i]);
+      lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
+      hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
+    }
+    const Vec extent = hi - lo;
+    const int known = decide(0.5 * (lo + hi), 0.5 * norm(extent), threshold, std::min(kSteps, kEach * n));
+    if (known >= 0) {
+      for (int i = 0; i < n; ++i) tell(order[i], known == 1);
+      return;
+    }
+    const int k = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2)
+                                       : (extent.y >= extent.z ? 1 : 2);
+    std::sort(order, order + n, [&](int a, int b) { return axis(point(a), k) < axis(point(b), k); });
+    for (int i = 0; i < kParts; ++i)
+      exceeds_all(point, order + n * i / kParts, n * (i + 1) / kParts - n * i / kParts, threshold,
+                  tell);
   }
 
   // Triangles that the ray from q upward (+z) crosses, counted +1 where they face up and -1
@@ -247,7 +336,11 @@ class Tree {
       }
     };
     if (guess >= 0) ask(guess);
-    stack[top++] = {box_distance2(boxes_[0], p), 0};
+    auto bound = [&](int node) {
+      const double d2 = box_distance2(boxes_[node], p);
+      return d2 > best2 ? d2 : std::max(d2, slab_distance2(slabs_[node], p));
+    };
+    stack[top++] = {bound(0), 0};
     while (top) {
       const Open open = stack[--top];
       if (open.d2 > best2) continue;
@@ -256,8 +349,7 @@ class Tree {
         for (int i = n.first; i < n.first + n.count; ++i) ask(i);
         continue;
       }
-      Open l{box_distance2(boxes_[n.left], p), n.left};
-      Open r{box_distance2(boxes_[n.left + 1], p), n.left + 1};
+      Open l{bound(n.left), n.left}, r{bound(n.left + 1), n.left + 1};
       if (l.d2 < r.d2) std::swap(l, r);
       if (l.d2 <= best2) stack[top++] = l;
       if (r.d2 <= best2) stack[top++] = r;
@@ -270,6 +362,39 @@ class Tree {
   bool has_winding() const { return winding_; }
 
  private:
+  // What a node adds to the winding number, how far that is off at most, and the node, or -1 where
+  // nothing in it could be opened.
+  struct Open {
+    double off, value;
+    int node;
+  };
+
+  // A node seen from a ball.
+  Open seen(int index, Vec q, double rho) const {
+    const Cluster& c = clusters_[index];
+    const Node& node = nodes_[index];
+    const Vec r = c.centre - q;
+    const double length = norm(r), d = std::sqrt(slab_distance2(slabs_[index], q)) - rho;
+    if (d > 0.0) {
+      const double inv = 1.0 / d, inv3 = inv * inv * inv, inv4 = inv3 * inv;
+      const double off = c.remainder * inv4 +
+                         rho * (c.change[0] * inv3 + (c.change[1] + 4.0 * c.remainder * inv) * inv4);
+      if (node.left >= 0 || off < 1e-3) {
+        const double inv2 = 1.0 / (length * length);
+        return {off, far_field(c, r, inv2, inv2 / length), node.left >= 0 ? index : -1};
+      }
+    }
+    if (node.left >= 0) return {kUnknown, 0.0, index};
+    if (rho > 0.0 && d <= 0.0) return {kUnknown, 0.0, -1};
+    double value = 0.0, area = 0.0;
+    for (int i = node.first; i < node.first + node.count; ++i) {
+      const Triangle& t = triangles_[i];
+      value += 2.0 / kFourPi * half_solid_angle(t.a - q, t.b - q, t.c - q);
+      area += norm(cross(t.b - t.a, t.c - t.a));  // twice
+    }
+    return {rho > 0.0 ? rho * area / (kFourPi * d * d * d) : 0.0, value, -1};
+  }
+
   // +1 (upward) or -1 (downward) where the edge crosses the ray from q along +x, in the xy plane.
   static int passes(Vec q, Vec a, Vec b) {
     const bool up = a.y <= q.y && q.y < b.y, down = b.y <= q.y && q.y < a.y;
@@ -292,6 +417,7 @@ class Tree {
       grow(middle, t.a + t.b + t.c);
     }
     boxes_[node] = box;
+    slabs_[node] = flat(first, count, box);
     nodes_[node] = {-1, first, count};
     if (winding_) clusters_[node] = describe(first, count, box);
     if (count <= kLeaf) return;
@@ -309,9 +435,70 @@ class Tree {
     nodes_[node].left = left;
     nodes_.resize(left + 2);
     boxes_.resize(left + 2);
+    slabs_.resize(left + 2);
     if (winding_) clusters_.resize(left + 2);
     build(left, first, half);
     build(left + 1, first + half, count - half);
+  }
+
+  // Axes: the mean normal, the longest side of the box across it, and what is across both.
+  Slab flat(int first, int count, const Box& box) const {
+    Vec normal{0, 0, 0};
+    for (int i = first; i < first + count; ++i) {
+      const Triangle& t = triangles_[i];
+      normal = normal + cross(t.b - t.a, t.c - t.a);
+    }
+    const Vec extent = box.hi - box.lo, middle = 0.5 * (box.lo + box.hi);
+    const double size = norm(extent), length = norm(normal);
+    Vec axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    if (length > 1e-9 * size * size) {  // else it faces every way, or is a sliver
+      const Vec n = (1.0 / length) * normal;
+      const Vec sides[3] = {{extent.x, 0, 0}, {0, extent.y, 0}, {0, 0, extent.z}};
+      Vec longest{0, 0, 0};
+      for (const Vec& side : sides) {
+        const Vec across = side - dot(side, n) * n;
+        if (dot(across, across) > dot(longest, longest)) longest = across;
+      }
+      if (norm(longest) > 1e-9 * size) {
+        axes[0] = (1.0 / norm(longest)) * longest;
+        axes[1] = cross(n, axes[0]);
+        axes[2] = n;
+      }
+    }
+    Slab s;
+    double lo[3], hi[3];
+    for (int k = 0; k < 3; ++k) {
+      s.axes[k][0] = static_cast<float>(axes[k].x);
+      s.axes[k][1] = static_cast<float>(axes[k].y);
+      s.axes[k][2] = static_cast<float>(axes[k].z);
+      lo[k] = std::numeric_limits<double>::infinity();
+      hi[k] = -lo[k];
+    }
+    auto along = [&s](int k, Vec p) {
+      return s.axes[k][0] * p.x + s.axes[k][1] * p.y + s.axes[k][2] * p.z;
+    };
+    for (int i = first; i < first + count; ++i) {
+      const Triangle& t = triangles_[i];
+      for (Vec p : {t.a - middle, t.b - middle, t.c - middle})
+        for (int k = 0; k < 3; ++k) {
+          const double x = along(k, p);
+          lo[k] = std::min(lo[k], x);
+          hi[k] = std::max(hi[k], x);
+        }
+    }
+    Vec centre = middle;
+    for (int k = 0; k < 3; ++k) centre = centre + 0.5 * (lo[k] + hi[k]) * axes[k];
+    s.centre[0] = static_cast<float>(centre.x);
+    s.centre[1] = static_cast<float>(centre.y);
+    s.centre[2] = static_cast<float>(centre.z);
+    const Vec shift = middle - Vec{s.centre[0], s.centre[1], s.centre[2]};
+    const double room = 1e-12 * (size + norm(middle));
+    for (int k = 0; k < 3; ++k) {
+      const double off = along(k, shift);
+      const double half = std::max(hi[k] + off, -(lo[k] + off)) + room;
+      s.half[k] = std::nextafter(static_cast<float>(half), std::numeric_limits<float>::infinity());
+    }
+    return s;
   }
 
   Cluster describe(int first, int count, const Box& box) const {
@@ -344,12 +531,19 @@ class Tree {
     }
     c.radius = std::sqrt(radius2);
     c.remainder = 3.0 / kFourPi * moment;
+    // |DG| <= 2 / (4 pi d^3), |D^2 G| <= 6 / (4 pi d^4).
+    double square = 0.0;
+    for (int r = 0; r < 3; ++r)
+      square += c.diagonal[r] * c.diagonal[r] + 0.5 * c.mixed[r] * c.mixed[r];
+    c.change[0] = 2.0 * norm(c.dipole);
+    c.change[1] = 6.0 * std::sqrt(square);
     return c;
   }
 
   std::vector<Triangle> triangles_;    // in the tree's order
   std::vector<Node> nodes_;
   std::vector<Box> boxes_;
+  std::vector<Slab> slabs_;
   std::vector<Cluster> clusters_;    // empty unless winding_
   bool winding_;
 };

@@ -25,6 +25,7 @@ __all__ = ["MODULES", "Options", "Report", "make", "sections"]
 #: Modules of this package, in the order of the report.
 MODULES = (
     "fidelity",
+    "furnished",
     "torque",
     "internal_forces",
     "scenes",
@@ -141,7 +142,7 @@ def _entries(
             found = None if task.key in causes else store.load(section.key, task)
             if found is not None:
                 values[task.key] = found
-        entries.append(document.section(section, options, values, causes))
+        entries.append(document.entry(section, options, values, causes))
     return entries
 
 

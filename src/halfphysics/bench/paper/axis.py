@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Decimal
+from itertools import pairwise
 from typing import Any
 
 from halfphysics.bench.paper.wording import signed
 
 #: Positive values over as many decades are shown on a logarithmic axis.
 _DECADES = 3
+#: What is as many decades below everything else is rounding: as good as zero.
+_ROUNDING = 6
 #: A tick beyond the values is near within this share of their span.
 _NEAR = 0.04
+_LARGEST = sys.float_info.max
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -76,8 +81,8 @@ def axis(
         snug: The axis ends at the outermost values, unless the ticks beyond them are near.
         from_zero: Zero is on a linear axis.
         log: Whether in decades; None: where no value is negative, and the positive ones span
-            three decades and spread over decades more evenly than over the values themselves.
-            Negative values make it linear in any case.
+            three decades and spread over decades at least as evenly as over the values
+            themselves, without a gap of six decades. Negative values make it linear in any case.
         decades: A logarithmic axis shows as many at most, the uppermost ones; what is below
             stands with the zeros at its foot.
     """
@@ -95,6 +100,8 @@ def _in_decades(positive: list[float]) -> bool:
     if not positive or math.log10(positive[-1]) - math.log10(positive[0]) < _DECADES:
         return False
     powers = [math.log10(x) for x in positive]
+    if any(b - a > _ROUNDING for a, b in pairwise(powers)):
+        return False
     # How far from its middle an axis would have the median.
     off = [
         abs((some[len(some) // 2] + some[(len(some) - 1) // 2] - some[0] - some[-1]) / span)
@@ -103,7 +110,7 @@ def _in_decades(positive: list[float]) -> bool:
             (powers, powers[-1] - powers[0]),
         )
     ]
-    return off[1] < off[0]
+    return off[1] <= off[0]
 
 
 def _logarithmic(positive: list[float], zeros: bool, ticks: int, decades: int) -> Axis:
@@ -136,7 +143,7 @@ def _linear(numbers: list[float], ticks: int, snug: bool, from_zero: bool) -> Ax
     if high / 2 - low / 2 <= max(size * 1e-9, 1e-290):  # one value, to what can be written
         if snug or size < 1e-280:
             room = size / 2 if size > 1e-280 else 0.5
-            low, high = max(low - room, -1.7e308), min(high + room, 1.7e308)
+            low, high = max(low - room, -_LARGEST), min(high + room, _LARGEST)
             snug = False
         else:
             low, high = min(low, 0.0), max(high, 0.0)
@@ -147,7 +154,8 @@ def _linear(numbers: list[float], ticks: int, snug: bool, from_zero: bool) -> Ax
         near = _NEAR * (last - first)
         first = math.floor(first) if first - math.floor(first) <= near else first
         last = math.ceil(last) if math.ceil(last) - last <= near else last
-        low, high = min(low, first * step), max(high, last * step)
+        low = max(min(low, first * step), -_LARGEST)
+        high = min(max(high, last * step), _LARGEST)
         counts = range(math.ceil(first - 1e-9), math.floor(last + 1e-9) + 1)
     else:
         counts = range(math.floor(first + 1e-9), math.ceil(last - 1e-9) + 1)

@@ -13,7 +13,7 @@ from halfphysics.bench.paper.wording import tally
 TITLE = "Half-Physics: the paper's evidence, reproduced and extended"
 
 
-def section(
+def entry(
     section: Section, options: Options, values: Mapping[str, Any], failed: Mapping[str, str]
 ) -> dict[str, Any]:
     """A section's entry; `values` and `failed` by task key."""

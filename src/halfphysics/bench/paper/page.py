@@ -74,7 +74,7 @@ class _Names:
     """Names of places on the page: from keys that anybody may have chosen, each given once."""
 
     def __init__(self) -> None:
-        self._given: set[str] = {"summary", "machine", "legend"}
+        self._given: set[str] = {"summary", "contents", "machine", "legend"}
 
     def of(self, key: str) -> str:
         letters = (c if c.isascii() and c.isalnum() else "-" for c in str(key).lower())
@@ -93,7 +93,10 @@ def _e(text: object) -> str:
 def _mark(kind: str, word: bool = True) -> str:
     sign, said = VERDICTS[kind]
     if word:
-        return f'<span class="mark {kind}"><b aria-hidden="true">{sign}</b> {said}</span>'
+        return (
+            f'<span class="mark {kind}"><b aria-hidden="true">{sign}</b> '
+            f'<span class="word">{said}</span></span>'
+        )
     return f'<span class="mark {kind}" title="{said}"><b>{sign}</b></span>'
 
 
@@ -118,7 +121,7 @@ def _contents(evidence: Places, timing: Places) -> str:
 
     speed = f"<h2>On this machine</h2><ol>{entries(timing)}</ol>" if timing else ""
     return (
-        '<nav aria-label="Contents"><h2>Contents</h2>'
+        '<nav id="contents" aria-label="Contents"><h2>Contents</h2>'
         f'<ol><li><a href="#summary">Summary</a></li>{entries(evidence)}</ol>{speed}'
         '<ol><li><a href="#legend">How to read this</a></li></ol></nav>'
     )
@@ -228,7 +231,8 @@ def _section(anchor: str, section: Mapping[str, Any], pictures: Pictures) -> str
     )
     return (
         f'<section id="{anchor}"><h2><a href="#{anchor}">{_e(section["title"])}</a></h2>'
-        f'{_tally(tally([section]))}<div class="about">{about}</div>'
+        f"{_tally(tally([section]))}"
+        f'<a class="up" href="#contents">↑ contents</a><div class="about">{about}</div>'
         + _table(anchor, section["rows"])
         + _failed(section["failed"])
         + _command(section["command"])
@@ -285,7 +289,7 @@ def _row(anchor: str, row: Mapping[str, Any]) -> str:
         expected = _e(figure["expected"])
         none = " none" if figure["paper"] is None else ""
         lines.append(
-            f"<tr>{first}"
+            f'<tr class="{kind}">{first}'
             f'<td class="measure">{_e(quantity(figure["name"], figure["unit"]))}</td>'
             f'<td class="paper{none}">{_paper(figure)}</td>'
             f'<td class="ours">{_ours(figure)}</td>'
@@ -305,10 +309,7 @@ def _failed(failed: Sequence[Mapping[str, Any]]) -> str:
 def _command(command: object) -> str:
     if not plain(command):
         return ""
-    return (
-        '<div class="command"><span>Made by</span>'
-        f'<pre tabindex="0"><code>{_e(command)}</code></pre></div>'
-    )
+    return f'<div class="command"><span>Made by</span><pre><code>{_e(command)}</code></pre></div>'
 
 
 def _plot(plot: Mapping[str, Any]) -> str:
@@ -379,7 +380,7 @@ def _legend() -> str:
     lines = "".join(f"<li>{_mark(kind)}<span>{text}</span></li>" for kind, text in meanings.items())
     return (
         f'<section id="legend"><h2>How to read this</h2><ul class="legend">{lines}</ul>'
-        f"<p><b>{MISSING}</b> under “Paper”: the paper has no such number. Where it has one, ours "
-        "has at least as many decimals. The file <code>paper.json</code> beside "
-        "this page has every number in full.</p></section>"
+        "<p>Ours is in bold. Where the paper has a number, ours has at least its decimals, up to "
+        f"six digits; {MISSING} stands where there is none. The file <code>paper.json</code> "
+        "beside this page has every number in full.</p></section>"
     )

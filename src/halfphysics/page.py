@@ -6,13 +6,13 @@ import contextlib
 import html
 import math
 import os
-import socket
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.drawing import Drawing
-from halfphysics.errors import FileError, InputError, MissingDependencyError
+from halfphysics.errors import InputError
+from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.stage import Stage, aim, light
 from halfphysics.viewpoint import choose_direction, page_camera, spread
 
@@ -85,35 +85,12 @@ def _bar(total: int, progress: bool) -> Any:
 
 @contextlib.contextmanager
 def _quiet_server() -> Iterator[Any]:
-    """A viser server on a free local port, without its banner, stopped at the end.
-
-    viser writes pages from a server's scene; nothing connects to it.
-    """
+    """viser writes pages from a server's scene; nothing connects to it."""
+    server = open_server("127.0.0.1", 0)
     try:
-        import rich
-        import viser
-    except ImportError as error:
-        raise MissingDependencyError(
-            f"the page needs viser, which cannot be imported ({error}). pip install viser"
-        ) from None
-    # viser retries for ever where no port can be had: ask first.
-    try:
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-    except OSError as error:
-        raise FileError(
-            f"cannot open a port on 127.0.0.1, which writing a page needs: {error.strerror}"
-        ) from None
-    console = rich.get_console()
-    was_quiet, console.quiet = console.quiet, True
-    try:
-        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-        try:
-            yield server
-        finally:
-            server.stop()
+        yield server
     finally:
-        console.quiet = was_quiet
+        close_server(server)
 
 
 def _build(server: Any, drawing: Drawing) -> Stage:

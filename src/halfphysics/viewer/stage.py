@@ -98,13 +98,16 @@ class Stage:
         self.followers: list[Callable[[int], None]] = []
         self._server = server
         self._lock = threading.RLock()
+        self._root = None
         if prefix:
-            server.scene.add_frame(prefix, show_axes=False, position=tuple(self.offset))
-        statics = [
-            self._static(name, item, FAINT_ALPHA if name in faint else None)
+            self._root = server.scene.add_frame(
+                prefix, show_axes=False, position=tuple(self.offset)
+            )
+        self._statics = {
+            name.removeprefix("static/"): self._add_static(name, item, name in faint)
             for name, item in drawing.statics.items()
             if name not in without
-        ]
+        }
         self._objects = {
             name.removeprefix("object/"): add_mesh(server, self.path(name), item, None)
             for name, item in drawing.objects.items()
@@ -132,7 +135,7 @@ class Stage:
             "body": Layer("Body", [*self.people]),
             "ghost": Layer("Ghost", [*self.ghosts]),
             "objects": Layer("Objects", [*self._objects.values()]),
-            "scene": Layer("Scene", statics),
+            "scene": Layer("Scene", [*self._statics.values()]),
         }
         self.layers = {name: layer for name, layer in self.layers.items() if layer.parts}
 
@@ -189,10 +192,25 @@ class Stage:
         """viser's handle of an object, such as to make it clickable."""
         return self._objects[name]
 
-    def _static(self, name: str, item: Item, opacity: float | None) -> Any:
+    def static(self, name: str) -> Any:
+        """viser's handle of something that stands around."""
+        return self._statics[name]
+
+    @property
+    def visible(self) -> bool:
+        """Whether any of it is drawn; needs a prefix."""
+        return self._root is None or self._root.visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        if self._root is None:
+            raise InputError("visible: this stage has no prefix to hide; hide its layers")
+        self._root.visible = visible
+
+    def _add_static(self, name: str, item: Item, faint: bool) -> Any:
         if item.surface.fade is not None:
             return _add_floor(self._server, self.path(name), item, self.drawing)
-        return add_mesh(self._server, self.path(name), item, opacity)
+        return add_mesh(self._server, self.path(name), item, FAINT_ALPHA if faint else None)
 
 
 def light(server: Any) -> None:

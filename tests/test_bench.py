@@ -43,7 +43,7 @@ SETTINGS = {
     "settle": 4,
     "tree": 4,
     "doorway": 2,
-    "metrics": 1,
+    "metrics": 4,
     "skinning": 1,
 }
 ALONE = {"tree", "metrics", "skinning"}  # nobody is simulated

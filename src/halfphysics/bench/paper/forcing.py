@@ -6,14 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from halfphysics.bench.paper import lifting, playing
+from halfphysics.bench.paper import playing
 from halfphysics.bench.paper.evidence import (
     Content,
     Figure,
     Options,
-    Outcome,
     Picture,
     Plot,
     Row,
@@ -23,11 +20,11 @@ from halfphysics.bench.paper.evidence import (
     at_least,
     at_most,
 )
-from halfphysics.result import Result
-from halfphysics.skeleton import JOINT_INDEX
 
 Values = Mapping[str, Any]
 
+#: Somebody goes limp this long before a kick and is watched for so long [s].
+BEFORE, WATCHED = 0.3, 1.0
 #: Balls that are kicked [kg].
 MASSES = (0.1, 0.5, 5.0, 200.0, 1000.0)
 QUICK_MASSES = (0.1, 1000.0)
@@ -37,11 +34,8 @@ BLIND, SEEING = 0.01, 0.2
 #: What is forced goes into the suitcase this deep at least, which "barely moves" up to so high;
 #: ours goes up with the hands to this [mm].
 DEEP, BARELY, BEHIND = 10.0, 50.0, 20.0
-#: The wall [m].
-_WALL = {"thickness": 0.1}
-_LIFT = {"carry": 1.0, "shake": 0.0}
-# A toe that touches a ball is not farther from its middle than this [m].
-_NEAR = 0.5
+#: The pelvis of one whom nothing drives falls by this, that of half-physics by no more than [m].
+FALLS, STAYS = 0.3, 0.01
 
 
 @dataclass(frozen=True)
@@ -78,73 +72,16 @@ WAYS = {
         "MuJoCo, kinematic bodies", {"mode": "engine_kinematic"}, True, True, True
     ),
     "engine-velocity": Way("MuJoCo, velocities set", {"mode": "engine_velocity"}),
+    "torque": Way("joint torques (PD)", {"mode": "torque"}, False),
     "paper": Way("half-physics, firmness 1", playing.FIRM, False, None, False),
 }
 #: What is left out if it is to be quick, and what has a picture.
-_SLOW = ("paper", "interpolated-240")
+_SLOW = ("paper", "interpolated-240", "torque")
 _PICTURED = {
     "wall": ("half-physics", "kinematic"),
     "lift": ("half-physics", "positions"),
 }
 _QUICKLY = {"wall": ("half-physics",), "lift": ("positions",)}
-
-
-def wall(choice: Values, strip: bool, quick: bool) -> Outcome:
-    """A walk straight at a wall: where it ends, and how deep the skin gets."""
-    result = playing.play("walk_into_wall", _WALL, choice)
-    body, there = result.people[0].body, result.scene.statics["wall"].position[0]
-    pelvis, asked = (body.joints(m)[:, 0, 0] for m in (result.motion, result.reference))
-    report = playing.penetration(result, quick=quick)
-    values = {
-        "fps": result.fps,
-        "beyond": float(pelvis[-1] - there),
-        "way": pelvis.tolist(),
-        "rate": report.rate_percent,
-        "deepest": report.depth_max_mm,
-    }
-    at = int((asked > there).argmax())  # the ghost is in the wall
-    frames = [at + 10] if quick else [at, at + 10]
-    return Outcome(values=values, pictures=_picture(result, strip, quick, frames))
-
-
-def lift(choice: Values, strip: bool, quick: bool) -> Outcome:
-    """A suitcase between two palms."""
-    result = playing.play("lift_suitcase", _LIFT, choice)
-    height = 1e3 * (result.objects["suitcase"].position[:, 2])
-    values = {
-        **lifting.judged(result, quick=quick),
-        "fps": result.fps,
-        "heights": (height - height[0]).tolist(),
-    }
-    frames = [round(t * result.fps) for t in ((2.2,) if quick else (0.9, 2.2))]
-    return Outcome(values=values, pictures=_picture(result, strip, quick, frames))
-
-
-def _near(result: Result) -> slice:
-    """The frames in which a foot is near the ball."""
-    joints = result.people[0].body.joints(result.motion)
-    feet = joints[:, [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]]
-    away = np.linalg.norm(feet - result.objects["ball"].position[:, None], axis=-1).min(axis=1)
-    near = np.flatnonzero(away < _NEAR)
-    return slice(int(near.min()), int(near.max()) + 1)
-
-
-def kick(choice: Values, masses: list[float]) -> Outcome:
-    """The same kick at balls of several masses: how fast they get, how deep the foot gets."""
-    speeds, depths = [], []
-    for mass in masses:
-        result = playing.play("kick_ball", {"mass": mass}, choice)
-        speeds.append(float(playing.object_speed(result, "ball").max()))
-        report = playing.penetration(result, frames=_near(result))
-        depths.append(float(report.by_name["ball"].max()))
-    return Outcome(values={"masses": masses, "speeds": speeds, "depths": depths})
-
-
-def _picture(result: Result, strip: bool, quick: bool, frames: list[int]) -> dict[str, bytes]:
-    if not strip:
-        return {}
-    frames = [min(frame, len(result) - 1) for frame in frames]
-    return {"strip": playing.strip(result, quick=quick, frames=frames)}
 
 
 def _ways(options: Options) -> list[tuple[str, Way]]:
@@ -169,7 +106,7 @@ def tasks(options: Options) -> list[Task]:
             found.append(
                 Task(
                     key=f"{what}/{key}",
-                    function=f"forcing:{what}",
+                    function=f"forced_runs:{what}",
                     arguments=arguments,
                     seconds=0.5 if options.quick else 1.5,
                 )
@@ -177,11 +114,19 @@ def tasks(options: Options) -> list[Task]:
         found.append(
             Task(
                 key=f"kick/{key}",
-                function="forcing:kick",
+                function="forced_runs:kick",
                 arguments={"choice": way.choice, "masses": masses},
                 seconds=0.5 if options.quick else 2.5,
             )
         )
+    found.append(
+        Task(
+            key="ragdoll",
+            function="forced_runs:limp",
+            arguments={"before": BEFORE, "watched": WATCHED},
+            seconds=1.0,
+        )
+    )
     return found
 
 
@@ -192,7 +137,7 @@ def content(options: Options, values: Values) -> Content:
     for what, data, figures in (
         ("wall", "walk_into_wall thickness=0.1", _at_wall),
         ("lift", "lift_suitcase carry=1 shake=0", _lifted),
-        ("kick", "kick_ball mass=...", _kicked),
+        ("kick", "kick_ball, floating", _kicked),
     ):
         for key, way in _ways(options):
             found = values.get(f"{what}/{key}")
@@ -210,6 +155,8 @@ def content(options: Options, values: Values) -> Content:
             if what in _PICTURED and _pictured(what, key, options.quick):
                 caption = f"{title}. Blue: as asked for."
                 pictures.append(Picture(caption=caption, task=f"{what}/{key}", name="strip"))
+    if "ragdoll" in values:
+        rows += _limp(values["ragdoll"])
     return Content(rows=tuple(rows), plots=_plots(options, values), pictures=tuple(pictures))
 
 
@@ -223,7 +170,7 @@ _TITLES = {
 def _at_wall(way: Way, found: Values) -> list[Figure]:
     beyond = Figure(name="pelvis beyond the wall", unit="m", ours=found["beyond"])
     deepest = Figure(name="deepest", unit="mm", ours=found["deepest"])
-    rate = Figure(name="rate", unit="%", ours=found["rate"])
+    rate = Figure(name="penetration rate", unit="%", ours=found["rate"])
     if way.through:
         beyond = at_least(0.0, beyond.ours, name=beyond.name, unit="m")
     elif way.through is False:
@@ -236,7 +183,7 @@ def _lifted(way: Way, found: Values) -> list[Figure]:
     into = Figure(name="skin in the suitcase", unit="mm", ours=found["into_suitcase"])
     rise = Figure(name="rise", unit="mm", ours=found["rise"])
     rest = [
-        Figure(name="rate", unit="%", ours=found["rate"]),
+        Figure(name="penetration rate", unit="%", ours=found["rate"]),
         Figure(name="hands rise", unit="mm", ours=found["hands"]),
     ]
     if way.forced:
@@ -283,6 +230,33 @@ def _kicked(way: Way, found: Values) -> list[Figure]:
     return figures
 
 
+def _limp(found: Values) -> list[Row]:
+    ours, doll = found["ours"], found["ragdoll"]
+    drop, errors = "pelvis lower than asked", "joints from their place, MPJPE-g"
+    data = f"kick_ball, from {BEFORE:g} s before the kick on, {WATCHED:g} s"
+    return [
+        Row(
+            name="a ragdoll: half-physics",
+            data=data,
+            setting=playing.said({}),
+            figures=(
+                at_most(STAYS, abs(ours["drop"]), name=drop, unit="m"),
+                Figure(name=errors, unit="mm", ours=ours["mpjpe_g"]),
+            ),
+        ),
+        Row(
+            name="a ragdoll: MuJoCo, nothing drives the body",
+            data=data,
+            setting="no setting: bench/paper/ragdoll.py",
+            figures=(
+                at_least(FALLS, doll["drop"], name=drop, unit="m"),
+                Figure(name=errors, unit="mm", ours=doll["mpjpe_g"]),
+            ),
+            note="gravity acts on the body, and what it was doing is lost",
+        ),
+    ]
+
+
 def _plots(options: Options, values: Values) -> tuple[Plot, ...]:
     def over_time(what: str, field: str) -> tuple[Series, ...]:
         lines = []
@@ -308,15 +282,31 @@ def _plots(options: Options, values: Values) -> tuple[Plot, ...]:
         ),
         Plot(
             title="How fast a ball is kicked",
-            x=("mass", "log10 of kg"),
+            x=("mass", "kg"),
             y=("speed", "m/s"),
             series=tuple(
-                Series(way.name, np.log10(found["masses"]).tolist(), found["speeds"])
+                Series(way.name, found["masses"], found["speeds"])
                 for key, way in _ways(options)
                 if (found := values.get(f"kick/{key}")) is not None
             ),
         ),
     ]
+    doll = values.get("ragdoll")
+    if doll is not None:
+        times = [round(t / doll["fps"], 6) for t in range(len(doll["asked"]))]
+        heights = {
+            "as asked for": doll["asked"],
+            "half-physics": doll["ours"]["heights"],
+            "ragdoll": doll["ragdoll"]["heights"],
+        }
+        plots.append(
+            Plot(
+                title="A ragdoll: how high the pelvis is",
+                x=("time since it went limp", "s"),
+                y=("height", "m"),
+                series=tuple(Series(name, times, y) for name, y in heights.items()),
+            )
+        )
     return tuple(plot for plot in plots if plot.series)
 
 

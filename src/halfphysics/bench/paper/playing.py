@@ -19,6 +19,7 @@ from halfphysics.settings import Settings
 from halfphysics.skeleton import N_JOINTS, PARENTS
 
 if TYPE_CHECKING:
+    from halfphysics.body import Body
     from halfphysics.motion import Motion
     from halfphysics.result import ObjectTrack, Result
     from halfphysics.sequence import Sequence
@@ -86,6 +87,13 @@ def penetration(
     tracks = {k: frames_of(track, every) for k, track in result.objects.items()}
     body = result.people[0].body
     return metrics.penetration(result.motion[every], body, result.scene, objects=tracks)
+
+
+def default_body(sequence: Sequence) -> Body:
+    """Who plays a scenario of one person."""
+    from halfphysics.body import Body
+
+    return sequence.bodies[0] or Body.default()
 
 
 def frames_of(track: ObjectTrack, which: slice) -> ObjectTrack:

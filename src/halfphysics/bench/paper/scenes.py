@@ -170,9 +170,9 @@ def _row(
 ) -> Row:
     asked, ours = found["asked"], found["ours"]
     figures = [
-        Figure(name="rate, asked for", unit="%", ours=asked["rate"]),
+        Figure(name="penetration rate, asked for", unit="%", ours=asked["rate"]),
         Figure(name="deepest, asked for", unit="mm", ours=asked["max_mm"]),
-        at_most(0.0, ours["rate"], name="rate", unit="%", paper=0.0),
+        at_most(0.0, ours["rate"], name="penetration rate", unit="%", paper=0.0),
         at_most(0.0, ours["max_mm"], name="deepest", unit="mm", paper=0.0),
     ]
     if name == AROUND:

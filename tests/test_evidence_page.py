@@ -274,10 +274,35 @@ CONTRAST = """(() => {
 })()"""
 
 
+@pytest.mark.parametrize("size", SIZES)
+def test_a_click_selects_the_command_as_it_is_typed(chromium, tmp_path, size):
+    command = (
+        "halfphysics bench paper --only table1 --quick --data 'aist=/a  b/" + "long/" * 40 + "'"
+    )
+    path = tmp_path / "command.html"
+    path.write_text(page.build(minimal(command=command), None, sample.pictures), encoding="utf-8")
+    chromium.size(*SIZES[size])
+    chromium.open(path)
+    at = """(() => {
+      const e = document.querySelector("pre");
+      e.scrollIntoView({behavior: "instant"});
+      const b = e.querySelector("span").getBoundingClientRect(); return [b.x + 5, b.y + 5]; })()"""
+    x, y = chromium.evaluate(at)
+    for kind in ("mousePressed", "mouseReleased"):
+        chromium.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+    assert chromium.evaluate("getSelection().toString()").strip() == command
+    assert chromium.evaluate("document.scrollingElement.scrollWidth") <= SIZES[size][0]
+    heights = """[...document.querySelectorAll("pre span")].filter(s => s.textContent == "--quick")
+      .map(s => s.getBoundingClientRect().height)"""
+    (height,) = chromium.evaluate(heights)
+    assert height < 30.0  # an option is on one line
+
+
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-def test_everything_can_be_told_from_what_is_behind_it(chromium, dark):
+@pytest.mark.parametrize("size", ["desktop", "phone"])
+def test_everything_can_be_told_from_what_is_behind_it(chromium, size, dark):
     """The contrast that WCAG 2 asks of text (AA)."""
-    chromium.size(1280, 800, dark)
+    chromium.size(*SIZES[size], dark)
     chromium.open(chromium.path)
     ratio, where = chromium.evaluate(CONTRAST)
     assert ratio >= 4.5, where

@@ -15,7 +15,7 @@ import pytest
 from small_result import FPS, FRAMES, small_result
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.page import _continuous, _shrunk, _strongest, save_page
+from halfphysics.page import save_page
 
 
 @pytest.fixture(scope="module")
@@ -125,35 +125,6 @@ def test_a_page_that_cannot_be_written_leaves_nothing(tmp_path, monkeypatch):
         save_page(small_result(), tmp_path / "a.html")
     assert list(tmp_path.iterdir()) == []
     assert not [t for t in threading.enumerate() if "viser" in t.name]
-
-
-def test_weights_keep_the_four_strongest():
-    rng = np.random.default_rng(0)
-    weights = rng.random((50, 55))
-    kept = _strongest(weights)
-    np.testing.assert_allclose(kept.sum(axis=1), 1.0, rtol=1e-12)
-    assert ((kept > 0).sum(axis=1) == 4).all()
-    order = np.argsort(-weights, axis=1)
-    assert (np.take_along_axis(kept, order[:, :4], axis=1) > 0).all()
-
-
-def test_quaternions_do_not_jump():
-    rng = np.random.default_rng(1)
-    q = np.cumsum(rng.normal(size=(40, 3, 4)) * 0.05, axis=0) + np.array([1.0, 0, 0, 0])
-    q /= np.linalg.norm(q, axis=-1, keepdims=True)
-    flipped = q * rng.choice([-1.0, 1.0], size=(40, 3, 1))
-    smooth = _continuous(flipped)
-    np.testing.assert_array_equal(np.abs(smooth), np.abs(flipped))
-    assert (np.sum(smooth[1:] * smooth[:-1], axis=-1) > 0).all()
-
-
-def test_shrinking_a_cube_moves_its_faces_in():
-    from halfphysics.shapes import Box
-
-    vertices, faces = Box((2.0, 2.0, 2.0)).triangles()
-    inner = _shrunk(vertices, faces, 0.003)
-    np.testing.assert_allclose(np.linalg.norm(vertices - inner, axis=1), 0.003, rtol=1e-9)
-    assert (np.abs(inner) < 1.0).all()
 
 
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium to open the page with")

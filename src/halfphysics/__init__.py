@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from halfphysics.simulation import simulate
     from halfphysics.simulator import Simulator
     from halfphysics.skeleton import JOINT_NAMES
+    from halfphysics.viewer.view import view
     from halfphysics.writers import export
 
 __version__ = "0.1.0"
@@ -60,6 +61,7 @@ __all__ = [
     "metrics",
     "scenarios",
     "simulate",
+    "view",
 ]
 
 # Name -> module it comes from; None: the name is a module of this package.
@@ -89,6 +91,7 @@ _FROM: dict[str, str | None] = {
     "export": "writers",
     "load_sequence": "io.registry",
     "simulate": "simulation",
+    "view": "viewer.view",
 }
 
 

@@ -13,13 +13,13 @@ from halfphysics import rotations, validation
 from halfphysics.errors import InputError
 from halfphysics.mesh_queries import MeshQuery, is_closed
 from halfphysics.metrics.inputs import Array, check_motion
+from halfphysics.metrics.things import links_of, tracks_of, true_shape
 from halfphysics.scene import Scene
 from halfphysics.shape_base import Shape
 from halfphysics.validation import number, shown
 
 if TYPE_CHECKING:
-    from halfphysics.articulated import Link, LinkGeom
-    from halfphysics.things import Object
+    from halfphysics.articulated import LinkGeom
 
 _BATCH = 32  # frames skinned at a time: about 10 MB of vertices
 
@@ -89,11 +89,11 @@ def penetration(
     if int(number(threads, "threads", least=1)) != threads:
         raise InputError(f"threads: expected a whole number, found {threads:g}")
     frames = np.asarray(motion.rotations).shape[0] if np.ndim(motion.rotations) == 3 else 1
-    tracks = _tracks(scene, objects or {}, frames)
+    tracks = tracks_of(scene, objects or {}, frames)
     others = _others(scene, people or {}, frames)
     things: dict[str, Shape] = {n: s.shape for n, s in scene.statics.items()}
-    things |= {n: _true_shape(scene.objects[n]) for n in tracks if n in scene.objects}
-    links = _links(scene)
+    things |= {n: true_shape(scene.objects[n]) for n in tracks if n in scene.objects}
+    links = links_of(scene)
     # Links of articulated objects: several solids each.
     solids = {n: links[n][1].geoms for n in tracks if n in links}
     for name, static in scene.statics.items():
@@ -164,7 +164,7 @@ def _others(scene: Scene, people: Any, frames: int) -> dict[str, tuple[Any, Any]
         raise InputError(f"people: expected names and pairs (motion, body), found {shown(people)}")
     for name, pair in people.items():
         what = f"people[{name!r}]"
-        if name in (*scene.statics, *scene.objects, *_links(scene)):
+        if name in (*scene.statics, *scene.objects, *links_of(scene)):
             raise InputError(f"{what}: the scene has a thing of this name; expected another")
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise InputError(f"{what}: expected a pair (motion, body), found {shown(pair)}")
@@ -177,26 +177,11 @@ def _others(scene: Scene, people: Any, frames: int) -> dict[str, tuple[Any, Any]
     return dict(people)
 
 
-def _true_shape(thing: Object) -> Shape:
-    """What the thing is: where pieces stand for a mesh, the mesh itself."""
-    cut = thing.decomposition is not None
-    return thing.visual if cut and thing.visual is not None else thing.shape
-
-
 def _depth(shape: Shape, points: Array, position: Array, turn: Array, threads: int) -> Array:
     """Depths (T, V) of points (T, V, 3) in a shape that stands at poses (T or 1, ...)."""
     matrix = rotations.to_matrix(turn)
     local = (points - position[:, None]) @ matrix  # row vectors: the transpose turns back
     return shape.depth(local.reshape(-1, 3), threads=threads).reshape(points.shape[:2])
-
-
-def _links(scene: Scene) -> dict[str, tuple[str, Link]]:
-    """Links of articulated objects as results name them: whose, and the link."""
-    return {
-        name: (thing.name, link)
-        for thing in scene.articulated.values()
-        for name, link in zip(thing.link_names, thing.links, strict=True)
-    }
 
 
 def _link_depth(
@@ -209,34 +194,6 @@ def _link_depth(
         own = rotations.multiply(turn, np.broadcast_to(geom.quaternion, turn.shape))
         np.maximum(deepest, _depth(geom.shape, points, place, own, threads), out=deepest)
     return deepest
-
-
-def _tracks(
-    scene: Scene, objects: Mapping[str, Any], frames: int
-) -> dict[str, tuple[Array, Array]]:
-    if not isinstance(objects, Mapping):
-        raise InputError(
-            f"objects: expected names and tracks, as in result.objects, found {shown(objects)}"
-        )
-    tracks, links = {}, _links(scene)
-    for name, track in objects.items():
-        if name not in scene.objects and name not in links:
-            known = ", ".join([*scene.objects, *links]) or "none"
-            raise InputError(f"objects: the scene has no object {name!r}; it has: {known}")
-        if not (hasattr(track, "position") and hasattr(track, "quaternion")):
-            raise InputError(
-                f"objects: {name!r}: expected a track with position and quaternion, as in "
-                f"result.objects, found {shown(track)}"
-            )
-        position = np.asarray(track.position, dtype=np.float64)
-        quaternion = np.asarray(track.quaternion, dtype=np.float64)
-        if position.shape != (frames, 3) or quaternion.shape != (frames, 4):
-            raise InputError(
-                f"objects: {name!r}: expected position ({frames}, 3) and quaternion ({frames}, 4) "
-                f"for a motion of {frames} frames, found {position.shape} and {quaternion.shape}"
-            )
-        tracks[name] = position, rotations.normalize(quaternion)
-    return tracks
 
 
 def _batches(frames: int, progress: bool) -> Any:

@@ -10,10 +10,13 @@ namespace hp {
 
 namespace {
 
-// Nothing is thrown by what leaves it faster than so many times the speed asked; it then leaves so much more
-// slowly, by so many tries, and gains speed again by this factor a substep.
-constexpr double kThrown = 3, kGentler = 0.9, kLeast = 0.1, kRegain = 1.3;
+// Nothing is thrown by what it leaves faster than so many times the speed asked, or than it is and that, at right
+// angles; it then leaves so much more slowly, by so many tries, and gains speed again by this factor a substep.
+constexpr double kThrown = 3, kAcross = 1.01, kGentler = 0.9, kLeast = 0.1, kNoRoom = 0.3, kRegain = 2;
 constexpr int kTries = 3;
+// Who would have to leave faster than that to follow two ways out at once, the cosine between them being less
+// than 2 / kThrown^2 - 1, does not leave.
+constexpr double kOpposed = 2 / (kThrown * kThrown) - 1;
 // What has no room is not pushed for so long [s].
 constexpr double kPatience = 1.0 / 120, kMostPatience = 0.25;
 
@@ -55,6 +58,12 @@ void World::find_exits(const Model& m, Poses& start) {
   }
   auto body = [&](int mover) { return movers[mover].body; };
   auto neighbours = [&](int a, int b) { return a == b || m.parent[a] == b || m.parent[b] == a; };
+  struct Way {
+    int thing;
+    Vec3 exit;
+  };
+  std::vector<Way> found;
+  squeezed.assign(m.nbody, 0);
   std::vector<Vec3> ways;
   std::vector<size_t> mine;
   for (size_t first = 0; first < in.size(); first++) {
@@ -90,6 +99,10 @@ void World::find_exits(const Model& m, Poses& start) {
       }
       if (dist > least) least = dist, exit = n;
     }
+    const int thing = body(in[first].other);
+    for (const Way& w : found)
+      if (w.thing == thing && dot(w.exit, exit) < kOpposed) squeezed[thing] = 1;
+    found.push_back({thing, exit});
     for (size_t i : mine) {
       Candidate c;
       c.mover = in[i].mover, c.other_mover = in[i].other;
@@ -169,14 +182,15 @@ void Stepper::push_out(double h) {
       if (!inside[b]) push_[b].patience = 0;
       if (!inside[b] || model.held[b]) continue;
       double& pace = world.pace[b];
-      const double most = fastest(b, free) + kThrown * world.settings.depenetration_speed,
-                   speed = fastest(b, twists_);
+      if (world.squeezed[b]) pace = 0;
+      const double pushed = world.settings.depenetration_speed, speed = fastest(b, twists_),
+                   most = std::max(kThrown * pushed, kAcross * std::hypot(fastest(b, free), pushed));
       const bool room = good_ && !gave_way_[model.root[b]];
       if (speed <= most && (room || pace == 0)) continue;
       if (pace == 0) {
         jam(model.root[b]);
-      } else if (room && tries < kTries) {
-        pace *= std::max(kLeast, kGentler * most / speed);
+      } else if (tries < kTries) {
+        pace *= room ? std::max(kLeast, kGentler * most / speed) : kNoRoom;
       } else {
         Push& p = push_[b];
         p.wait = p.patience = std::min(kMostPatience, std::max(kPatience, 2 * p.patience));

@@ -17,11 +17,11 @@ from halfphysics.bench.paper.evidence import (
 )
 from halfphysics.bench.paper.following import (
     Chosen,
-    causes,
     curve,
     described,
     mean,
     outcomes,
+    remarks,
     success,
     task,
 )
@@ -92,7 +92,7 @@ def row(
         data=group.data,
         setting=described(chosen),
         figures=tuple(figures),
-        note="; ".join(part for part in (note, causes(found)) if part),
+        note="; ".join(part for part in (note, remarks(found, group)) if part),
     )
 
 

@@ -21,10 +21,10 @@ from halfphysics.bench.paper.evidence import (
 )
 from halfphysics.bench.paper.following import (
     Chosen,
-    causes,
     described,
     mean,
     outcomes,
+    remarks,
     success,
     task,
 )
@@ -132,7 +132,7 @@ def _row(group: Group, name: str, setting: str, values: Mapping[str, Any]) -> Ro
             at_most(world, mean(found, "mpjpe_global"), name="MPJPE-g", unit="mm", paper=world),
             at_most(local, mean(found, "mpjpe"), name="MPJPE", unit="mm", paper=local),
         ),
-        note=causes(found),
+        note=remarks(found, group),
     )
 
 

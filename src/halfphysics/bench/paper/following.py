@@ -154,7 +154,9 @@ def curve(found: Mapping[str, Any], name: str) -> Series:
     return Series(name, [i / _CURVE for i in range(len(error))], error)
 
 
-def causes(found: Sequence[Mapping[str, Any]]) -> str:
-    """Why motions were not followed to their end."""
-    said = sorted({one["cause"] for one in found if not one["success"]})
-    return "; ".join(said)
+def remarks(found: Sequence[Mapping[str, Any]], group: Group) -> str:
+    """How many motions of the group there is no outcome of, and why others did not get to their
+    end."""
+    count, absent = len(group.sources), len(group.sources) - len(found)
+    said = [f"without {absent} of the {count} clips, which failed"] if absent else []
+    return "; ".join([*said, *sorted({one["cause"] for one in found if not one["success"]})])

@@ -21,6 +21,7 @@ from halfphysics.bench.paper.wording import (
     signed,
     tally,
     verdict,
+    visible,
 )
 
 _STYLE = Path(__file__).with_name("style.css")
@@ -93,7 +94,10 @@ def _e(text: object) -> str:
 def _mark(kind: str, word: bool = True) -> str:
     sign, said = VERDICTS[kind]
     if word:
-        return f'<span class="mark {kind}"><b aria-hidden="true">{sign}</b> {said}</span>'
+        return (
+            f'<span class="mark {kind}"><b aria-hidden="true">{sign}</b> '
+            f'<span class="word">{said}</span></span>'
+        )
     return f'<span class="mark {kind}" title="{said}"><b>{sign}</b></span>'
 
 
@@ -286,7 +290,7 @@ def _row(anchor: str, row: Mapping[str, Any]) -> str:
         expected = _e(figure["expected"])
         none = " none" if figure["paper"] is None else ""
         lines.append(
-            f"<tr>{first}"
+            f'<tr class="{kind}">{first}'
             f'<td class="measure">{_e(quantity(figure["name"], figure["unit"]))}</td>'
             f'<td class="paper{none}">{_paper(figure)}</td>'
             f'<td class="ours">{_ours(figure)}</td>'
@@ -304,9 +308,11 @@ def _failed(failed: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _command(command: object) -> str:
+    """A command to copy: word by word, so that no line ends within an option."""
     if not plain(command):
         return ""
-    return f'<div class="command"><span>Made by</span><pre><code>{_e(command)}</code></pre></div>'
+    words = " ".join(f"<span>{escape(word)}</span>" for word in visible(command).split(" "))
+    return f'<div class="command"><b>Made by</b><pre><code>{words}</code></pre></div>'
 
 
 def _plot(plot: Mapping[str, Any]) -> str:
@@ -377,7 +383,7 @@ def _legend() -> str:
     lines = "".join(f"<li>{_mark(kind)}<span>{text}</span></li>" for kind, text in meanings.items())
     return (
         f'<section id="legend"><h2>How to read this</h2><ul class="legend">{lines}</ul>'
-        f"<p><b>{MISSING}</b> under “Paper”: the paper has no such number. Where it has one, ours "
-        "has at least as many decimals. The file <code>paper.json</code> beside "
-        "this page has every number in full.</p></section>"
+        "<p>Ours is in bold. Where the paper has a number, ours has at least its decimals, up to "
+        f"six digits; {MISSING} stands where there is none. The file <code>paper.json</code> "
+        "beside this page has every number in full.</p></section>"
     )

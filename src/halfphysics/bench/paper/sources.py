@@ -122,11 +122,12 @@ def _aist(folder: Path, quick: bool) -> Group:
     """The test set where the folder or the one above says which it is, else all in their order."""
     places = (folder / AIST_TEST, folder.parent / AIST_TEST)
     split = next((place for place in places if place.is_file()), None)
+    # As it is released: keypoints and cameras, which are .pkl too, lie beside the motions.
+    motions = folder / "motions" if (folder / "motions").is_dir() else folder
     if split is None:
-        paths = sorted(folder.rglob("*.pkl"))
+        paths = sorted(motions.rglob("*.pkl"))
         what = "AIST++, the first {} in order of {} clips: there is no splits/crossmodal_test.txt"
     else:
-        motions = folder / "motions" if (folder / "motions").is_dir() else folder
         try:
             names = split.read_text(encoding="utf-8").split()
         except (OSError, UnicodeDecodeError) as error:

@@ -16,6 +16,7 @@ from halfphysics.bench.paper.wording import (
     published,
     quantity,
     verdict,
+    visible,
 )
 
 #: Columns that are numbers stand to the right.
@@ -90,7 +91,7 @@ def _section(section: Mapping[str, Any]) -> str:
     title = plain(section["title"])
     if len(lines) == 1:
         return f"{title}\n  no rows"
-    return f"{title}\n{_aligned(lines)}\n  {plain(section['command'])}".rstrip()
+    return f"{title}\n{_aligned(lines)}\n  {visible(section['command'])}".rstrip()
 
 
 def _lines(row: Mapping[str, Any]) -> list[list[str]]:

@@ -66,14 +66,21 @@ def tally(sections: Sequence[Mapping[str, Any]]) -> dict[str, int]:
 def plain(text: object) -> str:
     """One line of text without what steers a terminal or turns the line around.
 
-    Control characters, marks of direction and halves of surrogate pairs (from file names that are
-    no UTF-8) become U+FFFD; white space of any kind becomes one blank.
+    What `visible` does; and white space of any length becomes one blank.
     """
-    clean = "".join(
+    return " ".join(visible(text).split())
+
+
+def visible(text: object) -> str:
+    """A text of as many letters, of which each is seen.
+
+    Control characters, marks of direction and halves of surrogate pairs (from file names that are
+    no UTF-8) become U+FFFD; white space of any kind becomes blanks.
+    """
+    return "".join(
         " " if c.isspace() else "\ufffd" if unicodedata.category(c) in ("Cc", "Cf", "Cs") else c
         for c in str(text)
     )
-    return " ".join(clean.split())
 
 
 def number(value: Any, *, beside: Any = None) -> str:

@@ -1,0 +1,51 @@
+"""halfphysics view: results in a browser."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+EXAMPLES = """\
+halfphysics view result.npz
+halfphysics view soft.npz stiff.npz --port 9000"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Show results in a browser, several side by side; Ctrl-C ends it.
+
+    Prints the address to open. On a machine without a display, reach it through an SSH tunnel;
+    the command to do so is printed too.
+    """
+
+    files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RESULT")]
+    """Results of `simulate`; the first decides where to look from."""
+    port: int = 8080
+    """Port to listen on; where it is in use, the next one that is free."""
+    host: str = "127.0.0.1"
+    """Address to listen on; 0.0.0.0: whoever reaches this machine can look."""
+
+    def run(self) -> None:
+        """Serve until Ctrl-C."""
+        from halfphysics.errors import InputError
+        from halfphysics.result import Result
+        from halfphysics.viewer.view import differences, view
+
+        if not self.files:
+            raise InputError("view: found no result, expected at least one file of `simulate`")
+        results = [Result.load(path) for path in self.files]
+        notes = differences(results) if len(results) > 1 else [""]
+        labels = [name + note for name, note in zip(_names(self.files), notes, strict=True)]
+        view(*results, labels=labels, host=self.host, port=self.port)
+
+
+def _names(files: tuple[Path, ...]) -> list[str]:
+    """File names, with as much of the folder as tells them apart."""
+    for parts in range(1, 1 + max(len(path.parts) for path in files)):
+        names = ["/".join(path.with_suffix("").parts[-parts:]) for path in files]
+        if len(set(names)) == len(files):
+            return names
+    return [f"{path.stem} ({k + 1})" for k, path in enumerate(files)]

@@ -1,0 +1,1 @@
+"""Looking at results in a browser: live, recorded, with viser underneath."""

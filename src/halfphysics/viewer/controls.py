@@ -1,0 +1,142 @@
+"""The panel of the viewer: play, scrub, speed, step, loop, what to show."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+from halfphysics.viewer.timeline import SPEEDS
+
+if TYPE_CHECKING:
+    from halfphysics.viewer.view import Viewer
+
+# The slider follows the time this often [s], and leaves a hand alone that moved it this long.
+_FOLLOW, _HANDS_OFF = 0.1, 0.6
+_PLAY, _PAUSE = "Play", "Pause"
+_BACK, _ON, _START = "◀ frame", "frame ▶", "⏮"
+
+
+class Controls:
+    """Buttons and sliders for a `Viewer`; what they ask for is done by its own thread."""
+
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer = viewer
+        self._timeline = timeline = viewer.timeline
+        self._followed = self._touched = 0.0
+        gui = self._gui = viewer.server.gui
+        gui.configure_theme(show_logo=False, show_share_button=False, control_width="medium")
+        self._time = gui.add_markdown("")
+        # A slider needs a way to go, even for a single frame.
+        self._slider = gui.add_slider(
+            "Time [s]", 0.0, max(timeline.duration, 0.01), 0.01, 0.0, hint="Drag to any moment"
+        )
+        self._slider.on_update(self._scrubbed)
+        self._play = gui.add_button(_PAUSE, icon=_icon("PLAYER_PAUSE"), hint="Also: space")
+        self._play.on_click(lambda _: self._toggle())
+        self._steps = gui.add_button_group("Step", (_START, _BACK, _ON), hint="Also: arrow keys")
+        self._steps.on_click(self._stepped)
+        self._speed = gui.add_slider("Speed", *SPEEDS, 0.1, timeline.speed)
+        self._speed.on_update(lambda _: self._set(speed=self._speed.value))
+        self._loop = gui.add_checkbox("Loop", timeline.loop)
+        self._loop.on_update(lambda _: self._set(loop=self._loop.value))
+        self._toggles = self._add_layers()
+        self._add_keys()
+
+    def _add_layers(self) -> list[Any]:
+        viewer, gui = self._viewer, self._gui
+        boxes = []
+        with gui.add_folder("Show"):
+            if len(viewer.stages) > 1:
+                for stage, label in zip(viewer.stages, viewer.labels, strict=True):
+                    box = gui.add_checkbox(label, True)
+                    box.on_update(self._shows([stage]))
+                    boxes.append(box)
+                gui.add_divider()
+            for name in dict.fromkeys(n for stage in viewer.stages for n in stage.layers):
+                layers = [stage.layers[name] for stage in viewer.stages if name in stage.layers]
+                box = gui.add_checkbox(layers[0].label, layers[0].visible)
+                box.on_update(self._shows(layers))
+                boxes.append(box)
+        return boxes
+
+    def _shows(self, things: list[Any]) -> Any:
+        def shows(event: Any) -> None:
+            def task() -> None:
+                for thing in things:
+                    thing.visible = event.target.value
+
+            self._viewer.do(task)
+
+        return shows
+
+    def _add_keys(self) -> None:
+        add = getattr(self._gui, "add_command", None)
+        if add is None:  # viser before it had keys
+            return
+        keys = (
+            ("Play or pause", "space", self._toggle),
+            ("One frame back", "arrowleft", lambda: self._step(-1)),
+            ("One frame on", "arrowright", lambda: self._step(1)),
+            ("To the start", "home", lambda: self._seek(0.0)),
+        )
+        for label, key, action in keys:
+            command = add(label, hotkey=key)
+            command.on_trigger(lambda _event, action=action: action())
+
+    def _toggle(self) -> None:
+        self._timeline.toggle()
+        self._now()
+
+    def _step(self, frames: int) -> None:
+        self._timeline.step(frames)
+        self._now()
+
+    def _seek(self, time: float) -> None:
+        self._timeline.seek(time)
+        self._now()
+
+    def _stepped(self, event: Any) -> None:
+        if event.target.value == _START:
+            self._seek(0.0)
+        else:
+            self._step(1 if event.target.value == _ON else -1)
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            setattr(self._timeline, name, value)
+        self._now()
+
+    def _scrubbed(self, event: Any) -> None:
+        if event.client_id is None:  # we moved it ourselves
+            return
+        self._touched = time.monotonic()
+        self._timeline.seek(self._slider.value)
+        self._viewer.changed()
+
+    def _now(self) -> None:
+        self._followed = 0.0
+        self._viewer.changed()
+
+    def refresh(self) -> None:
+        """Slider, button and read-out as the timeline is; a few times a second at most."""
+        now = time.monotonic()
+        if now - self._followed < _FOLLOW:
+            return
+        self._followed = now
+        timeline = self._timeline
+        at, playing = timeline.time, timeline.playing
+        frame = int(at * timeline.fps + 1e-6)
+        last = round(timeline.duration * timeline.fps)
+        self._time.content = f"**{at:.2f} s** of {timeline.duration:.2f} s, frame {frame} of {last}"
+        if now - self._touched > _HANDS_OFF:
+            self._slider.value = min(round(at, 2), self._slider.max)
+        label = _PAUSE if playing else _PLAY
+        if self._play.label != label:
+            self._play.label = label
+            self._play.icon = _icon("PLAYER_PAUSE" if playing else "PLAYER_PLAY")
+
+
+def _icon(name: str) -> Any:
+    import viser
+
+    return getattr(viser.Icon, name)

@@ -1,0 +1,202 @@
+"""A person as a skinned mesh in the browser: the mesh is sent once, then only its bones move."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.render import Color, Surface
+from halfphysics.skeleton import PARENTS
+from halfphysics.viewer.bones import Bones
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+
+Array = NDArray[np.float64]
+
+# A ghost's skin is drawn this far inside its true place [m]: where ghost and body agree the
+# body hides it, instead of the two flickering.
+_INSIDE = 0.003
+_INFLUENCES = 4  # joints per vertex that the browser can take
+
+
+def rgb(color: Color) -> tuple[int, int, int]:
+    """A colour of 0 to 1 as one of 0 to 255."""
+    r, g, b = (round(255 * c) for c in color)
+    return r, g, b
+
+
+class Figure:
+    """A person, or the ghost of one: linear blend of the four strongest joints.
+
+    Args:
+        server: Of viser.
+        name: Path of the node.
+        surface: How it is drawn; vertices at rest. Translucent surfaces are ghosts.
+        body: Whose skin it is.
+        bones: Joints that have a bone (B,), parents among them; a joint without one moves with the
+            nearest ancestor that has. None: all 55.
+
+    Attributes:
+        body: As given.
+        joints: Joints that have a bone (B,).
+        weights: Skin weights of the bones (V, B).
+    """
+
+    def __init__(
+        self,
+        server: Any,
+        name: str,
+        surface: Surface,
+        body: Body,
+        bones: NDArray[np.integer] | None = None,
+    ) -> None:
+        self.body = body
+        total = len(body.rest_joints)
+        self.joints = np.arange(total) if bones is None else np.asarray(bones)
+        self.weights = strongest(_gathered(np.asarray(body.weights), self.joints))
+        self._server, self._name = server, name
+        self._meshes: list[Any] = []
+        self._visible = True
+        self._pose: tuple[Array, Array] | None = None
+        self._bones: Bones | None = None
+        vertices = np.asarray(surface.vertices)
+        look: dict[str, Any] = {
+            "color": rgb(surface.color),
+            "cast_shadow": surface.casts,
+            "receive_shadow": surface.receives,
+        }
+        if surface.alpha < 1.0:
+            vertices = shrunk(vertices, surface.faces, _INSIDE)
+            # Unseen, but it leaves its depth: of a ghost only the nearest layer is drawn then.
+            self.add("-depth", vertices, surface.faces, opacity=0.0, **look)
+            look["opacity"] = surface.alpha
+        self.handle = self.add("", vertices, surface.faces, **look)
+
+    def add(
+        self,
+        suffix: str,
+        vertices: Array,
+        faces: NDArray[np.integer],
+        weights: Array | None = None,
+        **look: Any,
+    ) -> Any:
+        """Another mesh that moves with the same bones, such as a coloured part of the skin.
+
+        Args:
+            suffix: What is added to the figure's name.
+            vertices: At rest (N, 3) [m].
+            faces: Triangles (F, 3).
+            weights: Rows of `weights` for these vertices (N, B); None: all of them.
+            look: Options of viser's `add_mesh_skinned`.
+
+        Returns:
+            viser's handle; take it away with `remove`.
+        """
+        rest = np.zeros((len(self.joints), 4))
+        rest[:, 0] = 1.0
+        handle = self._server.scene.add_mesh_skinned(
+            f"{self._name}{suffix}",
+            vertices=vertices,
+            faces=faces,
+            bone_wxyzs=rest,
+            bone_positions=np.asarray(self.body.rest_joints)[self.joints],
+            skin_weights=self.weights if weights is None else weights,
+            visible=self._visible,
+            **{"side": "front", **look},
+        )
+        self._meshes.append(handle)
+        self._changed()
+        return handle
+
+    def remove(self, handle: Any) -> None:
+        """Take away a mesh that `add` made."""
+        self._meshes.remove(handle)
+        handle.remove()
+        self._changed()
+
+    def _changed(self) -> None:
+        self._bones = None
+        if self._visible and self._pose is not None:
+            self._send()
+
+    @property
+    def visible(self) -> bool:
+        """Whether it is drawn. Nothing is sent for what is not; it is up to date once it is."""
+        return self._visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._visible = visible
+        if visible and self._pose is not None:
+            self._send()
+        for mesh in self._meshes:
+            mesh.visible = visible
+
+    def pose(self, positions: Array, quaternions: Array) -> None:
+        """Move.
+
+        Args:
+            positions: Of the joints (55, 3) [m].
+            quaternions: Of the joints, wxyz (55, 4).
+        """
+        self._pose = positions[self.joints], quaternions[self.joints]
+        if self._visible:
+            self._send()
+
+    def _send(self) -> None:
+        if self._bones is None:
+            self._bones = Bones(self._meshes)
+        if self._pose is not None:
+            self._bones.send(*self._pose)
+
+
+def moving_joints(*quaternions: Array, least: float = 1e-4) -> NDArray[np.integer]:
+    """Joints that ever turn against their parent in any of the world rotations (T, 55, 4).
+
+    Fingers that stay as they are need no bones of their own: the wrist's carries them, exactly.
+
+    Args:
+        quaternions: World from joint, wxyz.
+        least: Smaller turns do not count [rad].
+    """
+    parents = PARENTS
+    keep = np.asarray(parents < 0)
+    for q in quaternions:
+        # |<p, q>| = cos(angle / 2); near 1 the sine keeps its digits.
+        p = q[:, np.maximum(parents, 0)]
+        sign = np.where(np.einsum("tja,tja->tj", p, q) < 0.0, -1.0, 1.0)
+        keep = keep | (np.linalg.norm(q - sign[..., None] * p, axis=-1) > 0.5 * least).any(axis=0)
+    return np.nonzero(keep)[0]
+
+
+def _gathered(weights: Array, bones: NDArray[np.integer]) -> Array:
+    """Skin weights (V, J) as those of the bones (V, B): each joint's to its bone."""
+    column = {int(joint): k for k, joint in enumerate(bones)}
+    out = np.zeros((len(weights), len(bones)))
+    for joint in range(weights.shape[1]):
+        carrier = joint
+        while carrier not in column:
+            carrier = int(PARENTS[carrier])
+        out[:, column[carrier]] += weights[:, joint]
+    return out
+
+
+def strongest(weights: Array) -> Array:
+    """Skin weights with only the strongest joints of each vertex, adding up to 1."""
+    weights = np.array(weights, dtype=np.float64)
+    drop = np.argsort(-weights, axis=1, kind="stable")[:, _INFLUENCES:]
+    np.put_along_axis(weights, drop, 0.0, axis=1)
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+def shrunk(vertices: Array, faces: NDArray[np.integer], by: float) -> Array:
+    """Vertices moved inwards along the area-weighted normals."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    normals = np.zeros_like(vertices)
+    for k in range(3):
+        np.add.at(normals, faces[:, k], np.cross(b - a, c - a))
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return vertices - by * normals / np.where(length > 0, length, 1.0)

@@ -1,0 +1,99 @@
+"""A viser server that says nothing of its own: viser's banner, ports and errors are ours to tell."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import socket
+from collections.abc import Iterator
+from typing import Any
+
+from halfphysics.errors import FileError, InputError, MissingDependencyError
+
+#: Ports tried, from the one that was asked for.
+TRIES = 50
+
+
+def open_server(host: str, port: int, *, label: str | None = None) -> Any:
+    """A viser server on `port`, or on the next one that is free; 0: any.
+
+    Args:
+        host: Address to listen on; 0.0.0.0: all of this machine's.
+        port: 0 to 65535.
+        label: Title of its panel.
+
+    Raises:
+        InputError: An impossible host or port.
+        FileError: No port can be had.
+        MissingDependencyError: viser cannot be imported.
+    """
+    try:
+        import viser
+    except ImportError as error:
+        raise MissingDependencyError(
+            f"showing this needs viser, which cannot be imported ({error}). pip install viser"
+        ) from None
+    # viser tries a thousand ports without a word, and waits for ever where none can be had.
+    port = free_port(host, port)
+    with quiet():
+        return viser.ViserServer(host=host, port=port, label=label, verbose=False)
+
+
+def close_server(server: Any) -> None:
+    """Stop it, without a word."""
+    with quiet():
+        server.stop()
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """viser prints through rich's console: not in here."""
+    import rich
+
+    console = rich.get_console()
+    was_quiet, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = was_quiet
+
+
+def free_port(host: str, port: int) -> int:
+    """The first port from `port` on that is free on `host`; 0 stays 0.
+
+    Raises:
+        InputError: An impossible host or port.
+        FileError: None is free, or the machine refuses.
+    """
+    if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port <= 65535:
+        raise InputError(f"port: found {port!r}, expected a whole number from 0 to 65535")
+    last = min(port + TRIES, 65536) if port else 1
+    for number in range(port, last):
+        try:
+            with socket.socket(_family(host), socket.SOCK_STREAM) as probe:
+                probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                probe.bind((host, number))
+                return number
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                continue
+            if error.errno == errno.EADDRNOTAVAIL:
+                raise InputError(
+                    f"host: found {host!r}, which is no address of this machine. Use 127.0.0.1, "
+                    "or 0.0.0.0 for all of its addresses"
+                ) from None
+            raise FileError(
+                f"cannot open port {number} on {host}: {error.strerror}. Ports from 1024 on need "
+                "no rights"
+            ) from None
+    raise FileError(f"ports {port} to {last - 1} on {host} are all in use. Give another port")
+
+
+def _family(host: str) -> socket.AddressFamily:
+    try:
+        return socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)[0][0]
+    except (socket.gaierror, UnicodeError):
+        raise InputError(
+            f"host: found {host!r}, which is no address. Use 127.0.0.1, or 0.0.0.0 for all "
+            "addresses of this machine"
+        ) from None

@@ -1,0 +1,279 @@
+"""One result in a viser scene: people, ghosts, objects and what stands around."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+from halfphysics.drawing import FAINT_ALPHA, FLOOR, Drawing, Item
+from halfphysics.errors import InputError
+from halfphysics.mesh_queries import is_closed
+from halfphysics.render import Camera
+from halfphysics.viewer.bones import GRAIN
+from halfphysics.viewer.figure import Figure, moving_joints, rgb
+from halfphysics.viewpoint import FOV
+
+if TYPE_CHECKING:
+    from halfphysics.result import Result
+
+Array = NDArray[np.float64]
+
+_SKY, _GROUND, _SKY_STRENGTH = (255, 255, 255), (190, 185, 180), 1.4
+_KINDS = ("person", "ghost")
+
+
+@dataclass(eq=False)
+class Layer:
+    """Things that are shown and hidden together.
+
+    Attributes:
+        label: For people to read.
+        parts: What has a `visible`: handles of viser, figures.
+    """
+
+    label: str
+    parts: list[Any] = field(default_factory=list)
+    _visible: bool = True
+
+    @property
+    def visible(self) -> bool:
+        """Whether the layer is shown."""
+        return self._visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._visible = bool(visible)
+        for part in self.parts:
+            part.visible = self._visible
+
+
+class Stage:
+    """A result as nodes of a viser scene.
+
+    Nodes are called `PREFIX/person/0`, `PREFIX/ghost/0`, `PREFIX/object/NAME` and
+    `PREFIX/static/NAME`, as in `Drawing`.
+
+    Args:
+        server: Of viser.
+        result: What to show, or its `Drawing`.
+        prefix: Path of the node that all of it hangs on, such as "/second"; empty: the scene's root.
+        offset: Where that node stands [m]; needs a prefix.
+        faint: Names of statics (`static/NAME`) to draw as glass.
+        without: Names of statics to leave out.
+        live: Every joint gets a bone, for poses that the result does not have.
+
+    Attributes:
+        drawing: What is drawn.
+        prefix, offset: As given.
+        layers: Name -> `Layer`: "body", "ghost", "objects" and "scene" where there is any; more
+            may be added.
+        people, ghosts: A `Figure` each.
+        followers: Called by `show` with the frame, for what else belongs to it.
+        frame: What `show` showed last; -1: nothing yet.
+    """
+
+    def __init__(
+        self,
+        server: Any,
+        result: Result | Drawing,
+        prefix: str = "",
+        offset: Sequence[float] = (0.0, 0.0, 0.0),
+        *,
+        faint: Collection[str] = (),
+        without: Collection[str] = (),
+        live: bool = False,
+    ) -> None:
+        self.drawing = drawing = result if isinstance(result, Drawing) else Drawing(result)
+        self.prefix, self.offset = prefix, np.asarray(offset, dtype=np.float64)
+        if self.offset.any() and not prefix:
+            raise InputError("offset: found one without a prefix, expected a node to move")
+        self.frame = -1
+        self.followers: list[Callable[[int], None]] = []
+        self._server = server
+        self._lock = threading.RLock()
+        self._root = None
+        if prefix:
+            self._root = server.scene.add_frame(
+                prefix, show_axes=False, position=tuple(self.offset)
+            )
+        self._statics = {
+            name.removeprefix("static/"): self._add_static(name, item, name in faint)
+            for name, item in drawing.statics.items()
+            if name not in without
+        }
+        self._objects = {
+            name.removeprefix("object/"): add_mesh(server, self.path(name), item, None)
+            for name, item in drawing.objects.items()
+        }
+        self._tracks = {
+            name: (
+                _grain(drawing.objects[f"object/{name}"].position),
+                _grain(drawing.objects[f"object/{name}"].quaternion),
+            )
+            for name in self._objects
+        }
+        self._frames: list[tuple[tuple[Array, Array], ...]] = []
+        self.people: list[Figure] = []
+        self.ghosts: list[Figure] = []
+        for k, person in enumerate(drawing.result.people):
+            motions = (person.motion, person.reference)
+            frames = tuple(person.body.joint_frames(motion) for motion in motions)
+            joints = None if live else moving_joints(*(q for _, q in frames))
+            for kind, figures in zip(_KINDS, (self.people, self.ghosts), strict=True):
+                skin = drawing.skin(k, kind == "ghost")
+                name = self.path(f"{kind}/{k}")
+                figures.append(Figure(server, name, skin, person.body, joints))
+            self._frames.append(frames)
+        self.layers = {
+            "body": Layer("Body", [*self.people]),
+            "ghost": Layer("Ghost", [*self.ghosts]),
+            "objects": Layer("Objects", [*self._objects.values()]),
+            "scene": Layer("Scene", [*self._statics.values()]),
+        }
+        self.layers = {name: layer for name, layer in self.layers.items() if layer.parts}
+
+    def __len__(self) -> int:
+        """Number of frames."""
+        return len(self.drawing)
+
+    def path(self, name: str) -> str:
+        """A node's path under the prefix."""
+        return f"{self.prefix}/{name}"
+
+    def show(self, frame: int) -> None:
+        """Everything as it is at a frame; frames before the first or after the last are those."""
+        frame = min(max(int(frame), 0), len(self) - 1)
+        with self._lock, self._server.atomic():
+            for k, frames in enumerate(self._frames):
+                for kind, (positions, quaternions) in zip(_KINDS, frames, strict=True):
+                    self.pose(k, positions[frame], quaternions[frame], ghost=kind == "ghost")
+            for name, (position, quaternion) in self._tracks.items():
+                self.place(name, position[frame], quaternion[frame])
+            self.frame = frame
+            for follow in self.followers:
+                follow(frame)
+
+    def pose(
+        self, person: int, positions: Array, quaternions: Array, *, ghost: bool = False
+    ) -> None:
+        """Move one person or ghost.
+
+        Args:
+            person: Which, from 0.
+            positions: Of the joints in the world (55, 3) [m], as `Body.joint_frames` gives them.
+            quaternions: Of the joints, wxyz (55, 4).
+            ghost: The ghost instead.
+        """
+        with self._lock:
+            (self.ghosts if ghost else self.people)[person].pose(positions, quaternions)
+
+    def place(self, name: str, position: Array, quaternion: Array) -> None:
+        """Move an object: `position` (3,) [m] and `quaternion` (4,) wxyz in the world.
+
+        Raises:
+            InputError: There is no such object.
+        """
+        if name not in self._objects:
+            raise InputError(
+                f"object: found {name!r}, expected one of {', '.join(self._objects) or 'none'}"
+            )
+        with self._lock:
+            handle = self._objects[name]
+            handle.position, handle.wxyz = position, quaternion
+
+    def object(self, name: str) -> Any:
+        """viser's handle of an object, such as to make it clickable."""
+        return self._objects[name]
+
+    def static(self, name: str) -> Any:
+        """viser's handle of something that stands around."""
+        return self._statics[name]
+
+    @property
+    def visible(self) -> bool:
+        """Whether any of it is drawn; needs a prefix."""
+        return self._root is None or self._root.visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        if self._root is None:
+            raise InputError("visible: this stage has no prefix to hide; hide its layers")
+        self._root.visible = visible
+
+    def _add_static(self, name: str, item: Item, faint: bool) -> Any:
+        if item.surface.fade is not None:
+            return _add_floor(self._server, self.path(name), item, self.drawing)
+        return add_mesh(self._server, self.path(name), item, FAINT_ALPHA if faint else None)
+
+
+def light(server: Any) -> None:
+    """A sky and a ground that reflects: the viewer's own surroundings bleach skin."""
+    server.scene.configure_environment_map(hdri=None)
+    server.scene.add_light_hemisphere(
+        "/light/sky", sky_color=_SKY, ground_color=_GROUND, intensity=_SKY_STRENGTH
+    )
+
+
+def aim(server: Any, camera: Camera) -> None:
+    """Where browsers that come look from."""
+    server.initial_camera.position = tuple(camera.position)
+    server.initial_camera.look_at = tuple(camera.target)
+    server.initial_camera.up = (0.0, 0.0, 1.0)
+    server.initial_camera.fov = math.radians(FOV)
+
+
+def add_mesh(server: Any, name: str, item: Item, opacity: float | None) -> Any:
+    """A thing with its own frame, at its first pose; `opacity` below 1: glass."""
+    surface = item.surface
+    # Seen from outside only, where there is an outside: no shadow stripes, one layer of glass.
+    solid = is_closed(surface.faces, len(surface.vertices))
+    return server.scene.add_mesh_simple(
+        name,
+        surface.vertices,
+        surface.faces,
+        color=rgb(surface.color),
+        opacity=opacity,
+        flat_shading=surface.crease < 180.0,
+        side="front" if surface.cull == "back" or solid else "double",
+        cast_shadow=opacity is None and surface.casts,
+        position=tuple(item.position[0]),
+        wxyz=tuple(item.quaternion[0]),
+    )
+
+
+def _add_floor(server: Any, name: str, item: Item, drawing: Drawing) -> Any:
+    corners = item.surface.vertices
+    return server.scene.add_grid(
+        name,
+        width=float(np.linalg.norm(corners[1] - corners[0])),
+        height=float(np.linalg.norm(corners[3] - corners[0])),
+        cell_size=0.5,
+        section_size=1.0,
+        cell_color=rgb(FLOOR[1]),
+        section_color=tuple(int(0.92 * c) for c in rgb(FLOOR[1])),
+        plane_color=rgb(FLOOR[0]),
+        plane_opacity=1.0,
+        shadow_opacity=0.25,
+        fade_distance=4 * drawing.radius + 20.0,
+        position=tuple(corners.mean(axis=0)),
+        wxyz=_upright(corners),
+    )
+
+
+def _upright(corners: Array) -> Array:
+    """Quaternion that turns the x-y plane into the square of these corners."""
+    x = corners[1] - corners[0]
+    y = corners[3] - corners[0]
+    axes = [x / np.linalg.norm(x), y / np.linalg.norm(y)]
+    return rot.from_matrix(np.stack([*axes, np.cross(*axes)], axis=1))
+
+
+def _grain(values: Array) -> Array:
+    return np.round(values / GRAIN) * GRAIN

@@ -1,0 +1,288 @@
+"""`hp.view`: recorded results in a browser, to play, scrub and compare."""
+
+from __future__ import annotations
+
+import contextlib
+import html
+import math
+import queue
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from halfphysics.drawing import Drawing
+from halfphysics.errors import InputError
+from halfphysics.validation import shown
+from halfphysics.viewer.arrange import arrange, floor_height
+from halfphysics.viewer.controls import Controls
+from halfphysics.viewer.server import close_server, open_server
+from halfphysics.viewer.stage import Layer, Stage, aim, light
+from halfphysics.viewer.timeline import Timeline
+
+if TYPE_CHECKING:
+    from halfphysics.result import Result
+
+# Updates are at least this far apart [s]: 30 a second with room for a late one.
+_SPACING = 1.0 / 40.0
+# A look at whether anybody is there, and whether it should stop [s].
+_IDLE = 0.25
+
+
+class Viewer:
+    """A running viewer, stopped by `stop` or at the end of a `with` block.
+
+    Args:
+        results: What to show, side by side.
+        labels: What to call them; None: by number, and by stiffness where that differs.
+        host: Address to listen on.
+        port: Port to listen on; where it is in use, the next one that is free.
+        title: Of the panel.
+
+    Attributes:
+        server: Of viser.
+        stages: One a result.
+        labels: What they are called.
+        timeline: The clock. Change it as you like, then say `changed`.
+    """
+
+    def __init__(
+        self,
+        results: Sequence[Result],
+        *,
+        labels: Sequence[str] | None = None,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        title: str = "halfphysics",
+    ) -> None:
+        for index, result in enumerate(results):
+            _check(index, result)
+        self.labels = _labels(results, labels)
+        self.timeline = Timeline(*((len(r), r.fps) for r in results))
+        drawings = [Drawing(result) for result in results]
+        row = arrange(drawings)
+        self._asked_port = port
+        self._host = host
+        self.server = open_server(host, port, label=title)
+        self.port: int = self.server.get_port()
+        self._stopping = threading.Event()
+        self._wake = threading.Event()
+        self._tasks: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
+        self._failure: BaseException | None = None
+        try:
+            light(self.server)
+            aim(self.server, row.camera)
+            self.stages = self._build(drawings, row)
+            self.controls = Controls(self)
+            self.timeline.play()
+            for stage in self.stages:
+                stage.show(0)
+        except BaseException:
+            close_server(self.server)
+            raise
+        self.server.on_client_connect(lambda _client: self.changed())
+        self._player = threading.Thread(target=self._play, name="halfphysics-view", daemon=True)
+        self._player.start()
+
+    def _build(self, drawings: Sequence[Drawing], row: Any) -> list[Stage]:
+        stages: list[Stage] = []
+        floors: dict[float, Any] = {}
+        for k, drawing in enumerate(drawings):
+            levels = {n: floor_height(item) for n, item in drawing.statics.items()}
+            # One floor for all that stand on one level: two in one place flicker.
+            shared = {n for n, z in levels.items() if z is not None and round(z, 6) in floors}
+            stage = Stage(
+                self.server,
+                drawing,
+                f"/{k}" if len(drawings) > 1 else "",
+                row.offsets[k],
+                faint=row.faint[k],
+                without=shared,
+            )
+            for name, height in levels.items():
+                if height is not None and name not in shared:
+                    floors[round(height, 6)] = stage.static(name.removeprefix("static/"))
+            if len(drawings) > 1:
+                label = self.server.scene.add_label(
+                    stage.path("label"),
+                    self.labels[k],
+                    position=tuple(row.heads[k] + [0.0, 0.0, 0.12]),
+                    anchor="bottom-center",
+                )
+                stage.layers["label"] = Layer("Names", [label])
+            stages.append(stage)
+        reach = float(np.linalg.norm(row.offsets, axis=1).max())
+        for floor in floors.values():
+            floor.width += 2.0 * reach
+            floor.height += 2.0 * reach
+        return stages
+
+    @property
+    def url(self) -> str:
+        """Address to open in a browser on this machine."""
+        host = "127.0.0.1" if self._host in ("0.0.0.0", "", "::") else self._host
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}"
+
+    def announce(self) -> str:
+        """Where it can be seen, and how from another machine."""
+        lines = []
+        if self._asked_port not in (0, self.port):
+            lines.append(f"port {self._asked_port} is in use, taking {self.port}")
+        lines.append(f"showing {', '.join(self.labels)} at {self.url}")
+        if self._host in ("127.0.0.1", "localhost", "::1"):
+            lines.append(
+                f"  from another machine: ssh -L {self.port}:127.0.0.1:{self.port} THIS_MACHINE, "
+                "then the same address there"
+            )
+        else:
+            lines.append(f"  anybody who reaches this machine on port {self.port} sees it")
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        state = "stopped" if self._stopping.is_set() else self.url
+        return f"Viewer({', '.join(self.labels)}: {state})"
+
+    def _repr_html_(self) -> str:
+        """In a notebook: the viewer itself."""
+        if self._stopping.is_set():
+            return f"<pre>{html.escape(repr(self))}</pre>"
+        return f'<iframe src="{self.url}" width="100%" height="560" style="border:0"></iframe>'
+
+    def __enter__(self) -> Viewer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def changed(self) -> None:
+        """Look at the timeline again, now."""
+        self._wake.set()
+
+    def do(self, task: Callable[[], object]) -> None:
+        """Have something done between two frames, by the thread that moves the scene."""
+        self._tasks.put(task)
+        self._wake.set()
+
+    def stop(self) -> None:
+        """End it; browsers see that it has gone. Once is enough, twice does no harm."""
+        if self._stopping.is_set():
+            return
+        self._stopping.set()
+        self._wake.set()
+        if self._player is not threading.current_thread():
+            self._player.join(timeout=5.0)
+        close_server(self.server)
+
+    def wait(self) -> None:
+        """Until `stop` is called elsewhere, or Ctrl-C.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C; the viewer has been stopped.
+        """
+        try:
+            while not self._stopping.wait(_IDLE):
+                if self._failure is not None:
+                    raise self._failure
+        finally:
+            self.stop()
+
+    def _play(self) -> None:
+        try:
+            last = -math.inf
+            while not self._stopping.is_set():
+                now = time.monotonic()
+                wait = max(min(self.timeline.until_next(), _IDLE), last + _SPACING - now, 0.0)
+                self._wake.wait(wait)
+                self._wake.clear()
+                while True:
+                    try:
+                        task = self._tasks.get_nowait()
+                    except queue.Empty:
+                        break
+                    task()
+                # Nobody there: time goes on, nothing is sent.
+                if self.server.get_clients() and self._update():
+                    last = time.monotonic()
+        except BaseException as error:
+            self._failure = error
+
+    def _update(self) -> bool:
+        frames = self.timeline.frames()
+        late = [k for k, stage in enumerate(self.stages) if stage.frame != frames[k]]
+        with self.server.atomic() if late else contextlib.nullcontext():
+            for k in late:
+                self.stages[k].show(frames[k])
+        self.controls.refresh()
+        return bool(late)
+
+
+def view(
+    result: Result,
+    *more: Result,
+    labels: Sequence[str] | None = None,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    block: bool = True,
+) -> Viewer:
+    """Show results in a browser: body and ghost, objects, scene; play, pause, scrub, compare.
+
+    Prints the address. Works without a display: open the address elsewhere through an SSH tunnel.
+
+    Args:
+        result: What to show.
+        more: Further results, side by side with the first and at the same time.
+        labels: What to call them.
+        host: Address to listen on; "0.0.0.0": whoever reaches this machine can look.
+        port: Port to listen on; where it is in use, the next one that is free, and it says so.
+        block: Wait until Ctrl-C; False: return at once, as in a notebook.
+
+    Returns:
+        The running viewer with `.url` and `.stop()`; a context manager.
+
+    Raises:
+        InputError: Not a result, an impossible host or port, another number of labels.
+        FileError: No port can be had.
+        MissingDependencyError: viser cannot be imported.
+        KeyboardInterrupt: Ctrl-C while it blocks; the viewer has been stopped.
+    """
+    viewer = Viewer((result, *more), labels=labels, host=host, port=port)
+    print(viewer.announce(), flush=True)
+    if block:
+        print("Ctrl-C ends it", flush=True)
+        try:
+            viewer.wait()
+        except KeyboardInterrupt:
+            print("", file=sys.stderr)
+            raise
+    return viewer
+
+
+def _check(index: int, result: object) -> None:
+    missing = [n for n in ("people", "objects", "scene", "fps") if not hasattr(result, n)]
+    if missing:
+        raise InputError(
+            f"result {index + 1}: found {shown(result)}, expected a Result, such as "
+            "hp.Result.load(path)"
+        )
+
+
+def _labels(results: Sequence[Result], labels: Sequence[str] | None) -> tuple[str, ...]:
+    if labels is not None:
+        if len(labels) != len(results):
+            raise InputError(f"labels: found {len(labels)}, expected {len(results)}, one a result")
+        return tuple(map(str, labels))
+    if len(results) == 1:
+        return ("the result",)
+    return tuple(f"result {k + 1}{note}" for k, note in enumerate(differences(results)))
+
+
+def differences(results: Sequence[Result]) -> list[str]:
+    """What tells results apart, to be put behind their names: ", λ = 0.5", or nothing."""
+    values = [getattr(getattr(r, "settings", None), "stiffness", None) for r in results]
+    numbers = [f"{v:g}" if isinstance(v, int | float) else None for v in values]
+    if len(set(numbers)) == 1:
+        return [""] * len(results)
+    return ["" if n is None else f", λ = {n}" for n in numbers]

@@ -105,7 +105,7 @@ def test_what_fails_is_said_to_fail():
     worse = {**found, "ours": {"rate": 0.001, "mean_mm": 0.01, "max_mm": 0.02}, "free_deg": 5.1}
     (row,) = scenes.content(Options(quick=True), {sofa: worse}).rows
     wrong = {f.name for f in row.figures if f.reproduced is False}
-    assert wrong == {"penetration rate", "deepest", "joints that are free"}
+    assert wrong == {"penetration rate", "deepest", "error of free joints"}
 
 
 @pytest.fixture(scope="module")

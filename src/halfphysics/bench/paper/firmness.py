@@ -33,6 +33,8 @@ QUICK_SWEEP = (0.0, 0.1, 1.0, 10.0)
 #: near [mm]; firm, it bends no more than this, the body is displaced by this [mm], and by so many
 #: times more than limp.
 BENDS, STAYS, STRAIGHT, DISPLACED, TIMES = 20.0, 50.0, 15.0, 100.0, 10.0
+# What is drawn of the knee, before and after it is most out of its way [s].
+_ABOUT = 0.4
 # Frames of the pictures, from when the foot is most out of its way.
 _FRAMES, _QUICK_FRAMES = (-3, -1, 1, 4), (0, 3)
 
@@ -51,6 +53,7 @@ def kick(stiffness: float, speed: float, quick: bool, strip: bool) -> Outcome:
     at = int(turned[:, knee].argmax())
     values = {
         "fps": result.fps,
+        "at": at,
         "bend": bend[0].tolist(),
         "asked": bend[1].tolist(),
         "more": float((bend[0] - bend[1]).max()),
@@ -58,7 +61,6 @@ def kick(stiffness: float, speed: float, quick: bool, strip: bool) -> Outcome:
         "hip": float(turned[:, hip].max()),
         "ankle": float(turned[:, JOINT_INDEX["right_ankle"]].max()),
         "root": float(away.max()),
-        "roots": away.tolist(),
         "deepest": playing.penetration(result, quick=quick).depth_max_mm,
     }
     frames = [at + f for f in (_QUICK_FRAMES if quick else _FRAMES)]
@@ -161,9 +163,11 @@ def _plots(sweep: list[float], values: Mapping[str, Any]) -> tuple[Plot, ...]:
     ends = [s for s in (0.0, 1.0) if s in sweep]
     if ends:
         first = values[_key(ends[0])]
-        times = [round(t / first["fps"], 6) for t in range(len(first["asked"]))]
-        lines = [Series("as asked for", times, first["asked"])]
-        lines += [Series(f"lambda {s:g}", times, values[_key(s)]["bend"]) for s in ends]
+        about = round(_ABOUT * first["fps"])
+        kick = slice(max(0, first["at"] - about), first["at"] + about + 1)
+        times = [round(t / first["fps"], 6) for t in range(len(first["asked"]))][kick]
+        lines = [Series("as asked for", times, first["asked"][kick])]
+        lines += [Series(f"lambda {s:g}", times, values[_key(s)]["bend"][kick]) for s in ends]
         plots.append(
             Plot(
                 title="The knee of the leg that kicks",

@@ -141,7 +141,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
             if not end and (name in _PICTURED or not options.quick):
                 caption = f"{figure}: {name}. Blue: as asked for; solid: half-physics."
                 pictures.append(Picture(caption=caption, task=_key(name), name="strip"))
-    shown = [n for n in SCENES if _key(n) in values]
+    shown = [n for n in SCENES if values.get(_key(n), {}).get("into")]
     plots = []
     if shown:
         deepest = {
@@ -172,14 +172,14 @@ def _row(
     figures = [
         Figure(name="penetration rate, asked for", unit="%", ours=asked["rate"]),
         Figure(name="deepest, asked for", unit="mm", ours=asked["max_mm"]),
-        at_most(0.0, ours["rate"], name="penetration rate", unit="%", paper=0.0),
-        at_most(0.0, ours["max_mm"], name="deepest", unit="mm", paper=0.0),
+        at_most(0.0, ours["rate"], name="penetration rate", unit="%"),
+        at_most(0.0, ours["max_mm"], name="deepest", unit="mm"),
     ]
     if name == AROUND:
         figures.append(Figure(name="pelvis from its place", unit="mm", ours=found["pelvis_mm"]))
     else:
         figures.append(at_most(NEAR, found["pelvis_mm"], name="pelvis from its place", unit="mm"))
-    figures.append(at_most(TURNED, found["free_deg"], name="joints that are free", unit="°"))
+    figures.append(at_most(TURNED, found["free_deg"], name="error of free joints", unit="°"))
     figures.append(at_most(0.0, found["lost_time"], name="lost time", unit="s"))
     if "slip_mm" in found:
         figures.append(at_most(SLIP, found["slip_mm"], name="the ball slips", unit="mm"))

@@ -46,6 +46,10 @@ class Command:
         if is_result(self.file):
             self._result(scene)
             return
+        if self.json is not None:
+            raise InputError(
+                f"--json: {self.file} is a motion alone; expected a result of simulate"
+            )
         motion = self.motion_file.load(self.file)
         if scene is None and self.reference is None:
             raise InputError(

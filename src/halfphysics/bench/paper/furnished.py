@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 #: Test scenes of a full report, and of a quick one.
 SCENES, QUICK_SCENES = tuple(range(20)), (6, 9, 12)
 #: Scenes of which there is a strip: of a quick report the first.
-PICTURED = (6, 10, 0)
+PICTURED = (6, 10, 8)
 #: Statures [m] of those who visit, in turns; None: the default body.
 _STATURES = (None, 1.62, 1.84)
 #: How many frames apart the skin is looked at: if it is to be quick, and when the motions asked

@@ -62,7 +62,7 @@ def with_sections(monkeypatch):
     """Makes the report consist of these sections."""
 
     def use(*sections):
-        monkeypatch.setattr(paper, "sections", lambda only=(): list(sections))
+        monkeypatch.setattr(paper, "listed", lambda only=(): list(sections))
 
     return use
 
@@ -312,7 +312,7 @@ from test_evidence import squares
 from halfphysics.bench import paper
 if __name__ == "__main__":
     folder = Path({folder!r})
-    paper.sections = lambda only=(): [squares(folder, 9, nap=0.25)]
+    paper.listed = lambda only=(): [squares(folder, 9, nap=0.25)]
     paper.make(folder / "out", workers=2)
 """
 
@@ -385,13 +385,11 @@ def test_mistakes_are_one_message(tmp_path, capsys, arguments, said):
 def test_every_section_has_tasks_of_its_own_names(tmp_path):
     for quick in (True, False):
         options = Options(quick=quick)
-        for section in paper.sections():
+        for section in paper.listed():
             keys = [task.key for task in section.tasks(options)]
             assert keys, section.key
             assert len(set(keys)) == len(keys), section.key
             for task in section.tasks(options):
-                module, name = task.function.split(":")
-                found = __import__(f"halfphysics.bench.paper.{module}", fromlist=[name])
-                assert callable(getattr(found, name))
+                assert callable(runner.function_of(task))
                 assert Store(tmp_path).load(section.key, task) is None
     assert os.listdir(tmp_path) == []

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from halfphysics.bench.paper.axis import axis, finite
+from halfphysics.bench.paper.html.axis import axis, finite
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
 

@@ -10,8 +10,9 @@ import json
 import pytest
 from PIL import Image
 
-from halfphysics.bench.paper import evidence, firmness, forcing, objects, playing, scenes
+from halfphysics.bench.paper import evidence
 from halfphysics.bench.paper.evidence import Options
+from halfphysics.bench.paper.sections import firmness, forcing, objects, playing, scenes
 
 #: A picture of a strip [bytes].
 LARGEST_PICTURE = 150_000
@@ -21,7 +22,7 @@ LARGEST_PICTURE = 150_000
 def done(function, arguments):
     """What a task found, its values as they come back from JSON."""
     module, name = function.split(":")
-    module = importlib.import_module(f"halfphysics.bench.paper.{module}")
+    module = importlib.import_module(f"halfphysics.bench.paper.sections.{module}")
     outcome = getattr(module, name)(**json.loads(arguments))
     return json.loads(json.dumps(evidence.plain(outcome.values, name))), outcome.pictures
 

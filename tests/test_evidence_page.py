@@ -9,7 +9,7 @@ import evidence_sample as sample
 import pytest
 from browser import CHROMIUM, tab
 
-from halfphysics.bench.paper import page
+from halfphysics.bench.paper.html import page
 
 SIZES = {"desktop": (1280, 800), "phone": (390, 844), "small": (320, 568), "between": (700, 900)}
 VOID = {"meta", "link", "img"}

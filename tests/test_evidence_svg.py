@@ -12,7 +12,7 @@ from evidence_sample import plot, series
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from halfphysics.bench.paper import svg
+from halfphysics.bench.paper.html import svg
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?")
 VALUES = st.one_of(st.none(), st.floats(), st.floats(-1e3, 1e3), st.integers(-5, 5))

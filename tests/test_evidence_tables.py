@@ -11,18 +11,12 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.bench import paper
-from halfphysics.bench.paper import (
-    ablations,
-    fidelity,
-    following,
-    internal_forces,
-    published,
-    sources,
-    torque,
-)
-from halfphysics.bench.paper.choreography import dance
+from halfphysics.bench.paper import published
 from halfphysics.bench.paper.evidence import Options, plain
+from halfphysics.bench.paper.motions import sources
+from halfphysics.bench.paper.motions.choreography import dance
 from halfphysics.bench.paper.runner import Job, work
+from halfphysics.bench.paper.sections import ablations, fidelity, following, internal_forces, torque
 from halfphysics.bench.paper.store import Store
 from halfphysics.errors import FileError
 from halfphysics.skinning import kinematics_reference

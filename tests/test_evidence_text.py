@@ -5,7 +5,7 @@ from __future__ import annotations
 import evidence_sample as sample
 import pytest
 
-from halfphysics.bench.paper import text
+from halfphysics.bench.paper.html import text
 
 
 @pytest.fixture(scope="module")

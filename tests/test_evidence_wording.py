@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from halfphysics.bench.paper import document
-from halfphysics.bench.paper.wording import (
+from halfphysics.bench.paper.html.wording import (
     VERDICTS,
     number,
     plain,

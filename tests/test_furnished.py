@@ -10,12 +10,13 @@ import pytest
 
 import halfphysics as hp
 from halfphysics import metrics
-from halfphysics.bench.paper import furnished, rooms_brought, verify
 from halfphysics.bench.paper.evidence import Options, plain
-from halfphysics.bench.paper.furniture import KINDS, mesh_of
-from halfphysics.bench.paper.layout import room
-from halfphysics.bench.paper.standing import floor, walk_through
-from halfphysics.bench.paper.visits import visit
+from halfphysics.bench.paper.rooms import verify
+from halfphysics.bench.paper.rooms.furniture import KINDS, mesh_of
+from halfphysics.bench.paper.rooms.layout import room
+from halfphysics.bench.paper.rooms.standing import floor, walk_through
+from halfphysics.bench.paper.rooms.visits import visit
+from halfphysics.bench.paper.sections import furnished, rooms_brought
 from halfphysics.errors import FileError, InputError
 from halfphysics.shapes import Mesh
 

@@ -9,8 +9,8 @@ import pytest
 import halfphysics as hp
 from halfphysics import rotations
 from halfphysics.bench.clips import straight
-from halfphysics.bench.paper import verify
-from halfphysics.bench.paper.verify import _Cells
+from halfphysics.bench.paper.rooms import verify
+from halfphysics.bench.paper.rooms.verify import _Cells
 from halfphysics.errors import InputError
 from halfphysics.shapes import Box, Capsule, Mesh, Plane, Sphere
 

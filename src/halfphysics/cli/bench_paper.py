@@ -51,7 +51,7 @@ class Command:
     def run(self) -> None:
         """Compute, write, print."""
         from halfphysics.bench import paper
-        from halfphysics.bench.paper import text
+        from halfphysics.bench.paper.html import text
 
         if self.jobs is not None and self.jobs < 1:
             raise InputError(f"--jobs: found {self.jobs}, expected at least 1")

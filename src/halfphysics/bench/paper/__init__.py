@@ -1,6 +1,6 @@
 """Every claim of the paper as a number beside ours: `halfphysics bench paper`.
 
-A section is a module here with a constant `SECTION`, and one name below. Its tasks run in
+A section is a module of `sections` with a constant `SECTION`, and one name below. Its tasks run in
 processes of their own and are kept (`store`), so that a run that was stopped goes on where it was.
 """
 
@@ -13,16 +13,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from halfphysics.bench.paper import document, page
+from halfphysics.bench.paper import document
 from halfphysics.bench.paper.evidence import Options, Section
+from halfphysics.bench.paper.html import page
 from halfphysics.bench.paper.runner import Done, Job, run
 from halfphysics.bench.paper.store import Store
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.atomic import atomic_write
 
-__all__ = ["MODULES", "Options", "Report", "make", "sections"]
+__all__ = ["MODULES", "Options", "Report", "listed", "make"]
 
-#: Modules of this package, in the order of the report.
+#: Modules of `sections`, in the order of the report.
 MODULES = (
     "fidelity",
     "furnished",
@@ -48,13 +49,13 @@ class Report:
     speed: dict[str, Any]
 
 
-def sections(only: Sequence[str] = ()) -> list[Section]:
+def listed(only: Sequence[str] = ()) -> list[Section]:
     """All sections, or those named.
 
     Raises:
         InputError: An unknown key.
     """
-    found = [importlib.import_module(f"{__name__}.{name}").SECTION for name in MODULES]
+    found = [importlib.import_module(f"{__name__}.sections.{name}").SECTION for name in MODULES]
     known = {section.key: section for section in found}
     for key in only:
         if key not in known:
@@ -84,7 +85,7 @@ def make(
         InputError: Impossible options. FileError: The folder cannot be written.
     """
     options = options or Options()
-    chosen = sections(only)
+    chosen = listed(only)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

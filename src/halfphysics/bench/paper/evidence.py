@@ -53,7 +53,7 @@ class Task:
         key: Its name within the section: letters, digits, spaces, "-", "_", "." and
             "/".
         function: "MODULE:NAME" of a function that returns an `Outcome`; a module without a dot in
-            its name is one of this package. The same arguments give the same values, bit for bit.
+            its name is one of `sections`. The same arguments give the same values, bit for bit.
         arguments: Its arguments: what JSON can say.
         inputs: Files of the user that it reads; their content is part of what is remembered.
         seconds: About how long it takes on one core [s].

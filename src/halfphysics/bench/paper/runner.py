@@ -43,6 +43,15 @@ class Done:
     cause: str = ""
 
 
+def function_of(task: Task) -> Callable[..., Outcome]:
+    """The function that a task names."""
+    module, name = task.function.split(":")
+    if "." not in module:
+        module = f"halfphysics.bench.paper.sections.{module}"
+    function: Callable[..., Outcome] = getattr(importlib.import_module(module), name)
+    return function
+
+
 def work(folder: Path, job: Job) -> Done:
     """Do a task and keep its outcome; what it raises is the cause of its failure.
 
@@ -50,11 +59,8 @@ def work(folder: Path, job: Job) -> Done:
     """
     start = time.perf_counter()
     try:
-        module, name = job.task.function.split(":")
-        if "." not in module:
-            module = f"halfphysics.bench.paper.{module}"
-        function: Callable[..., Outcome] = getattr(importlib.import_module(module), name)
-        Store(folder).keep(job.section, job.task, function(**job.task.arguments))
+        outcome = function_of(job.task)(**job.task.arguments)
+        Store(folder).keep(job.section, job.task, outcome)
     except HalfPhysicsError as error:
         return Done(job, time.perf_counter() - start, str(error))
     except Exception as error:

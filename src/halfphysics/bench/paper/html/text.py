@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from halfphysics.bench.paper.wording import (
+from halfphysics.bench.paper.html.wording import (
     VERDICTS,
     Claim,
     claims,

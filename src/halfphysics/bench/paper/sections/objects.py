@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.bench.paper import playing
 from halfphysics.bench.paper.evidence import (
     Content,
     Figure,
@@ -22,7 +21,8 @@ from halfphysics.bench.paper.evidence import (
     at_least,
     at_most,
 )
-from halfphysics.bench.paper.handling import GRAVITY, Values
+from halfphysics.bench.paper.sections import playing
+from halfphysics.bench.paper.sections.handling import GRAVITY, Values
 
 #: A glass may slip [mm] and turn [degrees] in the hand by this.
 GLASS_SLIP, GLASS_TURN = 10.0, 15.0

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.bench.paper.layout import Footprint, Item, Room
-from halfphysics.bench.paper.strolls import USES, Way, stroll, then
+from halfphysics.bench.paper.rooms.layout import Footprint, Item, Room
+from halfphysics.bench.paper.rooms.strolls import USES, Way, stroll, then
 from halfphysics.motion import Motion
 
 if TYPE_CHECKING:

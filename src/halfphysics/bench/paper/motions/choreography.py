@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.bench.paper.dancer import SIDES, Score, danced
+from halfphysics.bench.paper.motions.dancer import SIDES, Score, danced
 
 if TYPE_CHECKING:
     from halfphysics.body import Body

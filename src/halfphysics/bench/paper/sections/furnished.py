@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from halfphysics import metrics
-from halfphysics.bench.paper import playing, published, verify
+from halfphysics.bench.paper import published
 from halfphysics.bench.paper.evidence import (
     Content,
     Figure,
@@ -23,6 +23,8 @@ from halfphysics.bench.paper.evidence import (
     at_least,
     at_most,
 )
+from halfphysics.bench.paper.rooms import verify
+from halfphysics.bench.paper.sections import playing
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -50,8 +52,8 @@ CLAIMED = ("paper", "ours")
 
 def made(number: int, seed: int, ways: Sequence[str], strip: bool, quick: bool) -> Outcome:
     """One of the test scenes: its room, and its motion as asked for and played in all `ways`."""
-    from halfphysics.bench.paper.layout import room
-    from halfphysics.bench.paper.visits import visit
+    from halfphysics.bench.paper.rooms.layout import room
+    from halfphysics.bench.paper.rooms.visits import visit
     from halfphysics.body import Body
     from halfphysics.sequence import Sequence as Played
 
@@ -144,7 +146,7 @@ def _verdict(motion: Any, body: Body, scene: Any, every: int) -> dict[str, Any]:
 
 def tasks(options: Options) -> list[Task]:
     """One a scene of ours, one a scene or clip of the user's."""
-    from halfphysics.bench.paper import rooms_brought
+    from halfphysics.bench.paper.sections import rooms_brought
 
     numbers = QUICK_SCENES if options.quick else SCENES
     pictured = PICTURED[:1] if options.quick else PICTURED

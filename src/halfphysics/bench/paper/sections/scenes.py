@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from halfphysics import metrics
-from halfphysics.bench.paper import playing
 from halfphysics.bench.paper.evidence import (
     Content,
     Figure,
@@ -22,6 +21,7 @@ from halfphysics.bench.paper.evidence import (
     Task,
     at_most,
 )
+from halfphysics.bench.paper.sections import playing
 from halfphysics.skeleton import JOINT_NAMES
 
 #: Row -> what the paper shows it in, the scenario and its options.

@@ -10,7 +10,7 @@ from decimal import Decimal
 from itertools import pairwise
 from typing import Any
 
-from halfphysics.bench.paper.wording import signed
+from halfphysics.bench.paper.html.wording import signed
 
 #: Positive values over as many decades are shown on a logarithmic axis.
 _DECADES = 3

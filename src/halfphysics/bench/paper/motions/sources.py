@@ -9,9 +9,9 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from halfphysics.bench.paper import choreography
-from halfphysics.bench.paper import daily as everyday
 from halfphysics.bench.paper.evidence import Options
+from halfphysics.bench.paper.motions import choreography
+from halfphysics.bench.paper.motions import daily as everyday
 from halfphysics.errors import FileError
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from halfphysics import scenarios
-from halfphysics.bench.paper import grasping, lifting, playing
 from halfphysics.bench.paper.evidence import Outcome
+from halfphysics.bench.paper.sections import grasping, lifting, playing
 from halfphysics.result import Result
 from halfphysics.scenarios import grasp_glass, place_glass
 from halfphysics.sequence import Sequence

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from halfphysics import rotations as rot
-from halfphysics.bench.paper import following, published, sources
+from halfphysics.bench.paper import published
 from halfphysics.bench.paper.evidence import (
     Content,
     Figure,
@@ -19,7 +19,10 @@ from halfphysics.bench.paper.evidence import (
     at_least,
     at_most,
 )
-from halfphysics.bench.paper.following import (
+from halfphysics.bench.paper.motions import sources
+from halfphysics.bench.paper.motions.sources import Group
+from halfphysics.bench.paper.sections import following
+from halfphysics.bench.paper.sections.following import (
     Chosen,
     described,
     mean,
@@ -28,7 +31,6 @@ from halfphysics.bench.paper.following import (
     success,
     task,
 )
-from halfphysics.bench.paper.sources import Group
 from halfphysics.body import Body
 from halfphysics.motion import Motion
 

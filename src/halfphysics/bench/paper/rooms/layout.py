@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
-from halfphysics.bench.paper.furniture import KINDS, mesh_of, uneven, without_undersides
+from halfphysics.bench.paper.rooms.furniture import KINDS, mesh_of, uneven, without_undersides
 from halfphysics.bench.room import Piece
 from halfphysics.mesh import Mesh
 from halfphysics.scene import Scene

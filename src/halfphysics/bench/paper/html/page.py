@@ -9,8 +9,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from halfphysics.bench.paper import svg
-from halfphysics.bench.paper.wording import (
+from halfphysics.bench.paper.html import svg
+from halfphysics.bench.paper.html.wording import (
     MISSING,
     VERDICTS,
     claims,

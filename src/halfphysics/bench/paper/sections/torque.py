@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from halfphysics.bench.paper import ablations, published
+from halfphysics.bench.paper import published
 from halfphysics.bench.paper.evidence import Content, Options, Section, Task
-from halfphysics.bench.paper.following import Chosen
+from halfphysics.bench.paper.sections import ablations
+from halfphysics.bench.paper.sections.following import Chosen
 
 TORQUE = "joint torques"
 RUNS: dict[str, Chosen] = {ablations.HALF_PHYSICS: {}, TORQUE: {"mode": "torque"}}

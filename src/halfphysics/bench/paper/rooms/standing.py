@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.bench.paper.strolls import Way, stroll
+from halfphysics.bench.paper.rooms.strolls import Way, stroll
 from halfphysics.errors import InputError
 from halfphysics.mesh import Mesh
 from halfphysics.scene import Scene

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from halfphysics import scenarios
-from halfphysics.bench.paper import lifting, playing, ragdoll
 from halfphysics.bench.paper.evidence import Outcome
+from halfphysics.bench.paper.sections import lifting, playing, ragdoll
 from halfphysics.result import Result
 from halfphysics.scene import Scene
 from halfphysics.sequence import Sequence

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from halfphysics.bench.paper import ablations, published, sources
-from halfphysics.bench.paper.choreography import STYLES
+from halfphysics.bench.paper import published
 from halfphysics.bench.paper.evidence import Content, Options, Plot, Section, Series, Task
-from halfphysics.bench.paper.following import Chosen, mean, outcomes, task
-from halfphysics.bench.paper.sources import Group
+from halfphysics.bench.paper.motions import sources
+from halfphysics.bench.paper.motions.choreography import STYLES
+from halfphysics.bench.paper.motions.sources import Group
+from halfphysics.bench.paper.sections import ablations
+from halfphysics.bench.paper.sections.following import Chosen, mean, outcomes, task
 
 #: Joint damping of the rows [N m s/rad]: of the order of what relaxed elbows and knees are measured
 #: to have. The paper does not say which it used; the sweep shows others.

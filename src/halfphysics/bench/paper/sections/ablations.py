@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from halfphysics.bench.paper import published, sources
+from halfphysics.bench.paper import published
 from halfphysics.bench.paper.evidence import (
     Figure,
     Options,
@@ -15,7 +15,9 @@ from halfphysics.bench.paper.evidence import (
     Task,
     at_least,
 )
-from halfphysics.bench.paper.following import (
+from halfphysics.bench.paper.motions import sources
+from halfphysics.bench.paper.motions.sources import Group
+from halfphysics.bench.paper.sections.following import (
     Chosen,
     curve,
     described,
@@ -25,7 +27,6 @@ from halfphysics.bench.paper.following import (
     success,
     task,
 )
-from halfphysics.bench.paper.sources import Group
 
 #: What a change has to cost to count as the paper's finding [mm].
 COST = 10.0

@@ -13,8 +13,8 @@ from html import escape
 from itertools import pairwise
 from typing import Any
 
-from halfphysics.bench.paper.axis import Axis, axis, finite
-from halfphysics.bench.paper.wording import MISSING, number, plain, quantity, signed
+from halfphysics.bench.paper.html.axis import Axis, axis, finite
+from halfphysics.bench.paper.html.wording import MISSING, number, plain, quantity, signed
 
 #: Widths in px: of a page, and of a phone.
 WIDE, NARROW = 720, 340

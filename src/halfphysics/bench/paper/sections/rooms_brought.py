@@ -86,7 +86,7 @@ def brought(path: str, clip: str | None, seed: int, quick: bool) -> Outcome:
     Raises:
         FileError: It cannot be read, or a clip has no scene. InputError: Nobody can stand in it.
     """
-    from halfphysics.bench.paper.furnished import CLAIMED, measured
+    from halfphysics.bench.paper.sections.furnished import CLAIMED, measured
 
     file = Path(path)
     with warnings.catch_warnings():
@@ -103,7 +103,7 @@ def brought(path: str, clip: str | None, seed: int, quick: bool) -> Outcome:
 
 
 def _walk(file: Path, seed: int) -> Sequence:
-    from halfphysics.bench.paper.standing import walk_through
+    from halfphysics.bench.paper.rooms.standing import walk_through
     from halfphysics.body import Body
     from halfphysics.io.meshes import load_mesh
 

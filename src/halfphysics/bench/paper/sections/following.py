@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics.bench.paper import sources
 from halfphysics.bench.paper.evidence import Outcome, Series, Task
-from halfphysics.bench.paper.sources import Group, Source
+from halfphysics.bench.paper.motions import sources
+from halfphysics.bench.paper.motions.sources import Group, Source
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.bench.paper import playing
 from halfphysics.bench.paper.evidence import (
     Content,
     Figure,
@@ -22,6 +21,7 @@ from halfphysics.bench.paper.evidence import (
     at_least,
     at_most,
 )
+from halfphysics.bench.paper.sections import playing
 from halfphysics.skeleton import JOINT_INDEX
 
 #: Speed of the foot as it meets the ball [m/s].

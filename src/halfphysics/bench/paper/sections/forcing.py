@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from halfphysics.bench.paper import playing
 from halfphysics.bench.paper.evidence import (
     Content,
     Figure,
@@ -20,6 +19,7 @@ from halfphysics.bench.paper.evidence import (
     at_least,
     at_most,
 )
+from halfphysics.bench.paper.sections import playing
 
 Values = Mapping[str, Any]
 
@@ -247,7 +247,7 @@ def _limp(found: Values) -> list[Row]:
         Row(
             name="a ragdoll: MuJoCo, nothing drives the body",
             data=data,
-            setting="no setting: bench/paper/ragdoll.py",
+            setting="no setting: bench/paper/sections/ragdoll.py",
             figures=(
                 at_least(FALLS, doll["drop"], name=drop, unit="m"),
                 Figure(name=errors, unit="mm", ours=doll["mpjpe_g"]),

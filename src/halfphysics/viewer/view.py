@@ -16,6 +16,7 @@ import numpy as np
 
 from halfphysics.drawing import Drawing
 from halfphysics.errors import InputError
+from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.validation import shown
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.controls import Controls
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 _SPACING = 1.0 / 40.0
 # A look at whether anybody is there, and whether it should stop [s].
 _IDLE = 0.25
+# Names hang this far above the head's joint [m].
+_HEAD, _OVER = JOINT_INDEX["head"], 0.3
 # The window that things are arranged for; the panel takes this much of one that is wide [pixels].
 _PICTURE = (1280, 720)
 _WIDE, _PANEL = 700, 335
@@ -109,19 +112,27 @@ class Viewer:
                 if height is not None and name not in shared:
                     floors[round(height, 6)] = stage.static(name.removeprefix("static/"))
             if len(drawings) > 1:
-                label = self.server.scene.add_label(
-                    stage.path("label"),
-                    self.labels[k],
-                    position=tuple(row.heads[k] + [0.0, 0.0, 0.12]),
-                    anchor="bottom-center",
-                )
-                stage.layers["label"] = Layer("Names", [label])
+                self._name(stage, self.labels[k])
             stages.append(stage)
         reach = float(np.linalg.norm(row.offsets, axis=1).max())
         for floor in floors.values():
             floor.width += 2.0 * reach
             floor.height += 2.0 * reach
         return stages
+
+    def _name(self, stage: Stage, text: str) -> None:
+        """A label over the head of the first person, which goes with them."""
+        head = stage.people[0].body.joint_frames(stage.drawing.result.people[0].motion)[0][:, _HEAD]
+        over = np.round(head + [0.0, 0.0, _OVER], 3)
+        label = self.server.scene.add_label(
+            stage.path("label"), text, position=tuple(over[0]), anchor="bottom-center"
+        )
+
+        def follow(frame: int) -> None:
+            label.position = over[frame]
+
+        stage.followers.append(follow)
+        stage.layers["label"] = Layer("Names", [label])
 
     @property
     def url(self) -> str:

@@ -116,7 +116,7 @@ class Figure:
 
     def remove(self, handle: Any) -> None:
         """Take away a mesh that `add` made."""
-        self._meshes.remove(handle)
+        self._meshes = [mesh for mesh in self._meshes if mesh is not handle]
         handle.remove()
         self._changed()
 

@@ -67,8 +67,8 @@ class Viewer:
         for index, result in enumerate(results):
             _check(index, result)
         self.labels = _labels(results, labels)
-        self.timeline = Timeline(*((len(r), r.fps) for r in results))
         drawings = [Drawing(result) for result in results]
+        self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
         self._row = row = arrange(drawings, _PICTURE)
         self._asked_port = port
         self._host = host
@@ -145,7 +145,7 @@ class Viewer:
         lines = []
         if self._asked_port not in (0, self.port):
             lines.append(f"port {self._asked_port} is in use, taking {self.port}")
-        lines.append(f"showing {', '.join(self.labels)} at {self.url}")
+        lines.append(f"showing {_and(self.labels)} at {self.url}")
         if self._host in ("127.0.0.1", "localhost", "::1"):
             lines.append(
                 f"  from another machine: ssh -L {self.port}:127.0.0.1:{self.port} THIS_MACHINE, "
@@ -294,6 +294,10 @@ def _check(index: int, result: object) -> None:
         )
 
 
+def _and(names: Sequence[str]) -> str:
+    return " and ".join(filter(None, ["; ".join(names[:-1]), names[-1]]))
+
+
 def _labels(results: Sequence[Result], labels: Sequence[str] | None) -> tuple[str, ...]:
     if labels is not None:
         if len(labels) != len(results):
@@ -305,9 +309,9 @@ def _labels(results: Sequence[Result], labels: Sequence[str] | None) -> tuple[st
 
 
 def differences(results: Sequence[Result]) -> list[str]:
-    """What tells results apart, to be put behind their names: ", λ = 0.5", or nothing."""
+    """What tells results apart, to be put behind their names: ", stiffness 0.5", or nothing."""
     values = [getattr(getattr(r, "settings", None), "stiffness", None) for r in results]
     numbers = [f"{v:g}" if isinstance(v, int | float) else None for v in values]
     if len(set(numbers)) == 1:
         return [""] * len(results)
-    return ["" if n is None else f", λ = {n}" for n in numbers]
+    return ["" if n is None else f", stiffness {n}" for n in numbers]

@@ -25,6 +25,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "scenario": "play a built-in scenario, --list names them",
         "simulate": "give a motion a body in a scene",
         "evaluate": "measure a result or a motion",
+        "render": "make a page, a film or pictures of results",
         "convert": "write a motion in another format or at another frame rate",
         "bench": "measure speed beside a plain MuJoCo loop",
     }

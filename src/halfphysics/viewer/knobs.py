@@ -90,7 +90,7 @@ class Knobs:
         for name, value in self.frictions.items():
             what = f"friction of {name!r}"
             mu = number(value, what, least=0.0)
-            things = {**scene.statics, **scene.objects, **scene.articulated}
+            things: dict[str, Any] = {**scene.statics, **scene.objects, **scene.articulated}
             if name not in things:
                 _refuse(what, things)
             _put(scene, replace(things[name], friction=mu))

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 # The slider follows the time this often [s], and leaves a hand alone that moved it this long.
 _FOLLOW, _HANDS_OFF = 0.1, 0.6
 _PLAY, _PAUSE = "Play", "Pause"
-_BACK, _ON, _START = "◀ frame", "frame ▶", "⏮"
+_START, _BACK, _ON = "Start", "◀ frame", "frame ▶"
 
 
 class Controls:
@@ -45,7 +45,7 @@ class Controls:
     def _add_layers(self) -> list[Any]:
         viewer, gui = self._viewer, self._gui
         boxes = []
-        with gui.add_folder("Show"):
+        with gui.add_folder("Show", expand_by_default=False):
             if len(viewer.stages) > 1:
                 for stage, label in zip(viewer.stages, viewer.labels, strict=True):
                     box = gui.add_checkbox(label, True)

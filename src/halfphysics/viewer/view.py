@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 _SPACING = 1.0 / 40.0
 # A look at whether anybody is there, and whether it should stop [s].
 _IDLE = 0.25
+# The window that things are arranged for; the panel takes this much of one that is wide [pixels].
+_PICTURE = (1280, 720)
+_WIDE, _PANEL = 700, 335
 
 
 class Viewer:
@@ -64,7 +67,7 @@ class Viewer:
         self.labels = _labels(results, labels)
         self.timeline = Timeline(*((len(r), r.fps) for r in results))
         drawings = [Drawing(result) for result in results]
-        row = arrange(drawings)
+        self._row = row = arrange(drawings, _PICTURE)
         self._asked_port = port
         self._host = host
         self.server = open_server(host, port, label=title)
@@ -75,7 +78,7 @@ class Viewer:
         self._failure: BaseException | None = None
         try:
             light(self.server)
-            aim(self.server, row.camera)
+            aim(self.server, row.camera(_PICTURE))
             self.stages = self._build(drawings, row)
             self.controls = Controls(self)
             self.timeline.play()
@@ -84,7 +87,7 @@ class Viewer:
         except BaseException:
             close_server(self.server)
             raise
-        self.server.on_client_connect(lambda _client: self.changed())
+        self.server.on_client_connect(self._welcome)
         self._player = threading.Thread(target=self._play, name="halfphysics-view", daemon=True)
         self._player.start()
 
@@ -142,6 +145,17 @@ class Viewer:
         else:
             lines.append(f"  anybody who reaches this machine on port {self.port} sees it")
         return "\n".join(lines)
+
+    def _welcome(self, client: Any) -> None:
+        """A browser has come: show it everything, in whatever shape its window has."""
+        width, height = client.camera.image_width, client.camera.image_height
+        if width > _WIDE:
+            width -= _PANEL
+        camera = self._row.camera((max(width, 1), max(height, 1)))
+        with client.atomic():
+            client.camera.position = camera.position
+            client.camera.look_at = camera.target
+        self.changed()
 
     def __repr__(self) -> str:
         state = "stopped" if self._stopping.is_set() else self.url

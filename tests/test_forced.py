@@ -382,7 +382,7 @@ def test_nothing_is_held(body):
     ids=lambda other: next(iter(other)),
 )
 def test_senseless_settings(mode, other):
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match=next(iter(other))):
         Settings(mode=mode, **other)
     assert Settings.paper(mode=mode).mode == mode
 

@@ -88,18 +88,19 @@ def test_visits_start_clear_and_last(body):
         assert (np.linalg.norm(np.diff(motion.translation, axis=0), axis=1) * 30.0 < 3.0).all()
         start = metrics.penetration(motion[:2], body, one.scene)
         assert start.deepest[0] == 0.0
-        end = motion[len(motion) - 12 :: 6]
+        end = motion[-2:]
         deep.append(metrics.penetration(end, body, one.scene).depth_max_mm)
     assert np.mean(np.array(deep) > 20.0) > 0.7
 
 
 def test_a_scene_is_measured_and_verified():
     """The motion asked for goes in and is found out by both judges; ours by neither."""
-    arguments = {"number": 9, "seed": 0, "ways": ["ours", "peer"], "strip": False, "quick": True}
+    arguments = {"number": 9, "seed": 0, "ways": ["ours"], "strip": False, "quick": True}
     values = furnished.made(**arguments).values
-    again = furnished.made(**arguments).values
+    again = furnished.made(**{**arguments, "ways": ["ours", "peer"]}).values
+    peer = again.pop("peer")
     assert json.dumps(plain(values, "")) == json.dumps(plain(again, ""))
-    asked, ours, peer = values["asked"], values["ours"], values["peer"]
+    asked, ours = values["asked"], values["ours"]
     assert asked["rate"] > 1.0
     assert asked["max_mm"] > 50.0
     assert 0 < asked["intersecting"] < asked["checked"]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics import rotations
 from halfphysics.bench.clips import straight
 from halfphysics.bench.paper import verify
 from halfphysics.bench.paper.verify import _Cells
@@ -54,16 +55,23 @@ def whole(body, motion, frame, mesh):
 @pytest.mark.parametrize("kind", ["box", "mesh", "turned mesh"])
 def test_a_wall_is_met_when_it_is_reached(body, motion, kind):
     """What glides into a wall meets it from the frame on at which its first vertex is over it."""
-    lead = float(body.vertices(motion[0])[:, 0].max())
-    wall = Box((0.6, 4.0, 4.0))
+    ways = body.vertices(motion)[:, :, 0]
+    lead, trail = ways.max(axis=1), ways.min(axis=1)
+    front = lead[0] + 0.48
+    back = front + 0.2
+    wall = Box((0.2, 4.0, 4.0))
     scene = hp.Scene()
     shape = wall if kind == "box" else Mesh(*wall.triangles())
-    turn = hp.rotations.exp([np.pi, 0.0, 0.0]) if kind == "turned mesh" else (1.0, 0.0, 0.0, 0.0)
-    scene.add_static("wall", shape, position=(lead + 0.48 + 0.3, 0.0, 1.0), quaternion=turn)
+    turn = rotations.exp([np.pi, 0.0, 0.0]) if kind == "turned mesh" else (1.0, 0.0, 0.0, 0.0)
+    scene.add_static("wall", shape, position=(front + 0.1, 0.0, 1.0), quaternion=turn)
     found = verify.verify(motion, body, scene)
+    # Nobody is as thin as the wall is thick, so that no frame is within it unseen.
+    meets = (lead > front) & (trail < back)
+    assert meets.argmax() == 15
     assert found.frames == found.checked == 31
-    assert found.intersecting == 16  # of frames 0 to 30, from 15 on: 0.5 m
-    assert found.distance == pytest.approx(0.48 - 14.0 / 30.0, abs=1e-9)
+    assert found.intersecting == meets.sum()
+    clear = np.maximum(front - lead, trail - back)[~meets].min()
+    assert found.distance == pytest.approx(clear, abs=1e-9)
 
 
 def test_distance_is_that_of_the_surfaces(body, motion):

@@ -22,13 +22,17 @@ def check_forced(settings: Settings) -> None:
     """Refuse what says nothing where poses are set.
 
     Raises:
-        InputError: A return to the reference or contact with oneself, with a mode of `FORCED`.
+        InputError: A return to the reference, contact with oneself, a limit of strength or forces
+            on joints, with a mode of `FORCED`.
     """
     if settings.mode not in FORCED:
         return
     refused = {
         "root": ("stay", "nobody leaves the reference"),
         "self_contact": (False, "nobody gives way"),
+        "strength": (None, "nothing is exerted"),
+        "internal_forces": (False, "no force acts on the person"),
+        "joint_damping": (0.0, "no force acts on the person"),
     }
     for name, (only, why) in refused.items():
         if getattr(settings, name) != only:

@@ -19,6 +19,7 @@ from halfphysics.errors import InputError
 from halfphysics.validation import shown
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.controls import Controls
+from halfphysics.viewer.layers import add_layers
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.stage import Layer, Stage, aim, light
 from halfphysics.viewer.timeline import Timeline
@@ -116,6 +117,7 @@ class Viewer:
                     anchor="bottom-center",
                 )
                 stage.layers["label"] = Layer("Names", [label])
+            add_layers(self.server, stage)
             stages.append(stage)
         reach = float(np.linalg.norm(row.offsets, axis=1).max())
         for floor in floors.values():

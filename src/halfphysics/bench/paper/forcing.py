@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from halfphysics.bench.paper import playing
 from halfphysics.bench.paper.evidence import (
     Content,

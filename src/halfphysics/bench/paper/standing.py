@@ -35,8 +35,9 @@ _LIFTS, _CLEAR = (0.004, 0.02, 0.05), 0.002
 #: Around something without a floor one may stand this far off [m].
 _AROUND = 1.6
 _TRIES, _PLACES, _LENGTHS = 300, 14, (1.2, 5.0)
-#: Heights at which a way is looked at [m], and how near to something it is in the way [m].
-_HEIGHTS, _NEAR = (0.3, 0.7, 1.1, 1.4), 0.18
+#: Heights at which a way is looked at [m], how near to something is in it [m], and the share of it
+#: that should be: something to clip, and space beside.
+_HEIGHTS, _NEAR, _MIDDLING = (0.3, 0.7, 1.1, 1.4), 0.18, 0.2
 
 
 def floor(mesh: Mesh) -> float | None:
@@ -142,7 +143,7 @@ def _free(query: object, points: Array) -> bool:
 def _pair(
     rng: np.random.Generator, mesh: Mesh, places: list[tuple[Array, float]], low: float
 ) -> tuple[Array, Array, float]:
-    """Start, goal and lift: of ways of a sensible length the one with most in its way."""
+    """Start, goal and lift: of ways of a sensible length one that clips something."""
     best: tuple[float, Array, Array, float] | None = None
     for i, (a, lift) in enumerate(places):
         for j, (b, _) in enumerate(places):
@@ -152,8 +153,9 @@ def _pair(
             line = a + np.linspace(0.0, 1.0, 2 + int(length / 0.1))[:, None] * (b - a)
             points = [np.column_stack([line, np.full(len(line), low + z)]) for z in _HEIGHTS]
             share = float((mesh.query.closest(np.concatenate(points))[0] < _NEAR).mean())
-            if best is None or share > best[0]:
-                best = share, a, b, lift
+            odd = abs(share - _MIDDLING)
+            if best is None or odd < best[0]:
+                best = odd, a, b, lift
     if best is not None:
         return best[1], best[2], best[3]
     angle = rng.uniform(0.0, 2.0 * np.pi)

@@ -1,7 +1,9 @@
 """Is a skin clear of what stands around it? Asked of `coal`, a collision library that is not ours.
 
 Triangle against triangle, frame by frame: no tree, distance or winding number of this package is
-used. Needs ``pip install halfphysics[paper]``; without it nothing is verified, and that is said.
+used. Somebody wholly within a closed mesh meets none of its triangles: who starts outside gets
+there through them, and `metrics.penetration` sees it. Needs ``pip install halfphysics[paper]``;
+without it nothing is verified, and that is said.
 """
 
 from __future__ import annotations

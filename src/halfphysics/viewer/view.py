@@ -20,6 +20,7 @@ from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.validation import shown
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.controls import Controls
+from halfphysics.viewer.layers import add_layers
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.stage import Layer, Stage, aim, light
 from halfphysics.viewer.timeline import Timeline
@@ -113,6 +114,7 @@ class Viewer:
                     floors[round(height, 6)] = stage.static(name.removeprefix("static/"))
             if len(drawings) > 1:
                 self._name(stage, self.labels[k])
+            add_layers(self.server, stage)
             stages.append(stage)
         reach = float(np.linalg.norm(row.offsets, axis=1).max())
         for floor in floors.values():

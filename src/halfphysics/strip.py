@@ -230,7 +230,7 @@ def _draw(
         look = Look().aimed(camera, drawing.middle)
         shown = list(surfaces.values())
         tiles.append(render(shown, camera, size, samples=samples, look=look, threads=threads))
-    return _compose(drawing.result, picked, tiles, columns, size)
+    return compose(drawing.result, picked, tiles, columns, size)
 
 
 def _font(pixels: int) -> Any:
@@ -254,14 +254,14 @@ def _fitted(draw: Any, text: str, font: Any, width: int) -> str:
     return text + "..."
 
 
-def _compose(
+def compose(
     result: Result,
     frames: Sequence[int],
     tiles: Sequence[NDArray[np.uint8]],
     columns: int,
     size: tuple[int, int],
 ) -> Any:
-    """One sheet: pictures in rows, two lines of text under each, a key at the bottom."""
+    """One sheet: pictures (each `size`) in rows, text under each, a key at the bottom."""
     from PIL import Image, ImageDraw
 
     across, down = min(columns, len(tiles)), -(-len(tiles) // columns)

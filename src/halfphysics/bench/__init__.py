@@ -95,6 +95,12 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "and of 100,000 for 1,000, skinning included; seconds for all frames, processor time "
             "of all threads",
         ),
+        "viewer": (
+            "viewer",
+            "viewer",
+            "two people of 14k vertices, and their ghosts, moved 30 times a second in a browser "
+            "scene with a client connected",
+        ),
         "skinning": ("measuring", "skinning", "body.vertices, all vertices of the default body"),
     }
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,16 @@ from halfphysics.viewpoint import FOV, choose_direction, glass, spread, subject
 
 Array = NDArray[np.float64]
 
-# Free space between one result's things and the next one's [m].
-_GAP = 0.6
+# Free space between one result's things and the next one's [m], and room around a person's pelvis.
+_GAP, _REACH = 0.4, 0.7
 # Frames that must be in the picture, and those that the direction is chosen by.
 _FRAMES, _PROBES = 6, 2
+# Every so many-th point is enough to frame a picture.
+_SPARSE = 9
+# Directions tried for the row.
+_ROWS = 12
+# A camera that looks along the row by more than this (cosine) is turned to 45 degrees of it.
+_ALONG = 0.75
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,61 +33,88 @@ class Arrangement:
 
     Attributes:
         offsets: Of every result (N, 3) [m]; the first stays where it is.
-        camera: Sees the stories of all.
+        direction: Unit, from the stories to the camera.
+        points: World points that belong in the picture (M, 3) [m].
         faint: Of every result, names of the statics to see through.
-        heads: Of every result, a point above all that happens (N, 3) [m], in its own frame.
     """
 
     offsets: Array
-    camera: Camera
+    direction: Array
+    points: Array
     faint: tuple[frozenset[str], ...]
-    heads: Array
+
+    def camera(self, size: tuple[int, int]) -> Camera:
+        """Sees the stories of all in a picture of this size [pixels]."""
+        return Camera.framing(self.points, self.direction, size=size, fov=FOV)
 
 
-def arrange(
-    drawings: Sequence[Drawing], size: tuple[int, int] = (1280, 720), *, apart: bool = True
-) -> Arrangement:
-    """Results in a row across the picture, none in another.
+def arrange(drawings: Sequence[Drawing], size: tuple[int, int]) -> Arrangement:
+    """Results in a row, none in another, as short as it can be.
 
     Args:
         drawings: The results.
-        size: Of the picture that the camera frames for [pixels].
-        apart: In a row; False: all where they are.
+        size: Of the picture that decides what hides the stories [pixels].
     """
     probes = spread(len(drawings[0]), _PROBES + 2)[1:-1] or [0]
     direction = choose_direction(drawings[0], probes, size)
-    right = np.array([-direction[1], direction[0], 0.0])
-    right /= np.linalg.norm(right)
     offsets = np.zeros((len(drawings), 3))
-    if apart:
-        edge = 0.0
-        for k, drawing in enumerate(drawings):
-            low, high = _span(drawing, right)
-            if k:
-                offsets[k] = right * (edge + _GAP - low)
-            edge = high + float(offsets[k] @ right)
-    points, heads, scenes = [], [], []
-    for drawing, offset in zip(drawings, offsets, strict=True):
+    if len(drawings) > 1:
+        row, offsets = _row(drawings, direction)
+        direction = _across(direction, row)
+    points, scenes = [], []
+    for k, drawing in enumerate(drawings):
         story = []
         for frame in spread(len(drawing), _FRAMES):
             surfaces = drawing.surfaces(frame)
             moving = {n: s for n, s in surfaces.items() if not n.startswith("static/")}
-            story.append(subject(drawing, frame, moving))
-            scenes.append((len(heads), surfaces))
-        seen = np.concatenate(story)
-        points.append(seen + offset)
-        middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
-        heads.append([middle[0], middle[1], seen[:, 2].max()])
-    camera = Camera.framing(np.concatenate(points), direction, size=size, fov=FOV)
+            story.append(subject(drawing, frame, moving)[::_SPARSE])
+            scenes.append((k, surfaces))
+        points.append(np.concatenate(story) + offsets[k])
+    everything = np.concatenate(points)
+    camera = Camera.framing(everything, direction, size=size, fov=FOV)
     faint: list[set[str]] = [set() for _ in drawings]
     for k, surfaces in scenes:
         faint[k] |= glass(surfaces, _moved(camera, -offsets[k]), size)
     return Arrangement(
         offsets=offsets,
-        camera=camera,
+        direction=direction,
+        points=everything,
         faint=tuple(map(frozenset, faint)),
-        heads=np.array(heads),
     )
+
+
+def _row(drawings: Sequence[Drawing], direction: Array) -> tuple[Array, Array]:
+    """The level direction in which a row of them is shortest, and the offsets along it."""
+    found = []
+    for angle in np.arange(2 * _ROWS) * (np.pi / _ROWS):
+        row = np.array([np.cos(angle), np.sin(angle), 0.0])
+        if np.cross(direction, row)[2] < 0.0:
+            continue  # the first is on the left
+        along = [0.0]
+        spans = [_span(drawing, row) for drawing in drawings]
+        for (_, high), (low, _) in pairwise(spans):
+            along.append(along[-1] + high + _GAP - low)
+        # Across the picture is better than into it.
+        cost = along[-1] * (1.0 + 0.5 * abs(_level(direction) @ row))
+        found.append((cost, row, np.array(along)[:, None] * row))
+    _, row, offsets = min(found, key=lambda entry: entry[0])
+    return row, offsets
+
+
+def _level(vector: Array) -> Array:
+    flat = vector * np.array([1.0, 1.0, 0.0])
+    return flat / max(float(np.linalg.norm(flat)), 1e-12)
+
+
+def _across(direction: Array, row: Array) -> Array:
+    """The direction, turned level so that it does not look along the row."""
+    level = _level(direction)
+    if abs(level @ row) <= _ALONG:
+        return direction
+    side = np.array([-row[1], row[0], 0.0])
+    turned = np.sign(level @ row) * row + (1.0 if level @ side >= 0.0 else -1.0) * side
+    height = direction[2]
+    return turned / np.linalg.norm(turned) * np.sqrt(1.0 - height**2) + np.array([0, 0, height])
 
 
 def _moved(camera: Camera, by: Array) -> Camera:
@@ -93,12 +127,19 @@ def _moved(camera: Camera, by: Array) -> Camera:
     )
 
 
-def _span(drawing: Drawing, right: Array) -> tuple[float, float]:
-    """How far a result reaches along a direction, planes left out."""
-    reach = [(drawing.middle @ right) + s * (drawing.radius + 0.5) for s in (-1.0, 1.0)]
+def _span(drawing: Drawing, row: Array) -> tuple[float, float]:
+    """How far a result's people and what stands around reach along a direction, planes left out.
+
+    What flies away does not count.
+    """
+    reach = []
+    for person in drawing.result.people:
+        for motion in (person.motion, person.reference):
+            along = person.body.joints(motion)[:, 0] @ row
+            reach += [along.min() - _REACH, along.max() + _REACH]
     for item in drawing.statics.values():
         if not is_plane(item):
-            along = item.at(0).vertices @ right
+            along = item.at(0).vertices @ row
             reach += [along.min(), along.max()]
     return float(min(reach)), float(max(reach))
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 # The slider follows the time this often [s], and leaves a hand alone that moved it this long.
 _FOLLOW, _HANDS_OFF = 0.1, 0.6
 _PLAY, _PAUSE = "Play", "Pause"
-_BACK, _ON, _START = "◀ frame", "frame ▶", "⏮"
+_START, _BACK, _ON = "Start", "◀", "▶"
 
 
 class Controls:
@@ -33,7 +33,7 @@ class Controls:
         self._slider.on_update(self._scrubbed)
         self._play = gui.add_button(_PAUSE, icon=_icon("PLAYER_PAUSE"), hint="Also: space")
         self._play.on_click(lambda _: self._toggle())
-        self._steps = gui.add_button_group("Step", (_START, _BACK, _ON), hint="Also: arrow keys")
+        self._steps = gui.add_button_group("Step", (_START, _BACK, _ON), hint="One frame back or on. Also: arrow keys")
         self._steps.on_click(self._stepped)
         self._speed = gui.add_slider("Speed", *SPEEDS, 0.1, timeline.speed)
         self._speed.on_update(lambda _: self._set(speed=self._speed.value))
@@ -45,7 +45,7 @@ class Controls:
     def _add_layers(self) -> list[Any]:
         viewer, gui = self._viewer, self._gui
         boxes = []
-        with gui.add_folder("Show"):
+        with gui.add_folder("Show", expand_by_default=False):
             if len(viewer.stages) > 1:
                 for stage, label in zip(viewer.stages, viewer.labels, strict=True):
                     box = gui.add_checkbox(label, True)

@@ -1,4 +1,4 @@
-"""A viser server that says nothing of its own: viser's banner, ports and errors are ours to tell."""
+"""A viser server that says nothing of its own; its address and what goes wrong are ours to say."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ class Stage:
     Args:
         server: Of viser.
         result: What to show, or its `Drawing`.
-        prefix: Path of the node that all of it hangs on, such as "/second"; empty: the scene's root.
+        prefix: Path of the node that all of it hangs on, such as "/second"; empty: the root.
         offset: Where that node stands [m]; needs a prefix.
         faint: Names of statics (`static/NAME`) to draw as glass.
         without: Names of statics to leave out.

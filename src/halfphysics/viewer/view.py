@@ -16,6 +16,7 @@ import numpy as np
 
 from halfphysics.drawing import Drawing
 from halfphysics.errors import InputError
+from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.validation import shown
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.controls import Controls
@@ -30,6 +31,11 @@ if TYPE_CHECKING:
 _SPACING = 1.0 / 40.0
 # A look at whether anybody is there, and whether it should stop [s].
 _IDLE = 0.25
+# Names hang this far above the head's joint [m].
+_HEAD, _OVER = JOINT_INDEX["head"], 0.3
+# The window that things are arranged for; the panel takes this much of one that is wide [pixels].
+_PICTURE = (1280, 720)
+_WIDE, _PANEL = 700, 335
 
 
 class Viewer:
@@ -63,7 +69,7 @@ class Viewer:
         self.labels = _labels(results, labels)
         self.timeline = Timeline(*((len(r), r.fps) for r in results))
         drawings = [Drawing(result) for result in results]
-        row = arrange(drawings)
+        self._row = row = arrange(drawings, _PICTURE)
         self._asked_port = port
         self._host = host
         self.server = open_server(host, port, label=title)
@@ -74,7 +80,7 @@ class Viewer:
         self._failure: BaseException | None = None
         try:
             light(self.server)
-            aim(self.server, row.camera)
+            aim(self.server, row.camera(_PICTURE))
             self.stages = self._build(drawings, row)
             self.controls = Controls(self)
             self.timeline.play()
@@ -83,7 +89,7 @@ class Viewer:
         except BaseException:
             close_server(self.server)
             raise
-        self.server.on_client_connect(lambda _client: self.changed())
+        self.server.on_client_connect(self._welcome)
         self._player = threading.Thread(target=self._play, name="halfphysics-view", daemon=True)
         self._player.start()
 
@@ -106,19 +112,27 @@ class Viewer:
                 if height is not None and name not in shared:
                     floors[round(height, 6)] = stage.static(name.removeprefix("static/"))
             if len(drawings) > 1:
-                label = self.server.scene.add_label(
-                    stage.path("label"),
-                    self.labels[k],
-                    position=tuple(row.heads[k] + [0.0, 0.0, 0.12]),
-                    anchor="bottom-center",
-                )
-                stage.layers["label"] = Layer("Names", [label])
+                self._name(stage, self.labels[k])
             stages.append(stage)
         reach = float(np.linalg.norm(row.offsets, axis=1).max())
         for floor in floors.values():
             floor.width += 2.0 * reach
             floor.height += 2.0 * reach
         return stages
+
+    def _name(self, stage: Stage, text: str) -> None:
+        """A label over the head of the first person, which goes with them."""
+        head = stage.people[0].body.joint_frames(stage.drawing.result.people[0].motion)[0][:, _HEAD]
+        over = np.round(head + [0.0, 0.0, _OVER], 3)
+        label = self.server.scene.add_label(
+            stage.path("label"), text, position=tuple(over[0]), anchor="bottom-center"
+        )
+
+        def follow(frame: int) -> None:
+            label.position = over[frame]
+
+        stage.followers.append(follow)
+        stage.layers["label"] = Layer("Names", [label])
 
     @property
     def url(self) -> str:
@@ -140,6 +154,17 @@ class Viewer:
         else:
             lines.append(f"  anybody who reaches this machine on port {self.port} sees it")
         return "\n".join(lines)
+
+    def _welcome(self, client: Any) -> None:
+        """A browser has come: show it everything, in whatever shape its window has."""
+        width, height = client.camera.image_width, client.camera.image_height
+        if width > _WIDE:
+            width -= _PANEL
+        camera = self._row.camera((max(width, 1), max(height, 1)))
+        with client.atomic():
+            client.camera.position = camera.position
+            client.camera.look_at = camera.target
+        self.changed()
 
     def __repr__(self) -> str:
         state = "stopped" if self._stopping.is_set() else self.url

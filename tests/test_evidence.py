@@ -383,6 +383,7 @@ def test_mistakes_are_one_message(tmp_path, capsys, arguments, said):
 
 
 def test_every_section_has_tasks_of_its_own_names(tmp_path):
+    assert tuple(section.key for section in paper.listed()) == paper.KEYS
     for quick in (True, False):
         options = Options(quick=quick)
         for section in paper.listed():

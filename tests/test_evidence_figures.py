@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import importlib
 import io
 import json
 
@@ -12,7 +11,9 @@ from PIL import Image
 
 from halfphysics.bench.paper import evidence
 from halfphysics.bench.paper.evidence import Options
-from halfphysics.bench.paper.sections import firmness, forcing, objects, playing, scenes
+from halfphysics.bench.paper.runner import function_of
+from halfphysics.bench.paper.runs import choices
+from halfphysics.bench.paper.sections import figure5, figure8, figures4and9, figures6and7
 
 #: A picture of a strip [bytes].
 LARGEST_PICTURE = 150_000
@@ -21,10 +22,8 @@ LARGEST_PICTURE = 150_000
 @functools.cache
 def done(function, arguments):
     """What a task found, its values as they come back from JSON."""
-    module, name = function.split(":")
-    module = importlib.import_module(f"halfphysics.bench.paper.sections.{module}")
-    outcome = getattr(module, name)(**json.loads(arguments))
-    return json.loads(json.dumps(evidence.plain(outcome.values, name))), outcome.pictures
+    outcome = function_of(evidence.Task(key="any", function=function))(**json.loads(arguments))
+    return json.loads(json.dumps(evidence.plain(outcome.values, function))), outcome.pictures
 
 
 def run(task):
@@ -53,7 +52,7 @@ def check_content(section, values, options=None):
     return content
 
 
-SECTIONS = (scenes.SECTION, objects.SECTION, forcing.SECTION, firmness.SECTION)
+SECTIONS = (figures4and9.SECTION, figure5.SECTION, figures6and7.SECTION, figure8.SECTION)
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda s: s.key)
@@ -67,16 +66,16 @@ def test_tasks(section):
 
 
 def test_settings_are_said_as_one_writes_them():
-    assert playing.said({}) == "Settings()"
-    assert playing.said({"mode": "positions"}) == "Settings(mode='positions')"
-    assert playing.said(playing.LIMP) == "Settings.paper()"
-    assert playing.said({**playing.FIRM, "mode": "torque"}) == "Settings.paper(1, mode='torque')"
+    assert choices.said({}) == "Settings()"
+    assert choices.said({"mode": "positions"}) == "Settings(mode='positions')"
+    assert choices.said(choices.LIMP) == "Settings.paper()"
+    assert choices.said({**choices.FIRM, "mode": "torque"}) == "Settings.paper(1, mode='torque')"
 
 
 def test_scenes():
     sofa, ball = "sinking-into-a-sofa", "flying-with-a-ball"
-    values = played(scenes.SECTION, sofa, ball)
-    content = check_content(scenes.SECTION, values)
+    values = played(figures4and9.SECTION, sofa, ball)
+    content = check_content(figures4and9.SECTION, values)
     rows = {row.data: figures(row) for row in content.rows}
     assert set(rows) == {"sit_on_sofa", "fly_with_ball"}
     asked = rows["sit_on_sofa"]
@@ -85,12 +84,12 @@ def test_scenes():
     for row in rows.values():
         assert all(f.reproduced is not False for f in row.values())
         assert row["deepest"].ours == row["penetration rate"].ours == row["lost time"].ours == 0.0
-    assert rows["fly_with_ball"]["the ball slips"].ours < scenes.SLIP
+    assert rows["fly_with_ball"]["the ball slips"].ours < figures4and9.SLIP
     assert [picture.task for picture in content.pictures] == [sofa]
 
 
 def test_strips_are_pictures_for_a_phone():
-    task = scenes.SECTION.tasks(Options(quick=True))[2]
+    task = figures4and9.SECTION.tasks(Options(quick=True))[2]
     picture = run(task)[1]["strip"]
     assert len(picture) < LARGEST_PICTURE
     image = Image.open(io.BytesIO(picture))
@@ -102,9 +101,9 @@ def test_strips_are_pictures_for_a_phone():
 def test_what_fails_is_said_to_fail():
     """A scene in which we penetrate, or turn what is free, is not reproduced."""
     sofa = "sinking-into-a-sofa"
-    found = played(scenes.SECTION, sofa)[sofa]
+    found = played(figures4and9.SECTION, sofa)[sofa]
     worse = {**found, "ours": {"rate": 0.001, "mean_mm": 0.01, "max_mm": 0.02}, "free_deg": 5.1}
-    (row,) = scenes.content(Options(quick=True), {sofa: worse}).rows
+    (row,) = figures4and9.content(Options(quick=True), {sofa: worse}).rows
     wrong = {f.name for f in row.figures if f.reproduced is False}
     assert wrong == {"penetration rate", "deepest", "error of free joints"}
 
@@ -112,11 +111,11 @@ def test_what_fails_is_said_to_fail():
 @pytest.fixture(scope="module")
 def handled():
     keys = ("drop", "lift", "door", "kick", "monitor", "fast", "heavy", "stays", "slips")
-    return played(objects.SECTION, *keys)
+    return played(figure5.SECTION, *keys)
 
 
 def test_objects(handled):
-    content = check_content(objects.SECTION, handled)
+    content = check_content(figure5.SECTION, handled)
     assert [row.name[7:9] for row in content.rows] == [f"5{letter}" for letter in "bcdefghij"]
     for row in content.rows:
         assert all(f.reproduced is not False for f in row.figures), row.name
@@ -134,7 +133,7 @@ def test_objects_that_behave_otherwise_are_not_reproduced(handled):
     swapped["slips"], swapped["lift"] = handled["lift"], handled["slips"]
     swapped["monitor"] = {**handled["monitor"], "different": 1}
     swapped["drop"] = {**handled["drop"], "freed": None, "fall": None}
-    rows = objects.content(Options(quick=True), swapped).rows
+    rows = figure5.content(Options(quick=True), swapped).rows
     wrong = {r.name[7:9] for r in rows if any(f.reproduced is False for f in r.figures)}
     assert wrong == {"5b", "5c", "5f", "5h", "5i", "5j"}
 
@@ -152,11 +151,11 @@ def forced():
     keys = [f"{what}/{key}" for key, whats in FORCED.items() for what in whats]
     keys += [f"{what}/half-physics" for what in ("wall", "lift", "kick")]
     keys += ["kick/engine-velocity", "wall/kinematic", "lift/kinematic", "ragdoll"]
-    return played(forcing.SECTION, *keys)
+    return played(figures6and7.SECTION, *keys)
 
 
 def test_half_physics_is_stopped_holds_and_sees_mass(forced):
-    content = check_content(forcing.SECTION, forced)
+    content = check_content(figures6and7.SECTION, forced)
     for row in content.rows:
         if row.name.endswith(": half-physics"):
             assert all(f.reproduced is not False for f in row.figures), row.name
@@ -172,35 +171,35 @@ def test_half_physics_is_stopped_holds_and_sees_mass(forced):
 def test_forced_poses_penetrate_and_are_blind_to_mass(forced, key):
     found = {what: forced[f"{what}/{key}"] for what in FORCED[key]}
     values = {f"{what}/{key}": its for what, its in found.items()}
-    rows = forcing.content(Options(quick=True), values).rows
+    rows = figures6and7.content(Options(quick=True), values).rows
     assert len(rows) == len(found)
     for row in rows:
         assert all(f.reproduced is not False for f in row.figures), row.name
     assert found["wall"]["beyond"] > 1.0
     assert found["wall"]["deepest"] > 45.0  # half of a wall 10 cm thick
     if "lift" in found:
-        assert found["lift"]["into_suitcase"] > forcing.DEEP
-        assert abs(found["lift"]["rise"]) < forcing.BARELY
+        assert found["lift"]["into_suitcase"] > figures6and7.DEEP
+        assert abs(found["lift"]["rise"]) < figures6and7.BARELY
     light, heavy = found["kick"]["speeds"]
     assert light > 0.3  # it was kicked
-    assert abs(light - heavy) < forcing.BLIND * light
+    assert abs(light - heavy) < figures6and7.BLIND * light
     assert min(found["kick"]["depths"]) > 50.0  # [mm] of a ball of 11 cm radius
 
 
 def test_poses_that_are_only_set_move_nothing(forced):
     assert forced["wall/kinematic"]["beyond"] > 1.0
-    assert forced["lift/kinematic"]["into_suitcase"] > forcing.DEEP
+    assert forced["lift/kinematic"]["into_suitcase"] > figures6and7.DEEP
     assert abs(forced["lift/kinematic"]["rise"]) < 1e-6
     found = {k: v for k, v in forced.items() if k.endswith("/kinematic")}
-    for row in forcing.content(Options(quick=True), found).rows:
+    for row in figures6and7.content(Options(quick=True), found).rows:
         assert all(f.reproduced is not False for f in row.figures), row.name
 
 
 def test_a_ragdoll_falls_and_half_physics_does_not(forced):
     found = forced["ragdoll"]
-    assert found["ragdoll"]["drop"] > forcing.FALLS
+    assert found["ragdoll"]["drop"] > figures6and7.FALLS
     assert found["ragdoll"]["mpjpe_g"] > 100.0 > 1.0 > found["ours"]["mpjpe_g"]
-    ours, doll = forcing.content(Options(quick=True), {"ragdoll": found}).rows
+    ours, doll = figures6and7.content(Options(quick=True), {"ragdoll": found}).rows
     assert figures(ours)["pelvis lower than asked"].reproduced
     assert figures(doll)["pelvis lower than asked"].reproduced
 
@@ -209,30 +208,30 @@ def test_a_peer_that_sees_mass_is_not_said_to_be_blind(forced):
     light, heavy = forced["kick/engine-velocity"]["speeds"]
     assert light > 10.0 * heavy
     blind = {"kick/engine-kinematic": forced["kick/engine-velocity"]}
-    (row,) = forcing.content(Options(quick=True), blind).rows
+    (row,) = figures6and7.content(Options(quick=True), blind).rows
     assert figures(row)["spread of the speeds"].reproduced is False
     seeing = {"kick/half-physics": forced["kick/engine-kinematic"]}
-    (row,) = forcing.content(Options(quick=True), seeing).rows
+    (row,) = figures6and7.content(Options(quick=True), seeing).rows
     assert [f.reproduced for f in row.figures[-2:]] == [False, False]
 
 
 @pytest.fixture(scope="module")
 def firm():
-    return played(firmness.SECTION, "lambda-0", "lambda-1", "lambda-10")
+    return played(figure8.SECTION, "lambda-0", "lambda-1", "lambda-10")
 
 
 def test_limp_legs_bend_and_firm_bodies_are_displaced(firm):
-    content = check_content(firmness.SECTION, firm)
+    content = check_content(figure8.SECTION, firm)
     for row in content.rows:
         assert all(f.reproduced is not False for f in row.figures), row.name
     limp, middle, rigid = (firm[f"lambda-{s}"] for s in (0, 1, 10))
-    assert limp["more"] > middle["more"] + firmness.BENDS
+    assert limp["more"] > middle["more"] + figure8.BENDS
     assert rigid["more"] < 1.0
-    assert rigid["root"] > middle["root"] > firmness.TIMES * limp["root"]
+    assert rigid["root"] > middle["root"] > figure8.TIMES * limp["root"]
     assert [picture.task for picture in content.pictures] == ["lambda-0", "lambda-1"]
 
 
 def test_firmness_the_wrong_way_round_is_not_reproduced(firm):
     swapped = {"lambda-0": firm["lambda-1"], "lambda-1": firm["lambda-0"]}
-    rows = firmness.content(Options(quick=True), swapped).rows
+    rows = figure8.content(Options(quick=True), swapped).rows
     assert all(any(f.reproduced is False for f in row.figures) for row in rows)

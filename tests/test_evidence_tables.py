@@ -16,7 +16,9 @@ from halfphysics.bench.paper.evidence import Options, plain
 from halfphysics.bench.paper.motions import sources
 from halfphysics.bench.paper.motions.choreography import dance
 from halfphysics.bench.paper.runner import Job, work
-from halfphysics.bench.paper.sections import ablations, fidelity, following, internal_forces, torque
+from halfphysics.bench.paper.runs import ablations, following
+from halfphysics.bench.paper.runs.choices import LIMP, said
+from halfphysics.bench.paper.sections import table1, table3, table4
 from halfphysics.bench.paper.store import Store
 from halfphysics.errors import FileError
 from halfphysics.skinning import kinematics_reference
@@ -62,7 +64,7 @@ def rows_of(content, data):
 
 def test_a_task_measures_what_it_says():
     """MPJPE of a run that is off, against plain numpy."""
-    outcome = following.follow(SHORT, {"a": {"joint_damping": 0.1}, "b": {}})
+    outcome = following.follow(SHORT, {"a": {**LIMP, "joint_damping": 0.1}, "b": LIMP})
     body, motion = hp.Body.default(), sources.load(SHORT)
     result = hp.simulate(motion, body=body, settings=hp.Settings.paper(0.0, joint_damping=0.1))
     rest = np.asarray(body.rest_joints)
@@ -84,21 +86,16 @@ def test_a_task_measures_what_it_says():
 
 
 def test_the_same_task_gives_the_same_values():
-    runs = {**torque.RUNS, **internal_forces.RUNS}
+    runs = {**table3.RUNS, **table4.RUNS}
     a, b = (json.dumps(plain(following.follow(SHORT, runs).values, "")) for _ in range(2))
     assert a == b
 
 
-def test_settings_are_the_papers_unless_said_otherwise():
-    assert following.settings_of({}) == hp.Settings.paper(0.0)
-    assert following.settings_of({"default": True}) == hp.Settings()
-    assert following.settings_of({"mode": "torque"}) == hp.Settings.paper(0.0, mode="torque")
-    assert following.settings_of({"stiffness": 3.0}) == hp.Settings.paper(3.0)
-    # What a row says is what a user can paste.
-    for runs in (fidelity.RUNS, torque.RUNS, internal_forces.RUNS):
-        for chosen in runs.values():
-            said = eval(following.described(chosen), {"Settings": hp.Settings})
-            assert said == following.settings_of(chosen)
+def test_settings_are_said_so_that_a_user_can_paste_them():
+    assert hp.Settings(**LIMP) == hp.Settings.paper()
+    for runs in (table1.RUNS, table3.RUNS, table4.RUNS):
+        for choice in runs.values():
+            assert eval(said(choice), {"Settings": hp.Settings}) == hp.Settings(**choice)
 
 
 def test_a_motion_that_comes_back_as_none_is_no_success(monkeypatch):
@@ -108,7 +105,7 @@ def test_a_motion_that_comes_back_as_none_is_no_success(monkeypatch):
         motion.with_frames(path, motion.rotations)
 
     monkeypatch.setattr("halfphysics.simulation.simulate", torn)
-    found = following.follow(SHORT, {"a": {}}).values["runs"]["a"]
+    found = following.follow(SHORT, {"a": LIMP}).values["runs"]["a"]
     assert not found["success"]
     assert "root moves" in found["cause"]
     assert following.mean([found], "mpjpe") is None
@@ -116,9 +113,9 @@ def test_a_motion_that_comes_back_as_none_is_no_success(monkeypatch):
 
 
 def test_table_1(tmp_path):
-    values, failed = computed(fidelity.SECTION, QUICK, tmp_path, "dance/04", "daily/00")
+    values, failed = computed(table1.SECTION, QUICK, tmp_path, "dance/04", "daily/00")
     assert not failed
-    content = fidelity.SECTION.content(QUICK, values)
+    content = table1.SECTION.content(QUICK, values)
     quoted, *rows = content.rows
     assert quoted.quoted
     assert [figure.paper for figure in quoted.figures] == [92.5, 49.192, 34.467]
@@ -143,24 +140,24 @@ def values_of(section, options, **errors):
 
 
 def test_what_is_not_followed_is_not_reproduced():
-    values = values_of(fidelity.SECTION, QUICK, mpjpe_global=0.0031)
+    values = values_of(table1.SECTION, QUICK, mpjpe_global=0.0031)
     values["dance/03"]["runs"]["half-physics"].update(success=False, cause="torn")
-    row = rows_of(fidelity.SECTION.content(QUICK, values), "dance")["half-physics"]
+    row = rows_of(table1.SECTION.content(QUICK, values), "dance")["half-physics"]
     assert [figure.reproduced for figure in row.figures] == [False, False, False]
     assert figures(row)["success"].ours == 75.0
     assert row.note == "torn"
 
 
-@pytest.mark.parametrize("section", [torque.SECTION, internal_forces.SECTION])
+@pytest.mark.parametrize("section", [table3.SECTION, table4.SECTION])
 def test_a_change_that_costs_little_is_not_the_papers_finding(section):
-    judged = [torque.TORQUE, internal_forces.INTERNAL]
+    judged = [table3.TORQUE, table4.INTERNAL]
     for size in (9.9, 10.1):
         values = values_of(section, QUICK, mpjpe=size, mpjpe_global=size)
         for row in section.content(QUICK, values).rows:
             found = figures(row)
             good = (size > 10.0) if row.name in judged else None
             assert found["MPJPE-g"].reproduced is good
-            also = row.name == torque.TORQUE
+            also = row.name == table3.TORQUE
             assert found["MPJPE"].reproduced is (good if also else None)
 
 
@@ -173,7 +170,7 @@ def test_means_are_of_the_runs_that_succeeded():
 
 
 @pytest.mark.parametrize(
-    "section", [fidelity.SECTION, torque.SECTION, internal_forces.SECTION], ids=lambda s: s.key
+    "section", [table1.SECTION, table3.SECTION, table4.SECTION], ids=lambda s: s.key
 )
 def test_nothing_computed_yet_is_a_report_of_nothing(section):
     for options in (QUICK, Options()):
@@ -185,10 +182,10 @@ def test_nothing_computed_yet_is_a_report_of_nothing(section):
 
 
 def test_table_3(tmp_path):
-    values, failed = computed(torque.SECTION, QUICK, tmp_path, "dance/03", "dance/04", "dance-")
+    values, failed = computed(table3.SECTION, QUICK, tmp_path, "dance/03", "dance/04", "dance-")
     assert not failed
-    rows = torque.SECTION.content(QUICK, values).rows
-    assert [row.name for row in rows] == [ablations.HALF_PHYSICS, torque.TORQUE] * 2
+    rows = table3.SECTION.content(QUICK, values).rows
+    assert [row.name for row in rows] == [ablations.HALF_PHYSICS, table3.TORQUE] * 2
     for row in rows[1::2]:
         found = figures(row)
         assert (found["MPJPE-g"].paper, found["MPJPE"].paper) == published.TORQUE
@@ -199,17 +196,17 @@ def test_table_3(tmp_path):
 
 
 def test_table_4(tmp_path):
-    values, failed = computed(internal_forces.SECTION, QUICK, tmp_path, "dance/04", "sweep")
+    values, failed = computed(table4.SECTION, QUICK, tmp_path, "dance/04", "sweep")
     assert not failed
-    content = internal_forces.SECTION.content(QUICK, values)
+    content = table4.SECTION.content(QUICK, values)
     rows = {row.name: row for row in content.rows if not row.data.endswith("taken at 30 fps")}
-    found = figures(rows[internal_forces.INTERNAL])
+    found = figures(rows[table4.INTERNAL])
     assert (found["MPJPE-g"].paper, found["MPJPE"].paper) == published.INTERNAL
     assert found["MPJPE-g"].ours > ablations.COST
-    both = figures(rows[internal_forces.BOTH])
+    both = figures(rows[table4.BOTH])
     assert (both["MPJPE-g"].paper, both["MPJPE"].paper) == published.DAMPED_INTERNAL
     assert both["MPJPE-g"].reproduced is None
-    damped = figures(rows[internal_forces.DAMPED])
+    damped = figures(rows[table4.DAMPED])
     assert damped["MPJPE"].ours > 0.1
     # Sweeps: without damping what is left of it is half-physics, and more of it costs more.
     sweep = next(plot for plot in content.plots if plot.title == "Joint damping")
@@ -227,11 +224,11 @@ def test_the_test_set_of_aist_is_taken_by_its_names(tmp_path):
     split.write_text("gC\ngMissing\n")
     for given in (folder, folder.parent):
         options = Options(quick=True, data={"aist": given})
-        values, failed = computed(fidelity.SECTION, options, tmp_path / "work", "aist")
+        values, failed = computed(table1.SECTION, options, tmp_path / "work", "aist")
         assert "aist/00-gC" in values
         assert list(failed) == ["aist/01-gMissing"]
         assert "no such file" in failed["aist/01-gMissing"]
-        rows = rows_of(fidelity.SECTION.content(options, values), "AIST++ test set, 2 of its 2")
+        rows = rows_of(table1.SECTION.content(options, values), "AIST++ test set, 2 of its 2")
         row = figures(rows["half-physics"])
         assert row["success"].ours == 100.0
         assert row["MPJPE-g"].reproduced
@@ -269,11 +266,11 @@ def test_what_is_damaged_is_listed_and_the_rest_goes_on(tmp_path):
     (folder / "d.pkl").write_bytes(pickle.dumps(broken))
     (folder / "notes.txt").write_text("nothing")
     options = Options(quick=True, data={"clips": folder})
-    values, failed = computed(fidelity.SECTION, options, tmp_path / "work", "clips")
+    values, failed = computed(table1.SECTION, options, tmp_path / "work", "clips")
     assert set(values) == {"clips/00-a", "clips/02-c"}
     assert set(failed) == {"clips/01-b", "clips/03-d"}
     assert all(str(folder) in cause for cause in failed.values())
-    rows = rows_of(fidelity.SECTION.content(options, values), "any, 4 clips, the first 4 s")
+    rows = rows_of(table1.SECTION.content(options, values), "any, 4 clips, the first 4 s")
     assert figures(rows["half-physics"])["success"].ours == 100.0
     (tmp_path / "empty").mkdir()
     with pytest.raises(FileError, match="no motion"):
@@ -283,7 +280,7 @@ def test_what_is_damaged_is_listed_and_the_rest_goes_on(tmp_path):
 def test_files_of_the_user_are_part_of_what_is_remembered(tmp_path):
     folder = written(tmp_path / "any", "a")
     options = Options(quick=True, data={"clips": folder})
-    task = next(t for t in fidelity.SECTION.tasks(options) if t.key.startswith("clips"))
+    task = next(t for t in table1.SECTION.tasks(options) if t.key.startswith("clips"))
     assert task.inputs == (str(folder / "a.pkl"),)
     work(tmp_path / "work", Job("table1", task))
     assert Store(tmp_path / "work").load("table1", task) is not None
@@ -295,9 +292,9 @@ def test_real_motions_come_back(shared_data, tmp_path):
     options = Options(quick=True, data={"clips": shared_data / "motion"})
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", hp.HalfPhysicsWarning)
-        values, failed = computed(fidelity.SECTION, options, tmp_path, "clips")
+        values, failed = computed(table1.SECTION, options, tmp_path, "clips")
     assert not failed
-    rows = rows_of(fidelity.SECTION.content(options, values), "motion, the first 4 clips in order")
+    rows = rows_of(table1.SECTION.content(options, values), "motion, the first 4 clips in order")
     row = rows["half-physics"]
     assert all(figure.reproduced for figure in row.figures)
 

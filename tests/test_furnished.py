@@ -11,16 +11,17 @@ import pytest
 import halfphysics as hp
 from halfphysics import metrics
 from halfphysics.bench.paper.evidence import Options, plain
-from halfphysics.bench.paper.rooms import verify
+from halfphysics.bench.paper.rooms import brought, verify
 from halfphysics.bench.paper.rooms.furniture import KINDS, mesh_of
 from halfphysics.bench.paper.rooms.layout import room
 from halfphysics.bench.paper.rooms.standing import floor, walk_through
 from halfphysics.bench.paper.rooms.visits import visit
-from halfphysics.bench.paper.sections import furnished, rooms_brought
+from halfphysics.bench.paper.runs.visiting import WAYS, made
+from halfphysics.bench.paper.sections import table2
 from halfphysics.errors import FileError, InputError
 from halfphysics.shapes import Mesh
 
-NUMBERS = furnished.SCENES
+NUMBERS = table2.SCENES
 
 
 @pytest.fixture(scope="module")
@@ -46,8 +47,12 @@ def test_same_seed_same_bytes(body):
     assert len({made(3, 0), made(3, 1), made(4, 0)}) == 3
 
 
-def test_rooms_are_furnished_and_differ():
-    rooms = [room(number) for number in NUMBERS]
+@pytest.fixture(scope="module")
+def rooms():
+    return [room(number) for number in NUMBERS]
+
+
+def test_rooms_are_furnished_and_differ(rooms):
     assert len(rooms) == 20
     for one in rooms:
         assert 30_000 <= one.triangles <= 100_000
@@ -79,11 +84,10 @@ def test_furniture_is_closed_and_as_large_as_said(kind):
         assert (high - low >= np.array(size) - 0.15).all()
 
 
-def test_visits_start_clear_and_last(body):
+def test_visits_start_clear_and_last(body, rooms):
     """All of them are clear at the start, none leaves the ground, and most go into something."""
     deep = []
-    for number in NUMBERS:
-        one = room(number)
+    for number, one in zip(NUMBERS, rooms, strict=True):
         motion = visit(one, body, number).motion
         assert 5.0 <= motion.duration <= 12.0
         assert (np.linalg.norm(np.diff(motion.translation, axis=0), axis=1) * 30.0 < 3.0).all()
@@ -97,8 +101,8 @@ def test_visits_start_clear_and_last(body):
 def test_a_scene_is_measured_and_verified():
     """The motion asked for goes in and is found out by both judges; ours by neither."""
     arguments = {"number": 9, "seed": 0, "ways": ["ours"], "strip": False, "quick": True}
-    values = furnished.made(**arguments).values
-    again = furnished.made(**{**arguments, "ways": ["ours", "peer"]}).values
+    values = made(**arguments).values
+    again = made(**{**arguments, "ways": ["ours", "peer"]}).values
     peer = again.pop("peer")
     assert json.dumps(plain(values, "")) == json.dumps(plain(again, ""))
     asked, ours = values["asked"], values["ours"]
@@ -125,8 +129,8 @@ def values_of(**changes):
 
 
 def judged(values):
-    rows = furnished.content(Options(), values).rows
-    row = next(r for r in rows if r.name == furnished.WAYS["ours"][0])
+    rows = table2.content(Options(), values).rows
+    row = next(r for r in rows if r.name == WAYS["ours"][0])
     return row, {f.name: f.reproduced for f in row.figures if f.expected}
 
 
@@ -158,7 +162,7 @@ def test_without_the_library_it_says_so():
 
 
 def test_tasks():
-    full, quick = furnished.tasks(Options()), furnished.tasks(Options(quick=True, seed=5))
+    full, quick = table2.tasks(Options()), table2.tasks(Options(quick=True, seed=5))
     assert len(full) == 20
     assert 3 <= len(quick) <= 4
     assert {t.arguments["seed"] for t in quick} == {5}
@@ -218,7 +222,7 @@ def folder(tmp_path, body):
 
 
 def test_scenes_of_the_user(folder):
-    tasks = rooms_brought.tasks(Options(data={"scenes": folder}))
+    tasks = brought.tasks(Options(data={"scenes": folder}))
     names = [(task.key, task.arguments["path"]) for task in tasks]
     assert [key.split("-", 2)[2] for key, _ in names] == [
         "a", "broken", "broken", "office_0-mesh", "walk",
@@ -228,7 +232,7 @@ def test_scenes_of_the_user(folder):
     for task in tasks:
         try:
             quick = {**task.arguments, "quick": True}
-            values[task.key] = rooms_brought.brought(**quick).values
+            values[task.key] = brought.brought(**quick).values
         except FileError as error:
             causes[task.key] = str(error)
     assert list(values) == ["scene-00-a", "scene-03-office_0-mesh"]
@@ -239,19 +243,19 @@ def test_scenes_of_the_user(folder):
     assert "broken.glb" in causes["scene-01-broken"]
     assert "broken.pkl" in causes["scene-02-broken"]
     assert "a motion without a scene" in causes["scene-04-walk"]
-    rows = furnished.content(Options(), values).rows
+    rows = table2.content(Options(), values).rows
     assert {"scene-00-a", "scene-03-office_0-mesh"} <= {row.name for row in rows}
 
 
 def test_a_folder_without_scenes(tmp_path):
     (tmp_path / "readme.txt").write_text("nothing")
     with pytest.raises(FileError, match="no scene in it"):
-        rooms_brought.tasks(Options(data={"scenes": tmp_path}))
+        brought.tasks(Options(data={"scenes": tmp_path}))
 
 
 def test_furniture_of_others(shared_data):
     """Open, of several bodies, on its side as its axis is not said: it is played all the same."""
     path = shared_data / "meshes" / "kaykit_furniture" / "couch.obj"
-    found = rooms_brought.brought(str(path), None, 0, True).values
+    found = brought.brought(str(path), None, 0, True).values
     assert found["ours"]["rate"] == 0.0
     assert found["ours"]["intersecting"] == 0

@@ -52,8 +52,8 @@ class Task:
     Attributes:
         key: Its name within the section: letters, digits, spaces, "-", "_", "." and
             "/".
-        function: "MODULE:NAME" of a function that returns an `Outcome`; a module without a dot in
-            its name is one of `sections`. The same arguments give the same values, bit for bit.
+        function: "MODULE:NAME" of a function that returns an `Outcome`; ".runs.x" is a module of
+            this package. The same arguments give the same values, bit for bit.
         arguments: Its arguments: what JSON can say.
         inputs: Files of the user that it reads; their content is part of what is remembered.
         seconds: About how long it takes on one core [s].
@@ -187,6 +187,13 @@ def at_least(
     good = None if ours is None else ours >= limit
     expected = f"at least {limit:g}"
     return Figure(name=name, unit=unit, ours=ours, paper=paper, expected=expected, reproduced=good)
+
+
+def between(low: float, high: float, ours: float | None, *, name: str, unit: str = "") -> Figure:
+    """A figure that is reproduced from `low` to `high`."""
+    good = None if ours is None else low <= ours <= high
+    expected = f"{low:g} to {high:g}"
+    return Figure(name=name, unit=unit, ours=ours, expected=expected, reproduced=good)
 
 
 def plain(value: Any, where: str) -> Any:

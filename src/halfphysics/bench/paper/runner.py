@@ -46,9 +46,8 @@ class Done:
 def function_of(task: Task) -> Callable[..., Outcome]:
     """The function that a task names."""
     module, name = task.function.split(":")
-    if "." not in module:
-        module = f"halfphysics.bench.paper.sections.{module}"
-    function: Callable[..., Outcome] = getattr(importlib.import_module(module), name)
+    found = importlib.import_module(module, "halfphysics.bench.paper")
+    function: Callable[..., Outcome] = getattr(found, name)
     return function
 
 

@@ -56,7 +56,7 @@ def tasks(options: Options) -> list[Task]:
     return [
         Task(
             key=case,
-            function="speed:measure",
+            function=".sections.speed:measure",
             arguments={"case": case, "quick": options.quick},
             seconds=5.0 if options.quick else CASES[case][1],
         )

@@ -9,7 +9,7 @@ import numpy as np
 
 from halfphysics import scenarios
 from halfphysics.bench.paper.evidence import Outcome
-from halfphysics.bench.paper.sections import lifting, playing, ragdoll
+from halfphysics.bench.paper.runs import lifting, playing, ragdoll
 from halfphysics.result import Result
 from halfphysics.scene import Scene
 from halfphysics.sequence import Sequence
@@ -39,7 +39,7 @@ def wall(choice: Values, strip: bool, quick: bool) -> Outcome:
     }
     at = int((asked > there).argmax())  # the ghost is in the wall
     frames = [at + 10] if quick else [at, at + 10]
-    return Outcome(values=values, pictures=_picture(result, strip, quick, frames))
+    return Outcome(values=values, pictures=playing.strip(result, strip, quick=quick, frames=frames))
 
 
 def lift(choice: Values, strip: bool, quick: bool) -> Outcome:
@@ -52,7 +52,7 @@ def lift(choice: Values, strip: bool, quick: bool) -> Outcome:
         "heights": (height - height[0]).tolist(),
     }
     frames = [round(t * result.fps) for t in ((2.2,) if quick else (0.9, 2.2))]
-    return Outcome(values=values, pictures=_picture(result, strip, quick, frames))
+    return Outcome(values=values, pictures=playing.strip(result, strip, quick=quick, frames=frames))
 
 
 def kick(choice: Values, masses: list[float]) -> Outcome:
@@ -102,10 +102,3 @@ def limp(before: float, watched: float) -> Outcome:
             "heights": joints[:, 0, 2].tolist(),
         }
     return Outcome(values={"fps": motion.fps, "asked": asked[:, 0, 2].tolist(), **values})
-
-
-def _picture(result: Result, strip: bool, quick: bool, frames: list[int]) -> dict[str, bytes]:
-    if not strip:
-        return {}
-    frames = [min(frame, len(result) - 1) for frame in frames]
-    return {"strip": playing.strip(result, quick=quick, frames=frames)}

@@ -41,7 +41,7 @@ def tasks(options: Options) -> list[Task]:
         out.append(
             Task(
                 key=f"scene-{i:02d}-{name}",
-                function="rooms_brought:brought",
+                function=".rooms.brought:brought",
                 arguments=arguments,
                 inputs=(str(path),) if path.is_file() else (),
                 seconds=3.0 if options.quick else 20.0,
@@ -86,7 +86,7 @@ def brought(path: str, clip: str | None, seed: int, quick: bool) -> Outcome:
     Raises:
         FileError: It cannot be read, or a clip has no scene. InputError: Nobody can stand in it.
     """
-    from halfphysics.bench.paper.sections.furnished import CLAIMED, measured
+    from halfphysics.bench.paper.runs.visiting import CLAIMED, measured
 
     file = Path(path)
     with warnings.catch_warnings():

@@ -20,9 +20,10 @@ from halfphysics.bench.paper.evidence import (
     Task,
     at_least,
     at_most,
+    between,
 )
-from halfphysics.bench.paper.sections import playing
-from halfphysics.bench.paper.sections.handling import GRAVITY, Values
+from halfphysics.bench.paper.runs import choices
+from halfphysics.bench.paper.runs.handling import GRAVITY, Values
 
 #: A glass may slip [mm] and turn [degrees] in the hand by this.
 GLASS_SLIP, GLASS_TURN = 10.0, 15.0
@@ -42,12 +43,6 @@ SLOWER, FOOT = 0.2, 45.0
 STAYS, BENT, SLIPPED = 0.01, 25.0, 10.0
 #: How far a drawer opens [m], a lid closes and a door opens [degrees].
 DRAWER, LID, DOOR = 0.25, 1.0, 60.0
-
-
-def between(low: float, high: float, ours: float | None, *, name: str, unit: str) -> Figure:
-    """A figure that is reproduced from `low` to `high`."""
-    good = None if ours is None else low <= ours <= high
-    return Figure(name=name, unit=unit, ours=ours, expected=f"{low:g} to {high:g}", reproduced=good)
 
 
 def _missed(name: str, unit: str, expected: str) -> Figure:
@@ -179,7 +174,7 @@ _SCENARIO = {
     "monitor": "reach_past_monitor",
 }
 #: What it takes to hold things by Algorithm 1 at 30 frames a second.
-_SOFT: playing.Choice = {**playing.LIMP, "stiffness": 0.1}
+_SOFT: choices.Choice = {**choices.LIMP, "stiffness": 0.1}
 _BRIEF = {"carry": 1.0, "shake": 0.0}
 _FEW_STAGES = {"stages": ["lift", "shake", "open"]}
 
@@ -295,7 +290,7 @@ _LEFT_OUT = ("wine", "drawer", "laptop")
 _PICTURED = ("drop", "heavy")
 
 
-def _variants(case: Case, quick: bool) -> Iterator[tuple[str, playing.Choice, Values]]:
+def _variants(case: Case, quick: bool) -> Iterator[tuple[str, choices.Choice, Values]]:
     """End of the key, settings and options: as we do it, and with the paper's setting.
 
     What is held by friction is held harder at a higher frame rate, and by firmer joints: both.
@@ -303,9 +298,9 @@ def _variants(case: Case, quick: bool) -> Iterator[tuple[str, playing.Choice, Va
     yield "", {}, {}
     if quick or case.beyond:
         return
-    yield "/limp", playing.LIMP, {}
+    yield "/limp", choices.LIMP, {}
     if case.grip:
-        yield "/limp-120", playing.LIMP, {"fps": 120.0}
+        yield "/limp-120", choices.LIMP, {"fps": 120.0}
         yield "/soft", _SOFT, {}
 
 
@@ -328,7 +323,7 @@ def tasks(options: Options) -> list[Task]:
             found.append(
                 Task(
                     key=key + end,
-                    function=f"handling:{case.run}",
+                    function=f".runs.handling:{case.run}",
                     arguments=arguments,
                     seconds=seconds,
                 )
@@ -350,7 +345,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
                 Row(
                     name=f"Figure {case.figure}: {case.name}",
                     data=" ".join([case.said, *(f"{k}={v:g}" for k, v in more.items())]),
-                    setting=playing.said(choice),
+                    setting=choices.said(choice),
                     figures=tuple(figures),
                     note=_PRESSED if case.grip and end.startswith("/limp") else "",
                 )

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +10,7 @@ import numpy as np
 from halfphysics.bench.paper.evidence import Outcome, Series, Task
 from halfphysics.bench.paper.motions import sources
 from halfphysics.bench.paper.motions.sources import Group, Source
+from halfphysics.bench.paper.runs.choices import Choice
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,32 +19,12 @@ if TYPE_CHECKING:
     from halfphysics.result import Result
     from halfphysics.settings import Settings
 
-#: A setting as tasks have it: changes of `Settings.paper(0.0)`, or of the defaults where it says
-#: {"default": True}.
-Chosen = Mapping[str, Any]
-
 #: Frames of a second that are kept of a curve of errors.
 _CURVE = 10.0
 _PICTURES, _SIZE = 6, (240, 280)
 
 
-def settings_of(chosen: Chosen) -> Settings:
-    """The settings of a task."""
-    from halfphysics.settings import Settings
-
-    given = dict(chosen)
-    return Settings(**given) if given.pop("default", False) else Settings.paper(**given)
-
-
-def described(chosen: Chosen) -> str:
-    """How a user says it."""
-    given = dict(chosen)
-    head = [] if given.pop("default", False) else [str(given.pop("stiffness", 0.0))]
-    words = ", ".join(head + [f"{name}={value!r}" for name, value in given.items()])
-    return f"Settings.paper({words})" if head else f"Settings({words})"
-
-
-def follow(source: Mapping[str, Any], runs: Mapping[str, Chosen], strip: str = "") -> Outcome:
+def follow(source: Mapping[str, Any], runs: Mapping[str, Choice], strip: str = "") -> Outcome:
     """Follow one motion with each setting of `runs`.
 
     Args:
@@ -59,14 +38,17 @@ def follow(source: Mapping[str, Any], runs: Mapping[str, Chosen], strip: str = "
         a second, "curve" [mm].
     """
     from halfphysics.body import Body
+    from halfphysics.settings import Settings
+    from halfphysics.strip import strip_png
 
     motion, body = sources.load(source), Body.default()
     values, pictures = {}, {}
     for name, chosen in runs.items():
-        result, found = _followed(motion, body, settings_of(chosen))
+        result, found = _followed(motion, body, Settings(**chosen))
         values[name] = found
         if name == strip and result is not None:
-            pictures[name] = _strip(result)
+            frames = np.linspace(0, len(motion) - 1, _PICTURES + 1)[1:].round().astype(int)
+            pictures[name] = strip_png(result, frames.tolist(), _PICTURES, _SIZE)
     content = {"frames": len(motion), "fps": motion.fps, "runs": values}
     return Outcome(values=content, pictures=pictures)
 
@@ -102,23 +84,13 @@ def errors(came: Motion, asked: Motion, body: Body) -> dict[str, Any]:
     }
 
 
-def _strip(result: Result) -> bytes:
-    from halfphysics.strip import picture_strip
-
-    frames = np.linspace(0, len(result.motion) - 1, _PICTURES + 1)[1:].round().astype(int)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "strip.png"
-        picture_strip(result, path, frames.tolist(), columns=_PICTURES, size=_SIZE)
-        return path.read_bytes()
-
-
 def task(
     group: Group,
     source: Source,
-    runs: Mapping[str, Chosen],
+    runs: Mapping[str, Choice],
     seconds: float,
     strip: str = "",
-    function: str = "following:follow",
+    function: str = ".runs.following:follow",
 ) -> Task:
     """The task that follows a source of a group; its key is "group/source"."""
     return Task(

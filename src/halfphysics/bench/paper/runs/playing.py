@@ -26,29 +26,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Fields of `Settings` that are not the default: a task's arguments are what JSON can say.
-Choice = dict[str, Any]
-#: The paper's own setting, `Settings.paper()`; of Figures 4 and 9, Table 2: `Settings.paper(1.0)`.
-LIMP: Choice = {"drive_time": None, "substeps": 8, "stiffness": 0.0}
-FIRM: Choice = {**LIMP, "stiffness": 1.0}
-
 #: How many frames apart the skin is looked at if it is to be quick.
 EVERY = 4
 #: Pictures of a strip; each this wide and high [pixels]: two beside each other fill a phone.
 _TILES, _QUICK_TILES, _COLUMNS, _SIZE = 4, 2, 2, (230, 250)
-
-
-def said(choice: Mapping[str, Any]) -> str:
-    """A choice as one writes it in Python."""
-    if all(choice.get(k, "") == v for k, v in LIMP.items() if k != "stiffness"):
-        rest = {k: v for k, v in choice.items() if k not in LIMP}
-        words = [f"{choice['stiffness']:g}"] if choice["stiffness"] else []
-        return f"Settings.paper({', '.join([*words, *_pairs(rest)])})"
-    return f"Settings({', '.join(_pairs(choice))})"
-
-
-def _pairs(choice: Mapping[str, Any]) -> list[str]:
-    return [f"{key}={value!r}" for key, value in choice.items()]
 
 
 def play(name: str, options: Mapping[str, Any], choice: Mapping[str, Any]) -> Result:
@@ -70,13 +51,22 @@ def run(sequence: Sequence, choice: Mapping[str, Any]) -> Result:
         )
 
 
-def strip(result: Result, *, quick: bool, frames: Several[int] | None = None) -> bytes:
-    """Key frames, or those given, as a PNG of under 150 kB that a phone can show."""
+def strip(
+    result: Result, wanted: bool, *, quick: bool, frames: Several[int] | None = None
+) -> dict[str, bytes]:
+    """A task's pictures: "strip", if it is wanted, is a PNG of under 150 kB that a phone can show.
+
+    It has the frames given, as far as there are any, or the key frames.
+    """
     from halfphysics.strip import key_frames, strip_png
 
+    if not wanted:
+        return {}
     if frames is None:
         frames = key_frames(result, _QUICK_TILES if quick else _TILES)
-    return strip_png(result, frames, _COLUMNS, _SIZE, samples=1 if quick else 2, colors=96)
+    frames = [min(frame, len(result) - 1) for frame in frames]
+    samples = 1 if quick else 2
+    return {"strip": strip_png(result, frames, _COLUMNS, _SIZE, samples=samples, colors=96)}
 
 
 def penetration(

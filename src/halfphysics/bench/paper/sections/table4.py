@@ -10,19 +10,20 @@ from halfphysics.bench.paper.evidence import Content, Options, Plot, Section, Se
 from halfphysics.bench.paper.motions import sources
 from halfphysics.bench.paper.motions.choreography import STYLES
 from halfphysics.bench.paper.motions.sources import Group
-from halfphysics.bench.paper.sections import ablations
-from halfphysics.bench.paper.sections.following import Chosen, mean, outcomes, task
+from halfphysics.bench.paper.runs import ablations
+from halfphysics.bench.paper.runs.choices import LIMP, Choice
+from halfphysics.bench.paper.runs.following import mean, outcomes, task
 
 #: Joint damping of the rows [N m s/rad]: of the order of what relaxed elbows and knees are measured
 #: to have. The paper does not say which it used; the sweep shows others.
 DAMPING = 0.1
 
 INTERNAL, BOTH, DAMPED = "internal forces", "damping and internal forces", "damping"
-RUNS: dict[str, Chosen] = {
-    ablations.HALF_PHYSICS: {},
-    INTERNAL: {"internal_forces": True},
-    BOTH: {"internal_forces": True, "joint_damping": DAMPING},
-    DAMPED: {"joint_damping": DAMPING},
+RUNS: dict[str, Choice] = {
+    ablations.HALF_PHYSICS: LIMP,
+    INTERNAL: {**LIMP, "internal_forces": True},
+    BOTH: {**LIMP, "internal_forces": True, "joint_damping": DAMPING},
+    DAMPED: {**LIMP, "joint_damping": DAMPING},
 }
 _PAPER = {INTERNAL: published.INTERNAL, BOTH: published.DAMPED_INTERNAL}
 
@@ -54,13 +55,13 @@ def _swept(options: Options) -> Group:
     return Group("sweep", "", dances[: 1 if options.quick else len(STYLES)])
 
 
-def _swept_runs(options: Options) -> dict[str, Chosen]:
-    runs: dict[str, Chosen] = {}
+def _swept_runs(options: Options) -> dict[str, Choice]:
+    runs: dict[str, Choice] = {}
     for field, values in _sweeps(options).items():
         for value in values:
-            runs[f"{field}={value:g}"] = {"internal_forces": True, field: value}
+            runs[f"{field}={value:g}"] = {**LIMP, "internal_forces": True, field: value}
             if field == "joint_damping":
-                runs[f"only {field}={value:g}"] = {field: value}
+                runs[f"only {field}={value:g}"] = {**LIMP, field: value}
     return runs
 
 

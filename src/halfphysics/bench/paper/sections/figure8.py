@@ -21,7 +21,7 @@ from halfphysics.bench.paper.evidence import (
     at_least,
     at_most,
 )
-from halfphysics.bench.paper.sections import playing
+from halfphysics.bench.paper.runs import choices, playing
 from halfphysics.skeleton import JOINT_INDEX
 
 #: Speed of the foot as it meets the ball [m/s].
@@ -41,7 +41,7 @@ _FRAMES, _QUICK_FRAMES = (-3, -1, 1, 4), (0, 3)
 
 def kick(stiffness: float, speed: float, quick: bool, strip: bool) -> Outcome:
     """A kick at a fixed ball: what leg and body do, against what they were asked to."""
-    choice = {**playing.LIMP, "stiffness": stiffness}
+    choice = {**choices.LIMP, "stiffness": stiffness}
     result = playing.play("kick_ball", {"fixed": True, "speed": speed}, choice)
     knee, hip = JOINT_INDEX["right_knee"], JOINT_INDEX["right_hip"]
     bend = [
@@ -64,8 +64,7 @@ def kick(stiffness: float, speed: float, quick: bool, strip: bool) -> Outcome:
         "deepest": playing.penetration(result, quick=quick).depth_max_mm,
     }
     frames = [at + f for f in (_QUICK_FRAMES if quick else _FRAMES)]
-    pictures = {"strip": playing.strip(result, quick=quick, frames=frames)} if strip else {}
-    return Outcome(values=values, pictures=pictures)
+    return Outcome(values=values, pictures=playing.strip(result, strip, quick=quick, frames=frames))
 
 
 def _key(stiffness: float) -> str:
@@ -77,7 +76,7 @@ def tasks(options: Options) -> list[Task]:
     return [
         Task(
             key=_key(stiffness),
-            function="firmness:kick",
+            function=".sections.figure8:kick",
             arguments={
                 "stiffness": stiffness,
                 "speed": SPEED,
@@ -134,7 +133,7 @@ def _row(stiffness: float, found: Mapping[str, Any], limp: Any, firm: Any) -> Ro
     return Row(
         name=f"firmness {stiffness:g}",
         data=f"kick_ball fixed=True speed={SPEED:g}",
-        setting=playing.said({**playing.LIMP, "stiffness": stiffness}),
+        setting=choices.said({**choices.LIMP, "stiffness": stiffness}),
         figures=tuple(figures),
     )
 

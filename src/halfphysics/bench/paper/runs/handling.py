@@ -9,8 +9,7 @@ import numpy as np
 
 from halfphysics import scenarios
 from halfphysics.bench.paper.evidence import Outcome
-from halfphysics.bench.paper.sections import grasping, lifting, playing
-from halfphysics.result import Result
+from halfphysics.bench.paper.runs import grasping, lifting, playing
 from halfphysics.scenarios import grasp_glass, place_glass
 from halfphysics.sequence import Sequence
 from halfphysics.skeleton import JOINT_INDEX
@@ -59,14 +58,15 @@ def _glass(
     frames = [opened, len(result) - 1]
     if not quick:
         frames = [round(begin * result.fps), opened, opened + 10, len(result) - 1]
-    return Outcome(values=values, pictures=_picture(result, strip, quick, frames))
+    return Outcome(values=values, pictures=playing.strip(result, strip, quick=quick, frames=frames))
 
 
 def lift(options: Values, choice: Values, strip: bool, quick: bool) -> Outcome:
     """A suitcase between two palms."""
     result = playing.play("lift_suitcase", options, choice)
     return Outcome(
-        values=lifting.judged(result, quick=quick), pictures=_picture(result, strip, quick)
+        values=lifting.judged(result, quick=quick),
+        pictures=playing.strip(result, strip, quick=quick),
     )
 
 
@@ -87,7 +87,7 @@ def kick(options: Values, choice: Values, strip: bool, quick: bool) -> Outcome:
         "deepest": playing.penetration(result, quick=quick).depth_max_mm,
     }
     frames = [at - 1, at + 1] if quick else [at - 2, at, at + 1, at + 4]
-    return Outcome(values=values, pictures=_picture(result, strip, quick, frames))
+    return Outcome(values=values, pictures=playing.strip(result, strip, quick=quick, frames=frames))
 
 
 def monitor(options: Values, choice: Values, strip: bool, quick: bool) -> Outcome:
@@ -111,7 +111,7 @@ def monitor(options: Values, choice: Values, strip: bool, quick: bool) -> Outcom
         "different": different,
         "deepest": playing.penetration(result, quick=quick).depth_max_mm,
     }
-    return Outcome(values=values, pictures=_picture(result, strip, quick))
+    return Outcome(values=values, pictures=playing.strip(result, strip, quick=quick))
 
 
 def jointed(
@@ -123,12 +123,4 @@ def jointed(
         "end": float(result.joints[joint][-1]),
         "deepest": playing.penetration(result, quick=quick).depth_max_mm,
     }
-    return Outcome(values=values, pictures=_picture(result, strip, quick))
-
-
-def _picture(
-    result: Result, strip: bool, quick: bool, frames: list[int] | None = None
-) -> dict[str, bytes]:
-    if not strip:
-        return {}
-    return {"strip": playing.strip(result, quick=quick, frames=frames)}
+    return Outcome(values=values, pictures=playing.strip(result, strip, quick=quick))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
-from halfphysics.bench.paper.sections import playing
+from halfphysics.bench.paper.runs import playing
 from halfphysics.scenarios.lift_suitcase import UP
 from halfphysics.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
 

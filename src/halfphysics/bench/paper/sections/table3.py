@@ -7,11 +7,11 @@ from typing import Any
 
 from halfphysics.bench.paper import published
 from halfphysics.bench.paper.evidence import Content, Options, Section, Task
-from halfphysics.bench.paper.sections import ablations
-from halfphysics.bench.paper.sections.following import Chosen
+from halfphysics.bench.paper.runs import ablations
+from halfphysics.bench.paper.runs.choices import LIMP, Choice
 
 TORQUE = "joint torques"
-RUNS: dict[str, Chosen] = {ablations.HALF_PHYSICS: {}, TORQUE: {"mode": "torque"}}
+RUNS: dict[str, Choice] = {ablations.HALF_PHYSICS: LIMP, TORQUE: {**LIMP, "mode": "torque"}}
 
 
 def tasks(options: Options) -> list[Task]:

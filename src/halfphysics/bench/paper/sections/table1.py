@@ -21,10 +21,9 @@ from halfphysics.bench.paper.evidence import (
 )
 from halfphysics.bench.paper.motions import sources
 from halfphysics.bench.paper.motions.sources import Group
-from halfphysics.bench.paper.sections import following
-from halfphysics.bench.paper.sections.following import (
-    Chosen,
-    described,
+from halfphysics.bench.paper.runs import following
+from halfphysics.bench.paper.runs.choices import LIMP, Choice, said
+from halfphysics.bench.paper.runs.following import (
     mean,
     outcomes,
     remarks,
@@ -35,13 +34,13 @@ from halfphysics.body import Body
 from halfphysics.motion import Motion
 
 #: Rows of every group of motions: name -> setting.
-RUNS: dict[str, Chosen] = {"half-physics": {}, "half-physics, our default": {"default": True}}
+RUNS: dict[str, Choice] = {"half-physics": LIMP, "half-physics, our default": {}}
 _SHOWN = "half-physics"
 #: A row besides: what the core spares itself where nothing is near, done step by step.
 INTEGRATED, SUBSTEPS = "Algorithm 1, step by step", 8
 
 
-def follow(source: Mapping[str, Any], runs: Mapping[str, Chosen], strip: str = "") -> Outcome:
+def follow(source: Mapping[str, Any], runs: Mapping[str, Choice], strip: str = "") -> Outcome:
     """As `following.follow`, and the run `INTEGRATED`."""
     outcome = following.follow(source, runs, strip)
     motion, body = sources.load(source), Body.default()
@@ -83,7 +82,7 @@ def tasks(options: Options) -> list[Task]:
             RUNS,
             4.0 if pictured else 1.0,
             _SHOWN if pictured else "",
-            "fidelity:follow",
+            ".sections.table1:follow",
         )
         for group in _groups(options)
         for source in group.sources
@@ -107,9 +106,9 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
     ]
     for group in _groups(options):
         for name, chosen in RUNS.items():
-            rows.append(_row(group, name, described(chosen), values))
-        said = f"velocities integrated in plain numpy, {SUBSTEPS} substeps"
-        rows.append(_row(group, INTEGRATED, said, values))
+            rows.append(_row(group, name, said(chosen), values))
+        setting = f"velocities integrated in plain numpy, {SUBSTEPS} substeps"
+        rows.append(_row(group, INTEGRATED, setting, values))
     number = sources.QUICK_DANCES[0]
     picture = Picture(
         caption="One of the embedded dances, made from a seed, as it comes back",

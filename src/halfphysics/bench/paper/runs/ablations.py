@@ -17,10 +17,9 @@ from halfphysics.bench.paper.evidence import (
 )
 from halfphysics.bench.paper.motions import sources
 from halfphysics.bench.paper.motions.sources import Group
-from halfphysics.bench.paper.sections.following import (
-    Chosen,
+from halfphysics.bench.paper.runs.choices import LIMP, Choice, said
+from halfphysics.bench.paper.runs.following import (
     curve,
-    described,
     mean,
     outcomes,
     remarks,
@@ -48,7 +47,7 @@ def groups(options: Options) -> list[Group]:
     ]
 
 
-def tasks(options: Options, runs: Mapping[str, Chosen], strip: str) -> list[Task]:
+def tasks(options: Options, runs: Mapping[str, Choice], strip: str) -> list[Task]:
     """One per motion, with all `runs`; pictures of the run `strip` on the clip that is shown."""
     out = []
     for group in groups(options):
@@ -61,7 +60,7 @@ def tasks(options: Options, runs: Mapping[str, Chosen], strip: str) -> list[Task
 def row(
     group: Group,
     name: str,
-    chosen: Chosen,
+    chosen: Choice,
     values: Mapping[str, Any],
     *,
     paper: tuple[float | None, float | None] = (None, None),
@@ -91,7 +90,7 @@ def row(
     return Row(
         name=name,
         data=group.data,
-        setting=described(chosen),
+        setting=said(chosen),
         figures=tuple(figures),
         note="; ".join(part for part in (note, remarks(found, group)) if part),
     )
@@ -99,10 +98,10 @@ def row(
 
 def unchanged(group: Group, values: Mapping[str, Any]) -> Row:
     """Half-physics itself on the same motions, to compare with."""
-    return row(group, HALF_PHYSICS, {}, values, paper=published.HALF_PHYSICS[1:])
+    return row(group, HALF_PHYSICS, LIMP, values, paper=published.HALF_PHYSICS[1:])
 
 
-def shown_curves(values: Mapping[str, Any], runs: Mapping[str, Chosen]) -> tuple[Plot, ...]:
+def shown_curves(values: Mapping[str, Any], runs: Mapping[str, Choice]) -> tuple[Plot, ...]:
     """How far the joints are off over one clip."""
     if SHOWN not in values:
         return ()

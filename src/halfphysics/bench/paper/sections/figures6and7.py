@@ -19,7 +19,7 @@ from halfphysics.bench.paper.evidence import (
     at_least,
     at_most,
 )
-from halfphysics.bench.paper.sections import playing
+from halfphysics.bench.paper.runs import choices
 
 Values = Mapping[str, Any]
 
@@ -47,7 +47,7 @@ class Way:
     """
 
     name: str
-    choice: playing.Choice
+    choice: choices.Choice
     through: bool | None = None
     forced: bool | None = None
     blind: bool | None = None
@@ -73,7 +73,7 @@ WAYS = {
     ),
     "engine-velocity": Way("MuJoCo, velocities set", {"mode": "engine_velocity"}),
     "torque": Way("joint torques (PD)", {"mode": "torque"}, False),
-    "paper": Way("half-physics, firmness 1", playing.FIRM, False, None, False),
+    "paper": Way("half-physics, firmness 1", choices.FIRM, False, None, False),
 }
 #: What is left out if it is to be quick, and what has a picture.
 _SLOW = ("paper", "interpolated-240", "torque")
@@ -106,7 +106,7 @@ def tasks(options: Options) -> list[Task]:
             found.append(
                 Task(
                     key=f"{what}/{key}",
-                    function=f"forced_runs:{what}",
+                    function=f".runs.forcing:{what}",
                     arguments=arguments,
                     seconds=0.5 if options.quick else 1.5,
                 )
@@ -114,7 +114,7 @@ def tasks(options: Options) -> list[Task]:
         found.append(
             Task(
                 key=f"kick/{key}",
-                function="forced_runs:kick",
+                function=".runs.forcing:kick",
                 arguments={"choice": way.choice, "masses": masses},
                 seconds=0.5 if options.quick else 2.5,
             )
@@ -122,7 +122,7 @@ def tasks(options: Options) -> list[Task]:
     found.append(
         Task(
             key="ragdoll",
-            function="forced_runs:limp",
+            function=".runs.forcing:limp",
             arguments={"before": BEFORE, "watched": WATCHED},
             seconds=1.0,
         )
@@ -148,7 +148,7 @@ def content(options: Options, values: Values) -> Content:
                 Row(
                     name=title,
                     data=data,
-                    setting=playing.said(way.choice),
+                    setting=choices.said(way.choice),
                     figures=tuple(figures(way, found)),
                 )
             )
@@ -238,7 +238,7 @@ def _limp(found: Values) -> list[Row]:
         Row(
             name="a ragdoll: half-physics",
             data=data,
-            setting=playing.said({}),
+            setting=choices.said({}),
             figures=(
                 at_most(STAYS, abs(ours["drop"]), name=drop, unit="m"),
                 Figure(name=errors, unit="mm", ours=ours["mpjpe_g"]),
@@ -247,7 +247,7 @@ def _limp(found: Values) -> list[Row]:
         Row(
             name="a ragdoll: MuJoCo, nothing drives the body",
             data=data,
-            setting="no setting: bench/paper/sections/ragdoll.py",
+            setting="no setting: bench/paper/runs/ragdoll.py",
             figures=(
                 at_least(FALLS, doll["drop"], name=drop, unit="m"),
                 Figure(name=errors, unit="mm", ours=doll["mpjpe_g"]),

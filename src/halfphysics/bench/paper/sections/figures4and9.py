@@ -21,7 +21,7 @@ from halfphysics.bench.paper.evidence import (
     Task,
     at_most,
 )
-from halfphysics.bench.paper.sections import playing
+from halfphysics.bench.paper.runs import choices, playing
 from halfphysics.skeleton import JOINT_NAMES
 
 #: Row -> what the paper shows it in, the scenario and its options.
@@ -50,7 +50,7 @@ _TAKEN = 1.0
 _LEFT_OUT = "an arm through a door frame"
 _PICTURED = ("half the body through a doorway's wall", "sinking into a sofa")
 #: Settings -> the end of a task's key.
-_CHOICES = {"": {}, "/firm": playing.FIRM}
+_CHOICES = {"": {}, "/firm": choices.FIRM}
 
 
 def scene(
@@ -78,9 +78,7 @@ def scene(
     }
     if "ball" in result.objects and name == "fly_with_ball":
         values["slip_mm"] = _slip(result)
-    return Outcome(
-        values=values, pictures={"strip": playing.strip(result, quick=quick)} if strip else {}
-    )
+    return Outcome(values=values, pictures=playing.strip(result, strip, quick=quick))
 
 
 def _depths(report: metrics.PenetrationReport) -> dict[str, float]:
@@ -111,7 +109,7 @@ def tasks(options: Options) -> list[Task]:
             found.append(
                 Task(
                     key=_key(row) + end,
-                    function="scenes:scene",
+                    function=".sections.figures4and9:scene",
                     arguments={
                         "name": name,
                         "options": chosen,
@@ -188,7 +186,7 @@ def _row(
     return Row(
         name=f"{figure}: {name}",
         data=" ".join([scenario, *words]),
-        setting=playing.said(choice),
+        setting=choices.said(choice),
         figures=tuple(figures),
         note=f"asked into: {into}" if into else "",
     )

@@ -155,7 +155,9 @@ def save_gif(
     """
     from PIL import Image
 
-    colors = Image.fromarray(np.concatenate(list(samples))).quantize(_GIF_COLORS)
+    # An octree keeps small bright areas (the ghost), which a median cut mixes with the rest.
+    all_of_them = Image.fromarray(np.concatenate(list(samples)))
+    colors = all_of_them.quantize(_GIF_COLORS, method=Image.Quantize.FASTOCTREE)
     frames: list[Any] = []
     for picture in pictures:
         frames.append(Image.fromarray(picture).quantize(palette=colors, dither=Image.Dither.NONE))

@@ -188,7 +188,7 @@ def _views(
                     drawing=drawing,
                     cameras=cameras,
                     statics=list(drawing.still(faint).values()),
-                    look=Look().aimed(cameras[len(cameras) // 2], drawing.middle),
+                    look=Look().aimed(cameras[len(cameras) // 2], drawings[0].middle),
                     place=place,
                 )
             )

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 # The slider follows the time this often [s], and leaves a hand alone that moved it this long.
 _FOLLOW, _HANDS_OFF = 0.1, 0.6
 _PLAY, _PAUSE = "Play", "Pause"
-_START, _BACK, _ON = "Start", "◀ frame", "frame ▶"
+_START, _BACK, _ON = "Start", "◀", "▶"
 
 
 class Controls:
@@ -37,7 +37,9 @@ class Controls:
         self._slider.on_update(self._scrubbed)
         self._play = gui.add_button(_PAUSE, icon=_icon("PLAYER_PAUSE"), hint="Also: space")
         self._play.on_click(lambda _: self._toggle())
-        self._steps = gui.add_button_group("Step", (_START, _BACK, _ON), hint="Also: arrow keys")
+        self._steps = gui.add_button_group(
+            "Step", (_START, _BACK, _ON), hint="One frame back or on. Also: arrow keys"
+        )
         self._steps.on_click(self._stepped)
         self._speed = gui.add_slider("Speed", *SPEEDS, 0.1, timeline.speed)
         self._speed.on_update(lambda _: self._set(speed=self._speed.value))

@@ -221,8 +221,8 @@ def _cursor(share: str) -> str:
     """A line over the plot that comes next, without a height of its own."""
     return (
         f'<div style="position:relative;height:0;z-index:2;pointer-events:none">'
-        f'<div style="position:absolute;top:{12 + _TOP}px;height:{_HEIGHT - _TOP - _AXIS}px;width:2px;'
-        f"background:#e03131;margin-left:-1px;"
+        f'<div style="position:absolute;top:{12 + _TOP}px;height:{_HEIGHT - _TOP - _AXIS}px;'
+        f"width:2px;background:#e03131;margin-left:-1px;"
         f'left:calc({_LEFT + 11}px + {share}*(100% - {_LEFT + _RIGHT + 22}px))"></div></div>'
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +84,19 @@ class FrameContacts:
         )
 
 
+class ContactSource(Protocol):
+    """Contacts by frame.
+
+    Attributes:
+        kind: Of every contact there may be (n,), an index into `KINDS`.
+    """
+
+    kind: Ints
+
+    def at(self, frame: int) -> FrameContacts:
+        """Those of (frame - 1, frame]."""
+
+
 class ContactFrames:
     """A result's contacts, by frame."""
 
@@ -121,14 +134,15 @@ class ContactNodes:
     Args:
         server: Of viser.
         stage: Where the result is shown; it calls `show` from then on.
+        frames: Contacts by frame that are not the result's; None: the result's.
 
     Attributes:
         frames: The contacts.
         points, arrows: viser's handles by kind, of kinds that the result has.
     """
 
-    def __init__(self, server: Any, stage: Stage) -> None:
-        self.frames = ContactFrames(stage.drawing.result)
+    def __init__(self, server: Any, stage: Stage, frames: ContactSource | None = None) -> None:
+        self.frames = ContactFrames(stage.drawing.result) if frames is None else frames
         self.points: dict[int, Any] = {}
         self.arrows: dict[int, Any] = {}
         self._visible = True

@@ -23,7 +23,7 @@ _FOLLOW, _HANDS_OFF = 0.15, 0.8
 _PLAY, _PAUSE = "Play", "Pause"
 _AGAIN, _STEP = "Start again", "One frame"
 # Part of real time under which it is called slow motion.
-_SLOW = 0.97
+_SLOW = 0.95
 _LIVE = "Takes effect at once"
 _ANEW = "Starts from the beginning"
 
@@ -67,11 +67,17 @@ class Panel:
         session, gui = self._session, self._gui
         catalog = session.catalog
         self.place = gui.add_dropdown(
-            "Scenario", catalog.scenarios, initial_value=session.choice.scenario, hint="What is around. " + _ANEW
+            "Scenario",
+            catalog.scenarios,
+            initial_value=session.choice.scenario,
+            hint="What is around. " + _ANEW,
         )
         self._bind(self.place, lambda: session.choice.scenario, self._choose_place)
         self.motion = gui.add_dropdown(
-            "Motion", catalog.motions, initial_value=session.choice.motion, hint="What the person does. " + _ANEW
+            "Motion",
+            catalog.motions,
+            initial_value=session.choice.motion,
+            hint="What the person does. " + _ANEW,
         )
         self._bind(self.motion, lambda: session.choice.motion, self._choose_motion)
 
@@ -79,10 +85,10 @@ class Panel:
         session, gui = self._session, self._gui
         self.play = gui.add_button(_PAUSE, icon=_icon("PLAYER_PAUSE"), hint="Also: space")
         self.play.on_click(lambda _: self._toggle())
-        self.steps = gui.add_button_group("Go", (_AGAIN, _STEP))
+        self.steps = gui.add_button_group("Also", (_AGAIN, _STEP))
         self.steps.on_click(self._stepped)
         self.speed = gui.add_slider(
-            "Speed", *do.SPEEDS, 0.05, session.speed, hint="Of playing: 1 is the motion's own rate"
+            "Play at [×]", *do.SPEEDS, 0.05, session.speed, hint="1: the motion's own rate"
         )
         self._bind(self.speed, lambda: session.speed, self._change("speed"))
         self.loop = gui.add_checkbox(
@@ -104,7 +110,7 @@ class Panel:
                 add(label, hotkey=key).on_trigger(lambda _, action=action: action())
 
     def _add_person(self) -> None:
-        session, gui = self._session, self._gui
+        gui = self._gui
         self.stiffness = gui.add_slider(
             "Firmness λ",
             0.0,
@@ -336,17 +342,18 @@ class Panel:
         contacts = session.frame.contacts
         force = float(np.linalg.norm(contacts.impulse, axis=1).sum()) * session.fps
         if len(contacts.part):
-            lines[0] += f", {len(contacts.part)} contacts, {force:.0f} N in all"
+            many = "contact" if len(contacts.part) == 1 else "contacts"
+            lines[0] += f", {len(contacts.part)} {many}, {force:.0f} N"
         frame = 1e3 / (session.fps * session.speed)
         lines.append(
-            f"A frame of {frame:.0f} ms: {1e3 * playground.simulating:.1f} ms of physics, "
-            f"{1e3 * playground.sending:.1f} ms of sending"
+            f"{frame:.0f} ms a frame: physics {1e3 * playground.simulating:.1f}, "
+            f"sending {1e3 * playground.sending:.1f}"
         )
         kept = playground.pace.kept
         if not session.playing:
             lines.append("Paused")
         elif kept is not None and kept < _SLOW:
-            lines.append(f"**Slow motion**: {100 * kept:.0f} % of real time is all this machine can")
+            lines.append(f"**Slow motion**: {100 * kept:.0f} % of what was asked")
         elif kept is not None:
             lines.append(f"{100 * session.speed:.0f} % of real time, kept")
         return "  \n".join(lines)

@@ -12,7 +12,9 @@ from halfphysics.render import Color
 from halfphysics.viewer.figure import rgb
 
 if TYPE_CHECKING:
+    from halfphysics.contacts import Contacts
     from halfphysics.result import Result
+    from halfphysics.touches import Touches
     from halfphysics.viewer.stage import Stage
 
 Array = NDArray[np.float64]
@@ -120,9 +122,14 @@ class ContactFrames:
 
 def kinds(result: Result) -> Ints:
     """What kind every contact of a result is (n,), an index into `KINDS`."""
-    contacts = result.contacts
-    people = len(result.names) - len(result.people)
-    objects = people - len(result.objects)
+    count = len(result.names), len(result.objects), len(result.people)
+    return kinds_of(result.contacts, *count)
+
+
+def kinds_of(contacts: Contacts | Touches, names: int, objects: int, persons: int) -> Ints:
+    """The same of contacts between so many names in all, objects and people among them."""
+    people = names - persons
+    objects = people - objects
     other = np.asarray(contacts.other)
     kind = np.select([other < objects, other < people], [SCENE, OBJECT], PERSON)
     return np.where(np.asarray(contacts.person) < 0, THING, kind)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.viewer.contacts import KINDS, FrameContacts, Ints, kinds
+from halfphysics.viewer.contacts import KINDS, FrameContacts, Ints, kinds_of
 
 if TYPE_CHECKING:
     from halfphysics.viewer.session import Session
@@ -27,15 +26,11 @@ class LiveContacts:
     def at(self, frame: int) -> FrameContacts:
         """Those of the session's frame."""
         session, touches = self._session, self._session.frame.contacts
-        seen = SimpleNamespace(
-            contacts=touches,
-            names=session.simulator.names,
-            people=session.simulator.bodies,
-            objects=session.frame.objects,
-        )
+        simulator = session.simulator
+        count = len(simulator.names), len(session.frame.objects), len(simulator.bodies)
         return FrameContacts(
             rows=np.arange(len(touches.part)),
-            kind=kinds(seen),
+            kind=kinds_of(touches, *count),
             position=touches.position,
             force=touches.impulse * session.fps,
         )

@@ -6,13 +6,14 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from halfphysics.settings import Settings
 from halfphysics.viewer import session as do
-from halfphysics.viewer.catalog import Choice, options
+from halfphysics.viewer.catalog import Choice, Option, options
 from halfphysics.viewer.knobs import STRENGTHS, mass_of, movable
 
 if TYPE_CHECKING:
@@ -183,8 +184,7 @@ class Panel:
         self._own += [self.mass, self.friction]
 
     def _add_options(self) -> None:
-        choice = self._session.choice
-        found = options(choice.scenario)
+        found = options(self._session.choice.scenario)
         self.scenario.visible = bool(found)
         with self.scenario:
             for option in found:
@@ -196,12 +196,7 @@ class Panel:
                     option.value,
                     hint=_ANEW,
                 )
-                value, name = option.value, option.name
-                self._bind(
-                    slider,
-                    lambda name=name, value=value: self._session.choice.options.get(name, value),
-                    lambda value, name=name: self._choose_option(name, value),
-                )
+                self._bind(slider, partial(self._option, option), self._choose_option(option.name))
                 self._own.append(slider)
 
     def _add_layers(self) -> None:
@@ -258,9 +253,12 @@ class Panel:
     def _choose_motion(self, name: str) -> do.Command:
         return do.Choose(replace(self._session.choice, motion=name))
 
-    def _choose_option(self, name: str, value: float) -> do.Command:
-        choice = self._session.choice
-        return do.Choose(replace(choice, options={**choice.options, name: value}))
+    def _choose_option(self, name: str) -> Callable[[Any], do.Command]:
+        def chosen(value: float) -> do.Command:
+            choice = self._session.choice
+            return do.Choose(replace(choice, options={**choice.options, name: value}))
+
+        return chosen
 
     def _other_thing(self, event: Any) -> None:
         def task() -> None:
@@ -309,6 +307,9 @@ class Panel:
 
     def _substeps(self) -> int:
         return self._settings.substeps_for(self._session.simulator.dt)
+
+    def _option(self, option: Option) -> float:
+        return self._session.choice.options.get(option.name, option.value)
 
     def _mass(self) -> float:
         return mass_of(movable(self._session.simulator.world.scene)[self._thing])

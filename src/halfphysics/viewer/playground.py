@@ -79,6 +79,7 @@ class Playground:
         self._failure: BaseException | None = None
         self._shown: object = None
         self._story = -1
+        self._place = ("", "")
         try:
             light(self.server)
             self.panel = Panel(self)
@@ -213,7 +214,8 @@ class Playground:
         drawing = Drawing(provisional(session))
         row = arrange([drawing], _PICTURE)
         old = getattr(self, "stage", None)
-        moved = old is None or self._place != (session.choice.scenario, session.choice.motion)
+        place = (session.choice.scenario, session.choice.motion)
+        moved = place != self._place
         with self.server.atomic():
             if old is not None:
                 self.server.scene.remove_by_name(old.prefix)
@@ -223,7 +225,7 @@ class Playground:
             self._contacts = ContactNodes(self.server, self.stage, LiveContacts(session))
         self.stage.layers["contacts"] = Layer("Contacts", [self._contacts])
         self._row, self._story, self._shown = row, session.story, None
-        self._place = (session.choice.scenario, session.choice.motion)
+        self._place = place
         self._bodies = session.simulator.bodies
         self._ghosts = [
             body.joint_frames(motion)

@@ -94,6 +94,12 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "metrics.penetration of 10,000 vertices in a mesh of 10,000 triangles, skinning "
             "included; seconds for all frames",
         ),
+        "viewer": (
+            "viewer",
+            "viewer",
+            "two people of 14k vertices, and their ghosts, moved 30 times a second in a browser "
+            "scene with a client connected",
+        ),
         "skinning": ("measuring", "skinning", "body.vertices, all vertices of the default body"),
     }
 )

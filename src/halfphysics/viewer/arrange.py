@@ -36,14 +36,12 @@ class Arrangement:
         direction: Unit, from the stories to the camera.
         points: World points that belong in the picture (M, 3) [m].
         faint: Of every result, names of the statics to see through.
-        heads: Of every result, a point above all that happens (N, 3) [m], in its own frame.
     """
 
     offsets: Array
     direction: Array
     points: Array
     faint: tuple[frozenset[str], ...]
-    heads: Array
 
     def camera(self, size: tuple[int, int]) -> Camera:
         """Sees the stories of all in a picture of this size [pixels]."""
@@ -63,7 +61,7 @@ def arrange(drawings: Sequence[Drawing], size: tuple[int, int]) -> Arrangement:
     if len(drawings) > 1:
         row, offsets = _row(drawings, direction)
         direction = _across(direction, row)
-    points, heads, scenes = [], [], []
+    points, scenes = [], []
     for k, drawing in enumerate(drawings):
         story = []
         for frame in spread(len(drawing), _FRAMES):
@@ -71,10 +69,7 @@ def arrange(drawings: Sequence[Drawing], size: tuple[int, int]) -> Arrangement:
             moving = {n: s for n, s in surfaces.items() if not n.startswith("static/")}
             story.append(subject(drawing, frame, moving)[::_SPARSE])
             scenes.append((k, surfaces))
-        seen = np.concatenate(story)
-        points.append(seen + offsets[k])
-        middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))
-        heads.append(np.array([middle[0], middle[1], seen[:, 2].max()]))
+        points.append(np.concatenate(story) + offsets[k])
     everything = np.concatenate(points)
     camera = Camera.framing(everything, direction, size=size, fov=FOV)
     faint: list[set[str]] = [set() for _ in drawings]
@@ -85,7 +80,6 @@ def arrange(drawings: Sequence[Drawing], size: tuple[int, int]) -> Arrangement:
         direction=direction,
         points=everything,
         faint=tuple(map(frozenset, faint)),
-        heads=np.stack(heads),
     )
 
 

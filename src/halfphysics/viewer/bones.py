@@ -25,6 +25,8 @@ GRAIN = 2.0**-13
 _KINDS = (("SetBonePositionMessage", "position", 3), ("SetBoneOrientationMessage", "wxyz", 4))
 _FLOAT32 = 0xCA  # msgpack's mark of a number of four bytes
 _MAX_BONES = 128  # msgpack's numbers of one byte
+# viser cuts what is queued into pieces of 128 messages; a pose in two pieces is torn for a moment.
+_WHOLE = 4096
 
 
 class Bones:
@@ -98,6 +100,8 @@ class _Writer:
 
         api = handle.bones[0]._impl.mesh_impl.api
         self._interface = api._websock_interface
+        buffer = self._interface.get_message_buffer()
+        buffer.max_window_size = max(buffer.max_window_size, _WHOLE)
         self._node = handle.bones[0]._impl.mesh_impl
         self._kinds = []
         for (name, _, count), columns in zip(_KINDS, (slice(0, 3), slice(3, 7)), strict=True):
@@ -173,7 +177,10 @@ def _expected(handle: Any) -> bool:
         state = handle.bones[0]._impl
         if len(handle.bones) > _MAX_BONES or state.mesh_impl.removed:
             return False
-        if not callable(state.mesh_impl.api._websock_interface.queue_message):
+        interface = state.mesh_impl.api._websock_interface
+        if not callable(interface.queue_message):
+            return False
+        if not isinstance(interface.get_message_buffer().max_window_size, int):
             return False
         for name, field, count in _KINDS:
             kind = getattr(_messages, name)

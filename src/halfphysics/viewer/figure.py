@@ -38,6 +38,7 @@ class Figure:
         body: Whose skin it is.
         bones: Joints that have a bone (B,), parents among them; a joint without one moves with the
             nearest ancestor that has. None: all 55.
+        fast: As in `Bones`.
 
     Attributes:
         body: As given.
@@ -52,6 +53,8 @@ class Figure:
         surface: Surface,
         body: Body,
         bones: NDArray[np.integer] | None = None,
+        *,
+        fast: bool = True,
     ) -> None:
         self.body = body
         total = len(body.rest_joints)
@@ -59,7 +62,7 @@ class Figure:
         self.weights = strongest(_gathered(np.asarray(body.weights), self.joints))
         self._server, self._name = server, name
         self._meshes: list[Any] = []
-        self._visible = True
+        self._visible, self._fast = True, fast
         self._pose: tuple[Array, Array] | None = None
         self._bones: Bones | None = None
         vertices = np.asarray(surface.vertices)
@@ -113,7 +116,7 @@ class Figure:
 
     def remove(self, handle: Any) -> None:
         """Take away a mesh that `add` made."""
-        self._meshes.remove(handle)
+        self._meshes = [mesh for mesh in self._meshes if mesh is not handle]
         handle.remove()
         self._changed()
 
@@ -153,7 +156,7 @@ class Figure:
 
     def _send(self) -> None:
         if self._bones is None:
-            self._bones = Bones(self._meshes)
+            self._bones = Bones(self._meshes, fast=self._fast)
         if self._pose is not None:
             self._bones.send(*self._pose)
 

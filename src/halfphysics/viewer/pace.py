@@ -33,7 +33,8 @@ class Pace:
         """A frame was begun that stands for `period` [s] of the clock on the wall."""
         now = self._now()
         # A little late (a sleep that was too long) is made up for; a frame late is not.
-        self._due = max(self._due, now - period) + period
+        begun = now if self._due == -math.inf else max(self._due, now - period)
+        self._due = begun + period
         self._done.append((now, period))
 
     def rest(self) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from halfphysics.drawing import Drawing
 from halfphysics.viewer.address import announcement, url
-from halfphysics.viewer.arrange import arrange
+from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.catalog import Catalog, Choice
 from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.dragging import draggable
@@ -27,8 +27,8 @@ from halfphysics.viewer.stage import Layer, Stage, aim, light
 
 # A look at whether there is anything to do while it stands still [s].
 _IDLE = 0.1
-# The window that things are arranged for [pixels].
-_PICTURE = (1280, 720)
+# The picture that decides where to look from [pixels]: a small one is drawn quickly.
+_PICTURE = (640, 360)
 # Of the time that sending a frame takes, how much a single one counts in the read-out.
 _SMOOTH = 0.1
 
@@ -73,6 +73,7 @@ class Playground:
         self.simulating = self.sending = 0.0
         self.updates = 0
         self.stage: Stage
+        self._row: Arrangement
         self._stopping = threading.Event()
         self._wake = threading.Event()
         self._tasks: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
@@ -212,10 +213,10 @@ class Playground:
         """The scene of what was chosen."""
         session = self.session
         drawing = Drawing(provisional(session))
-        row = arrange([drawing], _PICTURE)
         old = getattr(self, "stage", None)
         place = (session.choice.scenario, session.choice.motion)
         moved = place != self._place
+        row = arrange([drawing], _PICTURE) if moved else self._row
         with self.server.atomic():
             if old is not None:
                 self.server.scene.remove_by_name(old.prefix)

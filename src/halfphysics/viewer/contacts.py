@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,9 @@ from halfphysics.render import Color
 from halfphysics.viewer.figure import rgb
 
 if TYPE_CHECKING:
+    from halfphysics.contacts import Contacts
     from halfphysics.result import Result
+    from halfphysics.touches import Touches
     from halfphysics.viewer.stage import Stage
 
 Array = NDArray[np.float64]
@@ -84,6 +86,19 @@ class FrameContacts:
         )
 
 
+class ContactSource(Protocol):
+    """Contacts by frame.
+
+    Attributes:
+        kind: Of every contact there may be (n,), an index into `KINDS`.
+    """
+
+    kind: Ints
+
+    def at(self, frame: int) -> FrameContacts:
+        """Those of (frame - 1, frame]."""
+
+
 class ContactFrames:
     """A result's contacts, by frame."""
 
@@ -107,9 +122,14 @@ class ContactFrames:
 
 def kinds(result: Result) -> Ints:
     """What kind every contact of a result is (n,), an index into `KINDS`."""
-    contacts = result.contacts
-    people = len(result.names) - len(result.people)
-    objects = people - len(result.objects)
+    count = len(result.names), len(result.objects), len(result.people)
+    return kinds_of(result.contacts, *count)
+
+
+def kinds_of(contacts: Contacts | Touches, names: int, objects: int, persons: int) -> Ints:
+    """The same of contacts between so many names in all, objects and people among them."""
+    people = names - persons
+    objects = people - objects
     other = np.asarray(contacts.other)
     kind = np.select([other < objects, other < people], [SCENE, OBJECT], PERSON)
     return np.where(np.asarray(contacts.person) < 0, THING, kind)
@@ -121,14 +141,15 @@ class ContactNodes:
     Args:
         server: Of viser.
         stage: Where the result is shown; it calls `show` from then on.
+        frames: Contacts by frame that are not the result's; None: the result's.
 
     Attributes:
         frames: The contacts.
         points, arrows: viser's handles by kind, of kinds that the result has.
     """
 
-    def __init__(self, server: Any, stage: Stage) -> None:
-        self.frames = ContactFrames(stage.drawing.result)
+    def __init__(self, server: Any, stage: Stage, frames: ContactSource | None = None) -> None:
+        self.frames = ContactFrames(stage.drawing.result) if frames is None else frames
         self.points: dict[int, Any] = {}
         self.arrows: dict[int, Any] = {}
         self._visible = True

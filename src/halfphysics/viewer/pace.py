@@ -7,8 +7,8 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-# Frames that the read-out looks back on, and longest gap between two that it counts [s].
-_WINDOW = 30
+# Frames that the read-out looks back on.
+_WINDOW = 60
 
 
 class Pace:
@@ -33,7 +33,8 @@ class Pace:
         """A frame was begun that stands for `period` [s] of the clock on the wall."""
         now = self._now()
         # A little late (a sleep that was too long) is made up for; a frame late is not.
-        self._due = max(self._due, now - period) + period
+        begun = now if self._due == -math.inf else max(self._due, now - period)
+        self._due = begun + period
         self._done.append((now, period))
 
     def rest(self) -> None:
@@ -44,7 +45,7 @@ class Pace:
     @property
     def kept(self) -> float | None:
         """Part of real time that was kept lately, 1: all; None: too early to tell."""
-        if len(self._done) < _WINDOW // 2:
+        if len(self._done) < _WINDOW // 4:
             return None
         passed = self._done[-1][0] - self._done[0][0]
         meant = sum(period for _, period in list(self._done)[:-1])

@@ -6,13 +6,14 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from halfphysics.settings import Settings
 from halfphysics.viewer import session as do
-from halfphysics.viewer.catalog import Choice, options
+from halfphysics.viewer.catalog import Choice, Option, options
 from halfphysics.viewer.knobs import STRENGTHS, mass_of, movable
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ _FOLLOW, _HANDS_OFF = 0.15, 0.8
 _PLAY, _PAUSE = "Play", "Pause"
 _AGAIN, _STEP = "Start again", "One frame"
 # Part of real time under which it is called slow motion.
-_SLOW = 0.97
+_SLOW = 0.95
 _LIVE = "Takes effect at once"
 _ANEW = "Starts from the beginning"
 
@@ -67,11 +68,17 @@ class Panel:
         session, gui = self._session, self._gui
         catalog = session.catalog
         self.place = gui.add_dropdown(
-            "Scenario", catalog.scenarios, initial_value=session.choice.scenario, hint="What is around. " + _ANEW
+            "Scenario",
+            catalog.scenarios,
+            initial_value=session.choice.scenario,
+            hint="What is around. " + _ANEW,
         )
         self._bind(self.place, lambda: session.choice.scenario, self._choose_place)
         self.motion = gui.add_dropdown(
-            "Motion", catalog.motions, initial_value=session.choice.motion, hint="What the person does. " + _ANEW
+            "Motion",
+            catalog.motions,
+            initial_value=session.choice.motion,
+            hint="What the person does. " + _ANEW,
         )
         self._bind(self.motion, lambda: session.choice.motion, self._choose_motion)
 
@@ -79,10 +86,10 @@ class Panel:
         session, gui = self._session, self._gui
         self.play = gui.add_button(_PAUSE, icon=_icon("PLAYER_PAUSE"), hint="Also: space")
         self.play.on_click(lambda _: self._toggle())
-        self.steps = gui.add_button_group("Go", (_AGAIN, _STEP))
+        self.steps = gui.add_button_group("Also", (_AGAIN, _STEP))
         self.steps.on_click(self._stepped)
         self.speed = gui.add_slider(
-            "Speed", *do.SPEEDS, 0.05, session.speed, hint="Of playing: 1 is the motion's own rate"
+            "Play at [×]", *do.SPEEDS, 0.05, session.speed, hint="1: the motion's own rate"
         )
         self._bind(self.speed, lambda: session.speed, self._change("speed"))
         self.loop = gui.add_checkbox(
@@ -104,7 +111,7 @@ class Panel:
                 add(label, hotkey=key).on_trigger(lambda _, action=action: action())
 
     def _add_person(self) -> None:
-        session, gui = self._session, self._gui
+        gui = self._gui
         self.stiffness = gui.add_slider(
             "Firmness λ",
             0.0,
@@ -177,8 +184,7 @@ class Panel:
         self._own += [self.mass, self.friction]
 
     def _add_options(self) -> None:
-        choice = self._session.choice
-        found = options(choice.scenario)
+        found = options(self._session.choice.scenario)
         self.scenario.visible = bool(found)
         with self.scenario:
             for option in found:
@@ -190,12 +196,7 @@ class Panel:
                     option.value,
                     hint=_ANEW,
                 )
-                value, name = option.value, option.name
-                self._bind(
-                    slider,
-                    lambda name=name, value=value: self._session.choice.options.get(name, value),
-                    lambda value, name=name: self._choose_option(name, value),
-                )
+                self._bind(slider, partial(self._option, option), self._choose_option(option.name))
                 self._own.append(slider)
 
     def _add_layers(self) -> None:
@@ -252,9 +253,12 @@ class Panel:
     def _choose_motion(self, name: str) -> do.Command:
         return do.Choose(replace(self._session.choice, motion=name))
 
-    def _choose_option(self, name: str, value: float) -> do.Command:
-        choice = self._session.choice
-        return do.Choose(replace(choice, options={**choice.options, name: value}))
+    def _choose_option(self, name: str) -> Callable[[Any], do.Command]:
+        def chosen(value: float) -> do.Command:
+            choice = self._session.choice
+            return do.Choose(replace(choice, options={**choice.options, name: value}))
+
+        return chosen
 
     def _other_thing(self, event: Any) -> None:
         def task() -> None:
@@ -304,6 +308,9 @@ class Panel:
     def _substeps(self) -> int:
         return self._settings.substeps_for(self._session.simulator.dt)
 
+    def _option(self, option: Option) -> float:
+        return self._session.choice.options.get(option.name, option.value)
+
     def _mass(self) -> float:
         return mass_of(movable(self._session.simulator.world.scene)[self._thing])
 
@@ -336,17 +343,18 @@ class Panel:
         contacts = session.frame.contacts
         force = float(np.linalg.norm(contacts.impulse, axis=1).sum()) * session.fps
         if len(contacts.part):
-            lines[0] += f", {len(contacts.part)} contacts, {force:.0f} N in all"
+            many = "contact" if len(contacts.part) == 1 else "contacts"
+            lines[0] += f", {len(contacts.part)} {many}, {force:.0f} N"
         frame = 1e3 / (session.fps * session.speed)
         lines.append(
-            f"A frame of {frame:.0f} ms: {1e3 * playground.simulating:.1f} ms of physics, "
-            f"{1e3 * playground.sending:.1f} ms of sending"
+            f"{frame:.0f} ms a frame: physics {1e3 * playground.simulating:.1f}, "
+            f"sending {1e3 * playground.sending:.1f}"
         )
         kept = playground.pace.kept
         if not session.playing:
             lines.append("Paused")
         elif kept is not None and kept < _SLOW:
-            lines.append(f"**Slow motion**: {100 * kept:.0f} % of real time is all this machine can")
+            lines.append(f"**Slow motion**: {100 * kept:.0f} % of what was asked")
         elif kept is not None:
             lines.append(f"{100 * session.speed:.0f} % of real time, kept")
         return "  \n".join(lines)

@@ -10,25 +10,25 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from halfphysics.drawing import Drawing
 from halfphysics.viewer.address import announcement, url
-from halfphysics.viewer.arrange import arrange
+from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.catalog import Catalog, Choice
+from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.dragging import draggable
+from halfphysics.viewer.framing import framed, free_part
+from halfphysics.viewer.live_contacts import LiveContacts
 from halfphysics.viewer.pace import Pace
 from halfphysics.viewer.panel import Panel
 from halfphysics.viewer.provisional import provisional
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.session import Command, Grab, LetGo, Pull, Session
-from halfphysics.viewer.stage import Stage, aim, light
+from halfphysics.viewer.stage import Layer, Stage, aim, light
 
 # A look at whether there is anything to do while it stands still [s].
 _IDLE = 0.1
-# The window that things are arranged for; the panel takes this much of one that is wide [pixels].
-_PICTURE = (1280, 720)
-_WIDE, _PANEL = 700, 335
+# The picture that decides where to look from [pixels]: a small one is drawn quickly.
+_PICTURE = (640, 360)
 # Of the time that sending a frame takes, how much a single one counts in the read-out.
 _SMOOTH = 0.1
 
@@ -73,12 +73,14 @@ class Playground:
         self.simulating = self.sending = 0.0
         self.updates = 0
         self.stage: Stage
+        self._row: Arrangement
         self._stopping = threading.Event()
         self._wake = threading.Event()
         self._tasks: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
         self._failure: BaseException | None = None
         self._shown: object = None
         self._story = -1
+        self._place = ("", "")
         try:
             light(self.server)
             self.panel = Panel(self)
@@ -202,6 +204,7 @@ class Playground:
                 stage.pose(k, positions[session.index], quaternions[session.index], ghost=True)
             for name in self._objects:
                 stage.place(name, *frame.objects[name])
+            self._contacts.show(0)
         self._shown = frame
         self.updates += 1
         self.sending += _SMOOTH * (time.perf_counter() - start - self.sending)
@@ -210,17 +213,20 @@ class Playground:
         """The scene of what was chosen."""
         session = self.session
         drawing = Drawing(provisional(session))
-        row = arrange([drawing], _PICTURE)
         old = getattr(self, "stage", None)
-        moved = old is None or self._place != (session.choice.scenario, session.choice.motion)
+        place = (session.choice.scenario, session.choice.motion)
+        moved = place != self._place
+        row = arrange([drawing], _PICTURE) if moved else self._row
         with self.server.atomic():
             if old is not None:
                 self.server.scene.remove_by_name(old.prefix)
             self.stage = Stage(
                 self.server, drawing, f"/story{session.story}", faint=row.faint[0], live=True
             )
+            self._contacts = ContactNodes(self.server, self.stage, LiveContacts(session))
+        self.stage.layers["contacts"] = Layer("Contacts", [self._contacts])
         self._row, self._story, self._shown = row, session.story, None
-        self._place = (session.choice.scenario, session.choice.motion)
+        self._place = place
         self._bodies = session.simulator.bodies
         self._ghosts = [
             body.joint_frames(motion)
@@ -255,14 +261,16 @@ class Playground:
         handle.on_drag("left")(dragged)
 
     def _aim(self, client: Any) -> None:
-        """Have a browser look at the story."""
+        """Have a browser look at the story, beside or above the panel."""
         width, height = client.camera.image_width, client.camera.image_height
-        if width > _WIDE:
-            width -= _PANEL
-        camera = self._row.camera((max(width, 1), max(height, 1)))
+        if not (width and height):
+            return  # it has gone already
+        position, target = framed(
+            self._row.points, self._row.direction, (width, height), free_part(width, height)
+        )
         with client.atomic():
-            client.camera.position = np.asarray(camera.position)
-            client.camera.look_at = np.asarray(camera.target)
+            client.camera.position = position
+            client.camera.look_at = target
 
 
 def play(

@@ -1,112 +1,106 @@
-"""Pages in a headless Chromium, through its debugging protocol (websockets comes with viser)."""
+"""Pages in a headless Chromium: the system's own, driven by playwright."""
 
 from __future__ import annotations
 
-import base64
 import contextlib
-import json
+import importlib.util
+import io
+import os
 import shutil
-import subprocess
 import time
 from pathlib import Path
 
+#: The browser to use, None: there is none, or nothing to drive it with. None is ever downloaded.
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+if importlib.util.find_spec("playwright") is None:
+    CHROMIUM = None
 _FLAGS = (
-    *("--headless", "--no-sandbox", "--no-first-run", "--disable-background-networking"),
-    *("--disable-quic", "--disable-component-update", "--disable-sync", "--disable-gpu"),
-    *("--disable-dev-shm-usage", "--hide-scrollbars", "--remote-allow-origins=*"),
+    *("--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-quic"),
+    *("--disable-component-update", "--disable-sync", "--disable-dev-shm-usage"),
+    *("--hide-scrollbars", "--use-gl=angle", "--use-angle=swiftshader"),
+    "--enable-unsafe-swiftshader",
 )
+SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
 
 
 class Tab:
     """One page: what it says, what it asks for, and what a script finds in it."""
 
-    def __init__(self, socket):
-        self._socket = socket
-        self._id = 0
-        self.complaints: list[str] = []
+    def __init__(self, page):
+        self.page = page
+        self.complaints: list[str] = []  # whatever the console says
+        self.errors: list[str] = []  # of these, errors
         self.requests: list[str] = []
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            self.call(f"{domain}.enable")
+        page.on("console", self._said)
+        page.on("pageerror", lambda error: self._failed(str(error)))
+        page.on("request", lambda request: self.requests.append(request.url))
 
-    def call(self, method, **params):
-        self._id += 1
-        self._socket.send(json.dumps({"id": self._id, "method": method, "params": params}))
-        while True:
-            message = self._next()
-            if message.get("id") == self._id:
-                assert "error" not in message, message
-                return message["result"]
+    def _said(self, message):
+        self.complaints.append(message.text)
+        if message.type == "error":
+            self.errors.append(message.text)
 
-    def _next(self):
-        message = json.loads(self._socket.recv(timeout=60.0))
-        method, params = message.get("method", ""), message.get("params", {})
-        if method == "Runtime.consoleAPICalled":
-            self.complaints.append(str(params["args"]))
-        elif method == "Runtime.exceptionThrown":
-            self.complaints.append(params["exceptionDetails"]["text"])
-        elif method == "Log.entryAdded":
-            self.complaints.append(params["entry"]["text"])
-        elif method == "Network.requestWillBeSent":
-            self.requests.append(params["request"]["url"])
-        return message
+    def _failed(self, text):
+        self.complaints.append(text)
+        self.errors.append(text)
 
     def size(self, width, height, dark=False):
-        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height,
-                  deviceScaleFactor=1, mobile=width < 600)  # fmt: skip
-        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-        self.call("Emulation.setEmulatedMedia", features=[scheme])
+        self.page.set_viewport_size({"width": width, "height": height})
+        self.page.emulate_media(color_scheme="dark" if dark else "light")
 
-    def open(self, path: Path):
-        self.call("Page.navigate", url=path.resolve().as_uri())
-        while self._next().get("method") != "Page.loadEventFired":
-            pass
+    def open(self, where: Path | str):
+        """A file, or an address."""
+        self.page.goto(where if isinstance(where, str) else where.resolve().as_uri())
 
     def evaluate(self, script):
-        answer = self.call("Runtime.evaluate", expression=script, returnByValue=True,
-                           awaitPromise=True)  # fmt: skip
-        assert "exceptionDetails" not in answer, answer
-        return answer["result"].get("value")
+        return self.page.evaluate(script)
 
     def screenshot(self, path: Path, *, whole=True):
-        shot = self.call("Page.captureScreenshot", captureBeyondViewport=whole)
-        path.write_bytes(base64.b64decode(shot["data"]))
+        self.page.screenshot(path=path, full_page=whole)
+
+    def picture(self):
+        """What is seen now, (height, width, 3) of 0 to 255."""
+        import numpy as np
+        from PIL import Image
+
+        data = self.page.screenshot()
+        return np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
+
+    def until(self, condition, seconds=60.0):
+        """Wait for something to come true in the page; a browser that draws in software is slow."""
+        end = time.monotonic() + seconds
+        while not (found := condition()):
+            assert time.monotonic() < end, f"{seconds:g} s and still not: {condition}"
+            self.page.wait_for_timeout(150)
+        return found
+
+    def box(self, selector):
+        """Where an element is: (left, top, right, bottom) in pixels."""
+        box = self.page.locator(selector).first.bounding_box()
+        return box["x"], box["y"], box["x"] + box["width"], box["y"] + box["height"]
 
 
 @contextlib.contextmanager
-def tab(folder: Path):
+def tab(folder: Path, size=SIZES["desktop"]):
     """A new page in a browser of its own, with its profile in `folder`."""
-    from websockets.sync.client import connect
+    from playwright.sync_api import sync_playwright
 
-    profile = folder / "profile"
-    browser = subprocess.Popen(
-        [CHROMIUM, *_FLAGS, f"--user-data-dir={profile}", "--remote-debugging-port=0",
-         "about:blank"],
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    try:
-        port = _port(profile / "DevToolsActivePort", browser)
-        target = json.loads(_get(f"http://127.0.0.1:{port}/json/list"))
-        page = next(t for t in target if t["type"] == "page")
-        with connect(page["webSocketDebuggerUrl"], max_size=None, proxy=None) as socket:
-            yield Tab(socket)
-    finally:
-        browser.terminate()
-        browser.wait(20.0)
+    with sync_playwright() as playwright:
+        context = playwright.chromium.launch_persistent_context(
+            str(folder / "profile"),
+            executable_path=CHROMIUM,
+            args=list(_FLAGS),
+            headless=True,
+            viewport={"width": size[0], "height": size[1]},
+        )
+        try:
+            yield Tab(context.pages[0] if context.pages else context.new_page())
+        finally:
+            context.close()
 
 
-def _port(path, browser):
-    deadline = time.monotonic() + 60.0
-    while time.monotonic() < deadline:
-        assert browser.poll() is None, "the browser did not start"
-        if path.exists() and path.read_text().count("\n"):
-            return int(path.read_text().split()[0])
-        time.sleep(0.05)
-    raise TimeoutError("the browser opened no port")
-
-
-def _get(url):
-    from urllib.request import ProxyHandler, build_opener
-
-    with build_opener(ProxyHandler({})).open(url, timeout=20.0) as answer:
-        return answer.read()
+def artefacts(folder: Path) -> Path:
+    """Where pictures are kept to be looked at: $HALFPHYSICS_ARTEFACTS, or `folder`."""
+    kept = Path(os.environ.get("HALFPHYSICS_ARTEFACTS") or folder)
+    kept.mkdir(parents=True, exist_ok=True)
+    return kept

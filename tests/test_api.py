@@ -76,7 +76,7 @@ PARAMETERS = {
     "Simulator.release": "self name",
     "Simulator.get_state": "self",
     "Simulator.set_state": "self state",
-    "view": "result * more labels host port block",
+    "view": "result more * labels host port block",
     "attach": "spec body prefix",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "
     "diagnostics inside joints",

@@ -116,7 +116,7 @@ class Figure:
 
     def remove(self, handle: Any) -> None:
         """Take away a mesh that `add` made."""
-        self._meshes.remove(handle)
+        self._meshes = [mesh for mesh in self._meshes if mesh is not handle]
         handle.remove()
         self._changed()
 
@@ -137,6 +137,11 @@ class Figure:
             self._send()
         for mesh in self._meshes:
             mesh.visible = visible
+
+    @property
+    def bone_pose(self) -> tuple[Array, Array] | None:
+        """Where the bones are: (B, 3) [m] and wxyz (B, 4); None: never posed."""
+        return self._pose
 
     def pose(self, positions: Array, quaternions: Array) -> None:
         """Move.

@@ -19,7 +19,9 @@ from halfphysics.errors import InputError
 from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.validation import shown
 from halfphysics.viewer.arrange import arrange, floor_height
+from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.controls import Controls
+from halfphysics.viewer.layers import add_layers
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.stage import Layer, Stage, aim, light
 from halfphysics.viewer.timeline import Timeline
@@ -33,9 +35,8 @@ _SPACING = 1.0 / 40.0
 _IDLE = 0.25
 # Names hang this far above the head's joint [m].
 _HEAD, _OVER = JOINT_INDEX["head"], 0.3
-# The window that things are arranged for; the panel takes this much of one that is wide [pixels].
+# The window that things are arranged for [pixels].
 _PICTURE = (1280, 720)
-_WIDE, _PANEL = 700, 335
 
 
 class Viewer:
@@ -53,6 +54,7 @@ class Viewer:
         stages: One a result.
         labels: What they are called.
         timeline: The clock. Change it as you like, then say `changed`.
+        cameras: Where browsers look from.
     """
 
     def __init__(
@@ -67,9 +69,9 @@ class Viewer:
         for index, result in enumerate(results):
             _check(index, result)
         self.labels = _labels(results, labels)
-        self.timeline = Timeline(*((len(r), r.fps) for r in results))
         drawings = [Drawing(result) for result in results]
-        self._row = row = arrange(drawings, _PICTURE)
+        self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
+        row = arrange(drawings, _PICTURE)
         self._asked_port = port
         self._host = host
         self.server = open_server(host, port, label=title)
@@ -82,6 +84,7 @@ class Viewer:
             light(self.server)
             aim(self.server, row.camera(_PICTURE))
             self.stages = self._build(drawings, row)
+            self.cameras = Cameras(self.server, self.stages, row.camera)
             self.controls = Controls(self)
             self.timeline.play()
             for stage in self.stages:
@@ -113,6 +116,7 @@ class Viewer:
                     floors[round(height, 6)] = stage.static(name.removeprefix("static/"))
             if len(drawings) > 1:
                 self._name(stage, self.labels[k])
+            add_layers(self.server, stage)
             stages.append(stage)
         reach = float(np.linalg.norm(row.offsets, axis=1).max())
         for floor in floors.values():
@@ -145,7 +149,7 @@ class Viewer:
         lines = []
         if self._asked_port not in (0, self.port):
             lines.append(f"port {self._asked_port} is in use, taking {self.port}")
-        lines.append(f"showing {', '.join(self.labels)} at {self.url}")
+        lines.append(f"showing {_and(self.labels)} at {self.url}")
         if self._host in ("127.0.0.1", "localhost", "::1"):
             lines.append(
                 f"  from another machine: ssh -L {self.port}:127.0.0.1:{self.port} THIS_MACHINE, "
@@ -157,13 +161,7 @@ class Viewer:
 
     def _welcome(self, client: Any) -> None:
         """A browser has come: show it everything, in whatever shape its window has."""
-        width, height = client.camera.image_width, client.camera.image_height
-        if width > _WIDE:
-            width -= _PANEL
-        camera = self._row.camera((max(width, 1), max(height, 1)))
-        with client.atomic():
-            client.camera.position = camera.position
-            client.camera.look_at = camera.target
+        self.cameras.home(client)
         self.changed()
 
     def __repr__(self) -> str:
@@ -240,6 +238,7 @@ class Viewer:
         with self.server.atomic() if late else contextlib.nullcontext():
             for k in late:
                 self.stages[k].show(frames[k])
+        self.cameras.follow()
         self.controls.refresh()
         return bool(late)
 
@@ -294,6 +293,10 @@ def _check(index: int, result: object) -> None:
         )
 
 
+def _and(names: Sequence[str]) -> str:
+    return " and ".join(filter(None, ["; ".join(names[:-1]), names[-1]]))
+
+
 def _labels(results: Sequence[Result], labels: Sequence[str] | None) -> tuple[str, ...]:
     if labels is not None:
         if len(labels) != len(results):
@@ -305,9 +308,9 @@ def _labels(results: Sequence[Result], labels: Sequence[str] | None) -> tuple[st
 
 
 def differences(results: Sequence[Result]) -> list[str]:
-    """What tells results apart, to be put behind their names: ", λ = 0.5", or nothing."""
+    """What tells results apart, to be put behind their names: ", stiffness 0.5", or nothing."""
     values = [getattr(getattr(r, "settings", None), "stiffness", None) for r in results]
     numbers = [f"{v:g}" if isinstance(v, int | float) else None for v in values]
     if len(set(numbers)) == 1:
         return [""] * len(results)
-    return ["" if n is None else f", λ = {n}" for n in numbers]
+    return ["" if n is None else f", stiffness {n}" for n in numbers]

@@ -72,3 +72,21 @@ def test_one_scenario_can_be_asked_for_alone(gallery, tmp_path, monkeypatch, cap
     with pytest.raises(SystemExit):
         gallery.main(["kick_bal"])
     assert "kick_bal" in capsys.readouterr().err
+
+
+def test_the_film_is_short_moves_and_repeats():
+    path = ROOT / "docs" / "film.webp"
+    assert path.stat().st_size < 3_000_000
+    with Image.open(path) as film:
+        assert film.format == "WEBP"
+        assert film.info["loop"] == 0  # for ever
+        pictures = []
+        for k in (0, film.n_frames // 2, film.n_frames - 1):
+            film.seek(k)
+            pictures.append(np.asarray(film.convert("RGB")).astype(float))
+        assert film.n_frames >= 40
+    assert pictures[0].shape[1] >= 640
+    assert np.abs(np.diff(pictures, axis=0)).mean(axis=(1, 2, 3)).min() > 1.0
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert readme.index("docs/film.webp") < readme.index("docs/demo.png") < readme.index("## ")
+    assert (ROOT / "docs" / "demo.png").stat().st_size < 300_000

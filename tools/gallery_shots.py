@@ -61,6 +61,25 @@ class Shot:
         ]
 
 
+@dataclass(frozen=True, kw_only=True)
+class Clip:
+    """A part of the README's film, beside the others.
+
+    Attributes:
+        name: Of the scenario.
+        start: Where in the story it begins [s].
+        camera: One of `halfphysics.film.CAMERAS`.
+        width: [pixels].
+        key: Say which body is which.
+    """
+
+    name: str
+    start: float
+    camera: str
+    width: int
+    key: bool = False
+
+
 def _direction(result: Result, turn: float, height: float) -> np.ndarray:
     person = result.people[0]
     front = rotate(person.body.joint_frames(person.motion)[1][0, 0], np.array([0.0, 0.0, 1.0]))
@@ -109,3 +128,10 @@ SHOTS = {
     "stretch_on_bed": Shot(times=(0.3, 1.5, 2.2, 4.5), turn=50.0, height=28.0),
     "walk_into_wall": Shot(times=(1.2, 1.9, 2.6, 4.2)),
 }
+
+#: The README's film, from left to right.
+CLIPS = (
+    Clip(name="sit_on_sofa", start=0.6, camera="fixed", width=270),
+    Clip(name="meet", start=1.15, camera="fixed", width=360),
+    Clip(name="lift_suitcase", start=1.5, camera="follow", width=270, key=True),
+)

@@ -285,6 +285,42 @@ def test_what_failed_is_in_the_report_and_is_tried_again(tmp_path, with_sections
     assert paper.make(tmp_path / "out").content == report.content
 
 
+def test_what_changes_under_it_is_said(tmp_path, with_sections):
+    """A file of the user's that goes away, and one that is written to, while it is worked on."""
+    gone, changed, good = (tmp_path / name for name in ("gone", "changed", "good"))
+    for file in (gone, changed, good):
+        file.write_text("before")
+    ends = {gone: "removes", changed: "writes", good: "leaves"}
+    tasks = [
+        Task(
+            key=file.name,
+            function="evidence_case.tasks:meddles",
+            arguments={"path": str(file), "how": how},
+            inputs=(str(file),),
+        )
+        for file, how in ends.items()
+    ]
+    rows = squares(tmp_path).content
+    section = Section(key="s", title="", about="", tasks=lambda options: tasks, content=rows)
+    with_sections(section)
+    (entry,) = paper.make(tmp_path / "out").content["sections"]
+    assert [row["name"] for row in entry["rows"]] == ["good"]
+    assert [f["task"] for f in entry["failed"]] == ["changed", "gone"]
+    assert all("changed while" in f["cause"] for f in entry["failed"])
+
+
+def test_folders_are_known_by_what_is_in_them(tmp_path):
+    folder, store = tmp_path / "release", Store(tmp_path / "work")
+    (folder / "below").mkdir(parents=True)
+    (folder / "loop").symlink_to(folder)
+    (folder / "nowhere").symlink_to("nothing")
+    task = Task(key="a", function=SQUARE, arguments={"value": 3}, inputs=(str(folder),))
+    store.keep("s", task, case.square(3))
+    assert store.load("s", task) == {"square": 9}
+    (folder / "below" / "more").write_text("")
+    assert store.load("s", task) is None
+
+
 def test_what_is_timed_is_in_a_file_of_its_own(tmp_path, with_sections):
     stable = squares(tmp_path, 2)
     timed = evidence.Section(

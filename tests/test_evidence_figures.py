@@ -5,12 +5,14 @@ from __future__ import annotations
 import functools
 import io
 import json
+from dataclasses import asdict
 
 import pytest
 from PIL import Image
 
 from halfphysics.bench.paper import evidence
 from halfphysics.bench.paper.evidence import Options
+from halfphysics.bench.paper.html.wording import verdict
 from halfphysics.bench.paper.runner import function_of
 from halfphysics.bench.paper.runs import choices
 from halfphysics.bench.paper.sections import figure5, figure8, figures4and9, figures6and7
@@ -106,6 +108,9 @@ def test_what_fails_is_said_to_fail():
     (row,) = figures4and9.content(Options(quick=True), {sofa: worse}).rows
     wrong = {f.name for f in row.figures if f.reproduced is False}
     assert wrong == {"penetration rate", "deepest", "error of free joints"}
+    blind = {**found, "asked": {"rate": 0.0, "mean_mm": 0.0, "max_mm": 0.0}}
+    (row,) = figures4and9.content(Options(quick=True), {sofa: blind}).rows
+    assert [f.name for f in row.figures if f.reproduced is False] == ["deepest, asked for"]
 
 
 @pytest.fixture(scope="module")
@@ -202,6 +207,17 @@ def test_a_ragdoll_falls_and_half_physics_does_not(forced):
     ours, doll = figures6and7.content(Options(quick=True), {"ragdoll": found}).rows
     assert figures(ours)["pelvis lower than asked"].reproduced
     assert figures(doll)["pelvis lower than asked"].reproduced
+
+
+def test_balls_that_stay_show_no_blindness(forced):
+    """Without a ball that moves, or a skin that goes in, nothing is reproduced."""
+    still = {**forced["kick/positions"], "speeds": [0.0, 0.0], "depths": [0.0, 0.0]}
+    clear = {**forced["wall/positions"], "deepest": 0.0}
+    values = {"kick/positions": still, "wall/positions": clear}
+    wall, kick = map(figures, figures6and7.content(Options(quick=True), values).rows)
+    assert verdict({"quoted": False}, asdict(kick["spread of the speeds"])) == "missing"
+    assert kick["skin in the ball"].reproduced is False
+    assert wall["deepest"].reproduced is False
 
 
 def test_a_peer_that_sees_mass_is_not_said_to_be_blind(forced):

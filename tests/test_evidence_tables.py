@@ -109,10 +109,12 @@ def test_a_motion_that_comes_back_as_none_is_no_success(monkeypatch):
     assert not found["success"]
     assert "root moves" in found["cause"]
     assert following.mean([found], "mpjpe") is None
-    assert following.success([found]) == 0.0
+    assert following.success([found], sources.daily(QUICK)) == 0.0
 
 
-def test_table_1(tmp_path):
+def test_table_1(tmp_path, monkeypatch):
+    monkeypatch.setattr(sources, "QUICK_DANCES", (4,))
+    monkeypatch.setattr(sources, "QUICK_DAILY", (0,))
     values, failed = computed(table1.SECTION, QUICK, tmp_path, "dance/04", "daily/00")
     assert not failed
     content = table1.SECTION.content(QUICK, values)
@@ -148,6 +150,16 @@ def test_what_is_not_followed_is_not_reproduced():
     assert row.note == "torn"
 
 
+def test_what_ended_in_an_error_counts_as_not_followed():
+    """Of the motions made here: a damaged file of the user's is no failure to follow."""
+    values = values_of(table1.SECTION, QUICK, mpjpe=0.0, mpjpe_global=0.0)
+    del values["dance/03"]
+    row = rows_of(table1.SECTION.content(QUICK, values), "dance")["half-physics"]
+    assert [figure.reproduced for figure in row.figures] == [False, True, True]
+    assert figures(row)["success"].ours == 75.0
+    assert "without 1 of the 4 clips" in row.note
+
+
 @pytest.mark.parametrize("section", [table3.SECTION, table4.SECTION])
 def test_a_change_that_costs_little_is_not_the_papers_finding(section):
     judged = [table3.TORQUE, table4.INTERNAL]
@@ -164,9 +176,10 @@ def test_a_change_that_costs_little_is_not_the_papers_finding(section):
 def test_means_are_of_the_runs_that_succeeded():
     runs = [{"success": s, "mpjpe": e} for s, e in ((True, 1.0), (True, 3.0), (False, None))]
     assert following.mean(runs, "mpjpe") == 2.0
-    assert following.success(runs) == pytest.approx(200.0 / 3.0)
+    group = sources.Group("x", "", (sources.Source("a", {"kind": "file"}),) * 5)
+    assert following.success(runs, group) == pytest.approx(200.0 / 3.0)
     assert following.mean([], "mpjpe") is None
-    assert following.success([]) is None
+    assert following.success([], group) is None
 
 
 @pytest.mark.parametrize(
@@ -181,8 +194,9 @@ def test_nothing_computed_yet_is_a_report_of_nothing(section):
         assert all(r.data and (r.setting or r.quoted) for r in content.rows)
 
 
-def test_table_3(tmp_path):
-    values, failed = computed(table3.SECTION, QUICK, tmp_path, "dance/03", "dance/04", "dance-")
+def test_table_3(tmp_path, monkeypatch):
+    monkeypatch.setattr(sources, "QUICK_DANCES", (3, 4))
+    values, failed = computed(table3.SECTION, QUICK, tmp_path, "dance")
     assert not failed
     rows = table3.SECTION.content(QUICK, values).rows
     assert [row.name for row in rows] == [ablations.HALF_PHYSICS, table3.TORQUE] * 2
@@ -286,6 +300,16 @@ def test_files_of_the_user_are_part_of_what_is_remembered(tmp_path):
     assert Store(tmp_path / "work").load("table1", task) is not None
     written(folder, "a", seconds=0.5)
     assert Store(tmp_path / "work").load("table1", task) is None
+
+
+def test_a_folder_is_looked_through_once(tmp_path):
+    """Rows are of the files that there were as the report began, whatever comes and goes."""
+    folder = written(tmp_path / "any", "a", "b")
+    options = Options(data={"clips": folder, "aist": folder})
+    before = sources.brought(options)
+    (folder / "a.pkl").unlink()
+    assert sources.brought(options) == before
+    assert sources.brought(Options(data={"clips": folder, "aist": folder})) != before
 
 
 def test_real_motions_come_back(shared_data, tmp_path):

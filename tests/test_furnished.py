@@ -128,9 +128,14 @@ def values_of(**changes):
     return {"asked": asked, "ours": ours, "paper": way, "room": about, "frames": 90, "fps": 30.0}
 
 
-def judged(values):
+def every(**rooms):
+    """All rooms well, but those given."""
+    return {f"room-{number:02d}": values_of() for number in NUMBERS} | rooms
+
+
+def judged(values, name=WAYS["ours"][0]):
     rows = table2.content(Options(), values).rows
-    row = next(r for r in rows if r.name == WAYS["ours"][0])
+    row = next(r for r in rows if r.name == name)
     return row, {f.name: f.reproduced for f in row.figures if f.expected}
 
 
@@ -144,11 +149,40 @@ def judged(values):
     ],
 )
 def test_what_is_not_reproduced_is_shown_so(changes, measure):
-    """One bad scene of two is enough."""
-    _, good = judged({"room-00": values_of(), "room-01": values_of()})
+    """One bad scene of twenty is enough."""
+    _, good = judged(every())
     assert all(good.values())
-    _, bad = judged({"room-00": values_of(), "room-01": values_of(**changes)})
+    _, bad = judged({**every(), "room-01": values_of(**changes)})
     assert [name for name, well in bad.items() if not well] == [measure]
+
+
+def test_a_scene_that_ended_in_an_error_is_no_success():
+    values = every()
+    del values["room-07"]
+    row, found = judged(values)
+    assert found["success"] is False
+    assert row.data.startswith("19 of 20 furnished rooms")
+
+
+@pytest.mark.parametrize(
+    ("changes", "measure"),
+    [
+        ({"rate": 0.0}, "penetration rate"),
+        ({"mean_mm": 0.0}, "mean depth"),
+        ({"max_mm": 0.0}, "largest depth"),
+        ({"intersecting": 0}, "scenes that coal finds out"),
+    ],
+)
+def test_judges_that_see_nothing_are_shown_so(changes, measure):
+    """What is asked for goes in: a measure that says 0 there says nothing by 0 elsewhere."""
+    values = every()
+    for found in values.values():
+        found["asked"] |= changes
+    _, bad = judged(values, "as asked for")
+    assert [name for name, well in bad.items() if not well] == [measure]
+    values = every()
+    values["room-03"]["asked"]["intersecting"] = 0
+    assert judged(values, "as asked for")[1]["scenes that coal finds out"] is False
 
 
 def test_without_the_library_it_says_so():
@@ -158,6 +192,7 @@ def test_without_the_library_it_says_so():
             del values[way][key]
     row, found = judged({"room-00": values})
     assert found["frames that intersect, by coal"] is None
+    assert judged({"room-00": values}, "as asked for")[1]["scenes that coal finds out"] is None
     assert verify.MISSING in row.note
 
 

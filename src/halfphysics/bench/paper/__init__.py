@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +39,7 @@ KEYS = (
 
 #: Files of a report, in its folder.
 JSON, SPEED, PAGE, WORK = "paper.json", "paper-speed.json", "paper.html", "work"
+_GONE = "what it found is gone: its files, or those in work, changed while the report was made"
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def make(
     Raises:
         InputError: Impossible options. FileError: The folder cannot be written.
     """
-    options = options or Options()
+    options = replace(options or Options())  # which looks for files anew
     chosen = listed(only)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -140,8 +141,12 @@ def _entries(
         causes = {key: cause for (name, key), cause in failed.items() if name == section.key}
         values = {}
         for task in section.tasks(options):
-            found = None if task.key in causes else store.load(section.key, task)
-            if found is not None:
+            if task.key in causes:
+                continue
+            found = store.load(section.key, task)
+            if found is None:
+                causes[task.key] = _GONE
+            else:
                 values[task.key] = found
         entries.append(document.entry(section, options, values, causes))
     return entries

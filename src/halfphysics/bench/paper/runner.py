@@ -17,7 +17,7 @@ from multiprocessing import connection
 from pathlib import Path
 
 from halfphysics.bench.paper.evidence import Outcome, Task
-from halfphysics.bench.paper.store import Store
+from halfphysics.bench.paper.store import Store, identity
 from halfphysics.errors import HalfPhysicsError
 
 #: What numpy's libraries read to know how many threads to start: one, or tasks get in each
@@ -58,8 +58,9 @@ def work(folder: Path, job: Job) -> Done:
     """
     start = time.perf_counter()
     try:
+        of = identity(job.task)
         outcome = function_of(job.task)(**job.task.arguments)
-        Store(folder).keep(job.section, job.task, outcome)
+        Store(folder).keep(job.section, job.task, outcome, of)
     except HalfPhysicsError as error:
         return Done(job, time.perf_counter() - start, str(error))
     except Exception as error:

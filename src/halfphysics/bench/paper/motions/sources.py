@@ -29,7 +29,7 @@ _SUFFIXES = {".npz", ".pkl", ".bvh", ".npy", ".pt", ".p"}
 
 @dataclass(frozen=True)
 class Source:
-    """One motion: its name, what `load` needs to make it, and the file it is in, if any."""
+    """One motion: its name, what `load` needs to make it, and the file or folder it is in."""
 
     name: str
     arguments: Mapping[str, Any]
@@ -112,9 +112,11 @@ def brought(options: Options) -> list[Group]:
     """What the user brought: AIST++ and any other motions."""
     groups = []
     if "aist" in options.data:
-        groups.append(_aist(Path(options.data["aist"]), options.quick))
+        folder = Path(options.data["aist"])
+        groups.append(options.once("aist", lambda: _aist(folder, options.quick)))
     if "clips" in options.data:
-        groups.append(_clips(Path(options.data["clips"]), options.quick))
+        others = Path(options.data["clips"])
+        groups.append(options.once("clips", lambda: _clips(others, options.quick)))
     return groups
 
 
@@ -187,6 +189,6 @@ def _files(found: Sequence[tuple[Path, str | None]], quick: bool) -> tuple[Sourc
     for i, (path, clip) in enumerate(found):
         name = re.sub(r"[^A-Za-z0-9_-]+", "-", f"{path.stem}-{clip}" if clip else path.stem)
         arguments = {"kind": "file", "path": str(path), "clip": clip, "seconds": seconds}
-        file = str(path) if path.is_file() else None
+        file = str(path) if path.exists() else None
         out.append(Source(f"{i:02d}-{name[:60]}", arguments, file))
     return tuple(out)

@@ -29,7 +29,7 @@ def tasks(options: Options) -> list[Task]:
     folder = Path(options.data["scenes"])
     most = QUICK_MOST if options.quick else MOST
     out = []
-    for i, (path, clip) in enumerate(found(folder)[:most]):
+    for i, (path, clip) in enumerate(options.once("scenes", lambda: found(folder))[:most]):
         words = str(path.relative_to(folder).with_suffix("")) + (f"-{clip}" if clip else "")
         name = re.sub(r"[^A-Za-z0-9_-]+", "-", words)[-60:].strip("-")
         arguments = {
@@ -43,11 +43,16 @@ def tasks(options: Options) -> list[Task]:
                 key=f"scene-{i:02d}-{name}",
                 function=".rooms.brought:brought",
                 arguments=arguments,
-                inputs=(str(path),) if path.is_file() else (),
+                inputs=_read(path),
                 seconds=3.0 if options.quick else 20.0,
             )
         )
     return out
+
+
+def _read(path: Path) -> tuple[str, ...]:
+    """What a task reads: of a .gltf also what lies beside it, where its vertices are."""
+    return (str(path), str(path.parent)) if path.suffix.lower() == ".gltf" else (str(path),)
 
 
 def found(folder: Path) -> list[tuple[Path, str | None]]:

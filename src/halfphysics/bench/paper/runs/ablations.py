@@ -79,7 +79,7 @@ def row(
         note: What to say besides.
     """
     found = outcomes(values, group, name)
-    figures = [Figure(name="success", unit="%", ours=success(found))]
+    figures = [Figure(name="success", unit="%", ours=success(found, group))]
     measures = (("MPJPE-g", "mpjpe_global"), ("MPJPE", "mpjpe"))
     for (title, key), theirs, must in zip(measures, paper, costs, strict=True):
         ours = mean(found, key)

@@ -129,7 +129,7 @@ def _row(group: Group, name: str, setting: str, values: Mapping[str, Any]) -> Ro
         data=group.data,
         setting=setting,
         figures=(
-            at_least(whole, success(found), name="success", unit="%", paper=whole),
+            at_least(whole, success(found, group), name="success", unit="%", paper=whole),
             at_most(world, mean(found, "mpjpe_global"), name="MPJPE-g", unit="mm", paper=world),
             at_most(local, mean(found, "mpjpe"), name="MPJPE", unit="mm", paper=local),
         ),

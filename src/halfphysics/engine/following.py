@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -27,37 +27,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: What MuJoCo has no counterpart of: field of `Settings` -> the value that it must have.
-_WITHOUT: Mapping[str, Any] = {
-    "root": "stay",
-    "self_contact": False,
-    "strength": None,
-    "internal_forces": False,
-    "joint_damping": 0.0,
-}
-
 #: What MuJoCo watches.
 _STATE = ("QPOS", "QVEL", "QACC")
-
-
-def check_settings(settings: Settings, stiffness: Any = None) -> None:
-    """Refuse what these modes cannot heed.
-
-    Raises:
-        InputError: Says which setting, and what it must be.
-    """
-    for name, value in _WITHOUT.items():
-        found = getattr(settings, name)
-        if found != value:
-            raise InputError(
-                f"Settings.mode is {settings.mode!r}, which is plain MuJoCo and has no {name}: "
-                f"found {found!r}, expected {value!r}. Leave it out, or use another mode"
-            )
-    if stiffness is not None or isinstance(settings.stiffness, Mapping):
-        raise InputError(
-            f"Settings.mode is {settings.mode!r}, which is plain MuJoCo without joint stiffness: "
-            "found one by joint or over time. Leave it out, or use another mode"
-        )
 
 
 def follow_in_engine(
@@ -72,8 +43,7 @@ def follow_in_engine(
         bar: Told how many frames were done.
 
     Raises:
-        InputError: What MuJoCo cannot have, see `check_settings` and `add_scene`; or it became
-            unstable.
+        InputError: What MuJoCo cannot have, see `add_scene`; or it became unstable.
     """
     import mujoco
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from halfphysics.contacts import Contacts
 from halfphysics.engine.kinematic import MocapDrive, between
 from halfphysics.engine.model import EngineModel
-from halfphysics.engine.velocity import VelocityDrive
+from halfphysics.engine.velocity import VelocityDrive, Watch
 from halfphysics.engine.watching import Recorder
 from halfphysics.errors import InputError
 from halfphysics.part_report import clearances
@@ -59,7 +59,7 @@ def follow_in_engine(
         drive = MocapDrive(model, data, engine.mocap, engine.people, motions, substeps)
         advance = drive.frame
     else:
-        advance = _by_velocity(engine, data, motions, substeps, dt)
+        advance = by_velocity(engine, data, motions, substeps, dt)
     every = settings.record == "substeps"
     qpos = [np.array(data.qpos)[None]]
     rows, frames = [np.zeros((0, 12))], [np.zeros(0, dtype=np.int64)]
@@ -111,9 +111,10 @@ def _check_stable(data: Any, settings: Settings, t: int, dt: float) -> None:
         )
 
 
-def _by_velocity(
+def by_velocity(
     engine: EngineModel, data: Any, motions: Sequence[Motion], substeps: int, dt: float
-) -> Callable[[int, Recorder], Any]:
+) -> Callable[[int, Watch | None], Any]:
+    """Put people where their motions start; what takes them to frame t, given t and who watches."""
     targets = np.tile(engine.model.qpos0, (len(motions[0]), 1))
     for person, motion in zip(engine.people, motions, strict=True):
         own = slice(person.qpos, person.qpos + person.count)
@@ -121,7 +122,7 @@ def _by_velocity(
         data.qpos[own] = targets[0, own]
     places = [addresses(engine.model, f"{person.name}/") for person in engine.people]
     drive = VelocityDrive(engine.model, data, places, substeps, dt)
-    return lambda t, recorder: drive.frame(targets[t - 1], targets[t], recorder)
+    return lambda t, watch: drive.frame(targets[t - 1], targets[t], watch)
 
 
 def _substeps(

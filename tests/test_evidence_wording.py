@@ -10,16 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from halfphysics.bench.paper import document
-from halfphysics.bench.paper.html.wording import (
-    VERDICTS,
-    number,
-    plain,
-    published,
-    quantity,
-    signed,
-    tally,
-    verdict,
-)
+from halfphysics.bench.paper.html.wording import number, plain, published, quantity, signed
+from halfphysics.bench.paper.verdicts import VERDICTS, tally, verdict
 
 
 @pytest.mark.parametrize(

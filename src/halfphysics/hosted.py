@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from halfphysics import geoms
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.forced import FORCED
 from halfphysics.joint_groups import stiffness_array
+from halfphysics.modes import ENGINE_MODES, FORCED
 from halfphysics.person_model import add_person, addresses
 from halfphysics.person_movers import add_person_movers
 from halfphysics.pose import Pose
 from halfphysics.scene import PERSON_FRICTION
-from halfphysics.settings import ENGINE_MODES, Settings
+from halfphysics.settings import Settings
 from halfphysics.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
 from halfphysics.strength import limits_of
 from halfphysics.touches import Touches, touches

@@ -8,27 +8,13 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
 from .errors import InputError
-from .forced import check_forced
 from .joint_groups import joint_values
+from .modes import Mode, check_mode
 from .strength import checked_strength
 
 #: Largest clearance that can be asked for [m]: fifty times the default. Hands that keep more from
 #: what they hold (twice, for the two sides of a rod) hold nothing of the size of a hand.
 MAX_CLEARANCE = 0.05
-
-#: How a motion may drive the body.
-Mode = Literal[
-    "velocity",
-    "torque",
-    "positions",
-    "interpolated",
-    "kinematic",
-    "engine_kinematic",
-    "engine_velocity",
-]
-
-#: Modes that run in MuJoCo instead of the native core.
-ENGINE_MODES: frozenset[Mode] = frozenset({"engine_kinematic", "engine_velocity"})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,7 +142,7 @@ class Settings:
         count("max_sweeps")
         count("threads")
         choice("record", "frames", "substeps")
-        check_forced(self)
+        check_mode(self)
 
     def _check_ablations(self, check: Callable[[str, bool, str], None]) -> None:
         """Forces and torques that are there to compare with, and what does not go with them."""

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.errors import InputError
-from halfphysics.forced import FORCED
 from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_array
+from halfphysics.modes import ENGINE_MODES, FORCED
 from halfphysics.pose import Pose
-from halfphysics.settings import ENGINE_MODES, Settings
+from halfphysics.settings import Settings
 from halfphysics.skeleton import N_JOINTS
 from halfphysics.touches import Touches, touches
 

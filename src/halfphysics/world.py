@@ -21,8 +21,8 @@ from halfphysics import rotations as rot
 from halfphysics.colliders import convex_collider
 from halfphysics.errors import InputError
 from halfphysics.fingerprint import fingerprint
-from halfphysics.forced import FORCED
 from halfphysics.joint_groups import stiffness_array
+from halfphysics.modes import FORCED
 from halfphysics.person_model import addresses, principal
 from halfphysics.person_movers import add_person_movers
 from halfphysics.skeleton import JOINT_NAMES, LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS

@@ -21,13 +21,12 @@ from halfphysics.axes import turned
 from halfphysics.columns import Table
 from halfphysics.contacts import Contacts
 from halfphysics.errors import FileError, InputError
-from halfphysics.forced import recorded
 from halfphysics.inside import Inside
 from halfphysics.io import amass_smpl, amass_smplh, amass_smplx, load_motion
 from halfphysics.io.npz import Npz, write_npz
 from halfphysics.motion import Motion
 from halfphysics.records import BodyRecord, SceneRecord, checked_document
-from halfphysics.result import ObjectTrack, PersonResult, Result, Substeps
+from halfphysics.result import ObjectTrack, PersonResult, Result, Substeps, at_substeps
 from halfphysics.settings import Settings
 from halfphysics.validation import file_path, shown
 
@@ -304,7 +303,7 @@ def _substeps(npz: Npz, people: tuple[PersonResult, ...]) -> Substeps | None:
         return None
     fps = _scalar(npz, f"{SUBSTEPS}fps")
     motions = [
-        recorded(
+        at_substeps(
             person.motion,
             _field(npz, f"{SUBSTEPS}person/{index}/translation"),
             _field(npz, f"{SUBSTEPS}person/{index}/rotations"),

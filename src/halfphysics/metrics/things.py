@@ -10,6 +10,7 @@ import numpy as np
 from halfphysics import rotations
 from halfphysics.errors import InputError
 from halfphysics.metrics.inputs import Array
+from halfphysics.pairs import PERSON
 from halfphysics.scene import Scene
 from halfphysics.shape_base import Shape
 from halfphysics.validation import shown
@@ -19,7 +20,11 @@ if TYPE_CHECKING:
     from halfphysics.things import Object
 
 
-def true_shape(thing: Object) -> Shape:
+#: A shape, where it is (T or 1, 3) [m] and how it is turned (T or 1, 4).
+Solid = tuple[Shape, Array, Array]
+
+
+def _true_shape(thing: Object) -> Shape:
     """What the thing is: where pieces stand for a mesh, the mesh itself."""
     cut = thing.decomposition is not None
     return thing.visual if cut and thing.visual is not None else thing.shape
@@ -37,6 +42,11 @@ def links_of(scene: Scene) -> dict[str, tuple[str, Link]]:
 def tracks_of(
     scene: Scene, objects: Mapping[str, Any], frames: int
 ) -> dict[str, tuple[Array, Array]]:
+    """Positions (T, 3) [m] and quaternions (T, 4) of objects and links by name, checked.
+
+    Raises:
+        InputError: No mapping; no such object; no track, or one of another length.
+    """
     if not isinstance(objects, Mapping):
         raise InputError(
             f"objects: expected names and tracks, as in result.objects, found {shown(objects)}"
@@ -62,26 +72,28 @@ def tracks_of(
     return tracks
 
 
-def solids_of(
-    scene: Scene, tracks: Mapping[str, tuple[Array, Array]]
-) -> list[tuple[Shape, Array, Array]]:
-    """What a person can be inside of: shape, positions (T or 1, 3) and quaternions (T or 1, 4).
+def solids_of(scene: Scene, tracks: Mapping[str, tuple[Array, Array]]) -> dict[str, list[Solid]]:
+    """What a person can be inside of, by name; links of articulated objects are several solids.
 
     The statics, and the objects and links that have a track, unless they are excused.
     """
     links = links_of(scene)
-    found: list[tuple[Shape, Array, Array]] = [
-        (static.shape, static.position[None], static.quaternion[None])
+    found: dict[str, list[Solid]] = {
+        name: [(static.shape, static.position[None], static.quaternion[None])]
         for name, static in scene.statics.items()
-        if not scene.ignores(name, "person")
-    ]
+        if not scene.ignores(name, PERSON)
+    }
     for name, (position, turn) in tracks.items():
-        if name in scene.objects and not scene.ignores(name, "person"):
-            found.append((true_shape(scene.objects[name]), position, turn))
-        elif name in links and not scene.ignores(links[name][0], "person"):
-            for geom in links[name][1].geoms:
-                shift = np.broadcast_to(geom.position, position.shape)
-                own = np.broadcast_to(geom.quaternion, turn.shape)
-                place = position + rotations.rotate(turn, shift)
-                found.append((geom.shape, place, rotations.multiply(turn, own)))
+        whole, link = links.get(name, (name, None))
+        if scene.ignores(whole, PERSON):
+            continue
+        if link is None:
+            found[name] = [(_true_shape(scene.objects[name]), position, turn)]
+            continue
+        found[name] = []
+        for geom in link.geoms:
+            shift = np.broadcast_to(geom.position, position.shape)
+            own = np.broadcast_to(geom.quaternion, turn.shape)
+            place = position + rotations.rotate(turn, shift)
+            found[name].append((geom.shape, place, rotations.multiply(turn, own)))
     return found

@@ -15,6 +15,7 @@ from halfphysics import validation
 from halfphysics.errors import InputError
 from halfphysics.mesh_queries import boundary_edges, components
 from halfphysics.metrics.inputs import Array, check_motion
+from halfphysics.metrics.skins import batches, frames_of, skin
 from halfphysics.metrics.solid_spans import Grid, Placed
 from halfphysics.metrics.spans import Spans
 from halfphysics.metrics.things import solids_of, tracks_of
@@ -30,7 +31,6 @@ PITCH = 0.004
 #: They are turned about the vertical, by the angle whose tangent is the golden ratio's inverse, so
 #: that no row of them runs along a wall, nor meets one again after a few [rad].
 _TURN = 0.5535743589
-_BATCH = 32  # frames skinned at a time
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,21 +84,17 @@ def penetrating_volume(
     if not isinstance(scene, Scene):
         raise InputError(f"scene: expected a halfphysics.Scene, found {shown(scene)}")
     pitch = number(pitch, "pitch", above=0.0, unit="m")
-    single = np.ndim(motion.rotations) == 2
-    frames = 1 if single else np.asarray(motion.rotations).shape[0]
+    frames = frames_of(motion)
     tracks = tracks_of(scene, objects or {}, frames)
-    solids = solids_of(scene, tracks)
+    solids = [solid for its in solids_of(scene, tracks).values() for solid in its]
     grid = Grid(pitch, rot.to_matrix(rot.exp([0.0, 0.0, _TURN])))
     found = np.zeros((frames, 4))
     caps: _Caps | None = None
-    edges = np.linspace(0, frames, -(-frames // _BATCH) + 1).round().astype(int)
-    for first, last in itertools.pairwise(edges.tolist()):
-        whole = frames == 1 or (first, last) == (0, frames)
-        vertices = np.asarray(body.vertices(motion if whole else motion[first:last]))
-        vertices = vertices.reshape(-1, *vertices.shape[-2:])
+    for part in batches(frames):
+        vertices = skin(motion, body, part)
         if caps is None:
             caps = _Caps.of(np.asarray(body.faces, dtype=np.int64), vertices.shape[1])
-        for frame, points in enumerate(vertices, start=first):
+        for frame, points in enumerate(vertices, start=part.start):
             placed = [
                 Placed(shape, *(x[min(frame, len(x) - 1)] for x in pose)) for shape, *pose in solids
             ]

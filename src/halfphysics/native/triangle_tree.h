@@ -12,138 +12,19 @@
 #include <stdexcept>
 #include <vector>
 
+#include "triangle_cluster.h"
+
 namespace triangles {
 
-constexpr double kFourPi = 12.566370614359172954;
 constexpr int kLeaf = 4;       // triangles in a leaf
 constexpr int kStack = 128;    // median splits: depth is at most log2(triangles) + 1
 constexpr int kSteps = 2048;   // clusters opened at most for one question
 constexpr double kUnknown = 100.0;    // off by more than any winding number that is asked for
 
-struct Vec {
-  double x, y, z;
-};
-inline Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vec operator*(double s, Vec a) { return {s * a.x, s * a.y, s * a.z}; }
-inline double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Vec cross(Vec a, Vec b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline double norm(Vec a) { return std::sqrt(dot(a, a)); }
-
-struct Triangle {
-  Vec a, b, c;
-  int face;        // index in the caller's list
-  bool sliver;     // no usable normal: its closest point is sought on its edges
-};
-
-// Half the solid angle of a triangle seen from the origin (Van Oosterom and Strackee 1983).
-inline double half_solid_angle(Vec a, Vec b, Vec c) {
-  const double la = norm(a), lb = norm(b), lc = norm(c);
-  const double volume = dot(a, cross(b, c));
-  const double scale = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-  return std::atan2(volume, scale);
-}
-
-inline Vec closest_on_segment(Vec p, Vec a, Vec b) {
-  const Vec ab = b - a;
-  const double length2 = dot(ab, ab);
-  if (!(length2 > 0.0)) return a;
-  return a + std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) * ab;
-}
-
-Vec closest_on_edges(Vec p, const Triangle& t) {
-  const Vec candidates[3] = {closest_on_segment(p, t.a, t.b), closest_on_segment(p, t.b, t.c),
-                             closest_on_segment(p, t.c, t.a)};
-  Vec best = candidates[0];
-  for (const Vec& q : candidates)
-    if (dot(p - q, p - q) < dot(p - best, p - best)) best = q;
-  return best;
-}
-
-// Closest point of a triangle by the region of the plane that p lies over (Voronoi regions).
-Vec closest_on_triangle(Vec p, const Triangle& t) {
-  if (t.sliver) return closest_on_edges(p, t);
-  const Vec ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return t.a;
-  const Vec bp = p - t.b;
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0.0 && d4 <= d3) return t.b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return t.a + (d1 / (d1 - d3)) * ab;
-  const Vec cp = p - t.c;
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0.0 && d5 <= d6) return t.c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return t.a + (d2 / (d2 - d6)) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0)
-    return t.b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (t.c - t.b);
-  const double sum = va + vb + vc;
-  return t.a + (vb / sum) * ab + (vc / sum) * ac;
-}
-
-// A cluster of triangles seen from afar. With G(r) = r / (4 pi |r|^3), the winding number is
-// the integral of n . G(x - q) dA; around the cluster's centre p it is
-// dipole . G(p - q) + tensor : DG(p - q) + rest, and |rest| <= 3/(4 pi) * second moment / d^4
-// where d is the distance of q from the ball of all the cluster's points, as |D^2 G| <= 6/(4 pi d^4).
-struct Cluster {
-  Vec centre;
-  double radius, remainder;
-  double change[2];      // over d^3 and d^4, how fast the expansion changes as q moves at most
-  Vec dipole;            // integral of n dA, over 4 pi
-  double diagonal[3];    // integral of (x - p)_i n_i dA, over 4 pi
-  double mixed[3];       // xy, yz, zx: integral of (x - p)_i n_j + (x - p)_j n_i dA, over 4 pi
-};
-
-// The expansion, r from q to the centre; 1 / |r|^2 and 1 / |r|^3.
-inline double far_field(const Cluster& c, Vec r, double inv2, double inv3) {
-  const double trace = c.diagonal[0] + c.diagonal[1] + c.diagonal[2];
-  const double quadratic = c.diagonal[0] * r.x * r.x + c.diagonal[1] * r.y * r.y +
-                           c.diagonal[2] * r.z * r.z + c.mixed[0] * r.x * r.y +
-                           c.mixed[1] * r.y * r.z + c.mixed[2] * r.z * r.x;
-  return (dot(c.dipole, r) + trace - 3.0 * quadratic * inv2) * inv3;
-}
-
 struct Node {
   int left;            // index of the left child (the right one follows it), -1 in a leaf
   int first, count;    // its triangles
 };
-
-struct Box {
-  Vec lo, hi;
-};
-
-inline double box_distance2(const Box& b, Vec p) {
-  const double x = std::max({b.lo.x - p.x, 0.0, p.x - b.hi.x});
-  const double y = std::max({b.lo.y - p.y, 0.0, p.y - b.hi.y});
-  const double z = std::max({b.lo.z - p.z, 0.0, p.z - b.hi.z});
-  return x * x + y * y + z * z;
-}
-
-// A box along its own axes around the triangles of a node: flat where they are flat, so that it is
-// known how near they come without looking at them. In single precision, rounded outwards; the
-// axes are unit vectors to 1e-6.
-struct Slab {
-  float centre[3], half[3];
-  float axes[3][3];
-};
-
-// A lower bound of the squared distance of a point from what is in a slab.
-inline double slab_distance2(const Slab& b, Vec p) {
-  const double x = p.x - b.centre[0], y = p.y - b.centre[1], z = p.z - b.centre[2];
-  double sum = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    const double along = b.axes[k][0] * x + b.axes[k][1] * y + b.axes[k][2] * z;
-    const double out = std::max(std::abs(along) - b.half[k], 0.0);
-    sum += out * out;
-  }
-  return (1.0 - 1e-6) * sum;
-}
-
-inline double axis(Vec v, int k) { return k == 0 ? v.x : (k == 1 ? v.y : v.z); }
 
 class Tree {
  public:
@@ -417,9 +298,9 @@ class Tree {
       grow(middle, t.a + t.b + t.c);
     }
     boxes_[node] = box;
-    slabs_[node] = flat(first, count, box);
+    slabs_[node] = flat(&triangles_[first], count, box);
     nodes_[node] = {-1, first, count};
-    if (winding_) clusters_[node] = describe(first, count, box);
+    if (winding_) clusters_[node] = describe(&triangles_[first], count, box);
     if (count <= kLeaf) return;
     const Vec extent = middle.hi - middle.lo;
     const int k = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2)
@@ -439,105 +320,6 @@ class Tree {
     if (winding_) clusters_.resize(left + 2);
     build(left, first, half);
     build(left + 1, first + half, count - half);
-  }
-
-  // Axes: the mean normal, the longest side of the box across it, and what is across both.
-  Slab flat(int first, int count, const Box& box) const {
-    Vec normal{0, 0, 0};
-    for (int i = first; i < first + count; ++i) {
-      const Triangle& t = triangles_[i];
-      normal = normal + cross(t.b - t.a, t.c - t.a);
-    }
-    const Vec extent = box.hi - box.lo, middle = 0.5 * (box.lo + box.hi);
-    const double size = norm(extent), length = norm(normal);
-    Vec axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    if (length > 1e-9 * size * size) {  // else it faces every way, or is a sliver
-      const Vec n = (1.0 / length) * normal;
-      const Vec sides[3] = {{extent.x, 0, 0}, {0, extent.y, 0}, {0, 0, extent.z}};
-      Vec longest{0, 0, 0};
-      for (const Vec& side : sides) {
-        const Vec across = side - dot(side, n) * n;
-        if (dot(across, across) > dot(longest, longest)) longest = across;
-      }
-      if (norm(longest) > 1e-9 * size) {
-        axes[0] = (1.0 / norm(longest)) * longest;
-        axes[1] = cross(n, axes[0]);
-        axes[2] = n;
-      }
-    }
-    Slab s;
-    double lo[3], hi[3];
-    for (int k = 0; k < 3; ++k) {
-      s.axes[k][0] = static_cast<float>(axes[k].x);
-      s.axes[k][1] = static_cast<float>(axes[k].y);
-      s.axes[k][2] = static_cast<float>(axes[k].z);
-      lo[k] = std::numeric_limits<double>::infinity();
-      hi[k] = -lo[k];
-    }
-    auto along = [&s](int k, Vec p) {
-      return s.axes[k][0] * p.x + s.axes[k][1] * p.y + s.axes[k][2] * p.z;
-    };
-    for (int i = first; i < first + count; ++i) {
-      const Triangle& t = triangles_[i];
-      for (Vec p : {t.a - middle, t.b - middle, t.c - middle})
-        for (int k = 0; k < 3; ++k) {
-          const double x = along(k, p);
-          lo[k] = std::min(lo[k], x);
-          hi[k] = std::max(hi[k], x);
-        }
-    }
-    Vec centre = middle;
-    for (int k = 0; k < 3; ++k) centre = centre + 0.5 * (lo[k] + hi[k]) * axes[k];
-    s.centre[0] = static_cast<float>(centre.x);
-    s.centre[1] = static_cast<float>(centre.y);
-    s.centre[2] = static_cast<float>(centre.z);
-    const Vec shift = middle - Vec{s.centre[0], s.centre[1], s.centre[2]};
-    const double room = 1e-12 * (size + norm(middle));
-    for (int k = 0; k < 3; ++k) {
-      const double off = along(k, shift);
-      const double half = std::max(hi[k] + off, -(lo[k] + off)) + room;
-      s.half[k] = std::nextafter(static_cast<float>(half), std::numeric_limits<float>::infinity());
-    }
-    return s;
-  }
-
-  Cluster describe(int first, int count, const Box& box) const {
-    Cluster c{};
-    double area = 0.0;
-    Vec centre{0, 0, 0};
-    for (int i = first; i < first + count; ++i) {
-      const Triangle& t = triangles_[i];
-      const double twice = norm(cross(t.b - t.a, t.c - t.a));
-      area += twice;
-      centre = centre + twice / 3.0 * (t.a + t.b + t.c);
-    }
-    c.centre = area > 0.0 ? (1.0 / area) * centre : 0.5 * (box.lo + box.hi);
-    double moment = 0.0, radius2 = 0.0;
-    double m[3][3] = {};
-    for (int i = first; i < first + count; ++i) {
-      const Triangle& t = triangles_[i];
-      const Vec a = t.a - c.centre, b = t.b - c.centre, d = t.c - c.centre;
-      const Vec sum = a + b + d, n = 0.5 * cross(b - a, d - a);
-      c.dipole = c.dipole + n;
-      for (int r = 0; r < 3; ++r)
-        for (int s = 0; s < 3; ++s) m[r][s] += axis(sum, r) / 3.0 * axis(n, s);
-      moment += norm(n) / 12.0 * (dot(a, a) + dot(b, b) + dot(d, d) + dot(sum, sum));
-      radius2 = std::max({radius2, dot(a, a), dot(b, b), dot(d, d)});
-    }
-    c.dipole = (1.0 / kFourPi) * c.dipole;
-    for (int r = 0; r < 3; ++r) {
-      c.diagonal[r] = m[r][r] / kFourPi;
-      c.mixed[r] = (m[r][(r + 1) % 3] + m[(r + 1) % 3][r]) / kFourPi;
-    }
-    c.radius = std::sqrt(radius2);
-    c.remainder = 3.0 / kFourPi * moment;
-    // |DG| <= 2 / (4 pi d^3), |D^2 G| <= 6 / (4 pi d^4).
-    double square = 0.0;
-    for (int r = 0; r < 3; ++r)
-      square += c.diagonal[r] * c.diagonal[r] + 0.5 * c.mixed[r] * c.mixed[r];
-    c.change[0] = 2.0 * norm(c.dipole);
-    c.change[1] = 6.0 * std::sqrt(square);
-    return c;
   }
 
   std::vector<Triangle> triangles_;    // in the tree's order

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from halfphysics.bench.paper.evidence import Options, Section, to_dict
-from halfphysics.bench.paper.html.wording import tally
+from halfphysics.bench.paper.verdicts import tally
 
 TITLE = "Half-Physics: the paper's evidence, reproduced and extended"
 

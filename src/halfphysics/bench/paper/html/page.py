@@ -12,17 +12,14 @@ from typing import Any
 from halfphysics.bench.paper.html import svg
 from halfphysics.bench.paper.html.wording import (
     MISSING,
-    VERDICTS,
-    claims,
     number,
     plain,
     published,
     quantity,
     signed,
-    tally,
-    verdict,
     visible,
 )
+from halfphysics.bench.paper.verdicts import VERDICTS, claims, tally, verdict
 
 _STYLE = Path(__file__).with_name("style.css")
 #: Nothing may be fetched, whatever a name in the report tries.

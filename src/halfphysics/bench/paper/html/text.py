@@ -7,17 +7,8 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from halfphysics.bench.paper.html.wording import (
-    VERDICTS,
-    Claim,
-    claims,
-    number,
-    plain,
-    published,
-    quantity,
-    verdict,
-    visible,
-)
+from halfphysics.bench.paper.html.wording import number, plain, published, quantity, visible
+from halfphysics.bench.paper.verdicts import VERDICTS, Claim, claims, verdict
 
 #: Columns that are numbers stand to the right.
 _RIGHT = {2, 3}

@@ -93,15 +93,12 @@ def frames_of(track: ObjectTrack, which: slice) -> ObjectTrack:
 
 def joint_angles(a: Motion, b: Motion) -> Array:
     """Angles between the joints of two motions (T, 55) [degrees]."""
-    p, q = rot.exp(a.rotations), rot.exp(b.rotations)
-    return np.degrees(np.linalg.norm(rot.log(rot.multiply(rot.conjugate(p), q)), axis=-1))
+    return np.degrees(rot.angles(a.rotations, b.rotations))
 
 
 def pelvis_distance(result: Result) -> Array:
     """Distance of the first person's pelvis from where it was asked for (T,) [m]."""
-    body = result.people[0].body
-    away = body.joints(result.motion)[:, 0] - body.joints(result.reference)[:, 0]
-    return np.asarray(np.linalg.norm(away, axis=1))
+    return result.people[0].joint_errors()[1][:, 0]
 
 
 def free_joints(result: Result) -> NDArray[np.bool_]:

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from halfphysics.engine.following import by_velocity
 from halfphysics.engine.model import EngineModel
-from halfphysics.engine.velocity import VelocityDrive
-from halfphysics.person_model import addresses
 from halfphysics.settings import Settings
 from halfphysics.simulator import Simulator
 
@@ -26,33 +25,27 @@ DAMPING = 0.1
 def let_go(sequence: Sequence, frame: int) -> Motion:
     """The motion of a person who goes limp at a frame: gravity acts, joints have damping alone.
 
-    Up to there it is followed by velocities (`engine_velocity`).
+    Up to there it is followed by velocities, as with `Settings(mode="engine_velocity")`.
     """
     import mujoco
 
     motion, dt = sequence.motions[0], 1.0 / sequence.motions[0].fps
     body = sequence.bodies[0]
-    settings = Settings(mode="engine_velocity", substeps=SUBSTEPS)
     world = Simulator(sequence.scene, body=body, settings=Settings(), fps=motion.fps).world
-    engine = EngineModel(world, dt / settings.substeps_for(dt), mocap=False)
+    engine = EngineModel(world, dt / SUBSTEPS, mocap=False)
     data: Any = mujoco.MjData(engine.model)
     data.qpos[:], data.qvel[:] = engine.start()
-    (person,) = engine.people
-    own = slice(person.qpos, person.qpos + person.count)
-    targets = np.tile(data.qpos, (len(motion), 1))
-    targets[:, own] = person.coordinates(motion.translation, motion.rotations, motion.axes)
-    data.qpos[own] = targets[0, own]
-    places = [addresses(engine.model, f"{person.name}/")]
-    drive = VelocityDrive(engine.model, data, places, SUBSTEPS, dt)
+    follow = by_velocity(engine, data, [motion], SUBSTEPS, dt)
     found = [np.array(data.qpos)]
     for t in range(1, len(motion)):
         if t <= frame:
-            drive.frame(targets[t - 1], targets[t])
+            follow(t, None)
         else:
             if t == frame + 1:
                 _loosen(engine.model, data)
             mujoco.mj_step(engine.model, data, SUBSTEPS * _FINER)
         found.append(np.array(data.qpos))
+    (person,) = engine.people
     return motion.with_frames(*person.pose(np.array(found), motion.axes))
 
 

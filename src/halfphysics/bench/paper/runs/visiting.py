@@ -67,9 +67,7 @@ def measured(
 
     `peers`: what is played where an engine does it; its skin too is judged in the scene itself.
     """
-    from halfphysics.body import Body
-
-    motion, body = sequence.motions[0], sequence.bodies[0] or Body.default()
+    motion, body = sequence.motions[0], playing.default_body(sequence)
     every = _QUICK_EVERY if quick else 1
     values: dict[str, Any] = {"frames": len(motion), "fps": motion.fps}
     values["asked"] = {

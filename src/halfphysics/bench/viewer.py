@@ -80,9 +80,7 @@ def _figures(server: Any, who: Body, ghosts: bool, fast: bool) -> list[Any]:
     ]
 
 
-def _run(
-    setting: str, server: Any, figures: list[Any], client: _Client, seconds: float
-) -> Record:
+def _run(setting: str, server: Any, figures: list[Any], client: _Client, seconds: float) -> Record:
     positions, quaternions = body().joint_frames(_lively())
     updates = round(seconds * _RATE)
     client.settle()

@@ -43,17 +43,31 @@ class Arrangement:
     points: Array
     faint: tuple[frozenset[str], ...]
 
-    def camera(self, size: tuple[int, int]) -> Camera:
-        """Sees the stories of all in a picture of this size [pixels]."""
-        return Camera.framing(self.points, self.direction, size=size, fov=FOV)
+    def camera(self, size: tuple[int, int], covered: int = 0) -> Camera:
+        """Sees the stories of all.
+
+        Args:
+            size: Of the picture [pixels].
+            covered: Width on the right that something lies over [pixels].
+        """
+        width, height = size
+        free = max(width - covered, 1)
+        camera = Camera.framing(self.points, self.direction, size=(free, height), fov=FOV)
+        right, _, _ = camera.axes()
+        distance = float(np.linalg.norm(camera.target - camera.position))
+        pixel = 2.0 * distance * np.tan(np.radians(FOV) / 2.0) / height
+        return _moved(camera, right * (0.5 * covered * pixel))
 
 
-def arrange(drawings: Sequence[Drawing], size: tuple[int, int]) -> Arrangement:
+def arrange(
+    drawings: Sequence[Drawing], size: tuple[int, int], *, headroom: float = 0.0
+) -> Arrangement:
     """Results in a row, none in another, as short as it can be.
 
     Args:
         drawings: The results.
         size: Of the picture that decides what hides the stories [pixels].
+        headroom: Room above the highest point, such as for a name [m].
     """
     probes = spread(len(drawings[0]), _PROBES + 2)[1:-1] or [0]
     direction = choose_direction(drawings[0], probes, size)
@@ -69,7 +83,9 @@ def arrange(drawings: Sequence[Drawing], size: tuple[int, int]) -> Arrangement:
             moving = {n: s for n, s in surfaces.items() if not n.startswith("static/")}
             story.append(subject(drawing, frame, moving)[::_SPARSE])
             scenes.append((k, surfaces))
-        points.append(np.concatenate(story) + offsets[k])
+        seen = np.concatenate(story)
+        top = seen[np.argmax(seen[:, 2])]
+        points.append(np.vstack([seen, top + np.array([0.0, 0.0, headroom])]) + offsets[k])
     everything = np.concatenate(points)
     camera = Camera.framing(everything, direction, size=size, fov=FOV)
     faint: list[set[str]] = [set() for _ in drawings]

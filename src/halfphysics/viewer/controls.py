@@ -33,7 +33,9 @@ class Controls:
         self._slider.on_update(self._scrubbed)
         self._play = gui.add_button(_PAUSE, icon=_icon("PLAYER_PAUSE"), hint="Also: space")
         self._play.on_click(lambda _: self._toggle())
-        self._steps = gui.add_button_group("Step", (_START, _BACK, _ON), hint="One frame back or on. Also: arrow keys")
+        self._steps = gui.add_button_group(
+            "Step", (_START, _BACK, _ON), hint="One frame back or on. Also: arrow keys"
+        )
         self._steps.on_click(self._stepped)
         self._speed = gui.add_slider("Speed", *SPEEDS, 0.1, timeline.speed)
         self._speed.on_update(lambda _: self._set(speed=self._speed.value))

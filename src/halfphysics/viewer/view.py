@@ -69,7 +69,8 @@ class Viewer:
         self.labels = _labels(results, labels)
         drawings = [Drawing(result) for result in results]
         self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
-        self._row = row = arrange(drawings, _PICTURE)
+        room = _OVER if len(drawings) > 1 else 0.0
+        self._row = row = arrange(drawings, _PICTURE, headroom=room)
         self._asked_port = port
         self._host = host
         self.server = open_server(host, port, label=title)
@@ -80,7 +81,7 @@ class Viewer:
         self._failure: BaseException | None = None
         try:
             light(self.server)
-            aim(self.server, row.camera(_PICTURE))
+            aim(self.server, row.camera(_PICTURE, _PANEL))
             self.stages = self._build(drawings, row)
             self.controls = Controls(self)
             self.timeline.play()
@@ -122,8 +123,9 @@ class Viewer:
 
     def _name(self, stage: Stage, text: str) -> None:
         """A label over the head of the first person, which goes with them."""
-        head = stage.people[0].body.joint_frames(stage.drawing.result.people[0].motion)[0][:, _HEAD]
-        over = np.round(head + [0.0, 0.0, _OVER], 3)
+        person = stage.drawing.result.people[0]
+        over = person.body.joints(person.motion)[:, _HEAD] + np.array([0.0, 0.0, _OVER])
+        over = np.round(over, 3)
         label = self.server.scene.add_label(
             stage.path("label"), text, position=tuple(over[0]), anchor="bottom-center"
         )
@@ -158,9 +160,7 @@ class Viewer:
     def _welcome(self, client: Any) -> None:
         """A browser has come: show it everything, in whatever shape its window has."""
         width, height = client.camera.image_width, client.camera.image_height
-        if width > _WIDE:
-            width -= _PANEL
-        camera = self._row.camera((max(width, 1), max(height, 1)))
+        camera = self._row.camera((max(width, 1), max(height, 1)), _PANEL if width > _WIDE else 0)
         with client.atomic():
             client.camera.position = camera.position
             client.camera.look_at = camera.target

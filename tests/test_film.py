@@ -16,7 +16,9 @@ from halfphysics.errors import FileError, InputError, MissingDependencyError
 from halfphysics.film import CAMERAS, FilmOptions, encoding, save_film, save_picture
 from halfphysics.film.filming import Shoot
 from halfphysics.film.saving import film_rate, film_times
-from halfphysics.film.tracking import Story, track
+from halfphysics.film.tracking import Story, hiding, track
+from halfphysics.scene import Scene
+from halfphysics.shapes import Box, Plane, Sphere
 from halfphysics.viewpoint import choose_direction, spread
 
 SIZE = (128, 96)
@@ -252,6 +254,21 @@ def test_what_stands_in_the_way_is_seen_through():
     glass = [any(s.alpha < 1 for s in view.statics) for view in pictures._views]
     assert any(glass)  # the wall beside the way hides the person from one side
     assert not all(glass)
+
+
+def test_a_table_is_seen_through_with_its_legs_and_nothing_else_is():
+    result = small_result()
+    scene = Scene()
+    middle = result.motion.translation[8] + (0.0, 0.0, 0.3)
+    before, up = middle + 0.7 * BEST, np.array([0.0, 0.0, 1.0])
+    scene.add_static("floor", Plane())
+    scene.add_static("table", Box((0.5, 0.5, 0.5)), position=before)
+    scene.add_static("table_leg", Box((0.1, 0.1, 0.3)), position=before - up)
+    scene.add_static("stool", Box((0.2, 0.2, 0.2)), position=middle - 2 * BEST)
+    scene.add_object("ball", Sphere(0.11), mass=0.43, position=(0.9, 0.1, 0.11))
+    drawing = Drawing(SimpleNamespace(**vars(result) | {"scene": scene}))
+    cameras = track(Story([drawing], ghost=True), "fixed", SIZE, FPS)
+    assert hiding(drawing, cameras, SIZE) == {"static/table", "static/table_leg"}
 
 
 # -- mistakes -------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
-from halfphysics.drawing import Drawing, Item
+from halfphysics.drawing import WALL, Drawing, Item
 from halfphysics.render import Camera
 from halfphysics.viewpoint import FOV, NEAR, choose_direction, facing, glass, spread
 
@@ -190,8 +190,17 @@ def _largest(values: Array, reach: int) -> Array:
 
 
 def hiding(drawing: Drawing, cameras: Sequence[Camera], size: tuple[int, int]) -> set[str]:
-    """Names of the statics that stand before the story at some time: to be seen through."""
+    """Names of the statics that stand before the story at some time: to be seen through.
+
+    Of furniture in pieces ("table", "table_leg_1") all of them.
+    """
     faint: set[str] = set()
     for frame in spread(len(cameras), _LOOKS):
         faint |= glass(drawing.surfaces(frame), cameras[frame], size)
-    return faint
+    furniture = {
+        name: name.split("_")[0]
+        for name, item in drawing.statics.items()
+        if item.surface.color != WALL and item.surface.checker is None
+    }
+    pieces = {furniture[name] for name in faint if name in furniture}
+    return faint | {name for name, piece in furniture.items() if piece in pieces}

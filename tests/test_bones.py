@@ -9,9 +9,9 @@ import time
 import msgspec
 import numpy as np
 import pytest
+import viser
 import zstandard
 
-import viser
 from halfphysics import rotations as rot
 from halfphysics.viewer.bones import GRAIN, Bones
 from halfphysics.viewer.server import close_server, open_server

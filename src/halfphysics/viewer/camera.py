@@ -36,8 +36,10 @@ _RECENT = 60
 # Around joints [m]: half a head and a foot, and the flesh of a hand.
 _BODY, _HAND = 0.16, 0.05
 
-_HANDS = [*LEFT_HAND_JOINTS, *RIGHT_HAND_JOINTS]
-_WRISTS = [JOINT_INDEX["left_wrist"], JOINT_INDEX["right_wrist"]]
+_HANDS = (
+    [JOINT_INDEX["left_wrist"], *LEFT_HAND_JOINTS],
+    [JOINT_INDEX["right_wrist"], *RIGHT_HAND_JOINTS],
+)
 
 
 class Follower:
@@ -139,9 +141,9 @@ class Cameras:
             "Top": up + 0.02 * front,
             "Hands": front + 0.35 * left + 0.5 * up,
         }[name]
-        room = _HAND if name == "Hands" else _BODY
+        room = _BODY
         if name == "Hands":
-            joints = np.concatenate([p[[*_HANDS, *_WRISTS]] for p in people])
+            joints, room = self._hands(), _HAND
         corners = room * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
         points = (joints[:, None] + corners).reshape(-1, 3)
         return Camera.framing(points, direction, size=size, fov=FOV, distance=0.6)
@@ -176,15 +178,27 @@ class Cameras:
         if client.client_id in self._followers:
             self._followers[client.client_id].put(position, look_at, self.subject())
 
+    def _shown(self) -> list[Stage]:
+        """Stages that are not hidden; where all are, as if they were not."""
+        return [stage for stage in self._stages if stage.visible] or list(self._stages)
+
     def _people(self) -> list[Array]:
         """Joints of everybody as shown now (55, 3) [m]."""
-        people = []
-        for stage in self._stages:
-            if stage.visible:
-                people += [p + stage.offset for p in stage.joints()]
-        if not people:  # all hidden: as if they were not
-            people = [p + stage.offset for stage in self._stages for p in stage.joints()]
-        return people
+        return [p + stage.offset for stage in self._shown() for p in stage.joints()]
+
+    def _hands(self) -> Array:
+        """Joints of the hands that touch something now; where none does, of all (n, 3) [m]."""
+        touching, every = [], []
+        for stage in self._shown():
+            contacts = stage.drawing.result.contacts
+            now = np.asarray(contacts.frame) == stage.frame
+            for k, joints in enumerate(stage.joints()):
+                parts = np.asarray(contacts.part)[now & (np.asarray(contacts.person) == k)]
+                for hand in _HANDS:
+                    every.append(joints[hand] + stage.offset)
+                    if np.isin(hand, parts).any():
+                        touching.append(every[-1])
+        return np.concatenate(touching or every)
 
 
 def beside_panel(

@@ -66,7 +66,7 @@ class Tab:
         data = self.page.screenshot()
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
 
-    def until(self, condition, seconds=60.0):
+    def until(self, condition, seconds=150.0):
         """Wait for something to come true in the page; a browser that draws in software is slow."""
         end = time.monotonic() + seconds
         while not (found := condition()):

@@ -44,9 +44,10 @@ SETTINGS = {
     "tree": 4,
     "doorway": 2,
     "metrics": 1,
+    "viewer": 3,
     "skinning": 1,
 }
-ALONE = {"tree", "metrics", "skinning"}  # nobody is simulated
+ALONE = {"tree", "metrics", "viewer", "skinning"}  # nobody is simulated
 PRESSED = ("grasp", "lift", "glass", "sofa", "lean", "settle")
 WITH_PEER = {"free", "live", "stepper", "wall", "near", *PRESSED}
 
@@ -79,7 +80,8 @@ def test_all_cases_leave_complete_records(measured):
         assert len({r["setting"] for r in records}) == len(records)
         for record in records:
             assert record["frames"] > 0
-            assert record["unit"] == ("s" if case in ("metrics", "tree") else "frames/s")
+            units = {"metrics": "s", "tree": "s", "viewer": "updates/s"}
+            assert record["unit"] == units.get(case, "frames/s")
             assert len(record["ours"]) == 1
             assert all(math.isfinite(x) and x > 0.0 for x in record["ours"])
             for name, there in (("parts", case not in ALONE), ("peer", case in WITH_PEER)):
@@ -98,6 +100,18 @@ def test_both_sides_follow_free_motion_exactly(measured):
         ours, peer = record["checks"]["MPJPE [mm]"]
         assert ours <= EXACT_MM
         assert peer <= EXACT_MM
+
+
+def test_moving_people_in_a_browser_takes_little(measured):
+    figures = {r["setting"]: r["checks"] for r in measured["records"] if r["case"] == "viewer"}
+    for setting, checks in figures.items():
+        (rate, _), (kilobytes, _), (arrived, _) = (
+            checks[name] for name in ("share of a core", "kB/s", "arrived/s")
+        )
+        assert arrived > 5.0, "the client got next to nothing"
+        assert 0.0 < kilobytes < 300.0
+        if "setters" not in setting:
+            assert 0.0 < rate < 0.5
 
 
 def test_the_wall_stops_us_and_not_the_peer(measured):

@@ -156,7 +156,7 @@ def test_a_failure_while_playing_is_raised_where_it_waits(monkeypatch):
 
 
 def test_what_is_no_result_is_refused():
-    with pytest.raises(InputError, match="result 2: found 'x.npz'"):
+    with pytest.raises(InputError, match=r"result 2: found 'x\.npz'"):
         hp.view(small_result(), "x.npz", block=False)
     with pytest.raises(InputError, match="labels: found 1, expected 2"):
         hp.view(small_result(), small_result(), labels=["a"], block=False)
@@ -181,7 +181,7 @@ def test_no_port_at_all(monkeypatch):
         busy.bind(("127.0.0.1", 0))
         busy.listen()
         monkeypatch.setattr(server, "TRIES", 1)
-        with pytest.raises(FileError, match="in use. Give another port"):
+        with pytest.raises(FileError, match=r"in use\. Give another port"):
             free_port("127.0.0.1", busy.getsockname()[1])
 
 

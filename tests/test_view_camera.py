@@ -63,18 +63,11 @@ def cameras(*stages, clients=()):
     return Cameras(server, stages, lambda size: None)
 
 
-def placed(choose, window):
-    from halfphysics.render import Camera
-
-    camera, shift = beside_panel(choose, window)
-    return Camera(position=camera.position + shift, target=camera.target + shift, fov=camera.fov)
-
-
 @pytest.mark.parametrize("window", [DESKTOP, PHONE])
 @pytest.mark.parametrize("name", PRESETS)
 def test_presets_have_people_in_the_part_that_the_panel_leaves_free(name, window):
     shown = stage()
-    camera = placed(lambda size: cameras(shown).look(name, size), window)
+    camera = beside_panel(lambda size: cameras(shown).look(name, size), window)
     points = shown.at
     if name == "Hands":
         points = points[[JOINT_INDEX["left_wrist"], JOINT_INDEX["right_wrist"]]]

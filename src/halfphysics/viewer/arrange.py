@@ -48,12 +48,15 @@ class Arrangement:
         return Camera.framing(self.points, self.direction, size=size, fov=FOV)
 
 
-def arrange(drawings: Sequence[Drawing], size: tuple[int, int]) -> Arrangement:
+def arrange(
+    drawings: Sequence[Drawing], size: tuple[int, int], *, headroom: float = 0.0
+) -> Arrangement:
     """Results in a row, none in another, as short as it can be.
 
     Args:
         drawings: The results.
         size: Of the picture that decides what hides the stories [pixels].
+        headroom: Room above the highest point, such as for a name [m].
     """
     probes = spread(len(drawings[0]), _PROBES + 2)[1:-1] or [0]
     direction = choose_direction(drawings[0], probes, size)
@@ -69,7 +72,9 @@ def arrange(drawings: Sequence[Drawing], size: tuple[int, int]) -> Arrangement:
             moving = {n: s for n, s in surfaces.items() if not n.startswith("static/")}
             story.append(subject(drawing, frame, moving)[::_SPARSE])
             scenes.append((k, surfaces))
-        points.append(np.concatenate(story) + offsets[k])
+        seen = np.concatenate(story)
+        top = seen[np.argmax(seen[:, 2])]
+        points.append(np.vstack([seen, top + np.array([0.0, 0.0, headroom])]) + offsets[k])
     everything = np.concatenate(points)
     camera = Camera.framing(everything, direction, size=size, fov=FOV)
     faint: list[set[str]] = [set() for _ in drawings]

@@ -172,11 +172,11 @@ class Cameras:
 
     def _put(self, client: Any, choose: Callable[[tuple[int, int]], Camera]) -> None:
         width, height = client.camera.image_width, client.camera.image_height
-        camera, shift = beside_panel(choose, (max(width, 1), max(height, 1)))
-        position, look_at = camera.position + shift, camera.target + shift
-        _aim(client, position, look_at)
+        camera = beside_panel(choose, (max(width, 1), max(height, 1)))
+        _aim(client, camera.position, camera.target)
         if client.client_id in self._followers:
-            self._followers[client.client_id].put(position, look_at, self.subject())
+            follower = self._followers[client.client_id]
+            follower.put(camera.position, camera.target, self.subject())
 
     def _shown(self) -> list[Stage]:
         """Stages that are not hidden; where all are, as if they were not."""
@@ -201,28 +201,24 @@ class Cameras:
         return np.concatenate(touching or every)
 
 
-def beside_panel(
-    choose: Callable[[tuple[int, int]], Camera], window: tuple[int, int]
-) -> tuple[Camera, Array]:
-    """A camera for the part of a window that the panel leaves free.
+def beside_panel(choose: Callable[[tuple[int, int]], Camera], window: tuple[int, int]) -> Camera:
+    """A camera whose picture is in the part of a window that the panel leaves free.
 
-    Returns:
-        The camera, and by how much to move it (3,) [m], so that what it looks at is in the middle
-        of that part.
+    Args:
+        choose: The camera for a picture's width and height [pixels].
+        window: Width and height [pixels].
     """
     width, height = window
     wide = width > _WIDE
     free = (width - _PANEL, height) if wide else (width, round(height * (1.0 - _SHEET)))
-    camera = choose(free)
+    camera = choose((free[0], max(free[1], 1)))
     right, down, _ = camera.axes()
-    # The field of view is the window's whole height.
-    distance = float(np.linalg.norm(camera.position - camera.target)) * height / free[1]
-    toward = (camera.position - camera.target) * (height / free[1])
-    camera = Camera(position=camera.target + toward, target=camera.target, fov=camera.fov)
-    pixel = 2.0 * distance * math.tan(math.radians(camera.fov) / 2.0) / height
-    if wide:
-        return camera, right * (0.5 * _PANEL * pixel)
-    return camera, down * (0.5 * (height - free[1]) * pixel)
+    # The field of view is that of the window's whole height.
+    toward = (camera.position - camera.target) * (height / max(free[1], 1))
+    pixel = 2.0 * np.linalg.norm(toward) * math.tan(math.radians(FOV) / 2.0) / height
+    aside = right * (width - free[0]) + down * (height - free[1])
+    target = camera.target + 0.5 * pixel * aside
+    return Camera(position=target + toward, target=target, fov=camera.fov)
 
 
 def _aim(client: Any, position: Array, look_at: Array) -> None:

@@ -109,9 +109,6 @@ class Controls:
         follow.on_update(follows)
 
     def _add_keys(self) -> None:
-        add = getattr(self._gui, "add_command", None)
-        if add is None:  # viser before it had keys
-            return
         keys = (
             ("Play or pause", "space", self._toggle),
             ("One frame back", "arrowleft", lambda: self._step(-1)),
@@ -119,7 +116,7 @@ class Controls:
             ("To the start", "home", lambda: self._seek(0.0)),
         )
         for label, key, action in keys:
-            command = add(label, hotkey=key)
+            command = self._gui.add_command(label, hotkey=key)
             command.on_trigger(lambda _event, action=action: action())
 
     def _toggle(self) -> None:

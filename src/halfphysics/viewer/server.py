@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import logging
 import socket
 from collections.abc import Iterator
 from typing import Any
@@ -35,8 +36,14 @@ def open_server(host: str, port: int, *, label: str | None = None) -> Any:
         ) from None
     # viser tries a thousand ports without a word, and waits for ever where none can be had.
     port = free_port(host, port)
+    # Browsers open connections that they do not use; not worth a traceback.
+    logging.getLogger("websockets.server").addFilter(_worth_telling)
     with quiet():
         return viser.ViserServer(host=host, port=port, label=label, verbose=False)
+
+
+def _worth_telling(record: logging.LogRecord) -> bool:
+    return record.getMessage() != "opening handshake failed"
 
 
 def close_server(server: Any) -> None:

@@ -19,7 +19,7 @@ from halfphysics.errors import InputError
 from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.validation import shown
 from halfphysics.viewer.arrange import arrange, floor_height
-from halfphysics.viewer.camera import Cameras
+from halfphysics.viewer.camera import Cameras, beside_panel
 from halfphysics.viewer.controls import Controls
 from halfphysics.viewer.layers import add_layers
 from halfphysics.viewer.server import close_server, open_server
@@ -71,7 +71,8 @@ class Viewer:
         self.labels = _labels(results, labels)
         drawings = [Drawing(result) for result in results]
         self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
-        row = arrange(drawings, _PICTURE)
+        room = _OVER if len(drawings) > 1 else 0.0
+        row = arrange(drawings, _PICTURE, headroom=room)
         self._asked_port = port
         self._host = host
         self.server = open_server(host, port, label=title)
@@ -82,7 +83,7 @@ class Viewer:
         self._failure: BaseException | None = None
         try:
             light(self.server)
-            aim(self.server, row.camera(_PICTURE))
+            aim(self.server, beside_panel(row.camera, _PICTURE))
             self.stages = self._build(drawings, row)
             self.cameras = Cameras(self.server, self.stages, row.camera)
             self.controls = Controls(self)
@@ -126,8 +127,9 @@ class Viewer:
 
     def _name(self, stage: Stage, text: str) -> None:
         """A label over the head of the first person, which goes with them."""
-        head = stage.people[0].body.joint_frames(stage.drawing.result.people[0].motion)[0][:, _HEAD]
-        over = np.round(head + [0.0, 0.0, _OVER], 3)
+        person = stage.drawing.result.people[0]
+        over = person.body.joints(person.motion)[:, _HEAD] + np.array([0.0, 0.0, _OVER])
+        over = np.round(over, 3)
         label = self.server.scene.add_label(
             stage.path("label"), text, position=tuple(over[0]), anchor="bottom-center"
         )

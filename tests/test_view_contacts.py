@@ -36,13 +36,12 @@ def stage():
 
 
 def spread():
-    """The small result, its contacts in places of their own and ordered by frame."""
+    """The small result, its contacts in places of their own."""
     from types import SimpleNamespace
 
     result = small_result()
-    order = np.argsort(result.contacts.frame, kind="stable")  # as `Contacts` are
-    contacts = SimpleNamespace(**{k: v[order] for k, v in vars(result.contacts).items()})
-    n = len(order)
+    contacts = SimpleNamespace(**vars(result.contacts))
+    n = len(contacts.frame)
     contacts.position = np.random.default_rng(3).uniform(-1.0, 1.0, (n, 3))
     contacts.impulse = contacts.impulse + 0.01 * np.arange(n)[:, None] * (
         np.linalg.norm(contacts.impulse, axis=1, keepdims=True) > 0

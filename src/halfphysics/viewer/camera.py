@@ -36,8 +36,10 @@ _RECENT = 60
 # Around joints [m]: half a head and a foot, and the flesh of a hand.
 _BODY, _HAND = 0.16, 0.05
 
-_HANDS = [*LEFT_HAND_JOINTS, *RIGHT_HAND_JOINTS]
-_WRISTS = [JOINT_INDEX["left_wrist"], JOINT_INDEX["right_wrist"]]
+_HANDS = (
+    [JOINT_INDEX["left_wrist"], *LEFT_HAND_JOINTS],
+    [JOINT_INDEX["right_wrist"], *RIGHT_HAND_JOINTS],
+)
 
 
 class Follower:
@@ -139,9 +141,9 @@ class Cameras:
             "Top": up + 0.02 * front,
             "Hands": front + 0.35 * left + 0.5 * up,
         }[name]
-        room = _HAND if name == "Hands" else _BODY
+        room = _BODY
         if name == "Hands":
-            joints = np.concatenate([p[[*_HANDS, *_WRISTS]] for p in people])
+            joints, room = self._hands(), _HAND
         corners = room * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
         points = (joints[:, None] + corners).reshape(-1, 3)
         return Camera.framing(points, direction, size=size, fov=FOV, distance=0.6)
@@ -170,45 +172,53 @@ class Cameras:
 
     def _put(self, client: Any, choose: Callable[[tuple[int, int]], Camera]) -> None:
         width, height = client.camera.image_width, client.camera.image_height
-        camera, shift = beside_panel(choose, (max(width, 1), max(height, 1)))
-        position, look_at = camera.position + shift, camera.target + shift
-        _aim(client, position, look_at)
+        camera = beside_panel(choose, (max(width, 1), max(height, 1)))
+        _aim(client, camera.position, camera.target)
         if client.client_id in self._followers:
-            self._followers[client.client_id].put(position, look_at, self.subject())
+            follower = self._followers[client.client_id]
+            follower.put(camera.position, camera.target, self.subject())
+
+    def _shown(self) -> list[Stage]:
+        """Stages that are not hidden; where all are, as if they were not."""
+        return [stage for stage in self._stages if stage.visible] or list(self._stages)
 
     def _people(self) -> list[Array]:
         """Joints of everybody as shown now (55, 3) [m]."""
-        people = []
-        for stage in self._stages:
-            if stage.visible:
-                people += [p + stage.offset for p in stage.joints()]
-        if not people:  # all hidden: as if they were not
-            people = [p + stage.offset for stage in self._stages for p in stage.joints()]
-        return people
+        return [p + stage.offset for stage in self._shown() for p in stage.joints()]
+
+    def _hands(self) -> Array:
+        """Joints of the hands that touch something now; where none does, of all (n, 3) [m]."""
+        touching, every = [], []
+        for stage in self._shown():
+            contacts = stage.drawing.result.contacts
+            now = np.asarray(contacts.frame) == stage.frame
+            for k, joints in enumerate(stage.joints()):
+                parts = np.asarray(contacts.part)[now & (np.asarray(contacts.person) == k)]
+                for hand in _HANDS:
+                    every.append(joints[hand] + stage.offset)
+                    if np.isin(hand, parts).any():
+                        touching.append(every[-1])
+        return np.concatenate(touching or every)
 
 
-def beside_panel(
-    choose: Callable[[tuple[int, int]], Camera], window: tuple[int, int]
-) -> tuple[Camera, Array]:
-    """A camera for the part of a window that the panel leaves free.
+def beside_panel(choose: Callable[[tuple[int, int]], Camera], window: tuple[int, int]) -> Camera:
+    """A camera whose picture is in the part of a window that the panel leaves free.
 
-    Returns:
-        The camera, and by how much to move it (3,) [m], so that what it looks at is in the middle
-        of that part.
+    Args:
+        choose: The camera for a picture's width and height [pixels].
+        window: Width and height [pixels].
     """
     width, height = window
     wide = width > _WIDE
     free = (width - _PANEL, height) if wide else (width, round(height * (1.0 - _SHEET)))
-    camera = choose(free)
+    camera = choose((free[0], max(free[1], 1)))
     right, down, _ = camera.axes()
-    # The field of view is the window's whole height.
-    distance = float(np.linalg.norm(camera.position - camera.target)) * height / free[1]
-    toward = (camera.position - camera.target) * (height / free[1])
-    camera = Camera(position=camera.target + toward, target=camera.target, fov=camera.fov)
-    pixel = 2.0 * distance * math.tan(math.radians(camera.fov) / 2.0) / height
-    if wide:
-        return camera, right * (0.5 * _PANEL * pixel)
-    return camera, down * (0.5 * (height - free[1]) * pixel)
+    # The field of view is that of the window's whole height.
+    toward = (camera.position - camera.target) * (height / max(free[1], 1))
+    pixel = 2.0 * np.linalg.norm(toward) * math.tan(math.radians(FOV) / 2.0) / height
+    aside = right * (width - free[0]) + down * (height - free[1])
+    target = camera.target + 0.5 * pixel * aside
+    return Camera(position=target + toward, target=target, fov=camera.fov)
 
 
 def _aim(client: Any, position: Array, look_at: Array) -> None:

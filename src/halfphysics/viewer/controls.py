@@ -45,12 +45,12 @@ class Controls:
         self._speed.on_update(lambda _: self._set(speed=self._speed.value))
         self._loop = gui.add_checkbox("Loop", timeline.loop)
         self._loop.on_update(lambda _: self._set(loop=self._loop.value))
+        results = [stage.drawing.result for stage in viewer.stages]
         tabs = gui.add_tab_group()
         with tabs.add_tab("Show"):
             self._toggles = self._add_layers()
             if any("contacts" in stage.layers for stage in viewer.stages):
-                gui.add_html(legend())
-        results = [stage.drawing.result for stage in viewer.stages]
+                gui.add_html(legend(results))
         with tabs.add_tab("Plots"):
             self.plots = Plots(gui, results, viewer.labels, timeline.duration)
         with tabs.add_tab("Numbers"):

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from halfphysics.render import Color
 from halfphysics.viewer.coloring import BOUNDS, RAMP, Touched
-from halfphysics.viewer.contacts import KINDS, ContactNodes, arrow_lengths
+from halfphysics.viewer.contacts import KINDS, SHORTEST, TENFOLD, ContactNodes, kinds
 from halfphysics.viewer.figure import rgb
 from halfphysics.viewer.stage import Layer, Stage
+
+if TYPE_CHECKING:
+    from halfphysics.result import Result
 
 #: How much is left of a body that is seen through.
 GLASS = 0.55
@@ -56,15 +58,14 @@ def add_layers(server: Any, stage: Stage) -> None:
     stage.layers["glass"] = Layer("Glass body", [Glass(handles)], _visible=False)
 
 
-def legend() -> str:
-    """What arrows and colours mean, for the panel."""
+def legend(results: Sequence[Result]) -> str:
+    """What the arrows and colours of these results mean, for the panel."""
+    there = sorted({int(kind) for result in results for kind in kinds(result)})
     rows = [
-        _entry(f'<span style="{_DOT};background:{_css(kind.color)}"></span>', f"force {kind.label}")
-        for kind in KINDS
+        f'<div><span style="{_DOT};background:{_css(KINDS[k].color)}"></span>'
+        f"force {KINDS[k].label}</div>"
+        for k in there
     ]
-    sizes = ", ".join(
-        f"{100 * float(arrow_lengths(np.array(newton))):.0f} cm" for newton in (1, 10, 100, 1000)
-    )
     bounds = [0.0, *BOUNDS]
     steps = "".join(
         f'<span style="flex:1;text-align:center"><span style="display:block;height:8px;'
@@ -74,17 +75,13 @@ def legend() -> str:
     return (
         '<div style="font-size:12px;line-height:1.5;margin:8px 11px;color:#495057">'
         f"{''.join(rows)}"
-        f"<div>Arrows of 1, 10, 100, 1000 N: {sizes}</div>"
-        "<div>Touched parts by their force [N]:</div>"
+        f"<div>Arrows: {100 * SHORTEST:.0f} cm at 1 N, {100 * TENFOLD:.0f} cm more at ten times"
+        ' that</div><div style="margin-top:6px">Touched parts, by force [N]</div>'
         f'<div style="display:flex;gap:1px;line-height:1.3">{steps}</div></div>'
     )
 
 
 _DOT = "display:inline-block;width:9px;height:9px;border-radius:5px;margin-right:7px"
-
-
-def _entry(mark: str, text: str) -> str:
-    return f"<div>{mark}{text}</div>"
 
 
 def _css(color: Color) -> str:

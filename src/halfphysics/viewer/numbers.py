@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from halfphysics.skeleton import JOINT_NAMES
-from halfphysics.viewer.contacts import KINDS, ContactFrames
+from halfphysics.viewer.contacts import KINDS, THING, ContactFrames
 
 if TYPE_CHECKING:
     from halfphysics.result import Result
 
 # Contacts that are listed; what is more is counted.
 _MOST = 8
-_CELL = "padding:1px 0;vertical-align:top"
+_CELL = "padding:1px 0;vertical-align:top;line-height:1.3"
 
 
 class Numbers:
@@ -81,15 +81,17 @@ class Numbers:
         clearance = 1e3 * float(self._result.clearance[frame])
         reach = 1e3 * float(self._result.settings.clearance_range)
         near = f"{clearance:.1f} mm" if np.isfinite(clearance) else f"over {reach:.0f} mm"
-        lines = [_row("Clearance", near)]
+        lines = [_row("Clearance of people", near)]
         several = len(self._result.people) > 1
         for name, mean, joint, most in self.deviation(frame):
-            who = f" of {name}" if several else ""
-            lines.append(_row(f"Off the ghost{who}", f"mean {mean:.0f} mm"))
-            lines.append(_row("", f"{joint} {most:.0f} mm"))
+            who = f"{html.escape(name)} " if several else ""
+            lines.append(
+                _row(f"{who}{'off' if several else 'Off'} the ghost, mean", f"{mean:.0f} mm")
+            )
+            lines.append(_row(f"most: {joint}", f"{most:.0f} mm"))
         contacts = self.contacts(frame)
-        total = sum(size for _, _, size, kind in contacts if kind < 3)
-        lines.append(_row("Contacts", f"{len(contacts)}, on people {total:.0f} N"))
+        total = sum(size for _, _, size, kind in contacts if kind != THING)
+        lines.append(_row(f"Contacts: {len(contacts)}, on people", f"{total:.0f} N"))
         for who, other, size, kind in contacts[:_MOST]:
             red, green, blue = (round(255 * c) for c in KINDS[kind].color)
             dot = (
@@ -140,5 +142,5 @@ class NumbersPanel:
 def _row(left: str, right: str) -> str:
     return (
         f'<tr><td style="{_CELL}">{left}</td><td style="{_CELL};text-align:right;'
-        f'padding-left:8px">{html.escape(right)}</td></tr>'
+        f'padding-left:8px;white-space:nowrap">{html.escape(right)}</td></tr>'
     )

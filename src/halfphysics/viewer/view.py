@@ -19,7 +19,7 @@ from halfphysics.errors import InputError
 from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.validation import shown
 from halfphysics.viewer.arrange import arrange, floor_height
-from halfphysics.viewer.camera import Cameras
+from halfphysics.viewer.camera import Cameras, beside_panel
 from halfphysics.viewer.controls import Controls
 from halfphysics.viewer.layers import add_layers
 from halfphysics.viewer.server import close_server, open_server
@@ -83,7 +83,7 @@ class Viewer:
         self._failure: BaseException | None = None
         try:
             light(self.server)
-            aim(self.server, row.camera(_PICTURE))
+            aim(self.server, beside_panel(row.camera, _PICTURE))
             self.stages = self._build(drawings, row)
             self.cameras = Cameras(self.server, self.stages, row.camera)
             self.controls = Controls(self)

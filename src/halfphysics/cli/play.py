@@ -80,7 +80,7 @@ class Command:
             path = Path(text)
             if not path.suffix and not path.exists():
                 close = difflib.get_close_matches(text, scenarios.names(), n=1)
-                hint = f"; did you mean {close[0]}?" if close else ""
+                hint = f"; did you mean {close[0]}?" if close else "."
                 raise InputError(
                     f"play: found {text!r}, which is no scenario and no file{hint} "
                     f"Scenarios: {', '.join(scenarios.names())}"

@@ -100,15 +100,13 @@ class Panel:
             "Hold the pose", session.frozen, hint="The motion stands still, physics goes on"
         )
         self._bind(self.frozen, lambda: session.frozen, self._change("frozen"))
-        add = getattr(gui, "add_command", None)
-        if add is not None:  # viser before it had keys
-            keys = (
-                ("Play or pause", "space", self._toggle),
-                ("One frame", "arrowright", lambda: self._post(do.Step())),
-                ("Start again", "home", lambda: self._post(do.Restart())),
-            )
-            for label, key, action in keys:
-                add(label, hotkey=key).on_trigger(lambda _, action=action: action())
+        keys = (
+            ("Play or pause", "space", self._toggle),
+            ("One frame", "arrowright", lambda: self._post(do.Step())),
+            ("Start again", "home", lambda: self._post(do.Restart())),
+        )
+        for label, key, action in keys:
+            gui.add_command(label, hotkey=key).on_trigger(lambda _, action=action: action())
 
     def _add_person(self) -> None:
         gui = self._gui
@@ -207,10 +205,6 @@ class Panel:
                 box = self._gui.add_checkbox(layer.label, visible)
                 box.on_update(self._shows(name))
                 self._own.append(box)
-
-    def no_dragging(self) -> None:
-        """viser is too old for it."""
-        self.things.label = "Things (dragging them needs viser 1.1)"
 
     # -- what hands do: by threads of viser --------------------------------------------------
 

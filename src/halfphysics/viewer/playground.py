@@ -244,9 +244,6 @@ class Playground:
 
     def _let_drag(self, name: str) -> None:
         handle = self.stage.object(name)
-        if not hasattr(handle, "on_drag"):
-            self.panel.no_dragging()
-            return
 
         # In the event loop, one after the other: in the thread pool an end may overtake a start.
         async def dragged(event: Any) -> None:

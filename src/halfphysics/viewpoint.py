@@ -191,16 +191,3 @@ def glass(surfaces: Mapping[str, Surface], camera: Camera, size: tuple[int, int]
         for name in found:
             del scene[name]
     return faint
-
-
-def page_camera(
-    drawing: Drawing, frames: Sequence[int], direction: Array, size: tuple[int, int]
-) -> tuple[Camera, set[str]]:
-    """One camera for the whole story, and the static things that it should see through."""
-    scenes = [drawing.surfaces(f) for f in frames]
-    points = [subject(drawing, f, s) for f, s in _stories(frames, scenes)]
-    camera = Camera.framing(np.concatenate(points), direction, size=size, fov=FOV)
-    faint: set[str] = set()
-    for scene in scenes:
-        faint |= glass(scene, camera, size)
-    return camera, faint

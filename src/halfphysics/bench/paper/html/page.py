@@ -189,7 +189,7 @@ def _against(places: Places, kind: str) -> str:
     """What did not come out, or did not come, first of all and figure by figure."""
     found = [claim for claim in claims([s for _, s in places]) if claim.verdict == kind]
     if not found:
-        said = "No claim that was judged failed to come out."
+        said = "Every claim that was judged came out."
         return f'<p class="clear">{said}</p>' if kind == "not_reproduced" else ""
     lines = []
     for claim in found:

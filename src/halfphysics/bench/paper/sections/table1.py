@@ -111,7 +111,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
         rows.append(_row(group, INTEGRATED, setting, values))
     number = sources.QUICK_DANCES[0]
     picture = Picture(
-        caption="One of the embedded dances, made from a seed, as it comes back",
+        caption="Figure 3: a dance, here one made from a seed, is followed to its end",
         task=f"dance/{number:02d}",
         name=_SHOWN,
     )

@@ -418,6 +418,12 @@ def test_mistakes_are_one_message(tmp_path, capsys, arguments, said):
     assert not (tmp_path / "out").exists()
 
 
+def test_the_help_names_every_section(capsys):
+    main(["bench", "paper", "--help"])
+    words = capsys.readouterr().out.replace(",", " ").replace(";", " ").split()
+    assert set(paper.KEYS) <= set(words)
+
+
 def test_every_section_has_tasks_of_its_own_names(tmp_path):
     assert tuple(section.key for section in paper.listed()) == paper.KEYS
     for quick in (True, False):

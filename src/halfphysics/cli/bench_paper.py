@@ -37,8 +37,9 @@ class Command:
     """Folder to write into; made if it is not there."""
     quick: bool = False
     """Fewer and shorter cases: under two minutes instead of under an hour."""
-    only: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
-    """A table or figure (table1, figure5, ...); may be said repeatedly, all if none is named."""
+    only: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="KEY")] = ()
+    """A part of the report: table1, table2, table3, table4, figures4and9, figure5, figures6and7,
+    figure8 or speed; may be said repeatedly, all if none is named."""
     data: Annotated[
         tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="KIND=FOLDER")
     ] = ()

@@ -5,8 +5,8 @@
 
 #include <atomic>
 #include <cstdint>
-#include <utility>
 #include <thread>
+#include <utility>
 
 namespace {
 

@@ -342,12 +342,14 @@ def test_without_ffmpeg_the_way_out_is_said(tmp_path, monkeypatch):
 def test_a_full_disk_ends_in_one_message_and_nothing_is_left(tmp_path, monkeypatch, reads):
     program = tmp_path / "ffmpeg"
     swallow = "cat > /dev/null; " if reads else ""
-    program.write_text(f"#!/bin/sh\n{swallow}echo 'x: No space left on device' >&2; exit 1\n")
+    program.write_text(
+        f"#!/bin/sh\n{swallow}echo '[out @ 0x5] x: No space left on device' >&2; exit 1\n"
+    )
     program.chmod(0o755)
     monkeypatch.setattr(encoding, "ffmpeg", lambda suffix: str(program))
     folder = tmp_path / "films"
     folder.mkdir()
-    with pytest.raises(FileError, match="No space left on device"):
+    with pytest.raises(FileError, match="film: x: No space left on device"):
         save_film(small_result(), folder / "a.mp4", PLAIN)
     assert list(folder.iterdir()) == []
 

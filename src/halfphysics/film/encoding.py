@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -136,10 +137,11 @@ def _give(pipe: IO[bytes], picture: Picture) -> None:
 def _reason(words: list[str], path: Path) -> str:
     """What ffmpeg says went wrong, in one line."""
     known = ("No space left on device", "File too large", "Unknown encoder", "Input/output error")
-    for line in words:
-        if any(reason in line for reason in known):
-            return line.replace(str(path), path.name)
-    return words[-1].replace(str(path), path.name) if words else "it says nothing"
+    told = [line for line in words if any(reason in line for reason in known)] or words[-1:]
+    if not told:
+        return "it says nothing"
+    # Without the part of ffmpeg that says it: "[out#0/mp4 @ 0x55d0] ".
+    return re.sub(r"^\[[^\]]*\] ", "", told[0]).replace(str(path), path.name)
 
 
 def save_gif(

@@ -52,8 +52,8 @@ class Tab:
         """A file, or an address."""
         self.page.goto(where if isinstance(where, str) else where.resolve().as_uri())
 
-    def evaluate(self, script):
-        return self.page.evaluate(script)
+    def evaluate(self, script, value=None):
+        return self.page.evaluate(script, value)
 
     def screenshot(self, path: Path, *, whole=True):
         self.page.screenshot(path=path, full_page=whole)

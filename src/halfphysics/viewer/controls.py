@@ -46,16 +46,15 @@ class Controls:
         self._loop = gui.add_checkbox("Loop", timeline.loop)
         self._loop.on_update(lambda _: self._set(loop=self._loop.value))
         results = [stage.drawing.result for stage in viewer.stages]
-        tabs = gui.add_tab_group()
-        with tabs.add_tab("Show"):
+        with gui.add_folder("Show", expand_by_default=False):
             self._toggles = self._add_layers()
             if any("contacts" in stage.layers for stage in viewer.stages):
                 gui.add_html(legend(results))
-        with tabs.add_tab("Plots"):
+        with gui.add_folder("Plots", expand_by_default=False):
             self.plots = Plots(gui, results, viewer.labels, timeline.duration)
-        with tabs.add_tab("Numbers"):
+        with gui.add_folder("Numbers", expand_by_default=False):
             self.numbers = NumbersPanel(gui, results, viewer.labels)
-        with tabs.add_tab("Camera"):
+        with gui.add_folder("Camera", expand_by_default=False):
             self._add_camera()
         self._add_keys()
 

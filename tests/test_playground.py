@@ -186,6 +186,19 @@ def test_another_scenario_is_another_stage_with_its_own_controls(playground):
     assert playground.panel.mass.value == 0.43
 
 
+def test_cameras_that_follow_do_so_in_the_next_scenario_too(playground):
+    moved(playground.panel.follow, True)
+    until(lambda: playground.cameras.following)
+    before = playground.cameras
+    settled(playground, do.Choose(WALL))
+    until(lambda: playground.cameras is not before)
+    assert playground.cameras.following
+    moved(playground.panel.follow, False)
+    until(lambda: not playground.cameras.following)
+    settled(playground, do.Choose(Choice("kick_ball")))
+    until(lambda: playground.stage.prefix == f"/story{playground.session.story}")
+
+
 def test_the_number_of_controls_and_nodes_does_not_grow(playground):
     def count():
         gui, scene = playground.server.gui, playground.server.scene

@@ -61,6 +61,8 @@ class Panel:
         self.show = gui.add_folder("Show", expand_by_default=False)
         with self.person:
             self._add_person()
+        with self.show:
+            self._add_cameras()
 
     # -- building ----------------------------------------------------------------------------
 
@@ -139,6 +141,21 @@ class Panel:
             "As the scenario has it", hint="All of these, and those of the things"
         )
         self.untouched.on_click(lambda _: self._post(do.Untouched()))
+
+    def _add_cameras(self) -> None:
+        playground, gui = self._playground, self._gui
+        self.home = gui.add_button("See everything", icon=_icon("HOME"), hint="As at the start")
+        self.home.on_click(lambda e: playground.do(lambda: playground.see_all(e.client)))
+        self.follow = gui.add_checkbox("Follow", False, hint="Go along; turn and zoom as you like")
+        self.follow.on_update(lambda _: playground.do(self._follow))
+
+    @property
+    def following(self) -> bool:
+        """Whether cameras go along with people."""
+        return bool(self.follow.value)
+
+    def _follow(self) -> None:
+        self._playground.cameras.following = self.following
 
     def show_story(self) -> None:
         """What is there to turn in this scenario."""

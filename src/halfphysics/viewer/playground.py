@@ -13,6 +13,7 @@ from typing import Any
 from halfphysics.drawing import Drawing
 from halfphysics.viewer.address import announcement, url
 from halfphysics.viewer.arrange import Arrangement, arrange
+from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.catalog import Catalog, Choice
 from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.dragging import draggable
@@ -49,6 +50,7 @@ class Playground:
         session: What is played. Use `post` to have something done to it.
         server: Of viser.
         stage: What is shown of it now.
+        cameras: Where browsers look from.
         pace: How well real time is kept.
         simulating, sending: What a frame takes lately [s].
         updates: Frames shown so far.
@@ -185,7 +187,8 @@ class Playground:
             self.pace.rest()
         elif self.pace.wait() == 0.0:
             self.pace.made(1.0 / (session.fps * session.speed))
-            if session.advance() is not None:
+            # Not `advance`: what is posted meanwhile may be another story, for another stage.
+            if session.make() is not None:
                 self.simulating += _SMOOTH * (session.seconds - self.simulating)
         self._show()
         self.panel.refresh(now=asked)
@@ -205,6 +208,7 @@ class Playground:
             for name in self._objects:
                 stage.place(name, *frame.objects[name])
             self._contacts.show(0)
+        self.cameras.follow()
         self._shown = frame
         self.updates += 1
         self.sending += _SMOOTH * (time.perf_counter() - start - self.sending)
@@ -225,6 +229,8 @@ class Playground:
             )
             self._contacts = ContactNodes(self.server, self.stage, LiveContacts(session))
         self.stage.layers["contacts"] = Layer("Contacts", [self._contacts])
+        self.cameras = Cameras(self.server, [self.stage], row.camera)
+        self.cameras.following = self.panel.following
         self._row, self._story, self._shown = row, session.story, None
         self._place = place
         self._bodies = session.simulator.bodies
@@ -256,6 +262,12 @@ class Playground:
                 self.post(LetGo(who))
 
         handle.on_drag("left")(dragged)
+
+    def see_all(self, client: Any) -> None:
+        """Have a browser look at the whole story again; by this thread, see `do`."""
+        self.cameras = Cameras(self.server, [self.stage], self._row.camera)
+        self.cameras.following = self.panel.following
+        self._aim(client)
 
     def _aim(self, client: Any) -> None:
         """Have a browser look at the story, beside or above the panel."""

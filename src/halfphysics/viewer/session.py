@@ -250,8 +250,12 @@ class Session:
         return bool(commands)
 
     def advance(self) -> Frame | None:
-        """Obey, then make the next frame; None: it stands still, or could not be made."""
+        """Obey, then `make`."""
         self.obey()
+        return self.make()
+
+    def make(self) -> Frame | None:
+        """The next frame; None: it stands still, or it could not be made."""
         if not self.playing and not self.stepping:
             return None
         self.stepping = max(self.stepping - 1, 0)

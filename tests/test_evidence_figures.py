@@ -185,6 +185,8 @@ def test_forced_poses_penetrate_and_are_blind_to_mass(forced, key):
     if "lift" in found:
         assert found["lift"]["into_suitcase"] > figures6and7.DEEP
         assert abs(found["lift"]["rise"]) < figures6and7.BARELY
+        # Squeezed by kinematic bodies it is thrown about; set aside by poses it hardly moves.
+        assert (found["lift"]["fastest"] > 0.1) == (key == "engine-kinematic")
     light, heavy = found["kick"]["speeds"]
     assert light > 0.3  # it was kicked
     assert abs(light - heavy) < figures6and7.BLIND * light

@@ -49,6 +49,7 @@ def lift(choice: Values, strip: bool, quick: bool) -> Outcome:
     values = {
         **lifting.judged(result, quick=quick),
         "fps": result.fps,
+        "fastest": float(playing.object_speed(result, "suitcase").max()),
         "heights": (height - height[0]).tolist(),
     }
     frames = [round(t * result.fps) for t in ((2.2,) if quick else (0.9, 2.2))]

@@ -186,6 +186,7 @@ def _lifted(way: Way, found: Values) -> list[Figure]:
     rest = [
         Figure(name="penetration rate", unit="%", ours=found["rate"]),
         Figure(name="hands rise", unit="mm", ours=found["hands"]),
+        Figure(name="the suitcase at its fastest", unit="m/s", ours=found["fastest"]),
     ]
     if way.forced:
         into = at_least(DEEP, into.ours, name=into.name, unit="mm")

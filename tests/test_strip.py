@@ -114,6 +114,6 @@ def test_a_strip_is_seen_from_where_one_says(tmp_path):
 def test_a_palette_keeps_what_is_small_and_bright():
     sheet = Image.open(BytesIO(strip_png(small_result(), [12], 1, (160, 160), colors=64)))
     assert sheet.mode == "P"
-    red, green, blue = np.moveaxis(np.asarray(sheet.convert("RGB")).astype(int), -1, 0)
+    red, _, blue = np.moveaxis(np.asarray(sheet.convert("RGB")).astype(int), -1, 0)
     assert ((red > 200) & (red - blue > 120)).sum() > 10, "no orange ball"
     assert ((blue > 200) & (blue - red > 120)).sum() > 60, "no blue in the key"

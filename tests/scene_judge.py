@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from halfphysics import metrics
-from halfphysics.bench.paper.playing import free_joints, joint_angles, pelvis_distance
+from halfphysics.bench.paper.runs.playing import free_joints, joint_angles, pelvis_distance
 from halfphysics.simulation import simulate
 
 

@@ -58,6 +58,7 @@ def small_result() -> SimpleNamespace:
         (10, 0, foot, -1, 3, 1.0),
         (12, -1, -1, 3, 2, 0.5),
     ]
+    rows.sort(key=lambda row: row[0])  # as `Contacts` are
     frame, person, part, subject, other, strength = (np.array(c) for c in zip(*rows, strict=True))
     impulse = strength[:, None] * np.array([0.0, 1.0, 0.0])
     contacts = SimpleNamespace(
@@ -71,7 +72,17 @@ def small_result() -> SimpleNamespace:
         normal=np.tile([0.0, 1.0, 0.0], (len(rows), 1)),
         impulse=impulse,
     )
-    someone = SimpleNamespace(motion=motion, reference=reference, body=body, name="person")
+    clearance = 0.001 * np.arange(FRAMES, dtype=float)
+    clearance[-2:] = np.inf
+    off = np.zeros((FRAMES, N_JOINTS))
+    off[6:] = 0.12
+    someone = SimpleNamespace(
+        motion=motion,
+        reference=reference,
+        body=body,
+        name="person",
+        joint_errors=lambda: (np.zeros_like(off), off),
+    )
     return SimpleNamespace(
         motion=motion,
         reference=reference,
@@ -80,5 +91,7 @@ def small_result() -> SimpleNamespace:
         scene=scene,
         names=names,
         contacts=contacts,
+        clearance=clearance,
+        settings=SimpleNamespace(clearance_range=0.05, stiffness=1.0),
         fps=FPS,
     )

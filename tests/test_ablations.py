@@ -380,9 +380,8 @@ def test_nobody_bears_what_is_tied_to_them(body):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"internal_forces": True, "mode": "kinematic"}, "no forces act"),
-        ({"joint_damping": 0.1, "mode": "positions"}, "no forces act"),
-        ({"internal_forces": True, "strength": "human"}, "none with strength"),
+        ({"internal_forces": True, "strength": "human"}, "False with strength"),
+        ({"joint_damping": 0.1, "strength": "human"}, "0 with strength"),
         ({"mode": "torque", "strength": "human"}, "'velocity' with strength"),
         ({"torque_frequency": 50.0}, "without mode='torque'"),
         ({"torque_damping": 0.5}, "without mode='torque'"),

@@ -93,6 +93,7 @@ PARAMETERS = {
     "metrics.foot_skate": "motion body * ground height speed",
     "metrics.deviation": "result person * settle",
     "metrics.over_sequences": "reports",
+    "metrics.penetrating_volume": "motion body scene * objects pitch",
     "metrics.contact_precision": "result * margin",
     "metrics.contact_forces": "result",
     "scenarios.names": "",

@@ -43,7 +43,7 @@ SETTINGS = {
     "settle": 4,
     "tree": 4,
     "doorway": 2,
-    "metrics": 1,
+    "metrics": 4,
     "viewer": 3,
     "skinning": 1,
 }

@@ -8,10 +8,17 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.bench.paper import dancer
-from halfphysics.bench.paper.choreography import CLIPS, FPS, SECONDS, STYLES, dance, style_of
-from halfphysics.bench.paper.daily import KINDS, daily
-from halfphysics.bench.paper.dancer import Score, danced
+from halfphysics.bench.paper.motions import dancer
+from halfphysics.bench.paper.motions.choreography import (
+    CLIPS,
+    FPS,
+    SECONDS,
+    STYLES,
+    dance,
+    style_of,
+)
+from halfphysics.bench.paper.motions.daily import KINDS, daily
+from halfphysics.bench.paper.motions.dancer import Score, danced
 from halfphysics.io.speeds import JOINT_SPEED, ROOT_SPEED
 from halfphysics.rotations import rotvec_to_matrix
 from halfphysics.skeleton import JOINT_INDEX

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
@@ -78,9 +79,13 @@ def test_simulate_evaluate_convert(folder, capsys):
     np.testing.assert_array_equal(result.motion.rotations, same.motion.rotations)
     np.testing.assert_array_equal(result.motion.translation, same.motion.translation)
 
-    assert run("evaluate", "r.npz") == 0
+    assert run("evaluate", "r.npz", "--json", "r.json") == 0
     out, err = capsys.readouterr()
     assert err == ""
+    measured = json.loads((folder / "r.json").read_text())["people"][0]
+    assert measured["success"] is True
+    assert len(measured["simulated"]["penetration"]["share"]) == FRAMES
+    assert measured["mpjpe_mm"] == pytest.approx(0.0, abs=1e-6)
     said, table = out.split("\n\n")
     assert said == result.summary()
     assert "followed exactly" in said

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import inspect
 
 import numpy as np
 import pytest
@@ -37,7 +36,7 @@ def test_every_scenario_has_a_help_for_each_option(name, capsys):
     assert f"usage: halfphysics scenario {name}" in out
     reserved = {f.name for f in dataclasses.fields(hp.Settings)}
     reserved |= {f.name for f in dataclasses.fields(scenario.Outputs)}
-    helps = scenario._helps(inspect.getdoc(scenarios.builder(name)) or "")
+    helps = scenarios.explain(name)
     for option in set(scenarios.options(name)) - {"body", "other"}:
         assert option not in reserved
         assert f"--{option.replace('_', '-')}" in out

@@ -366,10 +366,9 @@ def test_what_it_does_not_heed_is_said(body, settings):
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_what_it_has_not_is_refused(body, settings, changed, named):
-    asked = Settings(mode=settings.mode, **changed)
-    with pytest.raises(InputError, match=named):
-        simulate(along_x(0.0, 3, start=0.0), body=body, settings=asked)
+def test_what_it_has_not_is_refused(settings, changed, named):
+    with pytest.raises(InputError, match=f"{named}.*MuJoCo"):
+        Settings(mode=settings.mode, **changed)
 
 
 @ENGINE

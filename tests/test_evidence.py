@@ -62,7 +62,7 @@ def with_sections(monkeypatch):
     """Makes the report consist of these sections."""
 
     def use(*sections):
-        monkeypatch.setattr(paper, "sections", lambda only=(): list(sections))
+        monkeypatch.setattr(paper, "listed", lambda only=(): list(sections))
 
     return use
 
@@ -285,6 +285,42 @@ def test_what_failed_is_in_the_report_and_is_tried_again(tmp_path, with_sections
     assert paper.make(tmp_path / "out").content == report.content
 
 
+def test_what_changes_under_it_is_said(tmp_path, with_sections):
+    """A file of the user's that goes away, and one that is written to, while it is worked on."""
+    gone, changed, good = (tmp_path / name for name in ("gone", "changed", "good"))
+    for file in (gone, changed, good):
+        file.write_text("before")
+    ends = {gone: "removes", changed: "writes", good: "leaves"}
+    tasks = [
+        Task(
+            key=file.name,
+            function="evidence_case.tasks:meddles",
+            arguments={"path": str(file), "how": how},
+            inputs=(str(file),),
+        )
+        for file, how in ends.items()
+    ]
+    rows = squares(tmp_path).content
+    section = Section(key="s", title="", about="", tasks=lambda options: tasks, content=rows)
+    with_sections(section)
+    (entry,) = paper.make(tmp_path / "out").content["sections"]
+    assert [row["name"] for row in entry["rows"]] == ["good"]
+    assert [f["task"] for f in entry["failed"]] == ["changed", "gone"]
+    assert all("changed while" in f["cause"] for f in entry["failed"])
+
+
+def test_folders_are_known_by_what_is_in_them(tmp_path):
+    folder, store = tmp_path / "release", Store(tmp_path / "work")
+    (folder / "below").mkdir(parents=True)
+    (folder / "loop").symlink_to(folder)
+    (folder / "nowhere").symlink_to("nothing")
+    task = Task(key="a", function=SQUARE, arguments={"value": 3}, inputs=(str(folder),))
+    store.keep("s", task, case.square(3))
+    assert store.load("s", task) == {"square": 9}
+    (folder / "below" / "more").write_text("")
+    assert store.load("s", task) is None
+
+
 def test_what_is_timed_is_in_a_file_of_its_own(tmp_path, with_sections):
     stable = squares(tmp_path, 2)
     timed = evidence.Section(
@@ -312,7 +348,7 @@ from test_evidence import squares
 from halfphysics.bench import paper
 if __name__ == "__main__":
     folder = Path({folder!r})
-    paper.sections = lambda only=(): [squares(folder, 9, nap=0.25)]
+    paper.listed = lambda only=(): [squares(folder, 9, nap=0.25)]
     paper.make(folder / "out", workers=2)
 """
 
@@ -382,16 +418,21 @@ def test_mistakes_are_one_message(tmp_path, capsys, arguments, said):
     assert not (tmp_path / "out").exists()
 
 
+def test_the_help_names_every_section(capsys):
+    main(["bench", "paper", "--help"])
+    words = capsys.readouterr().out.replace(",", " ").replace(";", " ").split()
+    assert set(paper.KEYS) <= set(words)
+
+
 def test_every_section_has_tasks_of_its_own_names(tmp_path):
+    assert tuple(section.key for section in paper.listed()) == paper.KEYS
     for quick in (True, False):
         options = Options(quick=quick)
-        for section in paper.sections():
+        for section in paper.listed():
             keys = [task.key for task in section.tasks(options)]
             assert keys, section.key
             assert len(set(keys)) == len(keys), section.key
             for task in section.tasks(options):
-                module, name = task.function.split(":")
-                found = __import__(f"halfphysics.bench.paper.{module}", fromlist=[name])
-                assert callable(getattr(found, name))
+                assert callable(runner.function_of(task))
                 assert Store(tmp_path).load(section.key, task) is None
     assert os.listdir(tmp_path) == []

@@ -6,10 +6,10 @@ import math
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from halfphysics.bench.paper.axis import axis, finite
+from halfphysics.bench.paper.html.axis import axis, finite
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -18,6 +18,10 @@ def labels(found):
     return [tick.label for tick in found.ticks]
 
 
+@settings(deadline=None)
+@example([0.0, 1.74e308], 9, True, False, None)
+@example([1.7000000012e308], 2, True, False, None)
+@example([-1.79e308, 1.79e308], 4, False, False, None)
 @given(st.lists(numbers, max_size=8), st.integers(2, 9), st.booleans(), st.booleans(),
        st.sampled_from([None, True, False]))  # fmt: skip
 def test_whatever_is_shown_is_on_the_axis(values, ticks, snug, from_zero, log):
@@ -31,6 +35,7 @@ def test_whatever_is_shown_is_on_the_axis(values, ticks, snug, from_zero, log):
     assert all(a <= b for a, b in pairwise(bigger))
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(1e-9, 1e9), min_size=1, max_size=8))
 def test_a_label_says_where_its_tick_is(values):
     for log in (False, True):
@@ -71,6 +76,9 @@ def test_decades_are_for_what_spreads_over_decades():
     assert not axis([1, 10, 100]).log  # two decades are not three
     assert not axis([k / 240 for k in range(1, 2881)]).log  # time is even as it is
     assert not axis([0.002, *range(3, 20)]).log  # one that is small does not bend it for all
+    assert axis([0.1, 1000]).log
+    assert not axis([1e-13, 2e-13, 30, 40, 50]).log  # rounding is no size
+    assert axis([1e-13, 1e-9, 1e-5, 1e-1]).log  # but what converges is one
     assert not axis([-1, 1, 10, 100, 10000]).log
     assert not axis([-1, 1, 10, 100, 10000], log=True).log
     assert axis([2, 3], log=True).log

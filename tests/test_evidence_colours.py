@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from halfphysics.bench.paper.page import _STYLE
+from halfphysics.bench.paper.html.page import _STYLE
 
 #: Machado, Oliveira and Fernandes 2009, severity 1, on linear RGB.
 SIGHTS = {

@@ -9,7 +9,7 @@ import evidence_sample as sample
 import pytest
 from browser import CHROMIUM, tab
 
-from halfphysics.bench.paper import page
+from halfphysics.bench.paper.html import page
 
 SIZES = {"desktop": (1280, 800), "phone": (390, 844), "small": (320, 568), "between": (700, 900)}
 VOID = {"meta", "link", "img"}
@@ -101,6 +101,14 @@ def test_every_figure_is_there_with_its_verdict(made):
     assert {mark for _, mark in rows} == set("✓✗·–“")
 
 
+def test_a_section_without_numbers_of_the_paper_has_no_column_of_them(made):
+    kinds = re.findall(r'<section id="([^"]*)">(?:(?!</section>).)*?<table class="([^"]*)"', made)
+    assert dict(kinds) == {
+        **dict.fromkeys(["table1", "table2", "table3", "table4", "speed-speed"], "figures"),
+        **dict.fromkeys(["figure5", "figure8"], "figures alone"),
+    }
+
+
 def test_texts_are_escaped_and_steer_nothing(made, parsed):
     assert "<script" not in made
     whole = "".join(parsed.texts)
@@ -156,7 +164,7 @@ def test_speed_that_is_not_reached_is_said_at_the_top_too():
 
 def test_a_report_in_which_all_came_out_says_so():
     good = page.build(minimal(), None, sample.pictures)
-    assert "No claim that was judged failed to come out." in good
+    assert "Every claim that was judged came out." in good
     assert "<h3>" not in good
     assert "<table" not in good
 
@@ -266,10 +274,35 @@ CONTRAST = """(() => {
 })()"""
 
 
+@pytest.mark.parametrize("size", SIZES)
+def test_a_click_selects_the_command_as_it_is_typed(chromium, tmp_path, size):
+    command = (
+        "halfphysics bench paper --only table1 --quick --data 'aist=/a  b/" + "long/" * 40 + "'"
+    )
+    path = tmp_path / "command.html"
+    path.write_text(page.build(minimal(command=command), None, sample.pictures), encoding="utf-8")
+    chromium.size(*SIZES[size])
+    chromium.open(path)
+    at = """(() => {
+      const e = document.querySelector("pre");
+      e.scrollIntoView({behavior: "instant"});
+      const b = e.querySelector("span").getBoundingClientRect(); return [b.x + 5, b.y + 5]; })()"""
+    x, y = chromium.evaluate(at)
+    for kind in ("mousePressed", "mouseReleased"):
+        chromium.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+    assert chromium.evaluate("getSelection().toString()").strip() == command
+    assert chromium.evaluate("document.scrollingElement.scrollWidth") <= SIZES[size][0]
+    heights = """[...document.querySelectorAll("pre span")].filter(s => s.textContent == "--quick")
+      .map(s => s.getBoundingClientRect().height)"""
+    (height,) = chromium.evaluate(heights)
+    assert height < 30.0  # an option is on one line
+
+
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
-def test_everything_can_be_told_from_what_is_behind_it(chromium, dark):
+@pytest.mark.parametrize("size", ["desktop", "phone"])
+def test_everything_can_be_told_from_what_is_behind_it(chromium, size, dark):
     """The contrast that WCAG 2 asks of text (AA)."""
-    chromium.size(1280, 800, dark)
+    chromium.size(*SIZES[size], dark)
     chromium.open(chromium.path)
     ratio, where = chromium.evaluate(CONTRAST)
     assert ratio >= 4.5, where

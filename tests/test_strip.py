@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from io import BytesIO
+
 import numpy as np
 import pytest
 from PIL import Image
 from small_result import FRAMES, small_result
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.strip import caption, key_frames, picture_strip
+from halfphysics.render import Camera
+from halfphysics.strip import caption, key_frames, picture_strip, strip_png
 
 
 def test_key_frames_have_the_ends_and_every_first_contact():
@@ -75,6 +78,7 @@ def test_a_strip_is_the_same_every_time(tmp_path):
         ({"frames": []}, "at least one"),
         ({"columns": 0}, "columns"),
         ({"size": (8, 100)}, "16 x 16"),
+        ({"frames": [0, 1], "views": [Camera(position=(0.0, -4.0, 1.0))]}, "found 1, expected 2"),
     ],
 )
 def test_impossible_strips_are_refused_and_leave_nothing(tmp_path, wrong, message):
@@ -93,3 +97,23 @@ def test_a_path_that_cannot_be_is_refused_before_the_work(tmp_path, monkeypatch)
     with pytest.raises(FileError, match="folder"):
         picture_strip(small_result(), tmp_path)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_strip_is_seen_from_where_one_says(tmp_path):
+    far, near = (
+        Camera(position=(0.5, -distance, 1.0), target=(0.5, 0.0, 0.9)) for distance in (12.0, 4.0)
+    )
+    people = []
+    for view in (far, near):
+        path = picture_strip(small_result(), tmp_path / "a.png", [0], 1, (120, 120), views=[view])
+        red, _, blue = np.moveaxis(np.asarray(Image.open(path).convert("RGB")).astype(int), -1, 0)
+        people.append(int(((red - blue > 12) & (red - blue < 70)).sum()))
+    assert people[1] > 4 * people[0]
+
+
+def test_a_palette_keeps_what_is_small_and_bright():
+    sheet = Image.open(BytesIO(strip_png(small_result(), [12], 1, (160, 160), colors=64)))
+    assert sheet.mode == "P"
+    red, green, blue = np.moveaxis(np.asarray(sheet.convert("RGB")).astype(int), -1, 0)
+    assert ((red > 200) & (red - blue > 120)).sum() > 10, "no orange ball"
+    assert ((blue > 200) & (blue - red > 120)).sum() > 60, "no blue in the key"

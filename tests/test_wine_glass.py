@@ -12,7 +12,7 @@ from test_grasp import CREEP, FALL, FORCE, FREED, JITTER, PEAK, SETTLED, SLIP, S
 
 from halfphysics import rotations as rot
 from halfphysics import scenarios
-from halfphysics.bench.paper.grasping import judge
+from halfphysics.bench.paper.runs.grasping import judge
 from halfphysics.errors import InputError
 from halfphysics.scenarios import grasp_glass
 from halfphysics.scenarios.lathe import turn

@@ -265,6 +265,16 @@ class Drawing:
                 surfaces[f"{kind}/{k}"] = replace(skin, vertices=vertices)
         return surfaces
 
+    def still(self, faint: Collection[str] = ()) -> dict[str, Surface]:
+        """What never moves, world frame; the names in `faint` as thin glass."""
+        out = {}
+        for name, item in self.statics.items():
+            surface = item.at(0)
+            if name in faint:
+                surface = replace(surface, alpha=FAINT_ALPHA, rim=0.12, casts=False)
+            out[name] = surface
+        return out
+
     def surfaces(
         self, frame: int, *, ghost: bool = True, faint: Collection[str] = ()
     ) -> dict[str, Surface]:
@@ -275,11 +285,4 @@ class Drawing:
             ghost: With the motion as asked for.
             faint: Names of statics to draw as thin glass, because they hide the story.
         """
-        out = {}
-        for name, item in self.statics.items():
-            surface = item.at(frame)
-            if name in faint:
-                surface = replace(surface, alpha=FAINT_ALPHA, rim=0.12, casts=False)
-            out[name] = surface
-        out.update(self.story(frame, ghost=ghost))
-        return out
+        return self.still(faint) | self.story(frame, ghost=ghost)

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from halfphysics import geoms
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.forced import FORCED
 from halfphysics.joint_groups import stiffness_array
+from halfphysics.modes import ENGINE_MODES, FORCED
 from halfphysics.person_model import add_person, addresses
 from halfphysics.person_movers import add_person_movers
 from halfphysics.pose import Pose
@@ -115,10 +115,10 @@ class Control:
                 "bind: Settings.self_contact is True; a person in a MuJoCo world of one's own has "
                 "no contact with itself yet. Leave it False, or use halfphysics.Simulator"
             )
-        if settings.mode in FORCED:
+        if settings.mode in (*FORCED, *ENGINE_MODES):
             raise InputError(
-                f"bind: Settings.mode is {settings.mode!r}; in a MuJoCo world of one's own a person "
-                "is driven. Expected mode='velocity', or use halfphysics.Simulator"
+                f"bind: Settings.mode is {settings.mode!r}; in a MuJoCo world of one's own a "
+                "person is driven. Expected mode='velocity', or use halfphysics.Simulator"
             )
         at = addresses(model, human.prefix)
         _check_masses(model, human, at.body)

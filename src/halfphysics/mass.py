@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.mesh_queries import boundary_edges
 from halfphysics.mesh_solids import solid_moments
+from halfphysics.parallel_rays import cells, crossings, ray_key
 
 Array = NDArray[np.float64]
 
@@ -173,68 +174,25 @@ def _inside(
     unit = (vertices - centre) / PITCH
     corners = unit[faces][..., :2]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    owner, cell = _cells(np.floor(low), np.floor(high))
-    key = _key(cell)
+    owner, cell = cells(np.floor(low), np.floor(high))
+    key = ray_key(cell)
     divided = np.unique(key[fine[owner]])
     boxes = []
     for refine in (1, REFINE):
         in_divided = np.isin(key, divided)
         chosen = np.unique(owner[in_divided if refine > 1 else ~in_divided])
-        ray, z, sign = _crossings(unit * refine, faces[chosen])
-        keep = np.isin(_key(ray // refine), divided) == (refine > 1)
+        ray, z, sign = crossings(unit * refine, faces[chosen])
+        keep = np.isin(ray_key(ray // refine), divided) == (refine > 1)
         boxes.append(_boxes(ray[keep], z[keep], sign[keep]) / refine)
     middle, size = np.concatenate(boxes, axis=1)
     return centre + PITCH * middle, PITCH * size
 
 
-def _cells(low: Array, high: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """All integer pairs (n, 2) within boxes low..high (m, 2), ends included, and whose they are."""
-    start = low.astype(np.int64)
-    width, height = np.maximum(high.astype(np.int64) - start + 1, 0).T
-    count = width * height
-    owner = np.repeat(np.arange(len(count)), count)
-    rank = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
-    column, row = rank % width[owner], rank // width[owner]
-    return owner, start[owner] + np.stack([column, row], axis=1)
-
-
-def _key(cell: NDArray[np.int64]) -> NDArray[np.int64]:
-    """One number per cell (n, 2), unique while indices stay under half a million."""
-    return cell[:, 0] * (1 << 20) + cell[:, 1]
-
-
-def _crossings(
-    vertices: Array, faces: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
-    """Where rays at (i + 0.5, j + 0.5) along +z cross faces: (i, j), z, +1 entering, -1 leaving.
-
-    Two faces see the side of their common edge that a ray passes by the same arithmetic, with
-    opposite signs: a ray cannot slip between them or meet both.
-    """
-    flat = vertices[:, :2] - 0.5
-    corners = flat[faces]
-    face, ray = _cells(np.ceil(corners.min(axis=1)), np.floor(corners.max(axis=1)))
-    side = np.empty((3, len(face)))
-    for k in range(3):
-        a, b = faces[:, (k + 1) % 3], faces[:, (k + 2) % 3]
-        start, end = flat[np.minimum(a, b)], flat[np.maximum(a, b)]
-        along, across = (end - start)[face], ray - start[face]
-        value = along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]
-        # On the edge counts as left of it, seen from the lower vertex, for both faces.
-        value = np.where(value == 0.0, np.finfo(np.float64).tiny, value)
-        side[k] = np.where(a < b, 1.0, -1.0)[face] * value
-    upward = np.asarray((side > 0.0).all(axis=0))
-    hit = upward | (side < 0.0).all(axis=0)
-    side, face = side[:, hit], face[hit]
-    z = np.einsum("kn,nk->n", side / side.sum(axis=0), vertices[:, 2][faces[face]])
-    return ray[hit], z, np.where(upward[hit], -1, 1)
-
-
 def _boxes(ray: NDArray[np.int64], z: Array, sign: NDArray[np.int64]) -> Array:
     """Stacked middles and sizes (2, n, 3) of boxes about unit long that fill the rays' insides."""
-    order = np.lexsort((z, _key(ray)))
+    order = np.lexsort((z, ray_key(ray)))
     ray, z, sign = ray[order], z[order], sign[order]
-    group = np.unique(_key(ray), return_inverse=True)[1]
+    group = np.unique(ray_key(ray), return_inverse=True)[1]
     # A ray that leaves less often than it enters ran along an edge or through a vertex: drop it.
     whole = np.flatnonzero(np.asarray(np.bincount(group, weights=sign))[group] == 0)
     ray, z, sign = ray[whole], z[whole], sign[whole]

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 from halfphysics.drawing import Drawing
 from halfphysics.errors import InputError
+from halfphysics.page_head import head
+from halfphysics.viewer.arrange import Arrangement, arrange
+from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.stage import Stage, aim, light
-from halfphysics.viewpoint import choose_direction, page_camera, spread
 
 if TYPE_CHECKING:
     from halfphysics.result import Result
@@ -32,7 +34,7 @@ def save_page(
     max_fps: float = MAX_FPS,
     progress: bool = False,
 ) -> Path:
-    """Writes a self-contained HTML page: body and ghost, objects and scene, slider and play.
+    """Writes a self-contained HTML page that plays: body, ghost, objects, contacts and scene.
 
     People are skinned in the browser from the poses of the joints (linear blend of the four
     strongest joints, without pose blend shapes). The page contains the skin of each person's
@@ -62,7 +64,8 @@ def save_page(
     frames = range(0, len(drawing), step)
     with atomic_write(path) as file, _quiet_server() as server:
         recorder = server.get_scene_serializer()
-        stage = _build(server, drawing)
+        row = arrange([drawing], _VIEW)
+        stage, contacts = _build(server, drawing, row)
         bar = _bar(len(frames), progress)
         # Nobody listens: without this the server's thread is woken for every bone and frame.
         with server.atomic():
@@ -73,6 +76,7 @@ def save_page(
         bar.close()
         page = recorder.as_html()
         page = page.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
+        page = page.replace("</head>", f"{head(title, drawing, row, contacts)}</head>", 1)
         file.write(page.encode("utf-8"))
     return Path(path)
 
@@ -93,11 +97,9 @@ def _quiet_server() -> Iterator[Any]:
         close_server(server)
 
 
-def _build(server: Any, drawing: Drawing) -> Stage:
-    """Adds everything to the scene."""
-    frames = spread(len(drawing), 6)
-    direction = choose_direction(drawing, frames, _VIEW)
-    camera, faint = page_camera(drawing, frames, direction, _VIEW)
-    aim(server, camera)
+def _build(server: Any, drawing: Drawing, row: Arrangement) -> tuple[Stage, list[int]]:
+    """Adds everything to the scene; returns the kinds of contacts, too."""
+    aim(server, row.camera(_VIEW))
     light(server)
-    return Stage(server, drawing, faint=faint)
+    stage = Stage(server, drawing, faint=row.faint[0])
+    return stage, list(ContactNodes(server, stage).points)

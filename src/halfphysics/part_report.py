@@ -14,7 +14,7 @@ from halfphysics.records import SceneRecord
 from halfphysics.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
-    from halfphysics.result import PersonResult, Result
+    from halfphysics.result import Result
     from halfphysics.world import World
 
 Array = NDArray[np.float64]
@@ -79,7 +79,7 @@ def part_reports(result: Result) -> tuple[PartReport, ...]:
                 contact=force > 0.0,
                 force=force,
                 displacement=person.joint_errors()[1],
-                rotation=_turned(person),
+                rotation=rot.angles(person.reference.rotations, person.motion.rotations),
             )
         )
     return tuple(reports)
@@ -142,9 +142,3 @@ def _world(result: Result) -> World:
             f"{', '.join(found) or 'nothing'} in it, expected {', '.join(known) or 'nothing'}"
         )
     return World([person.body for person in result.people], scene, result.settings)
-
-
-def _turned(person: PersonResult) -> Array:
-    """Angles (T, 55) [rad] between the joints' rotations and the reference's."""
-    was, now = rot.exp(person.reference.rotations), rot.exp(person.motion.rotations)
-    return np.linalg.norm(rot.log(rot.multiply(rot.conjugate(was), now)), axis=-1)

@@ -22,7 +22,7 @@ from halfphysics.motion import Motion
 from halfphysics.pose import checked
 from halfphysics.settings import Settings
 from halfphysics.skeleton import N_JOINTS
-from halfphysics.validation import shown
+from halfphysics.validation import frame_rate, shown
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -128,6 +128,17 @@ class PersonResult:
         p, q = self.body.joints(self.motion), self.body.joints(self.reference)
         local = np.linalg.norm((p - p[:, :1]) - (q - q[:, :1]), axis=-1)
         return local, np.linalg.norm(p - q, axis=-1)
+
+
+def at_substeps(motion: Motion, translation: Array, rotations: Array, fps: float) -> Motion:
+    """A person's poses at all substeps, `fps` of them a second; those that are set may jump.
+
+    Arguments as of `Motion.with_frames`.
+    """
+    # No motion is asked for here: how fast the root may be is not looked at.
+    poses = motion.with_frames(translation, rotations, fps=1.0)
+    _set(poses, "fps", frame_rate(fps))
+    return poses
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

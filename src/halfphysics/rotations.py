@@ -108,6 +108,11 @@ def matrix_to_rotvec(matrix: ArrayLike) -> Array:
     return log(from_matrix(matrix))
 
 
+def angles(a: ArrayLike, b: ArrayLike) -> Array:
+    """Angles (...) [rad] between rotation vectors (..., 3)."""
+    return np.linalg.norm(log(multiply(conjugate(exp(a)), exp(b))), axis=-1)
+
+
 def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike) -> Array:
     """Quaternions between a and b (..., 4) at t in [0, 1] (...), along the shortest arc."""
     a = np.asarray(a, dtype=np.float64)

@@ -8,27 +8,13 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
 from .errors import InputError
-from .forced import check_forced
 from .joint_groups import joint_values
+from .modes import Mode, check_mode
 from .strength import checked_strength
 
 #: Largest clearance that can be asked for [m]: fifty times the default. Hands that keep more from
 #: what they hold (twice, for the two sides of a rod) hold nothing of the size of a hand.
 MAX_CLEARANCE = 0.05
-
-#: How a motion may drive the body.
-Mode = Literal[
-    "velocity",
-    "torque",
-    "positions",
-    "interpolated",
-    "kinematic",
-    "engine_kinematic",
-    "engine_velocity",
-]
-
-#: Modes that run in MuJoCo instead of the native core.
-ENGINE_MODES: frozenset[Mode] = frozenset({"engine_kinematic", "engine_velocity"})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +61,7 @@ class Settings:
     ablation, for mode="velocity" and "torque"."""
     joint_damping: float = 0.0
     """Viscous damping of the person's joints [N m s/rad]: an ablation, for the same modes."""
-    torque_frequency: float = 90.0
+    torque_frequency: float = 100.0
     """With mode="torque": natural frequency of the joints' PD control [rad/s]. Stiffness and
     drive_time do not apply then."""
     torque_damping: float = 1.0
@@ -156,26 +142,20 @@ class Settings:
         count("max_sweeps")
         count("threads")
         choice("record", "frames", "substeps")
-        check_forced(self)
+        check_mode(self)
 
     def _check_ablations(self, check: Callable[[str, bool, str], None]) -> None:
-        """What is there to compare with goes together with what it is defined for."""
-        driven = self.mode in ("velocity", "torque")
-        for name in ("internal_forces", "joint_damping"):
-            off = not getattr(self, name)
-            check(name, driven or off, f"none with mode={self.mode!r}: no forces act on the person")
-            check(
-                name, self.strength is None or off, "none with strength: it limits the drive alone"
-            )
-        check(
-            "mode",
-            self.mode == "velocity" or self.strength is None,
-            "'velocity' with strength: it limits that drive",
-        )
+        """Forces and torques that are there to compare with, and what does not go with them."""
+        if self.strength is not None:
+            why = "with strength: it limits half-physics' own drive"
+            check("internal_forces", not self.internal_forces, f"False {why}")
+            check("joint_damping", not self.joint_damping, f"0 {why}")
+            check("mode", self.mode != "torque", f"'velocity' {why}")
+        if self.mode == "torque":
+            return
         for name in ("torque_frequency", "torque_damping"):
             default = type(self).__dataclass_fields__[name].default
-            asked = getattr(self, name) != default
-            check(name, self.mode == "torque" or not asked, "the default without mode='torque'")
+            check(name, getattr(self, name) == default, f"{default} without mode='torque'")
 
     @classmethod
     def paper(cls, stiffness: float | Mapping[str, float] = 0.0, **changes: Any) -> Settings:

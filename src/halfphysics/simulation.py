@@ -14,12 +14,18 @@ from halfphysics.body import check_match
 from halfphysics.contacts import Contacts
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.floating import floating
-from halfphysics.forced import FORCED
 from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_over_time
+from halfphysics.modes import ENGINE_MODES, FORCED, no_stiffness
 from halfphysics.motion import Motion
-from halfphysics.result import DIAGNOSTICS, ObjectTrack, PersonResult, Result, Substeps
-from halfphysics.settings import ENGINE_MODES
+from halfphysics.result import (
+    DIAGNOSTICS,
+    ObjectTrack,
+    PersonResult,
+    Result,
+    Substeps,
+    at_substeps,
+)
 from halfphysics.simulator import Simulator, several
 from halfphysics.skeleton import N_JOINTS
 from halfphysics.touches import touches
@@ -121,9 +127,10 @@ def follow(
     world, stepper = simulator.world, simulator.world.stepper
     count = len(motions[0])
     if simulator.settings.mode in ENGINE_MODES:
-        from halfphysics.engine.following import check_settings, follow_in_engine
+        from halfphysics.engine.following import follow_in_engine
 
-        check_settings(simulator.settings, stiffness)
+        if stiffness is not None:
+            raise no_stiffness(simulator.settings.mode)
         with _progress(count - 1, progress) as bar:
             return follow_in_engine(world, motions, simulator.dt, bar.update)
     targets = world.motion_coordinates(motions)
@@ -264,7 +271,7 @@ def _substeps(simulator: Simulator, motions: Sequence[Motion], qpos: Array) -> S
     fps = motions[0].fps * simulator.settings.substeps_for(simulator.dt)
     return Substeps(
         motions=tuple(
-            m.with_frames(*person.pose(qpos, m.axes), fps=fps)
+            at_substeps(m, *person.pose(qpos, m.axes), fps)
             for m, person in zip(motions, world.people, strict=True)
         ),
         objects=_tracks(world, qpos),

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.errors import InputError
-from halfphysics.forced import FORCED
 from halfphysics.inside import Depths, inside_of
 from halfphysics.joint_groups import stiffness_array
+from halfphysics.modes import ENGINE_MODES, FORCED
 from halfphysics.pose import Pose
-from halfphysics.settings import ENGINE_MODES, Settings
+from halfphysics.settings import Settings
 from halfphysics.skeleton import N_JOINTS
 from halfphysics.touches import Touches, touches
 
@@ -359,7 +359,8 @@ class Simulator:
 
         Raises:
             InputError: Before `reset`; another name, part or person; something held already, on a
-                trajectory or articulated; a mode that sets the person's pose.
+                trajectory or articulated; a mode other than "velocity", internal forces or joint
+                damping.
         """
         self._must_run("attach")
         if self.settings.mode in FORCED:

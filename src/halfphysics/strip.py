@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from halfphysics.drawing import GHOST, PEOPLE, Drawing
 from halfphysics.errors import InputError
-from halfphysics.render import Color, Look, render
+from halfphysics.render import Camera, Color, Look, render
 from halfphysics.skeleton import JOINT_NAMES
 from halfphysics.viewpoint import cameras, choose_direction, glass
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from halfphysics.result import Result
 
 _ROWS = 2  # of pictures, when the frames are not given
+_OCTREE = 2  # Pillow's number of that way to choose a palette
 _GAP, _MARGIN, _TEXT = 6, 14, 13  # [px]
 _PAPER, _INK, _SOFT_INK = (250, 250, 251), (40, 44, 52), (110, 116, 126)
 
@@ -126,6 +127,7 @@ def picture_strip(
     *,
     samples: int = 2,
     threads: int = 1,
+    views: Sequence[Camera] | None = None,
 ) -> Path:
     """Writes a PNG of key frames: body solid, ghost (what was asked for) translucent blue.
 
@@ -140,19 +142,20 @@ def picture_strip(
         size: Width and height of one picture [pixels].
         samples: Anti-aliasing, samples x samples points per pixel, 1 to 4.
         threads: Worker threads; the picture does not depend on it.
+        views: Where each frame is seen from; None chooses, as said above.
 
     Returns:
         The path written.
 
     Raises:
-        InputError: No such frame, no columns, an impossible size.
+        InputError: No such frame, no columns, an impossible size, not a view for each frame.
         FileError: The file cannot be written.
     """
     from halfphysics.io.atomic import atomic_write
 
     drawing, picked = _checked(result, frames, columns, size)
     with atomic_write(path) as file:  # an impossible path is refused before the work
-        sheet = _draw(drawing, picked, columns, size, samples, threads)
+        sheet = _draw(drawing, picked, columns, size, samples, threads, views)
         sheet.save(file, format="PNG")
     return Path(path)
 
@@ -165,11 +168,12 @@ def strip_png(
     *,
     samples: int = 2,
     colors: int = 128,
+    views: Sequence[Camera] | None = None,
 ) -> bytes:
     """The same strip as the bytes of a PNG with a palette: a third of the size, to be embedded.
 
     Args:
-        result, frames, columns, size, samples: As of `picture_strip`.
+        result, frames, columns, size, samples, views: As of `picture_strip`.
         colors: In the palette, 2 to 256.
 
     Raises:
@@ -178,7 +182,9 @@ def strip_png(
     if not 2 <= colors <= 256:
         raise InputError(f"colors: found {colors}, expected 2 to 256")
     drawing, picked = _checked(result, frames, columns, size)
-    sheet = _draw(drawing, picked, columns, size, samples, 1).quantize(colors, dither=0)
+    sheet = _draw(drawing, picked, columns, size, samples, 1, views)
+    # An octree keeps what is small and bright, a ball or the key's blue; a median cut greys it.
+    sheet = sheet.quantize(colors, method=_OCTREE, dither=0)
     data = BytesIO()
     sheet.save(data, format="PNG", optimize=True)
     return data.getvalue()
@@ -208,11 +214,15 @@ def _draw(
     size: tuple[int, int],
     samples: int,
     threads: int,
+    views: Sequence[Camera] | None,
 ) -> Any:
     """The whole sheet."""
-    direction = choose_direction(drawing, picked, size)
+    if views is None:
+        views = cameras(drawing, picked, choose_direction(drawing, picked, size), size)
+    elif len(views) != len(picked):
+        raise InputError(f"views: found {len(views)}, expected {len(picked)}, one for each frame")
     tiles = []
-    for frame, camera in zip(picked, cameras(drawing, picked, direction, size), strict=True):
+    for frame, camera in zip(picked, views, strict=True):
         surfaces = drawing.surfaces(frame)
         faint = glass(surfaces, camera, size)
         if faint:
@@ -220,7 +230,7 @@ def _draw(
         look = Look().aimed(camera, drawing.middle)
         shown = list(surfaces.values())
         tiles.append(render(shown, camera, size, samples=samples, look=look, threads=threads))
-    return _compose(drawing.result, picked, tiles, columns, size)
+    return compose(drawing.result, picked, tiles, columns, size)
 
 
 def _font(pixels: int) -> Any:
@@ -244,14 +254,14 @@ def _fitted(draw: Any, text: str, font: Any, width: int) -> str:
     return text + "..."
 
 
-def _compose(
+def compose(
     result: Result,
     frames: Sequence[int],
     tiles: Sequence[NDArray[np.uint8]],
     columns: int,
     size: tuple[int, int],
 ) -> Any:
-    """One sheet: pictures in rows, two lines of text under each, a key at the bottom."""
+    """One sheet: pictures (each `size`) in rows, text under each, a key at the bottom."""
     from PIL import Image, ImageDraw
 
     across, down = min(columns, len(tiles)), -(-len(tiles) // columns)

@@ -24,8 +24,8 @@ _THREE_QUARTER = 50.0
 _PROBE = (96, 72)
 # Frames looked at when choosing one direction for all.
 _PROBE_FRAMES = 5
-# An object further from every person than this [m] does not pull the camera back.
-_NEAR = 1.6
+#: An object further from every person than this [m] does not pull the camera back.
+NEAR = 1.6
 # A static thing that hides more than this share of the story is drawn as glass.
 _HIDES = 0.02
 # Weights of what makes a view good: nothing hidden, seen from the front, across the correction.
@@ -84,7 +84,7 @@ def subject(drawing: Drawing, frame: int, story: Mapping[str, Surface]) -> Array
         thing = story[name].vertices
         centre = item.position[min(frame, len(item.position) - 1)]
         gap = np.linalg.norm(np.maximum(np.maximum(low - centre, centre - high), 0.0), axis=1)
-        if gap.min() < _NEAR:
+        if gap.min() < NEAR:
             points.append(thing)
     return np.concatenate(points)
 
@@ -103,7 +103,7 @@ def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, i
     picked = [frames[k] for k in spread(len(frames), _PROBE_FRAMES)]
     scenes = [drawing.surfaces(f) for f in picked]
     points = [subject(drawing, f, s) for f, s in _stories(picked, scenes)]
-    facing, apart = _facing(drawing, picked), _apart(drawing, picked)
+    ways, apart = facing(drawing, picked), _apart(drawing, picked)
     probe = (_PROBE[0], max(1, round(_PROBE[0] * size[1] / size[0])))
     best, best_score = np.array([0.0, -1.0, 0.4]), -np.inf
     for elevation in np.radians(_ELEVATIONS):
@@ -114,7 +114,7 @@ def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, i
                 look_at(scene, Camera.framing(p, towards, size=probe, fov=FOV), probe).share
                 for scene, p in zip(scenes, points, strict=True)
             ]
-            turned = np.arccos(np.clip(facing @ level, -1.0, 1.0))
+            turned = np.arccos(np.clip(ways @ level, -1.0, 1.0))
             front = float(np.cos(turned - np.radians(_THREE_QUARTER)).mean())
             across = (
                 float(np.linalg.norm(np.cross(apart, level), axis=1).mean()) if len(apart) else 0.0
@@ -141,14 +141,14 @@ def _level(vectors: Array) -> Array:
     return flat[norm > 1e-6] / norm[norm > 1e-6, None]
 
 
-def _facing(drawing: Drawing, frames: Sequence[int]) -> Array:
+def facing(drawing: Drawing, frames: Sequence[int]) -> Array:
     """Level directions that the people's bodies face, shape (N, 3); at least one."""
     out = []
     for person in drawing.result.people:
         quaternion = person.body.joint_frames(person.motion)[1][list(frames), 0]
         out.append(rot.rotate(quaternion, np.array([0.0, 0.0, 1.0])))
-    facing = _level(np.concatenate(out))
-    return facing if len(facing) else np.array([[0.0, -1.0, 0.0]])
+    ways = _level(np.concatenate(out))
+    return ways if len(ways) else np.array([[0.0, -1.0, 0.0]])
 
 
 def _apart(drawing: Drawing, frames: Sequence[int]) -> Array:
@@ -191,16 +191,3 @@ def glass(surfaces: Mapping[str, Surface], camera: Camera, size: tuple[int, int]
         for name in found:
             del scene[name]
     return faint
-
-
-def page_camera(
-    drawing: Drawing, frames: Sequence[int], direction: Array, size: tuple[int, int]
-) -> tuple[Camera, set[str]]:
-    """One camera for the whole story, and the static things that it should see through."""
-    scenes = [drawing.surfaces(f) for f in frames]
-    points = [subject(drawing, f, s) for f, s in _stories(frames, scenes)]
-    camera = Camera.framing(np.concatenate(points), direction, size=size, fov=FOV)
-    faint: set[str] = set()
-    for scene in scenes:
-        faint |= glass(scene, camera, size)
-    return camera, faint

@@ -21,8 +21,8 @@ from halfphysics import rotations as rot
 from halfphysics.colliders import convex_collider
 from halfphysics.errors import InputError
 from halfphysics.fingerprint import fingerprint
-from halfphysics.forced import FORCED
 from halfphysics.joint_groups import stiffness_array
+from halfphysics.modes import FORCED
 from halfphysics.person_model import addresses, principal
 from halfphysics.person_movers import add_person_movers
 from halfphysics.skeleton import JOINT_NAMES, LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
@@ -308,6 +308,7 @@ class World:
         friction, restitution, ignore = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
         # What nothing pushes meets nothing that nothing pushes.
         unmoved = {n for n, o in self.scene.objects.items() if isinstance(o, Moving)}
+        given = unmoved | ({"person", *self._told} if self.settings.mode in FORCED else set())
         unmoved |= set(self.scene.statics)
         owner = self._owner
         known = ["person" if name in people else owner.get(name, name) for name in self.names]
@@ -319,7 +320,8 @@ class World:
                     continue  # a thing does not meet itself
                 friction[i, j] = self.scene.friction_of(a, b)
                 restitution[i, j] = self.scene.restitution_of(a, b)
-                ignore[i, j] = self.scene.ignores(a, b) or {a, b} <= unmoved
+                both = {a, b}
+                ignore[i, j] = self.scene.ignores(a, b) or both <= unmoved or both <= given
         self.stepper.set_pairings(friction, restitution, ignore)
 
     def _set_strength(self) -> None:

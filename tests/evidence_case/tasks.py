@@ -44,3 +44,12 @@ def dies(once=""):
 def endless():
     """Not a number."""
     return Outcome(values={"x": float("nan")})
+
+
+def meddles(path, how):
+    """A square, while somebody else is busy with the file that it is of."""
+    if how == "removes":
+        Path(path).unlink()
+    elif how == "writes":
+        Path(path).write_text("after")
+    return square(3)

@@ -26,6 +26,8 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "simulate": "give a motion a body in a scene",
         "evaluate": "measure a result or a motion",
         "view": "show results in a browser, several side by side",
+        "render": "make a page, a film or pictures of results",
+        "play": "play with a simulation in a browser",
         "convert": "write a motion in another format or at another frame rate",
         "bench": "measure speed beside a plain MuJoCo loop",
     }

@@ -37,8 +37,9 @@ class Command:
     """Folder to write into; made if it is not there."""
     quick: bool = False
     """Fewer and shorter cases: under two minutes instead of under an hour."""
-    only: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
-    """A table or figure (table1, figure5, ...); may be said repeatedly, all if none is named."""
+    only: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="KEY")] = ()
+    """A part of the report: table1, table2, table3, table4, figures4and9, figure5, figures6and7,
+    figure8 or speed; may be said repeatedly, all if none is named."""
     data: Annotated[
         tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="KIND=FOLDER")
     ] = ()
@@ -51,7 +52,7 @@ class Command:
     def run(self) -> None:
         """Compute, write, print."""
         from halfphysics.bench import paper
-        from halfphysics.bench.paper import text
+        from halfphysics.bench.paper.html import text
 
         if self.jobs is not None and self.jobs < 1:
             raise InputError(f"--jobs: found {self.jobs}, expected at least 1")
@@ -63,9 +64,10 @@ class Command:
             workers=self.jobs or os.cpu_count() or 1,
             progress=_shown,
         )
-        print(text.summary(report.content))
+        encoding = sys.stdout.encoding
+        print(text.summary(report.content, encoding=encoding))
         if report.speed["sections"]:
-            print(f"\n{text.summary(report.speed)}")
+            print(f"\n{text.summary(report.speed, encoding=encoding)}")
         for name in (paper.PAGE, paper.JSON, paper.SPEED):
             print(f"written: {report.folder / name}")
         print(f"in {time.perf_counter() - start:.0f} s")

@@ -30,6 +30,8 @@ class Command:
     """A result of `simulate`, or a motion file."""
     reference: File = None
     """Motion to compare with; of a result, the motion that was asked for if not given."""
+    json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Of a result: write every measure of docs/metrics.md as JSON."""
     scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
     person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
     motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
@@ -44,6 +46,10 @@ class Command:
         if is_result(self.file):
             self._result(scene)
             return
+        if self.json is not None:
+            raise InputError(
+                f"--json: {self.file} is a motion alone; expected a result of simulate"
+            )
         motion = self.motion_file.load(self.file)
         if scene is None and self.reference is None:
             raise InputError(
@@ -78,3 +84,12 @@ class Command:
             if len(people) > 1:
                 print(f"{person.name}:")
             print(measures.of_result(result, index, progress=progress()))
+        if self.json is not None:
+            import json
+
+            from halfphysics.cli.measures_json import of_result
+            from halfphysics.io.atomic import atomic_write
+
+            content = [of_result(result, index) for index in range(len(people))]
+            with atomic_write(self.json) as handle:
+                handle.write((json.dumps({"people": content}, indent=1) + "\n").encode())

@@ -33,10 +33,20 @@ def of_result(result: Result, person: int, *, progress: bool) -> str:
         )
 
     before, after = measured("reference"), measured("motion")
-    rows = _penetration(before, after)
+    rows: list[tuple[str, ...]] = [*_penetration(before, after)]
     if others:
         asked, got = (max(r.by_name[name].max() for name in others) for r in (before, after))
         rows.append(("deepest in other people [mm]", f"{asked:.2f}", f"{got:.2f}"))
+    motions = who.reference, who.motion
+    if len(who.motion) >= 4:
+        jerks = (metrics.jerk(m, who.body) for m in motions)
+        rows.append(("jerk [m/s3]", *(f"{jerk:.1f}" for jerk in jerks)))
+    skates = (metrics.foot_skate(m, who.body) for m in motions)
+    rows.append(("foot skate [mm/frame]", *(f"{skate.mean_mm:.2f}" for skate in skates)))
+    labels, forces = metrics.contact_precision(result), metrics.contact_forces(result)
+    if labels.contacts:
+        rows.append(("contacts borne out [%]", "", f"{labels.precision_percent:.2f}"))
+        rows.append(("contacts in their cones [%]", "", f"{forces.cone_percent:.2f}"))
     return table([("", "asked", "simulated"), *rows])
 
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import inspect
-import re
 import textwrap
 import time
 from collections.abc import Sequence as Several
@@ -174,7 +172,7 @@ def _command(name: str, settings: Settings) -> type[Any]:
     # Without what is left out, whose types are known to type checkers only.
     types = {o: kind for o, kind in build.__annotations__.items() if o in _texts(name)}
     hints = get_type_hints(SimpleNamespace(__annotations__=types), build.__globals__)
-    helps = _helps(inspect.getdoc(build) or "")
+    helps = scenarios.explain(name)
     fields: list[tuple[str, Any, Any]] = []
     for option, default in _texts(name).items():
         kind: Any = hints[option]
@@ -191,16 +189,6 @@ def _command(name: str, settings: Settings) -> type[Any]:
     made = make_dataclass("Command", fields, frozen=True, kw_only=True)
     made.__doc__ = scenarios.describe(name)
     return made
-
-
-def _helps(text: str) -> dict[str, str]:
-    """What the section `Args:` of a docstring says about each argument."""
-    section = re.search(r"^Args:\n((?:[ ]+.*\n?|\n)*)", text, re.MULTILINE)
-    if section is None:
-        return {}
-    entries = re.split(r"^(\w+): ", textwrap.dedent(section[1]), flags=re.MULTILINE)[1:]
-    said = (" ".join(help.split()) for help in entries[1::2])
-    return dict(zip(entries[::2], said, strict=True))
 
 
 def _help(prog: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from halfphysics.contacts import Contacts
 from halfphysics.engine.kinematic import MocapDrive, between
 from halfphysics.engine.model import EngineModel
-from halfphysics.engine.velocity import VelocityDrive
+from halfphysics.engine.velocity import VelocityDrive, Watch
 from halfphysics.engine.watching import Recorder
 from halfphysics.errors import InputError
 from halfphysics.part_report import clearances
@@ -27,37 +27,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: What MuJoCo has no counterpart of: field of `Settings` -> the value that it must have.
-_WITHOUT: Mapping[str, Any] = {
-    "root": "stay",
-    "self_contact": False,
-    "strength": None,
-    "internal_forces": False,
-    "joint_damping": 0.0,
-}
-
 #: What MuJoCo watches.
 _STATE = ("QPOS", "QVEL", "QACC")
-
-
-def check_settings(settings: Settings, stiffness: Any = None) -> None:
-    """Refuse what these modes cannot heed.
-
-    Raises:
-        InputError: Says which setting, and what it must be.
-    """
-    for name, value in _WITHOUT.items():
-        found = getattr(settings, name)
-        if found != value:
-            raise InputError(
-                f"Settings.mode is {settings.mode!r}, which is plain MuJoCo and has no {name}: "
-                f"found {found!r}, expected {value!r}. Leave it out, or use another mode"
-            )
-    if stiffness is not None or isinstance(settings.stiffness, Mapping):
-        raise InputError(
-            f"Settings.mode is {settings.mode!r}, which is plain MuJoCo without joint stiffness: "
-            "found one by joint or over time. Leave it out, or use another mode"
-        )
 
 
 def follow_in_engine(
@@ -72,8 +43,7 @@ def follow_in_engine(
         bar: Told how many frames were done.
 
     Raises:
-        InputError: What MuJoCo cannot have, see `check_settings` and `add_scene`; or it became
-            unstable.
+        InputError: What MuJoCo cannot have, see `add_scene`; or it became unstable.
     """
     import mujoco
 
@@ -89,7 +59,7 @@ def follow_in_engine(
         drive = MocapDrive(model, data, engine.mocap, engine.people, motions, substeps)
         advance = drive.frame
     else:
-        advance = _by_velocity(engine, data, motions, substeps, dt)
+        advance = by_velocity(engine, data, motions, substeps, dt)
     every = settings.record == "substeps"
     qpos = [np.array(data.qpos)[None]]
     rows, frames = [np.zeros((0, 12))], [np.zeros(0, dtype=np.int64)]
@@ -141,9 +111,10 @@ def _check_stable(data: Any, settings: Settings, t: int, dt: float) -> None:
         )
 
 
-def _by_velocity(
+def by_velocity(
     engine: EngineModel, data: Any, motions: Sequence[Motion], substeps: int, dt: float
-) -> Callable[[int, Recorder], Any]:
+) -> Callable[[int, Watch | None], Any]:
+    """Put people where their motions start; what takes them to frame t, given t and who watches."""
     targets = np.tile(engine.model.qpos0, (len(motions[0]), 1))
     for person, motion in zip(engine.people, motions, strict=True):
         own = slice(person.qpos, person.qpos + person.count)
@@ -151,7 +122,7 @@ def _by_velocity(
         data.qpos[own] = targets[0, own]
     places = [addresses(engine.model, f"{person.name}/") for person in engine.people]
     drive = VelocityDrive(engine.model, data, places, substeps, dt)
-    return lambda t, recorder: drive.frame(targets[t - 1], targets[t], recorder)
+    return lambda t, watch: drive.frame(targets[t - 1], targets[t], watch)
 
 
 def _substeps(

@@ -14,11 +14,11 @@ from halfphysics.validation import file_path
 
 
 @contextlib.contextmanager
-def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[Any]]:
-    """A binary file to write to that replaces `path` when the block ends without an error.
+def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """An empty file for another program to write that replaces `path` when the block ends.
 
-    The temporary file lies beside the target (same file system, so that the replacement is one
-    step) and is removed when anything goes wrong.
+    It lies beside the target (same file system, so that the replacement is one step) and is
+    removed when anything goes wrong.
 
     Raises:
         FileError: The folder is missing, `path` is a folder, a pipe or a device, or writing fails.
@@ -38,10 +38,10 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[Any]]:
         )
     except OSError as error:
         raise FileError(f"{path}: cannot write in {path.parent}: {error.strerror}") from None
+    os.close(descriptor)
     temporary = Path(name)
     try:
-        with os.fdopen(descriptor, "wb") as handle:
-            yield handle
+        yield temporary
         # mkstemp makes files private; give the rights a plain open() would.
         umask = os.umask(0)
         os.umask(umask)
@@ -51,3 +51,14 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[Any]]:
         raise FileError(f"{path}: cannot write: {error.strerror or error}") from None
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[Any]]:
+    """A binary file to write to that replaces `path` when the block ends without an error.
+
+    Raises:
+        FileError: As `atomic_path`.
+    """
+    with atomic_path(path) as temporary, temporary.open("wb") as handle:
+        yield handle

@@ -26,7 +26,7 @@ from halfphysics.io import amass_smpl, amass_smplh, amass_smplx, load_motion
 from halfphysics.io.npz import Npz, write_npz
 from halfphysics.motion import Motion
 from halfphysics.records import BodyRecord, SceneRecord, checked_document
-from halfphysics.result import ObjectTrack, PersonResult, Result, Substeps
+from halfphysics.result import ObjectTrack, PersonResult, Result, Substeps, at_substeps
 from halfphysics.settings import Settings
 from halfphysics.validation import file_path, shown
 
@@ -303,7 +303,8 @@ def _substeps(npz: Npz, people: tuple[PersonResult, ...]) -> Substeps | None:
         return None
     fps = _scalar(npz, f"{SUBSTEPS}fps")
     motions = [
-        person.motion.with_frames(
+        at_substeps(
+            person.motion,
             _field(npz, f"{SUBSTEPS}person/{index}/translation"),
             _field(npz, f"{SUBSTEPS}person/{index}/rotations"),
             fps,

@@ -15,6 +15,7 @@ from halfphysics.metrics.penetration import PenetrationReport, penetration
 from halfphysics.metrics.sequences import PenetrationSummary, over_sequences
 from halfphysics.metrics.skating import SkateReport, foot_skate
 from halfphysics.metrics.smoothness import jerk
+from halfphysics.metrics.volume import VolumeReport, penetrating_volume
 
 __all__ = [
     "Deviation",
@@ -24,6 +25,7 @@ __all__ = [
     "PenetrationReport",
     "PenetrationSummary",
     "SkateReport",
+    "VolumeReport",
     "contact_forces",
     "contact_precision",
     "deviation",
@@ -32,6 +34,7 @@ __all__ = [
     "mpjpe",
     "mpjpe_global",
     "over_sequences",
+    "penetrating_volume",
     "penetration",
     "success",
 ]

@@ -11,6 +11,7 @@ import numpy as np
 
 from halfphysics import rotations as rot
 from halfphysics.metrics.inputs import Array, check_result
+from halfphysics.metrics.things import links_of
 from halfphysics.moving import Moving
 from halfphysics.pairs import PERSON
 from halfphysics.skeleton import JOINT_NAMES
@@ -98,7 +99,7 @@ def contact_forces(result: Result) -> ForceReport:
 def _friction(result: Result, contacts: Contacts) -> Array:
     """Coefficient of friction (n,) of every contact's pair."""
     scene, first_person = result.scene, len(result.names) - len(result.people)
-    owner = {n: thing.name for thing in scene.articulated.values() for n in thing.link_names}
+    owner = {name: whole for name, (whole, _) in links_of(scene).items()}
 
     def name(index: int, part: int) -> str:
         if part >= 0:

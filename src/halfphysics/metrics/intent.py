@@ -77,9 +77,7 @@ def deviation(result: Result, person: int = 0, *, settle: float = SETTLE) -> Int
     free = result.free_frames(person, settle)
     who = result.people[person]
     local = 1000.0 * who.joint_errors()[0]
-    was, now = rot.exp(who.reference.rotations), rot.exp(who.motion.rotations)
-    turned = rot.log(rot.multiply(rot.conjugate(was), now))
-    angle = np.rad2deg(np.linalg.norm(turned, axis=-1))
+    angle = np.rad2deg(rot.angles(who.reference.rotations, who.motion.rotations))
     shift = who.motion.translation - who.reference.translation
     root = 1000.0 * np.linalg.norm(shift, axis=-1)
 

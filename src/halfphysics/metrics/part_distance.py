@@ -14,6 +14,7 @@ from halfphysics import rotations as rot
 from halfphysics import skinning
 from halfphysics.colliders import ConvexCollider, convex_collider
 from halfphysics.metrics.inputs import Array
+from halfphysics.metrics.things import links_of
 from halfphysics.shapes import Mesh, Plane
 
 if TYPE_CHECKING:
@@ -133,12 +134,7 @@ class Poses:
             if name in scene.objects:
                 pieces = [convex_collider(piece) for piece in scene.objects[name].pieces]
             else:
-                links = (
-                    dict(zip(thing.link_names, thing.links, strict=True))
-                    for thing in scene.articulated.values()
-                )
-                link = next(found[name] for found in links if name in found)
-                pieces = [geom.collider() for geom in link.geoms]
+                pieces = [geom.collider() for geom in links_of(scene)[name][1].geoms]
             self._known[name] = pieces
         return self._known[name]
 

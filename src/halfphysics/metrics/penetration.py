@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,15 +12,10 @@ from halfphysics import rotations, validation
 from halfphysics.errors import InputError
 from halfphysics.mesh_queries import MeshQuery, is_closed
 from halfphysics.metrics.inputs import Array, check_motion
+from halfphysics.metrics.skins import batches, frames_of, skin
+from halfphysics.metrics.things import Solid, links_of, solids_of, tracks_of
 from halfphysics.scene import Scene
-from halfphysics.shape_base import Shape
 from halfphysics.validation import number, shown
-
-if TYPE_CHECKING:
-    from halfphysics.articulated import Link, LinkGeom
-    from halfphysics.things import Object
-
-_BATCH = 32  # frames skinned at a time: about 10 MB of vertices
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -88,36 +82,21 @@ def penetration(
         raise InputError(f"scene: expected a halfphysics.Scene, found {shown(scene)}")
     if int(number(threads, "threads", least=1)) != threads:
         raise InputError(f"threads: expected a whole number, found {threads:g}")
-    frames = np.asarray(motion.rotations).shape[0] if np.ndim(motion.rotations) == 3 else 1
-    tracks = _tracks(scene, objects or {}, frames)
+    frames = frames_of(motion)
+    solids = solids_of(scene, tracks_of(scene, objects or {}, frames))
     others = _others(scene, people or {}, frames)
-    things: dict[str, Shape] = {n: s.shape for n, s in scene.statics.items()}
-    things |= {n: _true_shape(scene.objects[n]) for n in tracks if n in scene.objects}
-    links = _links(scene)
-    # Links of articulated objects: several solids each.
-    solids = {n: links[n][1].geoms for n in tracks if n in links}
-    for name, static in scene.statics.items():
-        tracks[name] = static.position[None], static.quaternion[None]
-    names = [n for n in things if not scene.ignores(n, "person")]
-    names += [n for n in solids if not scene.ignores(links[n][0], "person")]
     share, deepest = np.zeros(frames), np.zeros(frames)
-    by_name = {n: np.zeros(frames) for n in (*names, *others)}
+    by_name = {n: np.zeros(frames) for n in (*solids, *others)}
     total, count = 0.0, 0
-    for part in _batches(frames, progress):
-        vertices = _skin(motion, body, part, frames)
+    for part in _shown(batches(frames), progress):
+        vertices = skin(motion, body, part)
         depth = np.zeros(vertices.shape[:2])
-        for name in names:
-            position, quaternion = tracks[name]
-            if len(position) > 1:
-                position, quaternion = position[part], quaternion[part]
-            if name in things:
-                own = _depth(things[name], vertices, position, quaternion, int(threads))
-            else:
-                own = _link_depth(solids[name], vertices, position, quaternion, int(threads))
+        for name, its in solids.items():
+            own = _depth(its, vertices, part, int(threads))
             by_name[name][part] = 1000.0 * own.max(axis=1)
             np.maximum(depth, own, out=depth)
-        for name, (its, who) in others.items():
-            own = _skin_depth(vertices, _skin(its, who, part, frames), who.faces, int(threads))
+        for name, (their, who) in others.items():
+            own = _skin_depth(vertices, skin(their, who, part), who.faces, int(threads))
             by_name[name][part] = 1000.0 * own.max(axis=1)
             np.maximum(depth, own, out=depth)
         inside = depth > 0.0
@@ -139,13 +118,6 @@ def penetration(
     )
 
 
-def _skin(motion: Any, body: Any, part: slice, frames: int) -> Array:
-    """Vertices (t, V, 3) of the frames `part`, of so many in all [m]."""
-    whole = frames == 1 or part == slice(0, frames)
-    vertices = np.asarray(body.vertices(motion if whole else motion[part]))
-    return vertices.reshape(-1, *vertices.shape[-2:])
-
-
 def _skin_depth(points: Array, skin: Array, faces: Any, threads: int) -> Array:
     """Depths (T, V) of points (T, V, 3) in a skin (T, W, 3) that differs from frame to frame."""
     depth = np.zeros(points.shape[:2])
@@ -164,87 +136,35 @@ def _others(scene: Scene, people: Any, frames: int) -> dict[str, tuple[Any, Any]
         raise InputError(f"people: expected names and pairs (motion, body), found {shown(people)}")
     for name, pair in people.items():
         what = f"people[{name!r}]"
-        if name in (*scene.statics, *scene.objects, *_links(scene)):
+        if name in (*scene.statics, *scene.objects, *links_of(scene)):
             raise InputError(f"{what}: the scene has a thing of this name; expected another")
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise InputError(f"{what}: expected a pair (motion, body), found {shown(pair)}")
         check_motion(what, pair[0], pose=True)
         validation.body(pair[1], "vertices")
-        shape = np.shape(pair[0].rotations)
-        found = shape[0] if len(shape) == 3 else 1
+        found = frames_of(pair[0])
         if found != frames:
             raise InputError(f"{what}: expected {frames} frames as of motion, found {found}")
     return dict(people)
 
 
-def _true_shape(thing: Object) -> Shape:
-    """What the thing is: where pieces stand for a mesh, the mesh itself."""
-    cut = thing.decomposition is not None
-    return thing.visual if cut and thing.visual is not None else thing.shape
-
-
-def _depth(shape: Shape, points: Array, position: Array, turn: Array, threads: int) -> Array:
-    """Depths (T, V) of points (T, V, 3) in a shape that stands at poses (T or 1, ...)."""
-    matrix = rotations.to_matrix(turn)
-    local = (points - position[:, None]) @ matrix  # row vectors: the transpose turns back
-    return shape.depth(local.reshape(-1, 3), threads=threads).reshape(points.shape[:2])
-
-
-def _links(scene: Scene) -> dict[str, tuple[str, Link]]:
-    """Links of articulated objects as results name them: whose, and the link."""
-    return {
-        name: (thing.name, link)
-        for thing in scene.articulated.values()
-        for name, link in zip(thing.link_names, thing.links, strict=True)
-    }
-
-
-def _link_depth(
-    geoms: tuple[LinkGeom, ...], points: Array, position: Array, turn: Array, threads: int
-) -> Array:
-    """As `_depth`, in the deepest of a link's solids."""
+def _depth(solids: list[Solid], points: Array, part: slice, threads: int) -> Array:
+    """Depths (t, V) of points (t, V, 3) of the frames `part`, in the deepest of some solids."""
     deepest = np.zeros(points.shape[:2])
-    for geom in geoms:
-        place = position + rotations.rotate(turn, np.broadcast_to(geom.position, position.shape))
-        own = rotations.multiply(turn, np.broadcast_to(geom.quaternion, turn.shape))
-        np.maximum(deepest, _depth(geom.shape, points, place, own, threads), out=deepest)
+    for shape, *pose in solids:
+        position, turn = (x if len(x) == 1 else x[part] for x in pose)
+        # Row vectors: the transpose turns back.
+        local = (points - position[:, None]) @ rotations.to_matrix(turn)
+        own = shape.depth(local.reshape(-1, 3), threads=threads).reshape(deepest.shape)
+        np.maximum(deepest, own, out=deepest)
     return deepest
 
 
-def _tracks(
-    scene: Scene, objects: Mapping[str, Any], frames: int
-) -> dict[str, tuple[Array, Array]]:
-    if not isinstance(objects, Mapping):
-        raise InputError(
-            f"objects: expected names and tracks, as in result.objects, found {shown(objects)}"
-        )
-    tracks, links = {}, _links(scene)
-    for name, track in objects.items():
-        if name not in scene.objects and name not in links:
-            known = ", ".join([*scene.objects, *links]) or "none"
-            raise InputError(f"objects: the scene has no object {name!r}; it has: {known}")
-        if not (hasattr(track, "position") and hasattr(track, "quaternion")):
-            raise InputError(
-                f"objects: {name!r}: expected a track with position and quaternion, as in "
-                f"result.objects, found {shown(track)}"
-            )
-        position = np.asarray(track.position, dtype=np.float64)
-        quaternion = np.asarray(track.quaternion, dtype=np.float64)
-        if position.shape != (frames, 3) or quaternion.shape != (frames, 4):
-            raise InputError(
-                f"objects: {name!r}: expected position ({frames}, 3) and quaternion ({frames}, 4) "
-                f"for a motion of {frames} frames, found {position.shape} and {quaternion.shape}"
-            )
-        tracks[name] = position, rotations.normalize(quaternion)
-    return tracks
-
-
-def _batches(frames: int, progress: bool) -> Any:
-    """Slices of nearly equal length that cover all frames, none of a single frame of several."""
-    edges = np.linspace(0, frames, -(-frames // _BATCH) + 1).round().astype(int)
-    parts = [slice(int(i), int(j)) for i, j in itertools.pairwise(edges)]
+def _shown(parts: list[slice], progress: bool) -> Iterable[slice]:
+    """The same, with a progress bar if it is wanted."""
     if not progress:
         return parts
     from tqdm import tqdm
 
-    return tqdm(parts, desc="penetration", unit_scale=_BATCH, unit="frames", leave=False)
+    frames = parts[0].stop
+    return tqdm(parts, desc="penetration", unit_scale=frames, unit="frames", leave=False)

@@ -124,6 +124,8 @@ class World {
   void people_put();
   // Per body: how fast a thing leaves them in the next substep, as a share of what is asked.
   std::vector<double> pace;
+  // Per body: things between two of them that would have to leave both ways at once.
+  std::vector<char> squeezed;
 
   // Everybody is somewhere else now: nothing is known of distances.
   void forget();
@@ -252,7 +254,9 @@ class World {
   static Vec3 least_overlap(const Placed& a, const Placed& b, Vec3 guess);
   void demand(Candidate& c, double h);
   double pace_of(const Candidate& c) const {
-    return forced && c.other_mover >= 0 ? pace[movers[c.other_mover].body] : 1.0;
+    if (!forced || !handles(c)) return 1;
+    const int thing = movers[c.other_mover].body;
+    return squeezed[thing] ? 0 : pace[thing];
   }
   // Of things that people were put into (forced.cpp).
   void find_exits(const Model& m, Poses& start);

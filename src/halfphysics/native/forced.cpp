@@ -10,10 +10,13 @@ namespace hp {
 
 namespace {
 
-// Nothing is thrown by what leaves it faster than so many times the speed asked; it then leaves so much more
-// slowly, by so many tries, and gains speed again by this factor a substep.
-constexpr double kThrown = 3, kGentler = 0.9, kLeast = 0.1, kRegain = 1.3;
+// Nothing is thrown by what it leaves faster than so many times the speed asked, or than it is and that, at right
+// angles; it then leaves so much more slowly, by so many tries, and gains speed again by this factor a substep.
+constexpr double kThrown = 3, kAcross = 1.01, kGentler = 0.9, kLeast = 0.1, kNoRoom = 0.3, kRegain = 2;
 constexpr int kTries = 3;
+// Who would have to leave faster than that to follow two ways out at once, the cosine between them being less
+// than 2 / kThrown^2 - 1, does not leave.
+constexpr double kOpposed = 2 / (kThrown * kThrown) - 1;
 // What has no room is not pushed for so long [s].
 constexpr double kPatience = 1.0 / 120, kMostPatience = 0.25;
 
@@ -55,6 +58,12 @@ void World::find_exits(const Model& m, Poses& start) {
   }
   auto body = [&](int mover) { return movers[mover].body; };
   auto neighbours = [&](int a, int b) { return a == b || m.parent[a] == b || m.parent[b] == a; };
+  struct Way {
+    int thing;
+    Vec3 exit;
+  };
+  std::vector<Way> found;
+  squeezed.assign(m.nbody, 0);
   std::vector<Vec3> ways;
   std::vector<size_t> mine;
   for (size_t first = 0; first < in.size(); first++) {
@@ -90,6 +99,10 @@ void World::find_exits(const Model& m, Poses& start) {
       }
       if (dist > least) least = dist, exit = n;
     }
+    const int thing = body(in[first].other);
+    for (const Way& w : found)
+      if (w.thing == thing && dot(w.exit, exit) < kOpposed) squeezed[thing] = 1;
+    found.push_back({thing, exit});
     for (size_t i : mine) {
       Candidate c;
       c.mover = in[i].mover, c.other_mover = in[i].other;
@@ -140,39 +153,62 @@ void Stepper::set_push(double h) {
   }
 }
 
-// A step of length h. A thing that people are inside of leaves them more slowly where it would be thrown, and
-// not at all where it has no room.
+// A thing stays where it is in this substep, whatever touches it.
+void Stepper::jam(int tree) {
+  for (int b = tree; b < model.nbody; b++) {
+    if (model.root[b] != tree) continue;
+    jammed_.push_back(b);
+    model.held[b] = 1;
+    for (int i = model.dof_first[b]; i < model.dof_first[b] + model.dof_count[b]; i++)
+      v_free_[i] = spin_[i] = 0;
+  }
+}
+
+// A step of length h. A thing that people are inside of leaves them more slowly where it would be thrown, and not
+// at all where it has no room; what is thrown even so is jammed and stays where it is.
 void Stepper::push_out(double h) {
   if (forced == Forced::No) return emerge(h);
   for (int tries = 0;; tries++) {
     emerge(h);
-    std::vector<char> inside(model.nbody, 0);
+    std::vector<char> inside(model.nbody, 0), forget(model.nbody, 0);
     for (const Candidate& c : candidates_)
       if (c.dist < 0 && c.other_mover >= 0 && is_person(world.movers[c.mover].body))
         inside[world.movers[c.other_mover].body] = 1;
-    bool again = false;
-    body_twists(model, start_.kin, v_.data(), twists_);
     std::vector<Twist> free;
+    body_twists(model, start_.kin, v_.data(), twists_);
     body_twists(model, start_.kin, v_free_.data(), free);
+    bool again = false;
     for (int b = 1; b < model.nbody; b++) {
-      double& pace = world.pace[b];
       if (!inside[b]) push_[b].patience = 0;
-      if (!inside[b] || pace == 0) continue;
-      const double most = fastest(b, free) + kThrown * world.settings.depenetration_speed,
-                   speed = fastest(b, twists_);
+      if (!inside[b] || model.held[b]) continue;
+      double& pace = world.pace[b];
+      if (world.squeezed[b]) pace = 0;
+      const double pushed = world.settings.depenetration_speed, speed = fastest(b, twists_),
+                   most = std::max(kThrown * pushed, kAcross * std::hypot(fastest(b, free), pushed));
       const bool room = good_ && !gave_way_[model.root[b]];
-      if (room && speed <= most) continue;
-      if (room && tries < kTries) {
-        pace *= std::max(kLeast, kGentler * most / speed);
+      if (speed <= most && (room || pace == 0)) continue;
+      if (pace == 0) {
+        jam(model.root[b]);
+      } else if (tries < kTries) {
+        pace *= room ? std::max(kLeast, kGentler * most / speed) : kNoRoom;
       } else {
         Push& p = push_[b];
         p.wait = p.patience = std::min(kMostPatience, std::max(kPatience, 2 * p.patience));
         pace = 0;
       }
-      again |= !good_ || speed > most;
+      forget[model.root[b]] = 1;
+      again = true;
     }
-    if (!again) return;
+    if (!again) break;
+    // What pressed on it without an end is no guess of what presses now.
+    auto forgotten = [&](const Remembered& w) {
+      const int other = (int)(w.key & 0xffffffff);
+      return forget[tree((int)(w.key >> 32))] || (other % 2 == 1 && forget[tree(other / 2)]);
+    };
+    warm_.erase(std::remove_if(warm_.begin(), warm_.end(), forgotten), warm_.end());
   }
+  for (int b : jammed_) model.held[b] = 0;
+  jammed_.clear();
 }
 
 void Stepper::force_frame(const double* targets, double dt, int n, std::vector<double>* poses) {

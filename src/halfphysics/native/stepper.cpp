@@ -61,6 +61,7 @@ void Stepper::finish(const std::vector<int>& person_roots) {
   scale_.assign(model.nv, 1);
   world.asleep.assign(model.nbody, 0);
   world.pace.assign(model.nbody, 1);
+  world.squeezed.assign(model.nbody, 0);
   push_.assign(model.nbody, {});
   for (const Track& t : tracks_) model.held[t.body] = 1;
   behind_.assign(model.nbody, 0);
@@ -82,6 +83,7 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   start_pose();
   world.asleep.assign(model.nbody, 0);  // what they rest on is known when they wake
   world.pace.assign(model.nbody, 1);
+  world.squeezed.assign(model.nbody, 0);
   push_.assign(model.nbody, {});
   if (forced != Forced::No) leave_people();
   world.reset(model, start_);

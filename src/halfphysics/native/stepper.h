@@ -133,6 +133,7 @@ class Stepper {
   void leave_people();
   void push_out(double h);
   void set_push(double h);
+  void jam(int tree);
   double fastest(int body, const std::vector<Twist>& twists) const;
 
   void start_pose();
@@ -314,6 +315,7 @@ class Stepper {
     double wait = 0, patience = 0;
   };
   std::vector<Push> push_;
+  std::vector<int> jammed_;  // bodies, in the attempt under way
   bool crushed_ = false;  // the last solve found that something on a track leaves others no room
   std::vector<double> behind_;        // per body: time lost in the substep under way [s]
   std::vector<int> start_asleep_;     // bodies

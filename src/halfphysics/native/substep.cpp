@@ -158,6 +158,8 @@ double Stepper::allowed(const Candidate& c) const {
   // Who leaves itself need not do so at an exact speed.
   if (leaves_itself(c))
     return std::max(miss, (gave_way_[tree(c.mover)] ? kLeast : kLeisure) * (c.target - c.dist));
+  // Nor need what leaves somebody whose pose is set.
+  if (world.forced && c.dist < 0 && world.handles(c)) miss += kSlack * (c.target - c.dist);
   if (c.target > 0) miss += kSlack * c.target;
   // What nothing stops must not wear a gap away either.
   auto held = [&](int mover) { return mover >= 0 && model.held[world.movers[mover].body]; };

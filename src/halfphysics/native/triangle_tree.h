@@ -12,106 +12,19 @@
 #include <stdexcept>
 #include <vector>
 
+#include "triangle_cluster.h"
+
 namespace triangles {
 
-constexpr double kFourPi = 12.566370614359172954;
 constexpr int kLeaf = 4;       // triangles in a leaf
 constexpr int kStack = 128;    // median splits: depth is at most log2(triangles) + 1
-
-struct Vec {
-  double x, y, z;
-};
-inline Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vec operator*(double s, Vec a) { return {s * a.x, s * a.y, s * a.z}; }
-inline double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Vec cross(Vec a, Vec b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline double norm(Vec a) { return std::sqrt(dot(a, a)); }
-
-struct Triangle {
-  Vec a, b, c;
-  int face;        // index in the caller's list
-  bool sliver;     // no usable normal: its closest point is sought on its edges
-};
-
-// Half the solid angle of a triangle seen from the origin (Van Oosterom and Strackee 1983).
-inline double half_solid_angle(Vec a, Vec b, Vec c) {
-  const double la = norm(a), lb = norm(b), lc = norm(c);
-  const double volume = dot(a, cross(b, c));
-  const double scale = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-  return std::atan2(volume, scale);
-}
-
-inline Vec closest_on_segment(Vec p, Vec a, Vec b) {
-  const Vec ab = b - a;
-  const double length2 = dot(ab, ab);
-  if (!(length2 > 0.0)) return a;
-  return a + std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) * ab;
-}
-
-Vec closest_on_edges(Vec p, const Triangle& t) {
-  const Vec candidates[3] = {closest_on_segment(p, t.a, t.b), closest_on_segment(p, t.b, t.c),
-                             closest_on_segment(p, t.c, t.a)};
-  Vec best = candidates[0];
-  for (const Vec& q : candidates)
-    if (dot(p - q, p - q) < dot(p - best, p - best)) best = q;
-  return best;
-}
-
-// Closest point of a triangle by the region of the plane that p lies over (Voronoi regions).
-Vec closest_on_triangle(Vec p, const Triangle& t) {
-  if (t.sliver) return closest_on_edges(p, t);
-  const Vec ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0.0 && d2 <= 0.0) return t.a;
-  const Vec bp = p - t.b;
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0.0 && d4 <= d3) return t.b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return t.a + (d1 / (d1 - d3)) * ab;
-  const Vec cp = p - t.c;
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0.0 && d5 <= d6) return t.c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return t.a + (d2 / (d2 - d6)) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0)
-    return t.b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (t.c - t.b);
-  const double sum = va + vb + vc;
-  return t.a + (vb / sum) * ab + (vc / sum) * ac;
-}
-
-// A cluster of triangles seen from afar. With G(r) = r / (4 pi |r|^3), the winding number is
-// the integral of n . G(x - q) dA; around the cluster's centre p it is
-// dipole . G(p - q) + tensor : DG(p - q) + rest, and |rest| <= 3/(4 pi) * second moment / d^4
-// where d is the distance of q from the ball of all the cluster's points, as |D^2 G| <= 6/(4 pi d^4).
-struct Cluster {
-  Vec centre;
-  double radius, remainder;
-  Vec dipole;            // integral of n dA, over 4 pi
-  double diagonal[3];    // integral of (x - p)_i n_i dA, over 4 pi
-  double mixed[3];       // xy, yz, zx: integral of (x - p)_i n_j + (x - p)_j n_i dA, over 4 pi
-};
+constexpr int kSteps = 2048;   // clusters opened at most for one question
+constexpr double kUnknown = 100.0;    // off by more than any winding number that is asked for
 
 struct Node {
   int left;            // index of the left child (the right one follows it), -1 in a leaf
   int first, count;    // its triangles
 };
-
-struct Box {
-  Vec lo, hi;
-};
-
-inline double box_distance2(const Box& b, Vec p) {
-  const double x = std::max({b.lo.x - p.x, 0.0, p.x - b.hi.x});
-  const double y = std::max({b.lo.y - p.y, 0.0, p.y - b.hi.y});
-  const double z = std::max({b.lo.z - p.z, 0.0, p.z - b.hi.z});
-  return x * x + y * y + z * z;
-}
-
-inline double axis(Vec v, int k) { return k == 0 ? v.x : (k == 1 ? v.y : v.z); }
 
 class Tree {
  public:
@@ -136,6 +49,7 @@ class Tree {
     if (triangles_.empty()) throw std::invalid_argument("a mesh needs at least one triangle");
     nodes_.resize(1);
     boxes_.resize(1);
+    slabs_.resize(1);
     if (winding_) clusters_.resize(1);
     build(0, 0, static_cast<int>(triangles_.size()));
   }
@@ -152,15 +66,11 @@ class Tree {
       const Cluster& c = clusters_[index];
       const Node& node = nodes_[index];
       const Vec r = c.centre - q;
-      const double r2 = dot(r, r), length = std::sqrt(r2), d = length - c.radius;
-      const double d4 = (d * d) * (d * d);
-      if (d > 0.0 && c.remainder <= share * d4) {
+      const double d2 = slab_distance2(slabs_[index], q), d4 = d2 * d2;
+      if (d2 > 0.0 && c.remainder <= share * d4) {
+        const double r2 = dot(r, r), length = std::sqrt(r2);
         const double inv2 = 1.0 / r2, inv3 = inv2 / length;
-        const double trace = c.diagonal[0] + c.diagonal[1] + c.diagonal[2];
-        const double quadratic = c.diagonal[0] * r.x * r.x + c.diagonal[1] * r.y * r.y +
-                                 c.diagonal[2] * r.z * r.z + c.mixed[0] * r.x * r.y +
-                                 c.mixed[1] * r.y * r.z + c.mixed[2] * r.z * r.x;
-        far += (dot(c.dipole, r) + trace - 3.0 * quadratic * inv2) * inv3;
+        far += far_field(c, r, inv2, inv3);
         rest += c.remainder / d4;
       } else if (node.left < 0) {
         for (int i = node.first; i < node.first + node.count; ++i) {
@@ -194,6 +104,66 @@ class Tree {
       if (std::abs(w - threshold) > error + 1e-9) return w > threshold;
     }
     return winding(q, -1.0, error) > threshold;
+  }
+
+  // Whether the winding number is over a threshold in all of a ball (or at a point: rho = 0), as
+  // the full sum would say: 1 yes, 0 no, -1 not known after so many steps. The cluster that leaves
+  // most open is opened first, until what is open cannot change the answer.
+  int decide(Vec q, double rho, double threshold, int steps) const {
+    Open heap[kSteps + 1];
+    int size = 0;
+    double value = 0.0, off = 0.0;  // at the centre, and by how much it may be another anywhere
+    auto less = [](const Open& a, const Open& b) { return a.off < b.off; };
+    auto add = [&](int index) {
+      const Open open = seen(index, q, rho);
+      value += open.value;
+      off += open.off;
+      if (open.node < 0) return;  // as exact as it gets
+      heap[size++] = open;
+      std::push_heap(heap, heap + size, less);
+    };
+    add(0);
+    for (int k = 0;; ++k) {
+      if (std::abs(value - threshold) > off + 1e-9) return value > threshold;
+      if (size == 0 || k == steps) return -1;
+      std::pop_heap(heap, heap + size, less);
+      const Open open = heap[--size];
+      value -= open.value;
+      off -= open.off;
+      add(nodes_[open.node].left);
+      add(nodes_[open.node].left + 1);
+    }
+  }
+
+  // `exceeds` of n points with one threshold, points[order[i]]: all of a ball at once where it can
+  // be said of all of it. `order` is changed.
+  template <typename Point, typename Tell>
+  void exceeds_all(const Point& point, int* order, int n, double threshold, const Tell& tell) const {
+    // A question about several is worth so many steps for each of them.
+    constexpr int kFew = 4, kParts = 4, kEach = 8;
+    if (n <= kFew) {
+      for (int i = 0; i < n; ++i) tell(order[i], exceeds(point(order[i]), threshold));
+      return;
+    }
+    const double inf = std::numeric_limits<double>::infinity();
+    Vec lo{inf, inf, inf}, hi{-inf, -inf, -inf};
+    for (int i = 0; i < n; ++i) {
+      const Vec p = point(order[i]);
+      lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
+      hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
+    }
+    const Vec extent = hi - lo;
+    const int known = decide(0.5 * (lo + hi), 0.5 * norm(extent), threshold, std::min(kSteps, kEach * n));
+    if (known >= 0) {
+      for (int i = 0; i < n; ++i) tell(order[i], known == 1);
+      return;
+    }
+    const int k = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2)
+                                       : (extent.y >= extent.z ? 1 : 2);
+    std::sort(order, order + n, [&](int a, int b) { return axis(point(a), k) < axis(point(b), k); });
+    for (int i = 0; i < kParts; ++i)
+      exceeds_all(point, order + n * i / kParts, n * (i + 1) / kParts - n * i / kParts, threshold,
+                  tell);
   }
 
   // Triangles that the ray from q upward (+z) crosses, counted +1 where they face up and -1
@@ -247,7 +217,11 @@ class Tree {
       }
     };
     if (guess >= 0) ask(guess);
-    stack[top++] = {box_distance2(boxes_[0], p), 0};
+    auto bound = [&](int node) {
+      const double d2 = box_distance2(boxes_[node], p);
+      return d2 > best2 ? d2 : std::max(d2, slab_distance2(slabs_[node], p));
+    };
+    stack[top++] = {bound(0), 0};
     while (top) {
       const Open open = stack[--top];
       if (open.d2 > best2) continue;
@@ -256,8 +230,7 @@ class Tree {
         for (int i = n.first; i < n.first + n.count; ++i) ask(i);
         continue;
       }
-      Open l{box_distance2(boxes_[n.left], p), n.left};
-      Open r{box_distance2(boxes_[n.left + 1], p), n.left + 1};
+      Open l{bound(n.left), n.left}, r{bound(n.left + 1), n.left + 1};
       if (l.d2 < r.d2) std::swap(l, r);
       if (l.d2 <= best2) stack[top++] = l;
       if (r.d2 <= best2) stack[top++] = r;
@@ -270,6 +243,39 @@ class Tree {
   bool has_winding() const { return winding_; }
 
  private:
+  // What a node adds to the winding number, how far that is off at most, and the node, or -1 where
+  // nothing in it could be opened.
+  struct Open {
+    double off, value;
+    int node;
+  };
+
+  // A node seen from a ball.
+  Open seen(int index, Vec q, double rho) const {
+    const Cluster& c = clusters_[index];
+    const Node& node = nodes_[index];
+    const Vec r = c.centre - q;
+    const double length = norm(r), d = std::sqrt(slab_distance2(slabs_[index], q)) - rho;
+    if (d > 0.0) {
+      const double inv = 1.0 / d, inv3 = inv * inv * inv, inv4 = inv3 * inv;
+      const double off = c.remainder * inv4 +
+                         rho * (c.change[0] * inv3 + (c.change[1] + 4.0 * c.remainder * inv) * inv4);
+      if (node.left >= 0 || off < 1e-3) {
+        const double inv2 = 1.0 / (length * length);
+        return {off, far_field(c, r, inv2, inv2 / length), node.left >= 0 ? index : -1};
+      }
+    }
+    if (node.left >= 0) return {kUnknown, 0.0, index};
+    if (rho > 0.0 && d <= 0.0) return {kUnknown, 0.0, -1};
+    double value = 0.0, area = 0.0;
+    for (int i = node.first; i < node.first + node.count; ++i) {
+      const Triangle& t = triangles_[i];
+      value += 2.0 / kFourPi * half_solid_angle(t.a - q, t.b - q, t.c - q);
+      area += norm(cross(t.b - t.a, t.c - t.a));  // twice
+    }
+    return {rho > 0.0 ? rho * area / (kFourPi * d * d * d) : 0.0, value, -1};
+  }
+
   // +1 (upward) or -1 (downward) where the edge crosses the ray from q along +x, in the xy plane.
   static int passes(Vec q, Vec a, Vec b) {
     const bool up = a.y <= q.y && q.y < b.y, down = b.y <= q.y && q.y < a.y;
@@ -292,8 +298,9 @@ class Tree {
       grow(middle, t.a + t.b + t.c);
     }
     boxes_[node] = box;
+    slabs_[node] = flat(&triangles_[first], count, box);
     nodes_[node] = {-1, first, count};
-    if (winding_) clusters_[node] = describe(first, count, box);
+    if (winding_) clusters_[node] = describe(&triangles_[first], count, box);
     if (count <= kLeaf) return;
     const Vec extent = middle.hi - middle.lo;
     const int k = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2)
@@ -309,47 +316,16 @@ class Tree {
     nodes_[node].left = left;
     nodes_.resize(left + 2);
     boxes_.resize(left + 2);
+    slabs_.resize(left + 2);
     if (winding_) clusters_.resize(left + 2);
     build(left, first, half);
     build(left + 1, first + half, count - half);
   }
 
-  Cluster describe(int first, int count, const Box& box) const {
-    Cluster c{};
-    double area = 0.0;
-    Vec centre{0, 0, 0};
-    for (int i = first; i < first + count; ++i) {
-      const Triangle& t = triangles_[i];
-      const double twice = norm(cross(t.b - t.a, t.c - t.a));
-      area += twice;
-      centre = centre + twice / 3.0 * (t.a + t.b + t.c);
-    }
-    c.centre = area > 0.0 ? (1.0 / area) * centre : 0.5 * (box.lo + box.hi);
-    double moment = 0.0, radius2 = 0.0;
-    double m[3][3] = {};
-    for (int i = first; i < first + count; ++i) {
-      const Triangle& t = triangles_[i];
-      const Vec a = t.a - c.centre, b = t.b - c.centre, d = t.c - c.centre;
-      const Vec sum = a + b + d, n = 0.5 * cross(b - a, d - a);
-      c.dipole = c.dipole + n;
-      for (int r = 0; r < 3; ++r)
-        for (int s = 0; s < 3; ++s) m[r][s] += axis(sum, r) / 3.0 * axis(n, s);
-      moment += norm(n) / 12.0 * (dot(a, a) + dot(b, b) + dot(d, d) + dot(sum, sum));
-      radius2 = std::max({radius2, dot(a, a), dot(b, b), dot(d, d)});
-    }
-    c.dipole = (1.0 / kFourPi) * c.dipole;
-    for (int r = 0; r < 3; ++r) {
-      c.diagonal[r] = m[r][r] / kFourPi;
-      c.mixed[r] = (m[r][(r + 1) % 3] + m[(r + 1) % 3][r]) / kFourPi;
-    }
-    c.radius = std::sqrt(radius2);
-    c.remainder = 3.0 / kFourPi * moment;
-    return c;
-  }
-
   std::vector<Triangle> triangles_;    // in the tree's order
   std::vector<Node> nodes_;
   std::vector<Box> boxes_;
+  std::vector<Slab> slabs_;
   std::vector<Cluster> clusters_;    // empty unless winding_
   bool winding_;
 };

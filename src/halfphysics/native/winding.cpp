@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <thread>
+#include <utility>
 
 namespace {
 
@@ -75,6 +76,62 @@ nb::tuple distance(const Tree& tree, Points points, int threads) {
   return nb::make_tuple(own(distance, {n}), own(face, {n}), own(closest, {n, size_t{3}}));
 }
 
+// Bits of a number, two zeros after each.
+uint64_t spread(uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+// Points by threshold, then along a curve through space: neighbours stand together.
+std::vector<int> in_space(const double* p, const double* threshold, size_t n) {
+  double lo[3] = {p[0], p[1], p[2]}, hi[3] = {p[0], p[1], p[2]};
+  for (size_t i = 0; i < 3 * n; ++i) {
+    lo[i % 3] = std::min(lo[i % 3], p[i]);
+    hi[i % 3] = std::max(hi[i % 3], p[i]);
+  }
+  const double size = std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2], 1e-300});
+  std::vector<std::pair<uint64_t, int>> key(n);
+  for (size_t i = 0; i < n; ++i) {
+    uint64_t code = 0;
+    for (int k = 0; k < 3; ++k)
+      code |= spread(static_cast<uint64_t>((p[3 * i + k] - lo[k]) / size * 4095.0)) << k;
+    key[i] = {code, static_cast<int>(i)};
+  }
+  std::sort(key.begin(), key.end(), [&](const auto& a, const auto& b) {
+    const double s = threshold[a.second], t = threshold[b.second];
+    return s != t ? s < t : a < b;
+  });
+  std::vector<int> order(n);
+  for (size_t i = 0; i < n; ++i) order[i] = key[i].second;
+  return order;
+}
+
+// Whether the winding number is over a threshold, for each point its own: whole numbers apart.
+nb::ndarray<nb::numpy, uint8_t> exceeds(const Tree& tree, Points points, const double* threshold,
+                                        int threads) {
+  const size_t n = points.shape(0);
+  const double* p = points.data();
+  auto* out = new std::vector<uint8_t>(n);
+  if (n > 0) {
+    nb::gil_scoped_release release;
+    std::vector<int> order = in_space(p, threshold, n);
+    auto point = [p](int i) { return Vec{p[3 * i], p[3 * i + 1], p[3 * i + 2]}; };
+    auto tell = [out](int i, bool yes) { (*out)[i] = yes; };
+    in_blocks(n, threads, [&](size_t begin, size_t end) {
+      for (size_t i = begin, j; i < end; i = j) {
+        const double t = threshold[order[i]];
+        for (j = i + 1; j < end && threshold[order[j]] == t;) ++j;
+        tree.exceeds_all(point, &order[i], static_cast<int>(j - i), t, tell);
+      }
+    });
+  }
+  return own(out, {n});
+}
+
 void need_winding(const Tree& tree) {
   if (!tree.has_winding()) throw std::invalid_argument("built without winding=True");
 }
@@ -119,9 +176,7 @@ void bind_winding(nb::module_& m) {
             need_winding(self);
             if (threshold.shape(0) != points.shape(0))
               throw std::invalid_argument("one threshold per point is needed");
-            const double* t = threshold.data();
-            return per_point<uint8_t>(points, threads,
-                                      [&](Vec q, size_t i) { return self.exceeds(q, t[i]); });
+            return exceeds(self, points, threshold.data(), threads);
           },
           nb::arg("points"), nb::arg("threshold"), nb::arg("threads") = 1,
           "1 where the winding number is over threshold (n,), else 0: as the full sum would say.");

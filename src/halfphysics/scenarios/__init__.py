@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import re
+import textwrap
 from collections.abc import Callable
 from typing import Any
 
 from halfphysics.errors import InputError
 from halfphysics.sequence import Sequence
 
-__all__ = ["builder", "describe", "load", "names", "options"]
+__all__ = ["builder", "describe", "explain", "load", "names", "options"]
 
 #: Scenario -> module of this package that builds it.
 _MODULES = {
@@ -67,6 +69,21 @@ def describe(name: str) -> str:
         InputError: An unknown name.
     """
     return (inspect.getdoc(builder(name)) or "").splitlines()[0]
+
+
+def explain(name: str) -> dict[str, str]:
+    """What each option of a scenario means, for those that are explained.
+
+    Raises:
+        InputError: An unknown name.
+    """
+    text = inspect.getdoc(builder(name)) or ""
+    section = re.search(r"^Args:\n((?:[ ]+.*\n?|\n)*)", text, re.MULTILINE)
+    if section is None:
+        return {}
+    entries = re.split(r"^(\w+): ", textwrap.dedent(section[1]), flags=re.MULTILINE)[1:]
+    said = (" ".join(meaning.split()) for meaning in entries[1::2])
+    return dict(zip(entries[::2], said, strict=True))
 
 
 def options(name: str) -> dict[str, Any]:

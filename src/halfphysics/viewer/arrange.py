@@ -43,20 +43,9 @@ class Arrangement:
     points: Array
     faint: tuple[frozenset[str], ...]
 
-    def camera(self, size: tuple[int, int], covered: int = 0) -> Camera:
-        """Sees the stories of all.
-
-        Args:
-            size: Of the picture [pixels].
-            covered: Width on the right that something lies over [pixels].
-        """
-        width, height = size
-        free = max(width - covered, 1)
-        camera = Camera.framing(self.points, self.direction, size=(free, height), fov=FOV)
-        right, _, _ = camera.axes()
-        distance = float(np.linalg.norm(camera.target - camera.position))
-        pixel = 2.0 * distance * np.tan(np.radians(FOV) / 2.0) / height
-        return _moved(camera, right * (0.5 * covered * pixel))
+    def camera(self, size: tuple[int, int]) -> Camera:
+        """Sees the stories of all in a picture of this size [pixels]."""
+        return Camera.framing(self.points, self.direction, size=size, fov=FOV)
 
 
 def arrange(

@@ -5,6 +5,10 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
+from halfphysics.viewer.camera import PRESETS
+from halfphysics.viewer.layers import legend
+from halfphysics.viewer.numbers import NumbersPanel
+from halfphysics.viewer.plots import Plots
 from halfphysics.viewer.timeline import SPEEDS
 
 if TYPE_CHECKING:
@@ -41,24 +45,34 @@ class Controls:
         self._speed.on_update(lambda _: self._set(speed=self._speed.value))
         self._loop = gui.add_checkbox("Loop", timeline.loop)
         self._loop.on_update(lambda _: self._set(loop=self._loop.value))
-        self._toggles = self._add_layers()
+        results = [stage.drawing.result for stage in viewer.stages]
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("Show"):
+            self._toggles = self._add_layers()
+            if any("contacts" in stage.layers for stage in viewer.stages):
+                gui.add_html(legend(results))
+        with tabs.add_tab("Plots"):
+            self.plots = Plots(gui, results, viewer.labels, timeline.duration)
+        with tabs.add_tab("Numbers"):
+            self.numbers = NumbersPanel(gui, results, viewer.labels)
+        with tabs.add_tab("Camera"):
+            self._add_camera()
         self._add_keys()
 
     def _add_layers(self) -> list[Any]:
         viewer, gui = self._viewer, self._gui
         boxes = []
-        with gui.add_folder("Show", expand_by_default=False):
-            if len(viewer.stages) > 1:
-                for stage, label in zip(viewer.stages, viewer.labels, strict=True):
-                    box = gui.add_checkbox(label, True)
-                    box.on_update(self._shows([stage]))
-                    boxes.append(box)
-                gui.add_divider()
-            for name in dict.fromkeys(n for stage in viewer.stages for n in stage.layers):
-                layers = [stage.layers[name] for stage in viewer.stages if name in stage.layers]
-                box = gui.add_checkbox(layers[0].label, layers[0].visible)
-                box.on_update(self._shows(layers))
+        if len(viewer.stages) > 1:
+            for stage, label in zip(viewer.stages, viewer.labels, strict=True):
+                box = gui.add_checkbox(label, True)
+                box.on_update(self._shows([stage]))
                 boxes.append(box)
+            gui.add_divider()
+        for name in dict.fromkeys(n for stage in viewer.stages for n in stage.layers):
+            layers = [stage.layers[name] for stage in viewer.stages if name in stage.layers]
+            box = gui.add_checkbox(layers[0].label, layers[0].visible)
+            box.on_update(self._shows(layers))
+            boxes.append(box)
         return boxes
 
     def _shows(self, things: list[Any]) -> Any:
@@ -70,6 +84,29 @@ class Controls:
             self._viewer.do(task)
 
         return shows
+
+    def _add_camera(self) -> None:
+        viewer, gui = self._viewer, self._gui
+        views = gui.add_button_group("Look from", PRESETS, hint="At the people as they are now")
+
+        def look(event: Any) -> None:
+            client, name = event.client, views.value
+            viewer.do(lambda: viewer.cameras.preset(client, name))
+
+        def home(event: Any) -> None:
+            viewer.do(lambda: viewer.cameras.home(event.client))
+
+        views.on_click(look)
+        reset = gui.add_button("See everything", icon=_icon("HOME"), hint="As at the start")
+        reset.on_click(home)
+        follow = gui.add_checkbox(
+            "Follow", viewer.cameras.following, hint="Go along; turn and zoom as you like"
+        )
+
+        def follows(_event: Any) -> None:
+            viewer.cameras.following = follow.value
+
+        follow.on_update(follows)
 
     def _add_keys(self) -> None:
         keys = (
@@ -117,13 +154,15 @@ class Controls:
         self._viewer.changed()
 
     def refresh(self) -> None:
-        """Slider, button and read-out as the timeline is; a few times a second at most."""
+        """All that is read as the timeline is; a few times a second at most."""
         now = time.monotonic()
         if now - self._followed < _FOLLOW:
             return
         self._followed = now
         timeline = self._timeline
         at, playing = timeline.time, timeline.playing
+        self.plots.show(at)
+        self.numbers.show(timeline.frames())
         frame = int(at * timeline.fps + 1e-6)
         last = round(timeline.duration * timeline.fps)
         self._time.content = f"**{at:.2f} s** of {timeline.duration:.2f} s, frame {frame} of {last}"

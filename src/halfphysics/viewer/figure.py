@@ -138,6 +138,11 @@ class Figure:
         for mesh in self._meshes:
             mesh.visible = visible
 
+    @property
+    def bone_pose(self) -> tuple[Array, Array] | None:
+        """Where the bones are: (B, 3) [m] and wxyz (B, 4); None: never posed."""
+        return self._pose
+
     def pose(self, positions: Array, quaternions: Array) -> None:
         """Move.
 

@@ -120,6 +120,7 @@ class Stage:
             for name in self._objects
         }
         self._frames: list[tuple[tuple[Array, Array], ...]] = []
+        self._joints: list[Array] = []
         self.people: list[Figure] = []
         self.ghosts: list[Figure] = []
         for k, person in enumerate(drawing.result.people):
@@ -131,6 +132,7 @@ class Stage:
                 name = self.path(f"{kind}/{k}")
                 figures.append(Figure(server, name, skin, person.body, joints))
             self._frames.append(frames)
+            self._joints.append(frames[0][0][0])
         self.layers = {
             "body": Layer("Body", [*self.people]),
             "ghost": Layer("Ghost", [*self.ghosts]),
@@ -173,6 +175,13 @@ class Stage:
         """
         with self._lock:
             (self.ghosts if ghost else self.people)[person].pose(positions, quaternions)
+            if not ghost:
+                self._joints[person] = positions
+
+    def joints(self) -> list[Array]:
+        """Of everybody as posed now: joints (55, 3) [m] in the frame of the prefix."""
+        with self._lock:
+            return list(self._joints)
 
     def place(self, name: str, position: Array, quaternion: Array) -> None:
         """Move an object: `position` (3,) [m] and `quaternion` (4,) wxyz in the world.

@@ -19,7 +19,9 @@ from halfphysics.errors import InputError
 from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.validation import shown
 from halfphysics.viewer.arrange import arrange, floor_height
+from halfphysics.viewer.camera import Cameras, beside_panel
 from halfphysics.viewer.controls import Controls
+from halfphysics.viewer.layers import add_layers
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.stage import Layer, Stage, aim, light
 from halfphysics.viewer.timeline import Timeline
@@ -33,9 +35,8 @@ _SPACING = 1.0 / 40.0
 _IDLE = 0.25
 # Names hang this far above the head's joint [m].
 _HEAD, _OVER = JOINT_INDEX["head"], 0.3
-# The window that things are arranged for; the panel takes this much of one that is wide [pixels].
+# The window that things are arranged for [pixels].
 _PICTURE = (1280, 720)
-_WIDE, _PANEL = 700, 335
 
 
 class Viewer:
@@ -53,6 +54,7 @@ class Viewer:
         stages: One a result.
         labels: What they are called.
         timeline: The clock. Change it as you like, then say `changed`.
+        cameras: Where browsers look from.
     """
 
     def __init__(
@@ -70,7 +72,7 @@ class Viewer:
         drawings = [Drawing(result) for result in results]
         self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
         room = _OVER if len(drawings) > 1 else 0.0
-        self._row = row = arrange(drawings, _PICTURE, headroom=room)
+        row = arrange(drawings, _PICTURE, headroom=room)
         self._asked_port = port
         self._host = host
         self.server = open_server(host, port, label=title)
@@ -81,8 +83,9 @@ class Viewer:
         self._failure: BaseException | None = None
         try:
             light(self.server)
-            aim(self.server, row.camera(_PICTURE, _PANEL))
+            aim(self.server, beside_panel(row.camera, _PICTURE))
             self.stages = self._build(drawings, row)
+            self.cameras = Cameras(self.server, self.stages, row.camera)
             self.controls = Controls(self)
             self.timeline.play()
             for stage in self.stages:
@@ -114,6 +117,7 @@ class Viewer:
                     floors[round(height, 6)] = stage.static(name.removeprefix("static/"))
             if len(drawings) > 1:
                 self._name(stage, self.labels[k])
+            add_layers(self.server, stage)
             stages.append(stage)
         reach = float(np.linalg.norm(row.offsets, axis=1).max())
         for floor in floors.values():
@@ -159,11 +163,7 @@ class Viewer:
 
     def _welcome(self, client: Any) -> None:
         """A browser has come: show it everything, in whatever shape its window has."""
-        width, height = client.camera.image_width, client.camera.image_height
-        camera = self._row.camera((max(width, 1), max(height, 1)), _PANEL if width > _WIDE else 0)
-        with client.atomic():
-            client.camera.position = camera.position
-            client.camera.look_at = camera.target
+        self.cameras.home(client)
         self.changed()
 
     def __repr__(self) -> str:
@@ -240,6 +240,7 @@ class Viewer:
         with self.server.atomic() if late else contextlib.nullcontext():
             for k in late:
                 self.stages[k].show(frames[k])
+        self.cameras.follow()
         self.controls.refresh()
         return bool(late)
 

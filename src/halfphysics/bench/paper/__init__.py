@@ -1,7 +1,8 @@
 """Every claim of the paper as a number beside ours: `halfphysics bench paper`.
 
-A section is a module here with a constant `SECTION`, and one name below. Its tasks run in
-processes of their own and are kept (`store`), so that a run that was stopped goes on where it was.
+A section is a module of `sections`, named by its key, with a constant `SECTION`, and one name
+below. Its tasks (`runs`) run in processes of their own and are kept (`store`), so that a run that
+was stopped goes on where it was.
 """
 
 from __future__ import annotations
@@ -9,33 +10,36 @@ from __future__ import annotations
 import importlib
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from halfphysics.bench.paper import document, page
+from halfphysics.bench.paper import document
 from halfphysics.bench.paper.evidence import Options, Section
+from halfphysics.bench.paper.html import page
 from halfphysics.bench.paper.runner import Done, Job, run
 from halfphysics.bench.paper.store import Store
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.atomic import atomic_write
 
-__all__ = ["MODULES", "Options", "Report", "make", "sections"]
+__all__ = ["KEYS", "Options", "Report", "listed", "make"]
 
-#: Modules of this package, in the order of the report.
-MODULES = (
-    "fidelity",
-    "torque",
-    "internal_forces",
-    "scenes",
-    "objects",
-    "forcing",
-    "firmness",
+#: Keys of the sections, which are modules of `sections`, in the order of the report.
+KEYS = (
+    "table1",
+    "table2",
+    "table3",
+    "table4",
+    "figures4and9",
+    "figure5",
+    "figures6and7",
+    "figure8",
     "speed",
 )
 
 #: Files of a report, in its folder.
 JSON, SPEED, PAGE, WORK = "paper.json", "paper-speed.json", "paper.html", "work"
+_GONE = "what it found is gone: its files, or those in work, changed while the report was made"
 
 
 @dataclass(frozen=True)
@@ -47,18 +51,17 @@ class Report:
     speed: dict[str, Any]
 
 
-def sections(only: Sequence[str] = ()) -> list[Section]:
+def listed(only: Sequence[str] = ()) -> list[Section]:
     """All sections, or those named.
 
     Raises:
         InputError: An unknown key.
     """
-    found = [importlib.import_module(f"{__name__}.{name}").SECTION for name in MODULES]
-    known = {section.key: section for section in found}
     for key in only:
-        if key not in known:
-            raise InputError(f"only: unknown section {key!r}, expected one of {', '.join(known)}")
-    return [section for section in found if not only or section.key in only]
+        if key not in KEYS:
+            raise InputError(f"only: unknown section {key!r}, expected one of {', '.join(KEYS)}")
+    chosen = [key for key in KEYS if not only or key in only]
+    return [importlib.import_module(f"{__name__}.sections.{key}").SECTION for key in chosen]
 
 
 def make(
@@ -82,8 +85,8 @@ def make(
     Raises:
         InputError: Impossible options. FileError: The folder cannot be written.
     """
-    options = options or Options()
-    chosen = sections(only)
+    options = replace(options or Options())  # which looks for files anew
+    chosen = listed(only)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -138,10 +141,14 @@ def _entries(
         causes = {key: cause for (name, key), cause in failed.items() if name == section.key}
         values = {}
         for task in section.tasks(options):
-            found = None if task.key in causes else store.load(section.key, task)
-            if found is not None:
+            if task.key in causes:
+                continue
+            found = store.load(section.key, task)
+            if found is None:
+                causes[task.key] = _GONE
+            else:
                 values[task.key] = found
-        entries.append(document.section(section, options, values, causes))
+        entries.append(document.entry(section, options, values, causes))
     return entries
 
 

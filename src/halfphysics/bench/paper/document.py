@@ -8,11 +8,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from halfphysics.bench.paper.evidence import Options, Section, to_dict
+from halfphysics.bench.paper.verdicts import tally
 
 TITLE = "Half-Physics: the paper's evidence, reproduced and extended"
 
 
-def section(
+def entry(
     section: Section, options: Options, values: Mapping[str, Any], failed: Mapping[str, str]
 ) -> dict[str, Any]:
     """A section's entry; `values` and `failed` by task key."""
@@ -61,20 +62,7 @@ def document(options: Options, sections: Sequence[Mapping[str, Any]]) -> dict[st
 
 def verdict(sections: Sequence[Mapping[str, Any]]) -> dict[str, int]:
     """How many figures are reproduced, are not, are shown without a judgement, or are missing."""
-    count = {"reproduced": 0, "not_reproduced": 0, "shown": 0, "missing": 0}
-    for entry in sections:
-        count["missing"] += len(entry["failed"])
-        for row in entry["rows"]:
-            for figure in row["figures"]:
-                if row["quoted"]:
-                    continue
-                if figure["ours"] is None and figure["expected"]:
-                    count["missing"] += 1
-                elif figure["reproduced"] is None:
-                    count["shown"] += 1
-                else:
-                    count["reproduced" if figure["reproduced"] else "not_reproduced"] += 1
-    return count
+    return {kind: n for kind, n in tally(sections).items() if kind != "quoted"}
 
 
 def machine() -> dict[str, Any]:

@@ -6,12 +6,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
 from halfphysics.errors import InputError
 from halfphysics.validation import shown
+
+Found = TypeVar("Found")
 
 #: What a user may bring: a folder of AIST++, of any motions, of any scenes.
 DATA = ("aist", "clips", "scenes")
@@ -33,6 +35,7 @@ class Options:
     quick: bool = False
     seed: int = 0
     data: Mapping[str, Path] = field(default_factory=dict)
+    _found: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         whole = isinstance(self.seed, int) and not isinstance(self.seed, bool)
@@ -44,6 +47,14 @@ class Options:
             if not Path(folder).is_dir():
                 raise InputError(f"data: {name}={folder}: there is no such folder")
 
+    def once(self, name: str, look: Callable[[], Found]) -> Found:
+        """What `look` finds in a folder of the user's, which is looked through once: files that
+        come and go while a report is made do not change what its rows are of."""
+        if name not in self._found:
+            self._found[name] = look()
+        found: Found = self._found[name]
+        return found
+
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
@@ -52,10 +63,11 @@ class Task:
     Attributes:
         key: Its name within the section: letters, digits, spaces, "-", "_", "." and
             "/".
-        function: "MODULE:NAME" of a function that returns an `Outcome`; a module without a dot in
-            its name is one of this package. The same arguments give the same values, bit for bit.
+        function: "MODULE:NAME" of a function that returns an `Outcome`; ".runs.x" is a module of
+            this package. The same arguments give the same values, bit for bit.
         arguments: Its arguments: what JSON can say.
-        inputs: Files of the user that it reads; their content is part of what is remembered.
+        inputs: Files of the user that it reads; their content is part of what is remembered, of
+            folders the names, sizes and dates of what is in them.
         seconds: About how long it takes on one core [s].
     """
 
@@ -187,6 +199,13 @@ def at_least(
     good = None if ours is None else ours >= limit
     expected = f"at least {limit:g}"
     return Figure(name=name, unit=unit, ours=ours, paper=paper, expected=expected, reproduced=good)
+
+
+def between(low: float, high: float, ours: float | None, *, name: str, unit: str = "") -> Figure:
+    """A figure that is reproduced from `low` to `high`."""
+    good = None if ours is None else low <= ours <= high
+    expected = f"{low:g} to {high:g}"
+    return Figure(name=name, unit=unit, ours=ours, expected=expected, reproduced=good)
 
 
 def plain(value: Any, where: str) -> Any:

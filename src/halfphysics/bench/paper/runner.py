@@ -17,7 +17,7 @@ from multiprocessing import connection
 from pathlib import Path
 
 from halfphysics.bench.paper.evidence import Outcome, Task
-from halfphysics.bench.paper.store import Store
+from halfphysics.bench.paper.store import Store, identity
 from halfphysics.errors import HalfPhysicsError
 
 #: What numpy's libraries read to know how many threads to start: one, or tasks get in each
@@ -43,6 +43,14 @@ class Done:
     cause: str = ""
 
 
+def function_of(task: Task) -> Callable[..., Outcome]:
+    """The function that a task names."""
+    module, name = task.function.split(":")
+    found = importlib.import_module(module, "halfphysics.bench.paper")
+    function: Callable[..., Outcome] = getattr(found, name)
+    return function
+
+
 def work(folder: Path, job: Job) -> Done:
     """Do a task and keep its outcome; what it raises is the cause of its failure.
 
@@ -50,11 +58,9 @@ def work(folder: Path, job: Job) -> Done:
     """
     start = time.perf_counter()
     try:
-        module, name = job.task.function.split(":")
-        if "." not in module:
-            module = f"halfphysics.bench.paper.{module}"
-        function: Callable[..., Outcome] = getattr(importlib.import_module(module), name)
-        Store(folder).keep(job.section, job.task, function(**job.task.arguments))
+        of = identity(job.task)
+        outcome = function_of(job.task)(**job.task.arguments)
+        Store(folder).keep(job.section, job.task, outcome, of)
     except HalfPhysicsError as error:
         return Done(job, time.perf_counter() - start, str(error))
     except Exception as error:

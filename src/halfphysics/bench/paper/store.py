@@ -6,9 +6,12 @@ or was computed by another program, from other arguments or other files, counts 
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
+import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +36,7 @@ class Store:
             kept = json.loads(path.read_bytes())
         except (OSError, ValueError):
             return None
-        if not isinstance(kept, dict) or kept.get("of") != _identity(task):
+        if not isinstance(kept, dict) or kept.get("of") != identity(task):
             return None
         if _sum(kept.get("values")) != kept.get("sum"):
             return None
@@ -43,8 +46,8 @@ class Store:
                 return None
         return kept["values"]
 
-    def keep(self, section: str, task: Task, outcome: Outcome) -> None:
-        """Remember an outcome.
+    def keep(self, section: str, task: Task, outcome: Outcome, of: Any = None) -> None:
+        """Remember an outcome; `of`: the task's `identity` before it began, if files may change.
 
         Raises:
             InputError: Values that JSON cannot say.
@@ -61,7 +64,7 @@ class Store:
             with atomic_write(self._picture(section, task.key, name)) as handle:
                 handle.write(png)
             sums[name] = hashlib.sha256(png).hexdigest()
-        kept = {"of": _identity(task), "sum": _sum(values), "values": values, "pictures": sums}
+        kept = {"of": of or identity(task), "sum": _sum(values), "values": values, "pictures": sums}
         with atomic_write(path) as handle:
             handle.write(json.dumps(kept, indent=1).encode())
 
@@ -86,7 +89,7 @@ class Store:
         return self.folder.joinpath(*parts)
 
 
-def _identity(task: Task) -> dict[str, Any]:
+def identity(task: Task) -> dict[str, Any]:
     """What has to be the same for an outcome to be this task's."""
     return {
         "program": program(),
@@ -97,11 +100,23 @@ def _identity(task: Task) -> dict[str, Any]:
 
 
 def _file_sum(path: str) -> str:
+    """Of a file's content; of a folder's entries, for what is in it may be large."""
+    if os.path.isdir(path):
+        return _sum(sorted(_entries(path)))
     try:
         with open(path, "rb") as handle:
             return hashlib.file_digest(handle, "sha256").hexdigest()
     except OSError:
         return ""  # the task itself says what is wrong with it
+
+
+def _entries(folder: str) -> Iterator[tuple[str, int, int]]:
+    for path, _, names in os.walk(folder):
+        for name in names:
+            file = os.path.join(path, name)
+            with contextlib.suppress(OSError):  # gone meanwhile, or a link to nowhere
+                about = os.stat(file)
+                yield os.path.relpath(file, folder), about.st_size, about.st_mtime_ns
 
 
 def _sum(values: Any) -> str:

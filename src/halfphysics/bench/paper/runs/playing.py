@@ -1,0 +1,138 @@
+"""Scenarios played for the figures: with which settings, and what is looked at in all of them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from collections.abc import Sequence as Several
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import metrics, scenarios
+from halfphysics import rotations as rot
+from halfphysics.errors import HalfPhysicsWarning
+from halfphysics.result import SETTLE
+from halfphysics.settings import Settings
+from halfphysics.skeleton import N_JOINTS, PARENTS
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.motion import Motion
+    from halfphysics.result import ObjectTrack, Result
+    from halfphysics.sequence import Sequence
+
+Array = NDArray[np.float64]
+
+#: How many frames apart the skin is looked at if it is to be quick.
+EVERY = 4
+#: Pictures of a strip; each this wide and high [pixels]: two beside each other fill a phone.
+_TILES, _QUICK_TILES, _COLUMNS, _SIZE = 4, 2, 2, (230, 250)
+
+
+def play(name: str, options: Mapping[str, Any], choice: Mapping[str, Any]) -> Result:
+    """A scenario of one person, with the settings chosen."""
+    return run(scenarios.load(name, **options), choice)
+
+
+def run(sequence: Sequence, choice: Mapping[str, Any]) -> Result:
+    """A result with the settings chosen; that time was lost is a number here and no warning."""
+    from halfphysics.simulation import simulate
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", HalfPhysicsWarning)
+        return simulate(
+            sequence.motions[0],
+            sequence.scene,
+            body=sequence.bodies[0],
+            settings=Settings(**choice),
+        )
+
+
+def strip(
+    result: Result, wanted: bool, *, quick: bool, frames: Several[int] | None = None
+) -> dict[str, bytes]:
+    """A task's pictures: "strip", if it is wanted, is a PNG of under 150 kB that a phone can show.
+
+    It has the frames given, as far as there are any, or the key frames.
+    """
+    from halfphysics.strip import key_frames, strip_png
+
+    if not wanted:
+        return {}
+    if frames is None:
+        frames = key_frames(result, _QUICK_TILES if quick else _TILES)
+    frames = [min(frame, len(result) - 1) for frame in frames]
+    samples = 1 if quick else 2
+    return {"strip": strip_png(result, frames, _COLUMNS, _SIZE, samples=samples, colors=96)}
+
+
+def penetration(
+    result: Result, *, quick: bool = False, frames: slice | None = None
+) -> metrics.PenetrationReport:
+    """How deep the skin is in anything: at all frames or those given; at some if quick."""
+    every = frames or slice(None, None, EVERY if quick else 1)
+    tracks = {k: frames_of(track, every) for k, track in result.objects.items()}
+    body = result.people[0].body
+    return metrics.penetration(result.motion[every], body, result.scene, objects=tracks)
+
+
+def default_body(sequence: Sequence) -> Body:
+    """Who plays a scenario of one person."""
+    from halfphysics.body import Body
+
+    return sequence.bodies[0] or Body.default()
+
+
+def frames_of(track: ObjectTrack, which: slice) -> ObjectTrack:
+    """An object's track at some of its frames."""
+    return replace(track, position=track.position[which], quaternion=track.quaternion[which])
+
+
+def joint_angles(a: Motion, b: Motion) -> Array:
+    """Angles between the joints of two motions (T, 55) [degrees]."""
+    return np.degrees(rot.angles(a.rotations, b.rotations))
+
+
+def pelvis_distance(result: Result) -> Array:
+    """Distance of the first person's pelvis from where it was asked for (T,) [m]."""
+    return result.people[0].joint_errors()[1][:, 0]
+
+
+def free_joints(result: Result) -> NDArray[np.bool_]:
+    """Whether a joint of the first person has nothing to do with any contact (T, 55).
+
+    A joint that a contact turns is not free: one whose own part or any part beyond it touches,
+    that is, one between a contact and the root. Nor is it until it has had the time to return,
+    `SETTLE`. The pelvis, moved by all, never is. A part that is stopped does not excuse what
+    hangs on it.
+    """
+    frames = len(result.motion)
+    touches = np.zeros((frames, N_JOINTS), dtype=bool)
+    contacts = result.contacts
+    rows = (contacts.person == 0) & (contacts.part >= 0)
+    touches[contacts.frame[rows], contacts.part[rows]] = True
+    beyond = touches.copy()
+    for joint in range(N_JOINTS - 1, 0, -1):
+        beyond[:, PARENTS[joint]] |= beyond[:, joint]
+    wait = round(SETTLE * result.fps)
+    out = np.ones_like(beyond)
+    for t in range(frames):
+        out[t] = ~beyond[max(0, t - wait) : t + 1].any(axis=0)
+    out[:, 0] = False
+    return out
+
+
+def object_speed(result: Result, name: str) -> Array:
+    """How fast an object goes between frames (T - 1,) [m/s]."""
+    way = np.diff(result.objects[name].position, axis=0)
+    return np.asarray(np.linalg.norm(way, axis=1) * result.fps)
+
+
+def first_touch(result: Result, name: str) -> int:
+    """The frame in which the person first touches something; the last one if that never is."""
+    contacts = result.contacts
+    touched = (contacts.other == result.names.index(name)) & (contacts.person == 0)
+    return int(contacts.frame[touched].min()) if touched.any() else len(result) - 1

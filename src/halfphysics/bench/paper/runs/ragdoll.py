@@ -1,0 +1,61 @@
+"""A ragdoll: the same body in MuJoCo, driven up to some moment, and then by nothing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from halfphysics.engine.following import by_velocity
+from halfphysics.engine.model import EngineModel
+from halfphysics.settings import Settings
+from halfphysics.simulator import Simulator
+
+if TYPE_CHECKING:
+    from halfphysics.motion import Motion
+    from halfphysics.sequence import Sequence
+
+#: Steps of MuJoCo per frame, and for how many one is made where nothing drives the body: loose
+#: chains of ball joints are less stable than driven ones.
+SUBSTEPS, _FINER = 8, 5
+#: Damping of a limp joint [N m s/rad], of the order of what relaxed elbows and knees have.
+DAMPING = 0.1
+
+
+def let_go(sequence: Sequence, frame: int) -> Motion:
+    """The motion of a person who goes limp at a frame: gravity acts, joints have damping alone.
+
+    Up to there it is followed by velocities, as with `Settings(mode="engine_velocity")`.
+    """
+    import mujoco
+
+    motion, dt = sequence.motions[0], 1.0 / sequence.motions[0].fps
+    body = sequence.bodies[0]
+    world = Simulator(sequence.scene, body=body, settings=Settings(), fps=motion.fps).world
+    engine = EngineModel(world, dt / SUBSTEPS, mocap=False)
+    data: Any = mujoco.MjData(engine.model)
+    data.qpos[:], data.qvel[:] = engine.start()
+    follow = by_velocity(engine, data, [motion], SUBSTEPS, dt)
+    found = [np.array(data.qpos)]
+    for t in range(1, len(motion)):
+        if t <= frame:
+            follow(t, None)
+        else:
+            if t == frame + 1:
+                _loosen(engine.model, data)
+            mujoco.mj_step(engine.model, data, SUBSTEPS * _FINER)
+        found.append(np.array(data.qpos))
+    (person,) = engine.people
+    return motion.with_frames(*person.pose(np.array(found), motion.axes))
+
+
+def _loosen(model: Any, data: Any) -> None:
+    """Nothing is exerted any more: what is left to the joints is damping."""
+    import mujoco
+
+    data.qfrc_applied[:] = 0.0
+    model.opt.timestep /= _FINER
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    balls = model.jnt_type == mujoco.mjtJoint.mjJNT_BALL
+    for dof in model.jnt_dofadr[balls]:
+        model.dof_damping[dof : dof + 3] = DAMPING

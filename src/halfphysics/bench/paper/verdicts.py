@@ -1,0 +1,57 @@
+"""What became of the claims: which figures are reproduced, which are not, which are missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+#: Verdict -> (mark, word). Marks differ in shape, so that nothing hangs on colour.
+VERDICTS: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "reproduced": ("✓", "reproduced"),
+        "not_reproduced": ("✗", "not reproduced"),
+        "shown": ("·", "shown"),
+        "missing": ("–", "missing"),
+        "quoted": ("“", "quoted"),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One figure, where it stands (numbers of section and row), and what became of it."""
+
+    section: int
+    row: int
+    figure: Mapping[str, Any]
+    verdict: str
+
+
+def claims(sections: Sequence[Mapping[str, Any]]) -> Iterator[Claim]:
+    """Every figure of a report's sections, in their order."""
+    for s, section in enumerate(sections):
+        for r, row in enumerate(section["rows"]):
+            for figure in row["figures"]:
+                yield Claim(s, r, figure, verdict(row, figure))
+
+
+def verdict(row: Mapping[str, Any], figure: Mapping[str, Any]) -> str:
+    """Which of `VERDICTS` a figure of a row has: what is expected and has no number is missing."""
+    if row["quoted"]:
+        return "quoted"
+    if figure["ours"] is None and figure["expected"]:
+        return "missing"
+    if figure["reproduced"] is None:
+        return "shown"
+    return "reproduced" if figure["reproduced"] else "not_reproduced"
+
+
+def tally(sections: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """How many figures have which verdict; what ended in an error is missing."""
+    count = dict.fromkeys(VERDICTS, 0)
+    for claim in claims(sections):
+        count[claim.verdict] += 1
+    count["missing"] += sum(len(section["failed"]) for section in sections)
+    return count

@@ -1,0 +1,58 @@
+"""All measures of a result as plain values, for JSON."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from halfphysics import metrics
+
+if TYPE_CHECKING:
+    from halfphysics.result import Result
+
+
+def of_result(result: Result, person: int) -> dict[str, Any]:
+    """Every measure of docs/metrics.md of one person; numbers that do not exist are None."""
+    who = result.people[person]
+    others = {p.name: p for k, p in enumerate(result.people) if k != person}
+    out: dict[str, Any] = {"name": who.name}
+    for key, what in (("asked", "reference"), ("simulated", "motion")):
+        motion = getattr(who, what)
+        out[key] = {
+            "penetration": metrics.penetration(
+                motion,
+                who.body,
+                result.scene,
+                people={name: (getattr(other, what), other.body) for name, other in others.items()},
+                threads=result.settings.threads,
+            ),
+            "penetrating_volume": metrics.penetrating_volume(motion, who.body, result.scene),
+            "foot_skate": metrics.foot_skate(motion, who.body),
+            "jerk": metrics.jerk(motion, who.body) if len(motion) >= 4 else None,
+        }
+    out["success"] = metrics.success(who.motion, who.reference)
+    out["mpjpe_mm"] = metrics.mpjpe(who.motion, who.reference, who.body)
+    out["mpjpe_global_mm"] = metrics.mpjpe_global(who.motion, who.reference, who.body)
+    out["deviation"] = metrics.deviation(result, person)
+    out["contact_precision"] = metrics.contact_precision(result)
+    out["contact_forces"] = metrics.contact_forces(result)
+    return {name: plain(value) for name, value in out.items()}
+
+
+def plain(value: Any) -> Any:
+    """Dataclasses, mappings and arrays as what JSON has; NaN and infinity are None."""
+    if dataclasses.is_dataclass(value):
+        return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {name: plain(its) for name, its in value.items()}
+    if isinstance(value, np.ndarray):
+        return [plain(x) for x in value.tolist()]
+    if isinstance(value, list):
+        return [plain(x) for x in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,119 @@
+"""halfphysics play: a simulation in a browser, to play with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions
+from halfphysics.errors import InputError
+
+if TYPE_CHECKING:
+    from halfphysics.sequence import Sequence
+
+EXAMPLES = """\
+halfphysics play
+halfphysics play push_door
+halfphysics play walk.npz
+halfphysics play kick_ball walk.npz
+halfphysics play walk.npz --object ball=sphere:0.11,mass=0.43,at=1:0:0.11 --port 9000"""
+
+#: What is played where nothing is said.
+FIRST = "kick_ball"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Play with a simulation in a browser: turn masses, friction, firmness and strength, drag
+    things about; Ctrl-C ends it.
+
+    Prints the address to open. On a machine without a display, reach it through an SSH tunnel;
+    the command to do so is printed too.
+    """
+
+    what: Annotated[
+        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="SCENARIO|MOTION")
+    ] = ()
+    """A built-in scenario (halfphysics scenario --list) and motion files, all of which can be
+    chosen in the page. A scenario and a motion: the motion in the scenario's scene."""
+    port: int = 8080
+    """Port to listen on; where it is in use, the next one that is free."""
+    host: str = "127.0.0.1"
+    """Address to listen on; 0.0.0.0: whoever reaches this machine can play."""
+    scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
+    person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
+    motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
+
+    def run(self) -> None:
+        """Serve until Ctrl-C."""
+        from halfphysics.viewer.catalog import OWN, Catalog, Choice
+        from halfphysics.viewer.playground import play
+
+        places, files = self._sorted()
+        if self.scene.given and not files:
+            raise InputError(
+                "play: a scenario has a scene of its own. Give a motion file with --scene, "
+                "--static or --object, or leave them out"
+            )
+        catalog = Catalog(files)
+        first = next(iter(files), None)
+        choice = Choice(places[0], first or OWN) if places else Choice(first or FIRST)
+        play(catalog, choice, host=self.host, port=self.port)
+
+    def _sorted(self) -> tuple[list[str], dict[str, Callable[[], Sequence]]]:
+        """The scenarios and the files that were named."""
+        import difflib
+
+        from halfphysics import scenarios
+        from halfphysics.validation import file_path
+
+        places, paths = [], []
+        for text in self.what:
+            if text in scenarios.names():
+                places.append(text)
+                continue
+            path = Path(text)
+            if not path.suffix and not path.exists():
+                close = difflib.get_close_matches(text, scenarios.names(), n=1)
+                hint = f"; did you mean {close[0]}?" if close else "."
+                raise InputError(
+                    f"play: found {text!r}, which is no scenario and no file{hint} "
+                    f"Scenarios: {', '.join(scenarios.names())}"
+                )
+            paths.append(file_path(path))
+        if len(places) > 1:
+            raise InputError(
+                f"play: found {len(places)} scenarios, {', '.join(places)}; expected one. The "
+                "page has them all"
+            )
+        if len(set(paths)) < len(paths):
+            raise InputError("play: found one file twice")
+        return places, {
+            name: partial(self._sequence, path)
+            for name, path in zip(_names(paths, scenarios.names()), paths, strict=True)
+        }
+
+    def _sequence(self, path: Path) -> Sequence:
+        """A motion file as it is simulated by halfphysics simulate."""
+        from halfphysics.body import check_match
+        from halfphysics.sequence import Sequence
+
+        found = self.motion_file.sequence(path)
+        motion, own = found.motions[0], found.bodies[0]
+        body = self.person.load(motion) if own is None or self.person.given else own
+        check_match(motion, body, allow_mismatch=self.person.allow_mismatch)
+        return Sequence(motion, self.scene.load(found.scene), body, found.settings)
+
+
+def _names(paths: list[Path], taken: tuple[str, ...]) -> list[str]:
+    """File names, with as much of the folder as tells them apart."""
+    for parts in range(1, 1 + max((len(path.parts) for path in paths), default=0)):
+        names = ["/".join(path.parts[-parts:]) for path in paths]
+        if len(set(names)) == len(paths) and not set(names) & set(taken):
+            return names
+    return [str(path.absolute()) for path in paths]

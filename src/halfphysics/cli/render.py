@@ -1,0 +1,114 @@
+"""halfphysics render: a page, a film or a picture of results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from halfphysics.cli.options import check_output, progress
+from halfphysics.errors import InputError
+from halfphysics.film.options import FilmOptions
+
+if TYPE_CHECKING:
+    from halfphysics.result import Result
+
+EXAMPLES = """\
+halfphysics render result.npz film.mp4
+halfphysics render result.npz page.html
+halfphysics render result.npz slow.mp4 --camera follow --camera top --speed 0.25 --start 2 --end 3
+halfphysics render limp.npz firm.npz film.mp4 --label limp --label firm --camera orbit
+halfphysics render result.npz strip.png
+halfphysics render result.npz still.png --frame 120 --size 1280x720"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Show results: a page to send (.html), a film (.mp4, .webm, .gif) or a picture (.png).
+
+    The suffix of OUT says which. Body and ghost (what was asked for) are drawn by the package
+    itself: no GPU and no display are needed. Several results are shown together.
+    """
+
+    files: Annotated[
+        tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RESULT [RESULT...] OUT")
+    ]
+    """Result files, and the file to write."""
+    frame: int | None = None
+    """Of a picture: the frame to show, negative ones from the end; without it key frames."""
+    threads: int | None = None
+    """Workers; what is written does not depend on it. None: one a core."""
+    film: tyro.conf.OmitArgPrefixes[tyro.conf.UseAppendAction[FilmOptions]] = field(
+        default_factory=FilmOptions
+    )
+
+    def run(self) -> None:
+        """Write it."""
+        from halfphysics.result import Result
+
+        if len(self.files) < 2:
+            raise InputError(
+                "render: found one file, expected a result and the file to write, such as "
+                "halfphysics render result.npz film.mp4"
+            )
+        *sources, out = self.files
+        kind = self._kind(out)
+        if self.frame is not None and kind != "picture":
+            raise InputError(f"--frame: {out} is a {kind}; a frame is for a .png")
+        check_output(out, *sources)
+        results = [Result.load(source) for source in sources]
+        if kind == "page":
+            self._page(results, out)
+        else:
+            self._pictures(results, sources, out, kind)
+        print(f"{kind}: {out}")
+
+    def _kind(self, out: Path) -> str:
+        from halfphysics.film import FILMS
+
+        suffix = out.suffix.lower()
+        kinds = {".html": "page", ".png": "picture"} | dict.fromkeys(FILMS, "film")
+        if suffix not in kinds:
+            raise InputError(
+                f"{out}: found suffix {suffix!r}, expected {', '.join(kinds)}. RESULT is given "
+                "first, the file to write last"
+            )
+        return kinds[suffix]
+
+    def _page(self, results: list[Result], out: Path) -> None:
+        from dataclasses import replace
+
+        from halfphysics.page import MAX_FPS, save_page
+
+        if len(results) > 1:
+            raise InputError(
+                f"{out}: found {len(results)} results, but a page shows one. Films and pictures "
+                "show several"
+            )
+        if replace(self.film, fps=None, label=()) != FilmOptions() or len(self.film.label) > 1:
+            raise InputError(
+                f"{out}: of the options only --fps and one --label (its title) are for a page, in "
+                "which the viewer moves the camera and the time"
+            )
+        save_page(
+            results[0],
+            out,
+            title=self.film.label[0] if self.film.label else "halfphysics",
+            max_fps=MAX_FPS if self.film.fps is None else self.film.fps,
+            progress=progress(),
+        )
+
+    def _pictures(self, results: list[Result], sources: list[Path], out: Path, kind: str) -> None:
+        from dataclasses import replace
+
+        from halfphysics.film import save_film, save_picture
+
+        options = self.film
+        if len(results) > 1 and not options.label:
+            options = replace(options, label=tuple(source.stem for source in sources))
+        if kind == "film":
+            save_film(results, out, options, threads=self.threads, progress=progress())
+        else:
+            save_picture(results, out, options, frame=self.frame, threads=self.threads)

@@ -1,0 +1,30 @@
+"""The skin of a motion, a few frames at a time."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+
+from halfphysics.metrics.inputs import Array
+
+_BATCH = 32  # frames skinned at a time: about 10 MB of vertices
+
+
+def frames_of(motion: Any) -> int:
+    """How many frames a motion has; a single pose is one."""
+    return np.shape(motion.rotations)[0] if np.ndim(motion.rotations) == 3 else 1
+
+
+def batches(frames: int) -> list[slice]:
+    """Slices of nearly equal length that cover all frames, none of a single frame of several."""
+    edges = np.linspace(0, frames, -(-frames // _BATCH) + 1).round().astype(int)
+    return [slice(int(i), int(j)) for i, j in itertools.pairwise(edges)]
+
+
+def skin(motion: Any, body: Any, part: slice) -> Array:
+    """Vertices (t, V, 3) of the frames `part` of a motion, or of a single pose [m]."""
+    whole = part == slice(0, frames_of(motion))
+    vertices = np.asarray(body.vertices(motion if whole else motion[part]))
+    return vertices.reshape(-1, *vertices.shape[-2:])

@@ -1,0 +1,99 @@
+"""The things of a scene as they are measured: what they are, and where they stand or move."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from halfphysics import rotations
+from halfphysics.errors import InputError
+from halfphysics.metrics.inputs import Array
+from halfphysics.pairs import PERSON
+from halfphysics.scene import Scene
+from halfphysics.shape_base import Shape
+from halfphysics.validation import shown
+
+if TYPE_CHECKING:
+    from halfphysics.articulated import Link
+    from halfphysics.things import Object
+
+
+#: A shape, where it is (T or 1, 3) [m] and how it is turned (T or 1, 4).
+Solid = tuple[Shape, Array, Array]
+
+
+def _true_shape(thing: Object) -> Shape:
+    """What the thing is: where pieces stand for a mesh, the mesh itself."""
+    cut = thing.decomposition is not None
+    return thing.visual if cut and thing.visual is not None else thing.shape
+
+
+def links_of(scene: Scene) -> dict[str, tuple[str, Link]]:
+    """Links of articulated objects as results name them: whose, and the link."""
+    return {
+        name: (thing.name, link)
+        for thing in scene.articulated.values()
+        for name, link in zip(thing.link_names, thing.links, strict=True)
+    }
+
+
+def tracks_of(
+    scene: Scene, objects: Mapping[str, Any], frames: int
+) -> dict[str, tuple[Array, Array]]:
+    """Positions (T, 3) [m] and quaternions (T, 4) of objects and links by name, checked.
+
+    Raises:
+        InputError: No mapping; no such object; no track, or one of another length.
+    """
+    if not isinstance(objects, Mapping):
+        raise InputError(
+            f"objects: expected names and tracks, as in result.objects, found {shown(objects)}"
+        )
+    tracks, links = {}, links_of(scene)
+    for name, track in objects.items():
+        if name not in scene.objects and name not in links:
+            known = ", ".join([*scene.objects, *links]) or "none"
+            raise InputError(f"objects: the scene has no object {name!r}; it has: {known}")
+        if not (hasattr(track, "position") and hasattr(track, "quaternion")):
+            raise InputError(
+                f"objects: {name!r}: expected a track with position and quaternion, as in "
+                f"result.objects, found {shown(track)}"
+            )
+        position = np.asarray(track.position, dtype=np.float64)
+        quaternion = np.asarray(track.quaternion, dtype=np.float64)
+        if position.shape != (frames, 3) or quaternion.shape != (frames, 4):
+            raise InputError(
+                f"objects: {name!r}: expected position ({frames}, 3) and quaternion ({frames}, 4) "
+                f"for a motion of {frames} frames, found {position.shape} and {quaternion.shape}"
+            )
+        tracks[name] = position, rotations.normalize(quaternion)
+    return tracks
+
+
+def solids_of(scene: Scene, tracks: Mapping[str, tuple[Array, Array]]) -> dict[str, list[Solid]]:
+    """What a person can be inside of, by name; links of articulated objects are several solids.
+
+    The statics, and the objects and links that have a track, unless they are excused.
+    """
+    links = links_of(scene)
+    found: dict[str, list[Solid]] = {
+        name: [(static.shape, static.position[None], static.quaternion[None])]
+        for name, static in scene.statics.items()
+        if not scene.ignores(name, PERSON)
+    }
+    for name, (position, turn) in tracks.items():
+        whole, link = links.get(name, (name, None))
+        if scene.ignores(whole, PERSON):
+            continue
+        if link is None:
+            found[name] = [(_true_shape(scene.objects[name]), position, turn)]
+            continue
+        found[name] = []
+        for geom in link.geoms:
+            shift = np.broadcast_to(geom.position, position.shape)
+            own = np.broadcast_to(geom.quaternion, turn.shape)
+            place = position + rotations.rotate(turn, shift)
+            found[name].append((geom.shape, place, rotations.multiply(turn, own)))
+    return found

@@ -1,0 +1,182 @@
+"""Penetrating volume: how much of a body is inside a scene."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+from halfphysics import validation
+from halfphysics.errors import InputError
+from halfphysics.mesh_queries import boundary_edges, components
+from halfphysics.metrics.inputs import Array, check_motion
+from halfphysics.metrics.skins import batches, frames_of, skin
+from halfphysics.metrics.solid_spans import Grid, Placed
+from halfphysics.metrics.spans import Spans
+from halfphysics.metrics.things import solids_of, tracks_of
+from halfphysics.parallel_rays import crossings
+from halfphysics.scene import Scene
+from halfphysics.shapes import Capsule, Cylinder, Plane, Sphere
+from halfphysics.validation import number, shown
+
+Ints = NDArray[np.int64]
+
+#: Rays are this far apart [m].
+PITCH = 0.004
+#: They are turned about the vertical, by the angle whose tangent is the golden ratio's inverse, so
+#: that no row of them runs along a wall, nor meets one again after a few [rad].
+_TURN = 0.5535743589
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class VolumeReport:
+    """How much of a body's volume is inside a scene.
+
+    Attributes:
+        volume: In every frame (T,) [cm^3].
+        error: Its estimated error (T,) [cm^3]: half of the most by which the volume by one ray in
+            four, of a grid twice as wide, is another; there are four such.
+        mean_cm3: Mean over frames [cm^3].
+        max_cm3: Largest of all frames [cm^3].
+    """
+
+    volume: Array
+    error: Array
+    mean_cm3: float
+    max_cm3: float
+
+
+def penetrating_volume(
+    motion: Any,
+    body: Any,
+    scene: Scene,
+    *,
+    objects: Mapping[str, Any] | None = None,
+    pitch: float = PITCH,
+) -> VolumeReport:
+    """Volume that the body's skin, made watertight, and a scene's things have in common.
+
+    Vertical rays, `pitch` apart, are cut by the skin (holes are closed by fans) and by the things;
+    the volume is pitch^2 times the length that is in both. Along a ray the cuts are exact, with
+    primitives as with closed meshes; in a mesh that is not closed a ray is sampled every `pitch`.
+    What things have in common, or the skin with itself, counts once. The error falls about as
+    pitch^1.5; at 4 mm a foot in a floor is known to about 1 % and `VolumeReport.error` says it.
+
+    Args:
+        motion: T frames, or a single pose.
+        body: Whose skin: `vertices(motion)` and `faces`.
+        scene: Its statics, those that are not excused (`scene.ignore(name, "person")`).
+        objects: Tracks of objects, as in `result.objects`; those without a track are left out.
+        pitch: Distance of the rays [m].
+
+    Raises:
+        InputError: Something of a wrong type, or tracks of unknown objects or another length.
+    """
+    check_motion("motion", motion, pose=True)
+    validation.body(body, "vertices")
+    if not hasattr(body, "faces"):
+        raise InputError(f"body: expected one with faces, such as Body.default(), found {body!r}")
+    if not isinstance(scene, Scene):
+        raise InputError(f"scene: expected a halfphysics.Scene, found {shown(scene)}")
+    pitch = number(pitch, "pitch", above=0.0, unit="m")
+    frames = frames_of(motion)
+    tracks = tracks_of(scene, objects or {}, frames)
+    solids = [solid for its in solids_of(scene, tracks).values() for solid in its]
+    grid = Grid(pitch, rot.to_matrix(rot.exp([0.0, 0.0, _TURN])))
+    found = np.zeros((frames, 4))
+    caps: _Caps | None = None
+    for part in batches(frames):
+        vertices = skin(motion, body, part)
+        if caps is None:
+            caps = _Caps.of(np.asarray(body.faces, dtype=np.int64), vertices.shape[1])
+        for frame, points in enumerate(vertices, start=part.start):
+            placed = [
+                Placed(shape, *(x[min(frame, len(x) - 1)] for x in pose)) for shape, *pose in solids
+            ]
+            found[frame] = _common(caps.closed(points), caps.faces, placed, grid)
+    volume = 1e6 * pitch**3 * found.sum(axis=1)
+    error = 0.5 * np.abs(4e6 * pitch**3 * found - volume[:, None]).max(axis=1)
+    for array in (volume, error):
+        array.setflags(write=False)
+    return VolumeReport(
+        volume=volume, error=error, mean_cm3=float(volume.mean()), max_cm3=float(volume.max())
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Caps:
+    """A skin's faces (F, 3), with fans over its holes, and what the middles of the fans are of."""
+
+    faces: Ints
+    rim: Ints
+    hole: Ints
+
+    @classmethod
+    def of(cls, faces: Ints, count: int) -> _Caps:
+        rim = boundary_edges(faces.astype(np.int32), count)
+        if not len(rim):
+            return cls(faces, rim, np.zeros(0, dtype=np.int64))
+        hole = np.unique(components(count, rim)[rim[:, 0]], return_inverse=True)[1].reshape(-1)
+        caps = np.stack([rim[:, 1], rim[:, 0], count + hole], axis=1)
+        return cls(np.concatenate([faces, caps]), rim, hole)
+
+    def closed(self, vertices: Array) -> Array:
+        """The vertices (V, 3) and the middles of the holes after them."""
+        if not len(self.rim):
+            return vertices
+        middle = np.zeros((int(self.hole.max()) + 1, 3))
+        np.add.at(middle, self.hole, vertices[self.rim].mean(axis=1))
+        middle /= np.bincount(self.hole)[:, None]
+        return np.concatenate([vertices, middle])
+
+
+def _common(vertices: Array, faces: Ints, things: list[Placed], grid: Grid) -> Array:
+    """Lengths (4,) [grid] that skin and things have in common, of rays in even and odd rows."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    near = []
+    window = np.array([[np.inf, np.inf], [-np.inf, -np.inf]])
+    corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
+    for thing in things:
+        box = _box(thing)
+        if box is None:  # a half-space
+            normal = rot.rotate(thing.quaternion, np.asarray(thing.shape.normal))  # type: ignore[attr-defined]
+            offset = thing.shape.offset + normal @ thing.position  # type: ignore[attr-defined]
+            if (vertices @ normal).min() < offset:
+                near.append(thing)
+                window = _wider(window, grid.of(corners)[:, :2])
+        elif (box[0] < high).all() and (box[1] > low).all():
+            near.append(thing)
+            both = zip(np.maximum(box[0], low), np.minimum(box[1], high), strict=True)
+            window = _wider(window, grid.of(np.array(list(itertools.product(*both))))[:, :2])
+    if not near:
+        return np.zeros(4)
+    cells = np.floor(window[0]) - 1.0, np.ceil(window[1]) + 1.0
+    skin = Spans.of_crossings(*crossings(grid.of(vertices), faces, cells))
+    if not len(skin.ray):
+        return np.zeros(4)
+    ray, length = Spans.union([thing.inside(grid, skin) for thing in near]).common(skin)
+    which = 2 * (ray[:, 0] % 2) + ray[:, 1] % 2
+    return np.bincount(which, weights=length, minlength=4).astype(np.float64)
+
+
+def _wider(window: Array, points: Array) -> Array:
+    low, high = points.min(axis=0), points.max(axis=0)
+    return np.stack([np.minimum(window[0], low), np.maximum(window[1], high)])
+
+
+def _box(thing: Placed) -> Array | None:
+    """Corners (2, 3) of the box around a placed shape; None of a half-space."""
+    if isinstance(thing.shape, Plane):
+        return None
+    if isinstance(thing.shape, Sphere | Capsule | Cylinder):
+        # The triangles of round shapes are within them.
+        half = thing.shape.radius + 0.5 * getattr(thing.shape, "length", 0.0)
+        half = float(np.hypot(half, thing.shape.radius))
+        return np.stack([thing.position - half, thing.position + half])
+    points = thing.shape.triangles()[0] @ rot.to_matrix(thing.quaternion).T + thing.position
+    return np.stack([points.min(axis=0), points.max(axis=0)])

@@ -1,0 +1,28 @@
+"""Where a server of ours can be seen, in words."""
+
+from __future__ import annotations
+
+_HERE = ("127.0.0.1", "localhost", "::1")
+_ALL = ("0.0.0.0", "", "::")
+
+
+def url(host: str, port: int) -> str:
+    """Address to open in a browser on this machine."""
+    host = "127.0.0.1" if host in _ALL else host
+    return f"http://{f'[{host}]' if ':' in host else host}:{port}"
+
+
+def announcement(what: str, host: str, port: int, asked: int) -> str:
+    """Where `what` can be seen, and how from another machine; `asked`: the port asked for."""
+    lines = []
+    if asked not in (0, port):
+        lines.append(f"port {asked} is in use, taking {port}")
+    lines.append(f"{what} at {url(host, port)}")
+    if host in _HERE:
+        lines.append(
+            f"  from another machine: ssh -L {port}:127.0.0.1:{port} THIS_MACHINE, "
+            "then the same address there"
+        )
+    else:
+        lines.append(f"  anybody who reaches this machine on port {port} sees it")
+    return "\n".join(lines)

@@ -1,0 +1,227 @@
+"""Where browsers look from: presets, the way back, and a camera that goes along with people.
+
+Every browser has a camera of its own, and whoever turns it is right: following only carries it
+along, the angle and the distance stay as they were turned.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.render import Camera
+from halfphysics.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.viewer.stage import Stage
+from halfphysics.viewpoint import FOV
+
+Array = NDArray[np.float64]
+
+#: Where presets look from.
+PRESETS = ("Front", "Side", "Top", "Hands")
+
+# The panel takes this much of a window that is wide [pixels]; on a narrow one it is a sheet over
+# this share of the height.
+_WIDE, _PANEL, _SHEET = 580, 335, 0.6
+# A camera that follows is this late [s], and waits this long for a hand that turns it [s].
+_LATE, _HANDS_OFF = 0.25, 0.4
+# Reports of a browser within this of what was sent [m] are what was sent.
+_SAME = 1e-3
+_RECENT = 60
+# Around joints [m]: half a head and a foot, and the flesh of a hand.
+_BODY, _HAND = 0.16, 0.05
+
+_HANDS = (
+    [JOINT_INDEX["left_wrist"], *LEFT_HAND_JOINTS],
+    [JOINT_INDEX["right_wrist"], *RIGHT_HAND_JOINTS],
+)
+
+
+class Follower:
+    """Carries one camera along with something that moves.
+
+    Args:
+        position, look_at: Of the camera when it starts (3,) [m].
+    """
+
+    def __init__(self, position: Array, look_at: Array) -> None:
+        self._look = np.array(look_at, dtype=np.float64)
+        self._orbit = np.asarray(position, dtype=np.float64) - self._look
+        self._aside = np.zeros(3)
+        self._sent: deque[Array] = deque([self._look.copy()], maxlen=_RECENT)
+        self._touched = -math.inf
+
+    def move(
+        self, position: Array, look_at: Array, subject: Array, now: float, dt: float
+    ) -> tuple[Array, Array] | None:
+        """Where the camera should be now.
+
+        Args:
+            position, look_at: As the browser says it is (3,) [m], maybe a little late.
+            subject: What is followed (3,) [m].
+            now: The time [s].
+            dt: Since the last call [s].
+
+        Returns:
+            Position and look-at point; None: leave it, a hand is on it or it is there already.
+        """
+        orbit = position - look_at
+        if np.linalg.norm(orbit - self._orbit) > _SAME * max(1.0, float(np.linalg.norm(orbit))):
+            self._orbit, self._touched = orbit, now
+        if min(float(np.linalg.norm(look_at - s)) for s in self._sent) > _SAME:
+            # Moved by hand: it stays beside the subject by as much.
+            self._aside = self._aside + look_at - self._look
+            self._look, self._touched = look_at.copy(), now
+            self._sent.append(self._look)
+        if now - self._touched < _HANDS_OFF:
+            return None
+        way = subject + self._aside - self._look
+        if np.linalg.norm(way) < _SAME:
+            return None
+        self._look = self._look + way * -math.expm1(-dt / _LATE)
+        self._sent.append(self._look)
+        return self._look + self._orbit, self._look
+
+    def put(self, position: Array, look_at: Array, subject: Array) -> None:
+        """Placed by somebody else, such as a preset: stays so beside the subject."""
+        self._look = np.array(look_at, dtype=np.float64)
+        self._orbit = position - self._look
+        self._aside = self._look - subject
+        self._sent.append(self._look)
+        self._touched = -math.inf
+
+
+class Cameras:
+    """The cameras of all browsers.
+
+    Args:
+        server: Of viser.
+        stages: What they look at.
+        home: The camera that sees everything, for a picture's width and height [pixels].
+
+    Attributes:
+        following: Whether they go along with people; set it as you like.
+    """
+
+    def __init__(
+        self, server: Any, stages: Sequence[Stage], home: Callable[[tuple[int, int]], Camera]
+    ) -> None:
+        self._server = server
+        self._stages = stages
+        self._home = home
+        self._followers: dict[int, Follower] = {}
+        self._last = time.monotonic()
+        self.following = False
+
+    def home(self, client: Any) -> None:
+        """Back to where everything is seen."""
+        self._put(client, self._home)
+
+    def preset(self, client: Any, name: str) -> None:
+        """Look from one of `PRESETS`, at people as they are now."""
+        self._put(client, lambda size: self.look(name, size))
+
+    def look(self, name: str, size: tuple[int, int]) -> Camera:
+        """The camera of a preset for a picture of this size [pixels]."""
+        people = self._people()
+        joints = np.concatenate(people)
+        left = people[0][JOINT_INDEX["left_hip"]] - people[0][JOINT_INDEX["right_hip"]]
+        left = left * np.array([1.0, 1.0, 0.0])
+        left /= max(float(np.linalg.norm(left)), 1e-9)
+        up = np.array([0.0, 0.0, 1.0])
+        front = np.cross(left, up)
+        direction = {
+            "Front": front + 0.15 * up,
+            "Side": left + 0.15 * up,
+            "Top": up + 0.02 * front,
+            "Hands": front + 0.35 * left + 0.5 * up,
+        }[name]
+        room = _BODY
+        if name == "Hands":
+            joints, room = self._hands(), _HAND
+        corners = room * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        points = (joints[:, None] + corners).reshape(-1, 3)
+        return Camera.framing(points, direction, size=size, fov=FOV, distance=0.6)
+
+    def subject(self) -> Array:
+        """What is followed: the middle of the people's pelvises (3,) [m]."""
+        return np.mean([person[0] for person in self._people()], axis=0)
+
+    def follow(self) -> None:
+        """Carry the cameras along; call after what they look at has moved."""
+        now = time.monotonic()
+        dt, self._last = now - self._last, now
+        clients = self._server.get_clients() if self.following else {}
+        self._followers = {k: f for k, f in self._followers.items() if k in clients}
+        if not clients:
+            return
+        subject = self.subject()
+        for index, client in clients.items():
+            camera = client.camera
+            position, look_at = np.array(camera.position), np.array(camera.look_at)
+            if index not in self._followers:
+                self._followers[index] = Follower(position, look_at)
+            moved = self._followers[index].move(position, look_at, subject, now, dt)
+            if moved is not None:
+                _aim(client, *moved)
+
+    def _put(self, client: Any, choose: Callable[[tuple[int, int]], Camera]) -> None:
+        width, height = client.camera.image_width, client.camera.image_height
+        camera = beside_panel(choose, (max(width, 1), max(height, 1)))
+        _aim(client, camera.position, camera.target)
+        if client.client_id in self._followers:
+            follower = self._followers[client.client_id]
+            follower.put(camera.position, camera.target, self.subject())
+
+    def _shown(self) -> list[Stage]:
+        """Stages that are not hidden; where all are, as if they were not."""
+        return [stage for stage in self._stages if stage.visible] or list(self._stages)
+
+    def _people(self) -> list[Array]:
+        """Joints of everybody as shown now (55, 3) [m]."""
+        return [p + stage.offset for stage in self._shown() for p in stage.joints()]
+
+    def _hands(self) -> Array:
+        """Joints of the hands that touch something now; where none does, of all (n, 3) [m]."""
+        touching, every = [], []
+        for stage in self._shown():
+            contacts = stage.drawing.result.contacts
+            now = np.asarray(contacts.frame) == stage.frame
+            for k, joints in enumerate(stage.joints()):
+                parts = np.asarray(contacts.part)[now & (np.asarray(contacts.person) == k)]
+                for hand in _HANDS:
+                    every.append(joints[hand] + stage.offset)
+                    if np.isin(hand, parts).any():
+                        touching.append(every[-1])
+        return np.concatenate(touching or every)
+
+
+def beside_panel(choose: Callable[[tuple[int, int]], Camera], window: tuple[int, int]) -> Camera:
+    """A camera whose picture is in the part of a window that the panel leaves free.
+
+    Args:
+        choose: The camera for a picture's width and height [pixels].
+        window: Width and height [pixels].
+    """
+    width, height = window
+    wide = width > _WIDE
+    free = (width - _PANEL, height) if wide else (width, round(height * (1.0 - _SHEET)))
+    camera = choose((free[0], max(free[1], 1)))
+    right, down, _ = camera.axes()
+    # The field of view is that of the window's whole height.
+    toward = (camera.position - camera.target) * (height / max(free[1], 1))
+    pixel = 2.0 * np.linalg.norm(toward) * math.tan(math.radians(FOV) / 2.0) / height
+    aside = right * (width - free[0]) + down * (height - free[1])
+    target = camera.target + 0.5 * pixel * aside
+    return Camera(position=target + toward, target=target, fov=camera.fov)
+
+
+def _aim(client: Any, position: Array, look_at: Array) -> None:
+    with client.atomic():
+        client.camera.position = position
+        client.camera.look_at = look_at

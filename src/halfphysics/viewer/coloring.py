@@ -1,0 +1,206 @@
+"""Parts of people coloured by the force on them: patches of skin that are shown while they touch.
+
+A skinned mesh in the browser has one colour. So every part that ever touches gets a patch, the
+faces that follow its joint most, a hair above the skin. A patch has bones of its own, only those
+that move it, and they are only sent while it is shown: what nobody touches costs nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.render import Color
+from halfphysics.skeleton import JOINT_NAMES, N_JOINTS
+from halfphysics.viewer.bones import Bones
+from halfphysics.viewer.figure import rgb, shrunk, strongest
+
+if TYPE_CHECKING:
+    from halfphysics.result import Result
+    from halfphysics.viewer.figure import Figure
+    from halfphysics.viewer.stage import Stage
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Forces at which a part changes its colour [N], and the colours between them.
+BOUNDS = (10.0, 50.0, 250.0)
+RAMP: tuple[Color, ...] = (
+    (0.98, 0.80, 0.25),
+    (0.96, 0.55, 0.16),
+    (0.87, 0.22, 0.17),
+    (0.55, 0.05, 0.20),
+)
+
+# How far above the skin a patch is [m].
+_ABOVE = 0.0012
+# Weights below this are left out: a bone less to send.
+_LEAST = 0.02
+
+
+def part_forces(result: Result, person: int) -> Array:
+    """Sizes of the forces on the parts of a person, added up per frame (T, 55) [N]."""
+    contacts = result.contacts
+    mine = np.asarray(contacts.person) == person
+    force = np.zeros((len(result.motion), N_JOINTS))
+    size = np.linalg.norm(np.asarray(contacts.impulse)[mine], axis=1) * result.fps
+    np.add.at(force, (np.asarray(contacts.frame)[mine], np.asarray(contacts.part)[mine]), size)
+    return force
+
+
+def level(force: Array | float) -> Any:
+    """Index into `RAMP` for forces [N]."""
+    return np.searchsorted(BOUNDS, force, side="right")
+
+
+def patch(
+    field: Array, vertices: Array, faces: NDArray[np.integer], weights: Array
+) -> tuple[Array, Ints, Array]:
+    """The part of a surface on which a field is not negative, cut along its zero line.
+
+    Args:
+        field: Of the vertices (V,); linear in the faces.
+        vertices: (V, 3).
+        faces: (F, 3).
+        weights: What else belongs to vertices (V, K), linear likewise.
+
+    Returns:
+        Vertices (N, 3), faces (M, 3) and weights (N, K) of the patch.
+    """
+    inside = field >= 0.0
+    count = inside[faces].sum(axis=1)
+    whole = faces[count == 3]
+    # Turned so that the vertex that is alone on its side comes first.
+    cut = []
+    for alone in (1, 2):
+        some = faces[count == alone]
+        first = np.argmax(inside[some] == (alone == 1), axis=1)
+        cut.append(np.take_along_axis(some, (first[:, None] + np.arange(3)) % 3, axis=1))
+    tips, stumps = cut
+    pairs = np.concatenate([c[:, [0, k]] for c in cut for k in (1, 2)])
+    low, high = pairs.min(axis=1), pairs.max(axis=1)
+    edges, index = np.unique(np.stack([low, high], axis=1), axis=0, return_inverse=True)
+    index = index.reshape(-1) + len(vertices)
+    a, b = field[edges[:, 0]], field[edges[:, 1]]
+    share = (a / (a - b))[:, None]
+
+    def with_cuts(values: Array) -> Array:
+        between = (1.0 - share) * values[edges[:, 0]] + share * values[edges[:, 1]]
+        return np.concatenate([values, between])
+
+    t, s = len(tips), len(stumps)
+    tip_1, tip_2, stump_1, stump_2 = np.split(index, [t, 2 * t, 2 * t + s])
+    out = np.concatenate(
+        [
+            whole,
+            np.stack([tips[:, 0], tip_1, tip_2], axis=1),
+            np.stack([stump_1, stumps[:, 1], stumps[:, 2]], axis=1),
+            np.stack([stump_1, stumps[:, 2], stump_2], axis=1),
+        ]
+    )
+    used, out = np.unique(out, return_inverse=True)
+    return with_cuts(vertices)[used], out.reshape(-1, 3), with_cuts(weights)[used]
+
+
+class Patch:
+    """The skin of one part over the body's, hidden until it is shown."""
+
+    def __init__(self, server: Any, name: str, figure: Figure, part: int) -> None:
+        body = figure.body
+        share = np.asarray(body.weights)
+        rest = np.delete(share, part, axis=1).max(axis=1)
+        above = shrunk(np.asarray(body.rest_vertices), body.faces, -_ABOVE)
+        vertices, faces, weights = patch(share[:, part] - rest, above, body.faces, figure.weights)
+        weights = strongest(np.where(weights < _LEAST, 0.0, weights))
+        #: Which of the figure's bones move it.
+        self.bones: Ints = np.flatnonzero(weights.any(axis=0))
+        at_rest = np.zeros((len(self.bones), 4))
+        at_rest[:, 0] = 1.0
+        self.level = 0
+        self.handle = server.scene.add_mesh_skinned(
+            name,
+            vertices=vertices,
+            faces=faces,
+            bone_wxyzs=at_rest,
+            bone_positions=np.asarray(body.rest_joints)[figure.joints[self.bones]],
+            skin_weights=weights[:, self.bones],
+            color=rgb(RAMP[0]),
+            side="front",
+            cast_shadow=False,
+            visible=False,
+        )
+        self._sender = Bones([self.handle])
+
+    def hide(self) -> None:
+        """Away with it, until `show`."""
+        if self.handle.visible:
+            self.handle.visible = False
+
+    def show(self, positions: Array, quaternions: Array, step: int) -> None:
+        """In the pose of the figure's bones (B, 3) [m] and (B, 4), in a colour of `RAMP`."""
+        self._sender.send(positions[self.bones], quaternions[self.bones])
+        if step != self.level:
+            self.level = step
+            self.handle.color = rgb(RAMP[step])
+        if not self.handle.visible:
+            self.handle.visible = True
+
+
+class Touched:
+    """Patches of all people of a result.
+
+    Args:
+        server: Of viser.
+        stage: Where the result is shown; it calls `show` from then on.
+
+    Attributes:
+        forces: Of every person (T, 55) [N].
+        patches: Of every person, part -> `Patch`, of parts that ever touch.
+    """
+
+    def __init__(self, server: Any, stage: Stage) -> None:
+        result = stage.drawing.result
+        self._people = stage.people
+        self.forces = [part_forces(result, k) for k in range(len(stage.people))]
+        self.patches: list[dict[int, Patch]] = []
+        for k, figure in enumerate(stage.people):
+            parts = np.flatnonzero(self.forces[k].any(axis=0)).tolist()
+            name = stage.path(f"person/{k}/touch-")
+            self.patches.append(
+                {p: Patch(server, f"{name}{JOINT_NAMES[p]}", figure, p) for p in parts}
+            )
+        self._visible = True
+        self._frame = -1
+        stage.followers.append(self.show)
+
+    @property
+    def visible(self) -> bool:
+        """Whether parts are coloured. Nothing is sent while they are not."""
+        return self._visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._visible = visible
+        if visible and self._frame >= 0:
+            self.show(self._frame)
+        elif not visible:
+            for patches in self.patches:
+                for one in patches.values():
+                    one.hide()
+
+    def show(self, frame: int) -> None:
+        """Colour what touches in a frame, in the pose that the figures have."""
+        self._frame = frame
+        if not self._visible:
+            return
+        for figure, force, patches in zip(self._people, self.forces, self.patches, strict=True):
+            if figure.bone_pose is None:
+                continue
+            positions, quaternions = figure.bone_pose
+            for part, one in patches.items():
+                if force[frame, part] > 0.0:
+                    one.show(positions, quaternions, int(level(force[frame, part])))
+                else:
+                    one.hide()

@@ -1,0 +1,229 @@
+"""Contacts of a frame in the scene: points, and arrows as long as the forces are large."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.render import Color
+from halfphysics.viewer.figure import rgb
+
+if TYPE_CHECKING:
+    from halfphysics.contacts import Contacts
+    from halfphysics.result import Result
+    from halfphysics.touches import Touches
+    from halfphysics.viewer.stage import Stage
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What touches: the label and colour of points and arrows."""
+
+    label: str
+    color: Color
+
+
+#: Kinds of contacts by number: a person's with what stands, objects and people; things' own.
+KINDS: tuple[Kind, ...] = (
+    Kind("on a person, by the scene", (0.05, 0.48, 0.22)),
+    Kind("on a person, by an object", (0.76, 0.05, 0.48)),
+    Kind("on a person, by a person", (0.38, 0.16, 0.76)),
+    Kind("on an object", (0.25, 0.31, 0.38)),
+)
+SCENE, OBJECT, PERSON, THING = range(4)
+
+#: Length of an arrow [m]: `SHORTEST` up to 1 N, `TENFOLD` more for ten times the force, up to
+#: `LARGEST` [N]. A finger's 3 N and a foot's 600 N are both to be seen.
+SHORTEST, TENFOLD, LARGEST = 0.06, 0.08, 1e4
+
+_POINT = 0.011  # radius [m]
+_SHAFT, _HEAD, _HEAD_LENGTH = 0.0055, 0.0145, 0.042  # [m]
+
+
+def arrow_lengths(force: Array) -> Array:
+    """Lengths of arrows (n,) [m] for forces (n,) [N]: logarithmic, see `SHORTEST`."""
+    return SHORTEST + TENFOLD * np.log10(np.clip(force, 1.0, LARGEST))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrameContacts:
+    """The contacts of one frame.
+
+    Attributes:
+        rows: Rows of `Result.contacts` (n,).
+        kind: Index into `KINDS` (n,).
+        position: Where (n, 3) [m].
+        force: On the part: impulse over the length of the frame (n, 3) [N].
+    """
+
+    rows: Ints
+    kind: Ints
+    position: Array
+    force: Array
+
+    def arrows(self) -> Array:
+        """Start and end of the arrows of those that carry a force (m, 2, 3) [m]."""
+        size = np.linalg.norm(self.force, axis=1)
+        some = size > 0.0
+        along = self.force[some] / size[some, None] * arrow_lengths(size[some])[:, None]
+        start = self.position[some]
+        return np.stack([start, start + along], axis=1)
+
+    def of(self, kind: int) -> FrameContacts:
+        """Those of one kind."""
+        keep = self.kind == kind
+        return FrameContacts(
+            rows=self.rows[keep],
+            kind=self.kind[keep],
+            position=self.position[keep],
+            force=self.force[keep],
+        )
+
+
+class ContactSource(Protocol):
+    """Contacts by frame.
+
+    Attributes:
+        kind: Of every contact there may be (n,), an index into `KINDS`.
+    """
+
+    kind: Ints
+
+    def at(self, frame: int) -> FrameContacts:
+        """Those of (frame - 1, frame]."""
+
+
+class ContactFrames:
+    """A result's contacts, by frame."""
+
+    def __init__(self, result: Result) -> None:
+        contacts = result.contacts
+        self._position = np.asarray(contacts.position, dtype=np.float64)
+        self._force = np.asarray(contacts.impulse, dtype=np.float64) * result.fps
+        self.kind: Ints = kinds(result)
+        self._first = np.searchsorted(contacts.frame, np.arange(len(result.motion) + 1))
+
+    def at(self, frame: int) -> FrameContacts:
+        """Those of (frame - 1, frame]."""
+        rows = np.arange(self._first[frame], self._first[frame + 1])
+        return FrameContacts(
+            rows=rows,
+            kind=self.kind[rows],
+            position=self._position[rows],
+            force=self._force[rows],
+        )
+
+
+def kinds(result: Result) -> Ints:
+    """What kind every contact of a result is (n,), an index into `KINDS`."""
+    count = len(result.names), len(result.objects), len(result.people)
+    return kinds_of(result.contacts, *count)
+
+
+def kinds_of(contacts: Contacts | Touches, names: int, objects: int, persons: int) -> Ints:
+    """The same of contacts between so many names in all, objects and people among them."""
+    people = names - persons
+    objects = people - objects
+    other = np.asarray(contacts.other)
+    kind = np.select([other < objects, other < people], [SCENE, OBJECT], PERSON)
+    return np.where(np.asarray(contacts.person) < 0, THING, kind)
+
+
+class ContactNodes:
+    """Points and arrows of one result: two nodes a kind, whatever the number of contacts.
+
+    Args:
+        server: Of viser.
+        stage: Where the result is shown; it calls `show` from then on.
+        frames: Contacts by frame that are not the result's; None: the result's.
+
+    Attributes:
+        frames: The contacts.
+        points, arrows: viser's handles by kind, of kinds that the result has.
+    """
+
+    def __init__(self, server: Any, stage: Stage, frames: ContactSource | None = None) -> None:
+        self.frames = ContactFrames(stage.drawing.result) if frames is None else frames
+        self.points: dict[int, Any] = {}
+        self.arrows: dict[int, Any] = {}
+        self._visible = True
+        self._frame = -1
+        ball, faces = _ball(_POINT)
+        for kind in np.unique(self.frames.kind).tolist():
+            color = rgb(KINDS[kind].color)
+            # Each has something to start with: the browser builds its buffers from it.
+            self.points[kind] = server.scene.add_batched_meshes_simple(
+                stage.path(f"contact/points-{kind}"),
+                ball,
+                faces,
+                batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
+                batched_positions=np.zeros((1, 3)),
+                batched_colors=color,
+                lod="off",
+                cast_shadow=False,
+                receive_shadow=False,
+                visible=False,
+            )
+            self.arrows[kind] = server.scene.add_arrows(
+                stage.path(f"contact/arrows-{kind}"),
+                np.array([[[0.0, 0.0, 0.0], [0.0, 0.0, SHORTEST]]]),
+                color,
+                shaft_radius=_SHAFT,
+                head_radius=_HEAD,
+                head_length=_HEAD_LENGTH,
+                visible=False,
+            )
+        stage.followers.append(self.show)
+
+    @property
+    def visible(self) -> bool:
+        """Whether contacts are drawn. Nothing is sent while they are not."""
+        return self._visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._visible = visible
+        if visible and self._frame >= 0:
+            self.show(self._frame)
+        elif not visible:
+            for handle in (*self.points.values(), *self.arrows.values()):
+                handle.visible = False
+
+    def show(self, frame: int) -> None:
+        """The contacts of a frame."""
+        self._frame = frame
+        if not self._visible:
+            return
+        contacts = self.frames.at(frame)
+        for kind, points in self.points.items():
+            mine = contacts.of(kind)
+            if len(mine.rows):
+                points.batched_positions = mine.position
+                points.batched_wxyzs = _unturned(len(mine.rows))
+            _show(points, len(mine.rows))
+            segments = mine.arrows()
+            if len(segments):
+                self.arrows[kind].points = segments.astype(np.float32)
+            _show(self.arrows[kind], len(segments))
+
+
+def _show(handle: Any, count: int) -> None:
+    if handle.visible != (count > 0):
+        handle.visible = count > 0
+
+
+def _unturned(count: int) -> Array:
+    return np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+
+
+def _ball(radius: float) -> tuple[Array, NDArray[np.integer]]:
+    from halfphysics.shapes import Sphere
+
+    vertices, faces = Sphere(radius).triangles()
+    return vertices, faces

@@ -1,0 +1,146 @@
+"""The sliders of the playground as numbers: what they make of settings and of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from halfphysics.errors import InputError
+from halfphysics.joint_groups import ROOT_FORCE
+from halfphysics.moving import Moving
+from halfphysics.strength import HUMAN, ROOT_BODY_WEIGHTS
+from halfphysics.validation import number
+
+if TYPE_CHECKING:
+    from halfphysics.articulated import Articulated
+    from halfphysics.body import Body
+    from halfphysics.scene import Scene
+    from halfphysics.settings import Settings
+
+_STANDARD_GRAVITY = 9.80665
+
+#: Name of a strength -> part of a person's; None: whatever it takes.
+STRENGTHS: Mapping[str, float | None] = MappingProxyType(
+    {"unlimited": None, "human": 1.0, "half": 0.5, "weak": 0.2, "very weak": 0.05}
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Knobs:
+    """What the sliders say; None and absent: as the scenario has it.
+
+    Attributes:
+        stiffness: Firmness lambda of the joints.
+        substeps: Per frame.
+        strength: A name of `STRENGTHS`.
+        drive_time: Time constant of the drive [s].
+        paper: The paper's Algorithm 1 instead of a drive with a time constant, or not.
+        masses: Name of a thing -> its mass [kg]; of an articulated one, of all its links.
+        frictions: Name of a thing -> its friction.
+    """
+
+    stiffness: float | None = None
+    substeps: int | None = None
+    strength: str | None = None
+    drive_time: float | None = None
+    paper: bool | None = None
+    masses: Mapping[str, float] = field(default_factory=dict)
+    frictions: Mapping[str, float] = field(default_factory=dict)
+
+    def settings(self, base: Settings, body: Body) -> Settings:
+        """The scenario's settings with what the sliders say.
+
+        Raises:
+            InputError: An impossible value.
+        """
+        changes: dict[str, Any] = {}
+        if self.stiffness is not None:
+            changes["stiffness"] = self.stiffness
+        if self.substeps is not None:
+            changes["substeps"] = self.substeps
+        if self.drive_time is not None:
+            changes["drive_time"] = self.drive_time
+        if self.strength is not None:
+            changes["strength"] = _strength(self.strength, body)
+        if self.paper:
+            # Algorithm 1 sets velocities, whatever force that takes.
+            changes |= {"drive_time": None, "strength": None}
+        elif self.paper is not None and base.drive_time is None and self.drive_time is None:
+            changes["drive_time"] = type(base).drive_time
+        return replace(base, **changes)
+
+    def scene(self, base: Scene) -> Scene:
+        """The scenario's scene with what the sliders say; the same one if they say nothing.
+
+        Raises:
+            InputError: An impossible value, or something that is not there.
+        """
+        if not self.masses and not self.frictions:
+            return base
+        scene = base._copied()
+        for name, value in self.masses.items():
+            what = f"mass of {name!r}"
+            mass = number(value, what, above=0.0, unit="kg")
+            if name in movable(base):
+                _put(scene, _heavier(movable(base)[name], mass))
+            else:
+                _refuse(what, movable(base))
+        for name, value in self.frictions.items():
+            what = f"friction of {name!r}"
+            mu = number(value, what, least=0.0)
+            things: dict[str, Any] = {**scene.statics, **scene.objects, **scene.articulated}
+            if name not in things:
+                _refuse(what, things)
+            _put(scene, replace(things[name], friction=mu))
+        return scene
+
+
+def movable(scene: Scene) -> dict[str, Any]:
+    """Name -> what has a mass that counts: free objects and articulated ones."""
+    free = {n: o for n, o in scene.objects.items() if not isinstance(o, Moving)}
+    return {**free, **scene.articulated}
+
+
+def mass_of(thing: Any) -> float:
+    """Mass of a free object, or of the links of an articulated one that move [kg]."""
+    if hasattr(thing, "links"):
+        return float(sum(link.mass for link in thing.links if not link.fixed))
+    return float(thing.mass)
+
+
+def _heavier(thing: Any, mass: float) -> Any:
+    factor = mass / mass_of(thing)
+    if not hasattr(thing, "links"):
+        return replace(thing, mass=mass, inertia=thing.inertia * factor)
+    jointed: Articulated = thing
+    links = tuple(
+        link
+        if link.fixed
+        else replace(link, mass=link.mass * factor, inertia=link.inertia * factor)
+        for link in jointed.links
+    )
+    return replace(jointed, links=links)
+
+
+def _put(scene: Scene, thing: Any) -> None:
+    """In its place, so that the order of names stays."""
+    for group in (scene._statics, scene._objects, scene._articulated):
+        if thing.name in group:
+            group[thing.name] = thing
+
+
+def _refuse(what: str, things: Mapping[str, Any]) -> None:
+    raise InputError(f"{what}: found none, expected one of {', '.join(things) or 'nothing'}")
+
+
+def _strength(name: str, body: Body) -> Any:
+    if name not in STRENGTHS:
+        raise InputError(f"strength: found {name!r}, expected one of {', '.join(STRENGTHS)}")
+    part = STRENGTHS[name]
+    if part is None or part == 1.0:
+        return None if part is None else "human"
+    weight = _STANDARD_GRAVITY * sum(p.mass for p in body.variant.parts)
+    limits = {joint: part * torque for joint, torque in HUMAN.items()}
+    return {**limits, ROOT_FORCE: part * ROOT_BODY_WEIGHTS * weight}

@@ -1,0 +1,146 @@
+"""The frame in numbers: clearance, contacts by name with their forces, deviation."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.viewer.contacts import KINDS, THING, ContactFrames
+
+if TYPE_CHECKING:
+    from halfphysics.result import Result
+
+# Contacts that are listed; what is more is counted.
+_MOST = 8
+_CELL = "padding:1px 0;vertical-align:top;line-height:1.3"
+
+
+class Numbers:
+    """What there is to say about the frames of a result.
+
+    Args:
+        result: Whose.
+        label: What it is called; empty: the only one.
+    """
+
+    def __init__(self, result: Result, label: str = "") -> None:
+        self._result = result
+        self._label = label
+        self._frames = ContactFrames(result)
+        self._off = [1e3 * person.joint_errors()[1] for person in result.people]
+
+    def contacts(self, frame: int) -> list[tuple[str, str, float, int]]:
+        """Who touches what in a frame, the strongest first.
+
+        Returns:
+            Part or object, what it touches, force [N], index into `KINDS`.
+        """
+        here = self._frames.at(frame)
+        size = np.linalg.norm(here.force, axis=1)
+        rows = self._result.contacts
+        out = []
+        for k in np.argsort(-size, kind="stable").tolist():
+            row = here.rows[k]
+            if rows.person[row] < 0:
+                who = self._result.names[rows.subject[row]]
+            else:
+                who = self._part(int(rows.person[row]), int(rows.part[row]))
+            other = self._result.names[rows.other[row]]
+            if rows.other_part[row] >= 0:
+                first = len(self._result.names) - len(self._result.people)
+                other = self._part(int(rows.other[row]) - first, int(rows.other_part[row]))
+            out.append((who, other, float(size[k]), int(here.kind[k])))
+        return out
+
+    def _part(self, person: int, part: int) -> str:
+        name = JOINT_NAMES[part].replace("_", " ")
+        if len(self._result.people) == 1:
+            return name
+        return f"{self._result.people[person].name}: {name}"
+
+    def deviation(self, frame: int) -> list[tuple[str, float, str, float]]:
+        """How far people are from what was asked of them.
+
+        Returns:
+            Of every person: name, mean over the joints [mm], the joint that is farthest, by how
+            much [mm].
+        """
+        out = []
+        for person, off in zip(self._result.people, self._off, strict=True):
+            worst = int(np.argmax(off[frame]))
+            name = JOINT_NAMES[worst].replace("_", " ")
+            out.append((person.name, float(off[frame].mean()), name, float(off[frame, worst])))
+        return out
+
+    def html(self, frame: int) -> str:
+        """All of it, for the panel."""
+        clearance = 1e3 * float(self._result.clearance[frame])
+        reach = 1e3 * float(self._result.settings.clearance_range)
+        near = f"{clearance:.1f} mm" if np.isfinite(clearance) else f"over {reach:.0f} mm"
+        lines = [_row("Clearance of people", near)]
+        several = len(self._result.people) > 1
+        for name, mean, joint, most in self.deviation(frame):
+            who = f"{html.escape(name)} " if several else ""
+            lines.append(
+                _row(f"{who}{'off' if several else 'Off'} the ghost, mean", f"{mean:.0f} mm")
+            )
+            lines.append(_row(f"most: {joint}", f"{most:.0f} mm"))
+        contacts = self.contacts(frame)
+        total = sum(size for _, _, size, kind in contacts if kind != THING)
+        lines.append(_row(f"Contacts: {len(contacts)}, on people", f"{total:.0f} N"))
+        for who, other, size, kind in contacts[:_MOST]:
+            red, green, blue = (round(255 * c) for c in KINDS[kind].color)
+            dot = (
+                f'<span style="display:inline-block;width:8px;height:8px;border-radius:4px;'
+                f'background:rgb({red},{green},{blue});margin-right:6px"></span>'
+            )
+            label = f"{html.escape(who)} on {html.escape(other)}"
+            lines.append(_row(f"{dot}{label}", f"{size:.1f} N" if size < 100 else f"{size:.0f} N"))
+        if len(contacts) > _MOST:
+            rest = sum(size for _, _, size, _ in contacts[_MOST:])
+            lines.append(_row(f"and {len(contacts) - _MOST} more", f"{rest:.0f} N"))
+        head = f"<b>{html.escape(self._label)}</b>, " if self._label else ""
+        last = len(self._result.motion) - 1
+        time = f"{head}frame {frame} of {last}, {frame / self._result.fps:.2f} s"
+        return (
+            f'<div style="font-size:13px;line-height:1.4;margin:8px 11px">{time}'
+            f'<table style="width:100%;border-collapse:collapse;margin-top:4px">'
+            f"{''.join(lines)}</table></div>"
+        )
+
+
+class NumbersPanel:
+    """The numbers of all results in the panel.
+
+    Args:
+        gui: Of viser, within the folder or tab where they belong.
+        results: Whose.
+        labels: What they are called.
+    """
+
+    def __init__(self, gui: Any, results: Sequence[Result], labels: Sequence[str]) -> None:
+        several = len(results) > 1
+        self._numbers = [
+            Numbers(result, label if several else "")
+            for result, label in zip(results, labels, strict=True)
+        ]
+        self.texts = [gui.add_html("") for _ in results]
+        self._shown = [-1] * len(results)
+
+    def show(self, frames: Sequence[int]) -> None:
+        """The numbers of a frame of each."""
+        for k, frame in enumerate(frames):
+            if frame != self._shown[k]:
+                self._shown[k] = frame
+                self.texts[k].content = self._numbers[k].html(frame)
+
+
+def _row(left: str, right: str) -> str:
+    return (
+        f'<tr><td style="{_CELL}">{left}</td><td style="{_CELL};text-align:right;'
+        f'padding-left:8px;white-space:nowrap">{html.escape(right)}</td></tr>'
+    )

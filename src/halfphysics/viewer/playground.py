@@ -1,0 +1,308 @@
+"""`halfphysics play`: a simulation in a browser that runs while one plays with it."""
+
+from __future__ import annotations
+
+import html
+import queue
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from halfphysics.drawing import Drawing
+from halfphysics.viewer.address import announcement, url
+from halfphysics.viewer.arrange import Arrangement, arrange
+from halfphysics.viewer.catalog import Catalog, Choice
+from halfphysics.viewer.contacts import ContactNodes
+from halfphysics.viewer.dragging import draggable
+from halfphysics.viewer.framing import framed, free_part
+from halfphysics.viewer.live_contacts import LiveContacts
+from halfphysics.viewer.pace import Pace
+from halfphysics.viewer.panel import Panel
+from halfphysics.viewer.provisional import provisional
+from halfphysics.viewer.server import close_server, open_server
+from halfphysics.viewer.session import Command, Grab, LetGo, Pull, Session
+from halfphysics.viewer.stage import Layer, Stage, aim, light
+
+# A look at whether there is anything to do while it stands still [s].
+_IDLE = 0.1
+# The picture that decides where to look from [pixels]: a small one is drawn quickly.
+_PICTURE = (640, 360)
+# Of the time that sending a frame takes, how much a single one counts in the read-out.
+_SMOOTH = 0.1
+
+
+class Playground:
+    """A running playground, stopped by `stop` or at the end of a `with` block.
+
+    One thread owns the session, its simulator and the scene; what browsers ask for waits in
+    queues until that thread has made its frame.
+
+    Args:
+        catalog: What can be chosen.
+        choice: What is played first.
+        host: Address to listen on.
+        port: Port to listen on; where it is in use, the next one that is free.
+
+    Attributes:
+        session: What is played. Use `post` to have something done to it.
+        server: Of viser.
+        stage: What is shown of it now.
+        pace: How well real time is kept.
+        simulating, sending: What a frame takes lately [s].
+        updates: Frames shown so far.
+
+    Raises:
+        HalfPhysicsError: The first choice cannot be played, no port can be had, viser is missing.
+    """
+
+    def __init__(
+        self,
+        catalog: Catalog,
+        choice: Choice,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+    ) -> None:
+        self.session = Session(catalog, choice)
+        self._host, self._asked_port = host, port
+        self.server = open_server(host, port, label="halfphysics play")
+        self.port: int = self.server.get_port()
+        self.pace = Pace()
+        self.simulating = self.sending = 0.0
+        self.updates = 0
+        self.stage: Stage
+        self._row: Arrangement
+        self._stopping = threading.Event()
+        self._wake = threading.Event()
+        self._tasks: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
+        self._failure: BaseException | None = None
+        self._shown: object = None
+        self._story = -1
+        self._place = ("", "")
+        try:
+            light(self.server)
+            self.panel = Panel(self)
+            self._set_stage()
+            self._show()
+        except BaseException:
+            close_server(self.server)
+            raise
+        self.server.on_client_connect(self._welcome)
+        self._player = threading.Thread(target=self._play, name="halfphysics-play", daemon=True)
+        self._player.start()
+
+    # -- by anybody --------------------------------------------------------------------------
+
+    @property
+    def url(self) -> str:
+        """Address to open in a browser on this machine."""
+        return url(self._host, self.port)
+
+    def announce(self) -> str:
+        """Where it can be seen, and how from another machine."""
+        return announcement("the playground is", self._host, self.port, self._asked_port)
+
+    def __repr__(self) -> str:
+        state = "stopped" if self._stopping.is_set() else self.url
+        return f"Playground({state})"
+
+    def _repr_html_(self) -> str:
+        """In a notebook: the playground itself."""
+        if self._stopping.is_set():
+            return f"<pre>{html.escape(repr(self))}</pre>"
+        return f'<iframe src="{self.url}" width="100%" height="640" style="border:0"></iframe>'
+
+    def __enter__(self) -> Playground:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def post(self, command: Command) -> None:
+        """Have something done to the session before its next frame."""
+        self.session.post(command)
+        self._wake.set()
+
+    def do(self, task: Callable[[], object]) -> None:
+        """Have something else done between two frames, by the thread that makes them."""
+        self._tasks.put(task)
+        self._wake.set()
+
+    def stop(self) -> None:
+        """End it; browsers see that it has gone. Once is enough, twice does no harm."""
+        if self._stopping.is_set():
+            return
+        self._stopping.set()
+        self._wake.set()
+        if self._player is not threading.current_thread():
+            self._player.join(timeout=10.0)
+        close_server(self.server)
+
+    def wait(self) -> None:
+        """Until `stop` is called elsewhere, or Ctrl-C.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C; the playground has been stopped.
+        """
+        try:
+            while not self._stopping.wait(_IDLE):
+                if self._failure is not None:
+                    raise self._failure
+        finally:
+            self.stop()
+
+    def _welcome(self, client: Any) -> None:
+        """A browser has come: show it everything, in whatever shape its window has."""
+        self.do(lambda: self._aim(client))
+
+    # -- by its own thread -------------------------------------------------------------------
+
+    def _play(self) -> None:
+        try:
+            while not self._stopping.is_set():
+                busy = self.session.playing or self.session.stepping
+                self._wake.wait(self.pace.wait() if busy else _IDLE)
+                self._wake.clear()
+                self._round()
+        except BaseException as error:
+            self._failure = error
+
+    def _round(self) -> None:
+        """What was asked for, then a frame if one is due, and all of it shown."""
+        session = self.session
+        asked = session.obey()
+        while True:
+            try:
+                task = self._tasks.get_nowait()
+            except queue.Empty:
+                break
+            task()
+        if session.story != self._story:
+            self._set_stage()
+        if not session.playing and not session.stepping:
+            self.pace.rest()
+        elif self.pace.wait() == 0.0:
+            self.pace.made(1.0 / (session.fps * session.speed))
+            if session.advance() is not None:
+                self.simulating += _SMOOTH * (session.seconds - self.simulating)
+        self._show()
+        self.panel.refresh(now=asked)
+
+    def _show(self) -> None:
+        """The frame, if it is not shown yet and anybody looks."""
+        session = self.session
+        if session.frame is self._shown or (self.updates and not self.server.get_clients()):
+            return
+        start = time.perf_counter()
+        stage, frame = self.stage, session.frame
+        with self.server.atomic():
+            for k, (body, pose) in enumerate(zip(self._bodies, frame.poses, strict=True)):
+                stage.pose(k, *body.joint_frames(pose))
+                positions, quaternions = self._ghosts[k]
+                stage.pose(k, positions[session.index], quaternions[session.index], ghost=True)
+            for name in self._objects:
+                stage.place(name, *frame.objects[name])
+            self._contacts.show(0)
+        self._shown = frame
+        self.updates += 1
+        self.sending += _SMOOTH * (time.perf_counter() - start - self.sending)
+
+    def _set_stage(self) -> None:
+        """The scene of what was chosen."""
+        session = self.session
+        drawing = Drawing(provisional(session))
+        old = getattr(self, "stage", None)
+        place = (session.choice.scenario, session.choice.motion)
+        moved = place != self._place
+        row = arrange([drawing], _PICTURE) if moved else self._row
+        with self.server.atomic():
+            if old is not None:
+                self.server.scene.remove_by_name(old.prefix)
+            self.stage = Stage(
+                self.server, drawing, f"/story{session.story}", faint=row.faint[0], live=True
+            )
+            self._contacts = ContactNodes(self.server, self.stage, LiveContacts(session))
+        self.stage.layers["contacts"] = Layer("Contacts", [self._contacts])
+        self._row, self._story, self._shown = row, session.story, None
+        self._place = place
+        self._bodies = session.simulator.bodies
+        self._ghosts = [
+            body.joint_frames(motion)
+            for body, motion in zip(self._bodies, session.sequence.motions, strict=True)
+        ]
+        self._objects = [name.removeprefix("object/") for name in drawing.objects]
+        for name in self._objects:
+            if draggable(session.simulator, name):
+                self._let_drag(name)
+        self.panel.show_story()
+        if moved:
+            aim(self.server, row.camera(_PICTURE))
+            for client in self.server.get_clients().values():
+                self._aim(client)
+
+    def _let_drag(self, name: str) -> None:
+        handle = self.stage.object(name)
+
+        # In the event loop, one after the other: in the thread pool an end may overtake a start.
+        async def dragged(event: Any) -> None:
+            who = (event.client_id, name)
+            if event.phase == "start":
+                self.post(Grab(who, name, event.start_position, event.end_position))
+            elif event.phase == "update":
+                self.post(Pull(who, event.end_position))
+            else:
+                self.post(LetGo(who))
+
+        handle.on_drag("left")(dragged)
+
+    def _aim(self, client: Any) -> None:
+        """Have a browser look at the story, beside or above the panel."""
+        width, height = client.camera.image_width, client.camera.image_height
+        if not (width and height):
+            return  # it has gone already
+        position, target = framed(
+            self._row.points, self._row.direction, (width, height), free_part(width, height)
+        )
+        with client.atomic():
+            client.camera.position = position
+            client.camera.look_at = target
+
+
+def play(
+    catalog: Catalog,
+    choice: Choice,
+    *,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    block: bool = True,
+) -> Playground:
+    """Play with a simulation in a browser. Prints the address.
+
+    Args:
+        catalog: What can be chosen.
+        choice: What is played first.
+        host: Address to listen on; "0.0.0.0": whoever reaches this machine can play.
+        port: Port to listen on; where it is in use, the next one that is free, and it says so.
+        block: Wait until Ctrl-C; False: return at once.
+
+    Returns:
+        The running playground with `.url` and `.stop()`; a context manager.
+
+    Raises:
+        InputError: An impossible choice, host or port.
+        FileError: A file that cannot be used, or no port can be had.
+        MissingDependencyError: viser cannot be imported.
+        KeyboardInterrupt: Ctrl-C while it blocks; the playground has been stopped.
+    """
+    playground = Playground(catalog, choice, host=host, port=port)
+    print(playground.announce(), flush=True)
+    if block:
+        print("Ctrl-C ends it", flush=True)
+        try:
+            playground.wait()
+        except KeyboardInterrupt:
+            print("", file=sys.stderr)
+            raise
+    return playground

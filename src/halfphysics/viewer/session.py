@@ -1,0 +1,367 @@
+"""A simulation that is played with: commands in, frames out; knows nothing of a browser.
+
+One thread owns it and its `Simulator` and calls `advance`. Everybody else calls `post`.
+"""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Collection
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+from halfphysics.body import Body
+from halfphysics.errors import HalfPhysicsError, InputError
+from halfphysics.running import rebuilt
+from halfphysics.simulator import Frame, Simulator
+from halfphysics.viewer.catalog import Catalog, Choice
+from halfphysics.viewer.dragging import Drag, draggable
+from halfphysics.viewer.knobs import Knobs
+
+if TYPE_CHECKING:
+    from halfphysics.pose import Pose
+    from halfphysics.scene import Scene
+    from halfphysics.sequence import Sequence
+    from halfphysics.settings import Settings
+
+
+class Command(Protocol):
+    """Something to do between two frames."""
+
+    def do(self, session: Session) -> None:
+        """Do it. Raises `HalfPhysicsError` where that is impossible."""
+
+
+@dataclass(frozen=True)
+class Choose:
+    """Another scenario, motion, or number of a scenario; starts from the beginning."""
+
+    choice: Choice
+
+    def do(self, session: Session) -> None:
+        session.choose(self.choice)
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A knob (a field of `Knobs`), at this moment; `thing` where it has one for each."""
+
+    name: str
+    value: Any
+    thing: str | None = None
+
+    def do(self, session: Session) -> None:
+        if self.name not in {f.name for f in fields(Knobs)}:
+            raise InputError(f"play: found {self.name!r}, expected a knob")
+        value = self.value
+        if self.thing is not None:
+            if self.thing not in session.names:
+                return  # said of a scenario that has been left meanwhile
+            value = {**getattr(session.knobs, self.name), self.thing: value}
+        session.turn(replace(session.knobs, **{self.name: value}))
+
+
+@dataclass(frozen=True)
+class Untouched:
+    """All knobs as the scenario has them."""
+
+    def do(self, session: Session) -> None:
+        session.turn(Knobs())
+
+
+@dataclass(frozen=True)
+class Play:
+    """Go on, or stand still."""
+
+    playing: bool = True
+
+    def do(self, session: Session) -> None:
+        session.playing = self.playing
+
+
+@dataclass(frozen=True)
+class Step:
+    """One frame, then stand still."""
+
+    def do(self, session: Session) -> None:
+        session.playing = False
+        session.stepping += 1
+
+
+@dataclass(frozen=True)
+class Restart:
+    """From the first frame, with the knobs as they are."""
+
+    def do(self, session: Session) -> None:
+        session.restart()
+
+
+@dataclass(frozen=True)
+class Change:
+    """`loop`, `frozen` or `speed` of the session."""
+
+    name: str
+    value: Any
+
+    def do(self, session: Session) -> None:
+        if self.name == "speed":
+            session.speed = _speed(self.value)
+        elif self.name in ("loop", "frozen") and isinstance(self.value, bool):
+            setattr(session, self.name, self.value)
+        else:
+            raise InputError(f"play: found {self.name}={self.value!r}, expected loop or frozen")
+
+
+@dataclass(frozen=True)
+class Grab:
+    """The pointer `who` takes an object at a point of it (3,) [m]; ignored where it has gone."""
+
+    who: object
+    name: str
+    at: tuple[float, float, float]
+    pointer: tuple[float, float, float]
+
+    def do(self, session: Session) -> None:
+        if draggable(session.simulator, self.name):
+            drag = Drag.begin(session.simulator, self.name, self.at, self.pointer)
+            session.drags[self.who] = drag
+
+
+@dataclass(frozen=True)
+class Pull:
+    """The pointer `who` is somewhere else now (3,) [m]; ignored where it holds nothing."""
+
+    who: object
+    pointer: tuple[float, float, float]
+
+    def do(self, session: Session) -> None:
+        if self.who in session.drags:
+            session.drags[self.who].follow(self.pointer)
+
+
+@dataclass(frozen=True)
+class LetGo:
+    """The pointer `who` lets go; the object keeps its velocity."""
+
+    who: object
+
+    def do(self, session: Session) -> None:
+        session.drags.pop(self.who, None)
+
+
+def _supersedes(later: Command, command: Command) -> bool:
+    """Whether a command need not be done where another follows at once: a slider on its way."""
+    if isinstance(later, Turn) and isinstance(command, Turn):
+        return (later.name, later.thing) == (command.name, command.thing)
+    if isinstance(later, Pull) and isinstance(command, Pull):
+        return later.who == command.who
+    return isinstance(later, Choose) and isinstance(command, Choose)
+
+
+#: Slowest and fastest playing, in parts of the motion's own rate.
+SPEEDS = (0.05, 4.0)
+
+
+def _speed(value: Any) -> float:
+    low, high = SPEEDS
+    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+        raise InputError(f"speed: found {value!r}, expected {low:g} to {high:g}")
+    return float(value)
+
+
+class Session:
+    """The state of the playground.
+
+    Args:
+        catalog: What can be chosen.
+        choice: What is played first.
+
+    Attributes:
+        catalog, choice: As given, and as chosen since.
+        story: What is simulated: number of it, counting up with every choice.
+        sequence: The motion, scene, body and settings as the scenario has them.
+        simulator: Owned by the thread that calls `advance`.
+        knobs: What the sliders say.
+        frame: The last one that was made.
+        index: Of the frame, in the motion; stays at the last one.
+        made: Frames made since the start.
+        playing, stepping: Whether frames are to be made, and how many besides.
+        loop: Start again at the end; else the last pose is held and physics goes on.
+        frozen: The motion stands still, physics goes on.
+        speed: In parts of the motion's own rate.
+        drags: Who pulls what.
+        trouble: What went wrong with the last command or frame, "" if nothing did.
+        seconds: What the last frame took to simulate [s].
+
+    Raises:
+        HalfPhysicsError: The first choice cannot be played.
+    """
+
+    choice: Choice
+    sequence: Sequence
+    simulator: Simulator
+    frame: Frame
+    index: int
+    made: int
+
+    def __init__(self, catalog: Catalog, choice: Choice) -> None:
+        self.catalog = catalog
+        self._commands: queue.SimpleQueue[Command] = queue.SimpleQueue()
+        self.playing, self.stepping = True, 0
+        self.loop, self.frozen, self.speed = True, False, 1.0
+        self.drags: dict[object, Drag] = {}
+        self.knobs = Knobs()
+        self.story = -1
+        self.trouble = ""
+        self.seconds = 0.0
+        self.choose(choice)
+
+    # -- by anybody --------------------------------------------------------------------------
+
+    def post(self, command: Command) -> None:
+        """Have something done before the next frame; from any thread."""
+        self._commands.put(command)
+
+    # -- by its own thread -------------------------------------------------------------------
+
+    def obey(self) -> bool:
+        """Do what was posted; what cannot be done changes nothing and is in `trouble`.
+
+        Returns:
+            Whether there was anything.
+        """
+        commands = []
+        while True:
+            try:
+                commands.append(self._commands.get_nowait())
+            except queue.Empty:
+                break
+        for k, command in enumerate(commands):
+            if k + 1 < len(commands) and _supersedes(commands[k + 1], command):
+                continue
+            try:
+                command.do(self)
+            except HalfPhysicsError as error:
+                self.trouble = str(error)
+            else:
+                if not isinstance(command, Pull | LetGo):
+                    self.trouble = ""
+        return bool(commands)
+
+    def advance(self) -> Frame | None:
+        """Obey, then make the next frame; None: it stands still, or could not be made."""
+        self.obey()
+        if not self.playing and not self.stepping:
+            return None
+        self.stepping = max(self.stepping - 1, 0)
+        start = time.perf_counter()
+        try:
+            if self.at_end and self.loop and not self.frozen and not self.drags:
+                self.restart()
+            else:
+                self._step()
+        except HalfPhysicsError as error:
+            self.trouble, self.playing, self.stepping = str(error), False, 0
+            return None
+        self.seconds = time.perf_counter() - start
+        return self.frame
+
+    def _step(self) -> None:
+        index = self.index if self.frozen else min(self.index + 1, self.frames - 1)
+        for drag in self.drags.values():
+            drag.pull(self.simulator, self.simulator.dt)
+        self.frame = self.simulator.step(self.target(index))
+        self.index = index
+        self.made += 1
+
+    def choose(self, choice: Choice) -> None:
+        """Play something else, from its beginning. Knobs of things are forgotten.
+
+        Raises:
+            HalfPhysicsError: It cannot be played; all stays as it is.
+        """
+        sequence = self.catalog.load(choice)
+        kept = getattr(self, "choice", None)
+        same = kept is not None and kept.scenario == choice.scenario
+        knobs = self.knobs if same else replace(self.knobs, masses={}, frictions={})
+        self._begin(sequence, knobs)
+        self.choice = choice
+        self.story += 1
+
+    def restart(self) -> None:
+        """From the first frame, as `simulate` would do it with these knobs."""
+        self._begin(self.sequence, self.knobs, again=self._as_built)
+
+    def turn(self, knobs: Knobs) -> None:
+        """Other knobs, from this moment on; where nothing has happened yet, from the start.
+
+        Raises:
+            HalfPhysicsError: An impossible value; all stays as it is.
+        """
+        if knobs == self.knobs:
+            return
+        if self.made == 0:
+            self._begin(self.sequence, knobs)
+            return
+        settings, scene = self._asked(self.sequence, knobs)
+        old = self.simulator
+        simulator = old
+        if replace(settings, stiffness=1.0) != replace(old.settings, stiffness=1.0):
+            simulator = Simulator(old.world.scene, body=old.bodies, settings=settings, fps=self.fps)
+            simulator.set_state(old.get_state())
+        if (knobs.masses, knobs.frictions) != (self.knobs.masses, self.knobs.frictions):
+            simulator.world = rebuilt(simulator.world, scene, True)
+        if knobs.stiffness != self.knobs.stiffness:
+            simulator.set_stiffness(settings.stiffness)
+        self.simulator, self.knobs, self._as_built = simulator, knobs, False
+
+    def _begin(self, sequence: Sequence, knobs: Knobs, again: bool = False) -> None:
+        """The first frame. `again`: with the simulator that is there."""
+        simulator = self.simulator if again else self._built(sequence, knobs)
+        frame = simulator.reset([motion[0] for motion in sequence.motions])
+        self.sequence, self.simulator, self.knobs, self.frame = sequence, simulator, knobs, frame
+        self._as_built = True
+        self.index = self.made = 0
+        self.drags.clear()
+
+    def _built(self, sequence: Sequence, knobs: Knobs) -> Simulator:
+        settings, scene = self._asked(sequence, knobs)
+        fps = sequence.motions[0].fps
+        return Simulator(scene, body=bodies_of(sequence), settings=settings, fps=fps)
+
+    def _asked(self, sequence: Sequence, knobs: Knobs) -> tuple[Settings, Scene]:
+        settings = knobs.settings(sequence.settings, bodies_of(sequence)[0])
+        return settings, knobs.scene(sequence.scene)
+
+    # -- what there is -----------------------------------------------------------------------
+
+    @property
+    def fps(self) -> float:
+        """Of the motion."""
+        return self.sequence.motions[0].fps
+
+    @property
+    def frames(self) -> int:
+        """Of the motion."""
+        return len(self.sequence.motions[0])
+
+    @property
+    def at_end(self) -> bool:
+        """Whether the motion is."""
+        return self.index >= self.frames - 1
+
+    @property
+    def names(self) -> Collection[str]:
+        """What has knobs of its own."""
+        scene = self.sequence.scene
+        return (*scene.statics, *scene.objects, *scene.articulated)
+
+    def target(self, index: int) -> list[Pose]:
+        """Where the motion wants everybody at a frame of it."""
+        return [motion[index] for motion in self.sequence.motions]
+
+
+def bodies_of(sequence: Sequence) -> list[Body]:
+    """Everybody's; the default one where the source names none."""
+    return [Body.default() if body is None else body for body in sequence.bodies]

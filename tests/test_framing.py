@@ -1,0 +1,50 @@
+"""The camera has the story in the part of the window that the panel leaves free, and fills it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from halfphysics.viewer.framing import framed, free_part
+from halfphysics.viewpoint import FOV
+
+
+def pixels(points, position, target, size):
+    """Where a camera that stands upright draws points, from the upper left corner."""
+    ahead = (target - position) / np.linalg.norm(target - position)
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    up = np.cross(right, ahead)
+    arm = points - position
+    scale = 0.5 * size[1] / math.tan(math.radians(0.5 * FOV))
+    depth = arm @ ahead
+    assert (depth > 0.0).all()
+    x = 0.5 * size[0] + scale * (arm @ right) / depth
+    y = 0.5 * size[1] - scale * (arm @ up) / depth
+    return x, y
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (390, 844), (1920, 500)])
+@pytest.mark.parametrize("seed", range(5))
+def test_all_points_are_in_the_free_part_and_fill_it_one_way(size, seed):
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(200, 3)) * rng.uniform(0.2, 3.0, size=3) + [3.0, -1.0, 1.0]
+    angle = rng.uniform(0.0, 2.0 * np.pi)
+    direction = np.array([math.cos(angle), math.sin(angle), 0.4])
+    direction /= np.linalg.norm(direction)
+    free = free_part(*size)
+    position, target = framed(points, direction, size, free)
+    np.testing.assert_allclose(
+        (position - target) / np.linalg.norm(position - target), direction, atol=1e-9
+    )
+    x, y = pixels(points, position, target, size)
+    assert 0.0 < x.min() < x.max() < free[0]
+    assert 0.0 < y.min() < y.max() < free[1]
+    assert max(np.ptp(x) / free[0], np.ptp(y) / free[1]) == pytest.approx(0.92, abs=1e-6)
+
+
+def test_the_panel_is_on_the_right_of_a_wide_window_and_below_in_a_narrow_one():
+    assert free_part(1280, 800) == (945, 800)
+    assert free_part(390, 1000) == (390, 400)

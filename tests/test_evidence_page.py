@@ -247,7 +247,7 @@ def test_it_reads_well_in_a_browser(chromium, size, dark):
     assert found["plots"] == len(plots)  # each once: for a page or for a phone
     assert found["texts"] > 300
     assert chromium.complaints == []
-    assert {r.split(":")[0] for r in chromium.requests} == {"file", "data"}
+    assert {r.split(":")[0] for r in chromium.requests} <= {"file", "data"}
     assert {r for r in chromium.requests if r.startswith("file")} == {chromium.path.as_uri()}
 
 

@@ -168,6 +168,8 @@ def test_layers_and_results_can_be_hidden(page, viewer):
     page.page.get_by_label("Names").click()
     page.until(lambda: not viewer.stages[0].layers["label"].visible)
     page.until(lambda: moved(scene(page), named) > 40)
+    page.page.get_by_label("Names").click()
+    page.until(lambda: viewer.stages[0].layers["label"].visible)
     page.page.get_by_label("stiff").click()
     page.until(lambda: not viewer.stages[1].visible)
     page.until(lambda: ghost(scene(page)) < 0.8 * shown)

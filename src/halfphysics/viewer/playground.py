@@ -25,6 +25,7 @@ from halfphysics.viewer.provisional import provisional
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.session import Command, Grab, LetGo, Pull, Session
 from halfphysics.viewer.stage import Layer, Stage, aim, light
+from halfphysics.viewer.wardrobe import Wardrobe
 
 # A look at whether there is anything to do while it stands still [s].
 _IDLE = 0.1
@@ -83,6 +84,7 @@ class Playground:
         self._shown: object = None
         self._story = -1
         self._place = ("", "")
+        self._wardrobe = Wardrobe()
         try:
             light(self.server)
             self.panel = Panel(self)
@@ -175,14 +177,14 @@ class Playground:
         """What was asked for, then a frame if one is due, and all of it shown."""
         session = self.session
         asked = session.obey()
+        if session.story != self._story:
+            self._set_stage()
         while True:
             try:
                 task = self._tasks.get_nowait()
             except queue.Empty:
                 break
             task()
-        if session.story != self._story:
-            self._set_stage()
         if not session.playing and not session.stepping:
             self.pace.rest()
         elif self.pace.wait() == 0.0:
@@ -224,8 +226,14 @@ class Playground:
         with self.server.atomic():
             if old is not None:
                 self.server.scene.remove_by_name(old.prefix)
+            self._wardrobe.put_away()
             self.stage = Stage(
-                self.server, drawing, f"/story{session.story}", faint=row.faint[0], live=True
+                self.server,
+                drawing,
+                f"/story{session.story}",
+                faint=row.faint[0],
+                live=True,
+                figure=self._wardrobe.figure,
             )
             self._contacts = ContactNodes(self.server, self.stage, LiveContacts(session))
         self.stage.layers["contacts"] = Layer("Contacts", [self._contacts])

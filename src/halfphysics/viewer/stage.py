@@ -68,6 +68,7 @@ class Stage:
         faint: Names of statics (`static/NAME`) to draw as glass.
         without: Names of statics to leave out.
         live: Every joint gets a bone, for poses that the result does not have.
+        figure: What makes people and ghosts, with the arguments of `Figure`.
 
     Attributes:
         drawing: What is drawn.
@@ -89,6 +90,7 @@ class Stage:
         faint: Collection[str] = (),
         without: Collection[str] = (),
         live: bool = False,
+        figure: Callable[..., Figure] = Figure,
     ) -> None:
         self.drawing = drawing = result if isinstance(result, Drawing) else Drawing(result)
         self.prefix, self.offset = prefix, np.asarray(offset, dtype=np.float64)
@@ -130,7 +132,7 @@ class Stage:
             for kind, figures in zip(_KINDS, (self.people, self.ghosts), strict=True):
                 skin = drawing.skin(k, kind == "ghost")
                 name = self.path(f"{kind}/{k}")
-                figures.append(Figure(server, name, skin, person.body, joints))
+                figures.append(figure(server, name, skin, person.body, joints))
             self._frames.append(frames)
             self._joints.append(frames[0][0][0])
         self.layers = {

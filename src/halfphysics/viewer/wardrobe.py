@@ -1,0 +1,36 @@
+"""Figures that are hidden and used again: viser's page fails where a skinned mesh is removed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from halfphysics.body import Body
+from halfphysics.render import Surface
+from halfphysics.viewer.figure import Figure
+
+
+class Wardrobe:
+    """Makes figures, or gives those that were put away: one for each body and role."""
+
+    def __init__(self) -> None:
+        self._figures: dict[Any, Figure] = {}
+
+    def figure(
+        self, server: Any, name: str, surface: Surface, body: Body, bones: Any = None
+    ) -> Figure:
+        """A figure as `Figure` makes it; `name` counts but for its first part."""
+        role = name.split("/", 2)[2]
+        key = (role, surface.color, np.asarray(body.rest_vertices).tobytes())
+        if key not in self._figures:
+            path = f"/people/{len(self._figures)}"
+            self._figures[key] = Figure(server, path, surface, body, bones)
+        figure = self._figures[key]
+        figure.visible = True
+        return figure
+
+    def put_away(self) -> None:
+        """Hide everybody."""
+        for figure in self._figures.values():
+            figure.visible = False

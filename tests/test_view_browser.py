@@ -103,9 +103,9 @@ def test_nothing_overlaps_and_everything_is_inside(page):
         assert top >= bottom - 1.0, f"rows overlap: {boxes}"
     steps = [page.box(f"text='{t}'") for t in ("Start", "◀", "▶")]
     assert len({round(top) for _, top, _, _ in steps}) == 1, "the step buttons wrap"
-    left, top, right, bottom = panel(page)
-    covered = (right - left) * (bottom - top) / (width * height)
-    assert covered < 0.3, "the panel hides the scene"
+    left, top, _, _ = panel(page)
+    free = left / width if page.name == "desktop" else top / height
+    assert free > (0.7 if page.name == "desktop" else 0.38), "the panel hides the scene"
 
 
 def test_play_moves_the_body_and_pause_stops_it(page, viewer):

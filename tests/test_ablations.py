@@ -383,8 +383,6 @@ def test_nobody_bears_what_is_tied_to_them(body):
         ({"internal_forces": True, "strength": "human"}, "False with strength"),
         ({"joint_damping": 0.1, "strength": "human"}, "0 with strength"),
         ({"mode": "torque", "strength": "human"}, "'velocity' with strength"),
-        ({"torque_frequency": 50.0}, "without mode='torque'"),
-        ({"torque_damping": 0.5}, "without mode='torque'"),
         ({"mode": "torque", "torque_frequency": 0.0}, "number > 0"),
         ({"mode": "torque", "torque_damping": -1.0}, "number >= 0"),
         ({"joint_damping": -0.1}, "number >= 0"),

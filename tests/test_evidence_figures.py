@@ -12,7 +12,7 @@ from PIL import Image
 
 from halfphysics.bench.paper import evidence
 from halfphysics.bench.paper.evidence import Options
-from halfphysics.bench.paper.html.wording import verdict
+from halfphysics.bench.paper.verdicts import verdict
 from halfphysics.bench.paper.runner import function_of
 from halfphysics.bench.paper.runs import choices
 from halfphysics.bench.paper.sections import figure5, figure8, figures4and9, figures6and7

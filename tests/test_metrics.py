@@ -200,7 +200,7 @@ def test_bad_tracks_and_threads(cloud: Cloud) -> None:
 NO_BODIES = [None, "body.npz", 3, Cloud, lambda motion: motion]
 
 
-@pytest.mark.parametrize("wrong", NO_BODIES, ids=str)
+@pytest.mark.parametrize("wrong", NO_BODIES, ids=["None", "str", "int", "class", "function"])
 def test_what_is_no_body_is_said(wrong: Any) -> None:
     for measure in (
         lambda: metrics.mpjpe(_line(3), _line(3), wrong),

@@ -151,11 +151,6 @@ class Settings:
             check("internal_forces", not self.internal_forces, f"False {why}")
             check("joint_damping", not self.joint_damping, f"0 {why}")
             check("mode", self.mode != "torque", f"'velocity' {why}")
-        if self.mode == "torque":
-            return
-        for name in ("torque_frequency", "torque_damping"):
-            default = type(self).__dataclass_fields__[name].default
-            check(name, getattr(self, name) == default, f"{default} without mode='torque'")
 
     @classmethod
     def paper(cls, stiffness: float | Mapping[str, float] = 0.0, **changes: Any) -> Settings:

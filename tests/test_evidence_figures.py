@@ -12,10 +12,10 @@ from PIL import Image
 
 from halfphysics.bench.paper import evidence
 from halfphysics.bench.paper.evidence import Options
-from halfphysics.bench.paper.verdicts import verdict
 from halfphysics.bench.paper.runner import function_of
 from halfphysics.bench.paper.runs import choices
 from halfphysics.bench.paper.sections import figure5, figure8, figures4and9, figures6and7
+from halfphysics.bench.paper.verdicts import verdict
 
 #: A picture of a strip [bytes].
 LARGEST_PICTURE = 150_000

@@ -132,20 +132,6 @@ def test_things_left_out_and_glass(server):
         made.static("bench")
 
 
-def test_more_meshes_move_with_the_same_bones(server):
-    made = Stage(server, small_result(), "/more")
-    made.show(3)
-    figure = made.people[0]
-    rows = np.arange(300)
-    faces = np.array([[0, 1, 2]])
-    handle = figure.add("-patch", figure.body.rest_vertices[rows], faces, figure.weights[rows])
-    np.testing.assert_array_equal(
-        bones(server, "/more/person/0-patch"), bones(server, "/more/person/0")
-    )
-    figure.remove(handle)
-    made.show(4)
-
-
 def test_joints_that_stay_need_no_bone_and_the_skin_is_the_same(server):
     """Still fingers: skinned with fewer bones, every vertex is where all 55 put it."""
     person = small_result().people[0]

@@ -20,6 +20,7 @@ import halfphysics as hp
 from halfphysics.drawing import Drawing
 from halfphysics.errors import FileError, InputError
 from halfphysics.viewer.arrange import arrange
+from halfphysics.viewer.controls import slider_end
 from halfphysics.viewer.server import free_port
 from halfphysics.viewer.view import Viewer, differences
 
@@ -234,3 +235,10 @@ def test_a_short_and_a_slow_result_keep_time_together():
         assert viewer.stages[0].static("floor")
         with pytest.raises(KeyError):
             viewer.stages[1].static("floor")
+
+
+@pytest.mark.parametrize(
+    ("duration", "end"), [(401 / 30, 13.37), (13.36, 13.36), (0.0, 0.01), (0.004, 0.01)]
+)
+def test_the_slider_ends_with_a_whole_step_at_the_last_frame_or_just_after(duration, end):
+    assert slider_end(duration) == end

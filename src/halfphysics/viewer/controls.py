@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 
 # The slider follows the time this often [s], and leaves a hand alone that moved it this long.
 _FOLLOW, _HANDS_OFF = 0.1, 0.6
+# Step of the slider [s].
+_GRAIN = 0.01
 _PLAY, _PAUSE = "Play", "Pause"
 _START, _BACK, _ON = "Start", "◀", "▶"
 
@@ -30,9 +33,8 @@ class Controls:
         gui = self._gui = viewer.server.gui
         gui.configure_theme(show_logo=False, show_share_button=False, control_width="medium")
         self._time = gui.add_markdown("")
-        # A slider needs a way to go, even for a single frame.
         self._slider = gui.add_slider(
-            "Time [s]", 0.0, max(timeline.duration, 0.01), 0.01, 0.0, hint="Drag to any moment"
+            "Time [s]", 0.0, slider_end(timeline.duration), _GRAIN, 0.0, hint="Drag to any moment"
         )
         self._slider.on_update(self._scrubbed)
         self._play = gui.add_button(_PAUSE, icon=_icon("PLAYER_PAUSE"), hint="Also: space")
@@ -171,6 +173,11 @@ class Controls:
         if self._play.label != label:
             self._play.label = label
             self._play.icon = _icon("PLAYER_PAUSE" if playing else "PLAYER_PLAY")
+
+
+def slider_end(duration: float) -> float:
+    """End of the slider [s]: the last frame, up to a whole step; a way to go for a single one."""
+    return round(max(math.ceil(duration / _GRAIN - 1e-6), 1) * _GRAIN, 2)
 
 
 def _icon(name: str) -> Any:

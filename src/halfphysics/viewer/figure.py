@@ -62,9 +62,8 @@ class Figure:
         self.weights = strongest(_gathered(np.asarray(body.weights), self.joints))
         self._server, self._name = server, name
         self._meshes: list[Any] = []
-        self._visible, self._fast = True, fast
+        self._visible = True
         self._pose: tuple[Array, Array] | None = None
-        self._bones: Bones | None = None
         vertices = np.asarray(surface.vertices)
         look: dict[str, Any] = {
             "color": rgb(surface.color),
@@ -74,30 +73,13 @@ class Figure:
         if surface.alpha < 1.0:
             vertices = shrunk(vertices, surface.faces, _INSIDE)
             # Unseen, but it leaves its depth: of a ghost only the nearest layer is drawn then.
-            self.add("-depth", vertices, surface.faces, opacity=0.0, **look)
+            self._add("-depth", vertices, surface.faces, opacity=0.0, **look)
             look["opacity"] = surface.alpha
-        self.handle = self.add("", vertices, surface.faces, **look)
+        self.handle = self._add("", vertices, surface.faces, **look)
+        self._bones = Bones(self._meshes, fast=fast)
 
-    def add(
-        self,
-        suffix: str,
-        vertices: Array,
-        faces: NDArray[np.integer],
-        weights: Array | None = None,
-        **look: Any,
-    ) -> Any:
-        """Another mesh that moves with the same bones, such as a coloured part of the skin.
-
-        Args:
-            suffix: What is added to the figure's name.
-            vertices: At rest (N, 3) [m].
-            faces: Triangles (F, 3).
-            weights: Rows of `weights` for these vertices (N, B); None: all of them.
-            look: Options of viser's `add_mesh_skinned`.
-
-        Returns:
-            viser's handle; take it away with `remove`.
-        """
+    def _add(self, suffix: str, vertices: Array, faces: NDArray[np.integer], **look: Any) -> Any:
+        """A mesh that moves with the bones. None is ever removed: viser's page fails there."""
         rest = np.zeros((len(self.joints), 4))
         rest[:, 0] = 1.0
         handle = self._server.scene.add_mesh_skinned(
@@ -106,24 +88,12 @@ class Figure:
             faces=faces,
             bone_wxyzs=rest,
             bone_positions=np.asarray(self.body.rest_joints)[self.joints],
-            skin_weights=self.weights if weights is None else weights,
-            visible=self._visible,
-            **{"side": "front", **look},
+            skin_weights=self.weights,
+            side="front",
+            **look,
         )
         self._meshes.append(handle)
-        self._changed()
         return handle
-
-    def remove(self, handle: Any) -> None:
-        """Take away a mesh that `add` made."""
-        self._meshes = [mesh for mesh in self._meshes if mesh is not handle]
-        handle.remove()
-        self._changed()
-
-    def _changed(self) -> None:
-        self._bones = None
-        if self._visible and self._pose is not None:
-            self._send()
 
     @property
     def visible(self) -> bool:
@@ -133,7 +103,7 @@ class Figure:
     @visible.setter
     def visible(self, visible: bool) -> None:
         self._visible = visible
-        if visible and self._pose is not None:
+        if visible:
             self._send()
         for mesh in self._meshes:
             mesh.visible = visible
@@ -155,8 +125,6 @@ class Figure:
             self._send()
 
     def _send(self) -> None:
-        if self._bones is None:
-            self._bones = Bones(self._meshes, fast=self._fast)
         if self._pose is not None:
             self._bones.send(*self._pose)
 

@@ -18,6 +18,7 @@ from halfphysics.drawing import Drawing
 from halfphysics.errors import InputError
 from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.validation import shown
+from halfphysics.viewer.address import announcement, url
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.camera import Cameras, beside_panel
 from halfphysics.viewer.controls import Controls
@@ -143,23 +144,12 @@ class Viewer:
     @property
     def url(self) -> str:
         """Address to open in a browser on this machine."""
-        host = "127.0.0.1" if self._host in ("0.0.0.0", "", "::") else self._host
-        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}"
+        return url(self._host, self.port)
 
     def announce(self) -> str:
         """Where it can be seen, and how from another machine."""
-        lines = []
-        if self._asked_port not in (0, self.port):
-            lines.append(f"port {self._asked_port} is in use, taking {self.port}")
-        lines.append(f"showing {_and(self.labels)} at {self.url}")
-        if self._host in ("127.0.0.1", "localhost", "::1"):
-            lines.append(
-                f"  from another machine: ssh -L {self.port}:127.0.0.1:{self.port} THIS_MACHINE, "
-                "then the same address there"
-            )
-        else:
-            lines.append(f"  anybody who reaches this machine on port {self.port} sees it")
-        return "\n".join(lines)
+        what = f"showing {_and(self.labels)}"
+        return announcement(what, self._host, self.port, self._asked_port)
 
     def _welcome(self, client: Any) -> None:
         """A browser has come: show it everything, in whatever shape its window has."""

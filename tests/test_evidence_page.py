@@ -288,8 +288,7 @@ def test_a_click_selects_the_command_as_it_is_typed(chromium, tmp_path, size):
       e.scrollIntoView({behavior: "instant"});
       const b = e.querySelector("span").getBoundingClientRect(); return [b.x + 5, b.y + 5]; })()"""
     x, y = chromium.evaluate(at)
-    for kind in ("mousePressed", "mouseReleased"):
-        chromium.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+    chromium.page.mouse.click(x, y)
     assert chromium.evaluate("getSelection().toString()").strip() == command
     assert chromium.evaluate("document.scrollingElement.scrollWidth") <= SIZES[size][0]
     heights = """[...document.querySelectorAll("pre span")].filter(s => s.textContent == "--quick")

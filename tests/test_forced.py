@@ -377,7 +377,6 @@ def test_nothing_is_held(body):
         {"strength": "human"},
         {"internal_forces": True},
         {"joint_damping": 1.0},
-        {"torque_frequency": 10.0},
     ],
     ids=lambda other: next(iter(other)),
 )

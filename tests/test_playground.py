@@ -51,7 +51,10 @@ def playground():
 
 def moved(handle, value):
     """What viser does when a hand in a browser moves a control."""
-    handle.value = value
+    try:
+        handle.value = value
+    except RuntimeError:
+        return  # it has gone meanwhile: viser drops what a browser says of it
     event = SimpleNamespace(client_id=7, client=None, target=handle)
     for callback in handle._impl.update_cb:
         callback(event)

@@ -37,6 +37,22 @@ class _Control:
     says: Callable[[], Any]
     touched: float = -math.inf
 
+    def __post_init__(self) -> None:
+        self._put = self.handle.value
+
+    def follow(self, now: float) -> None:
+        """Shows what the session has, unless a hand is on it.
+
+        A hand's value is in the handle before anybody is told of it: what is not what was put there
+        is a hand's.
+        """
+        value = self.handle.value
+        if value != self._put and not (value != value and self._put != self._put):  # NaN is NaN
+            self._put, self.touched = value, now
+        if now - self.touched > _HANDS_OFF:
+            _put(self.handle, self.says())
+            self._put = self.handle.value
+
 
 class Panel:
     """Controls for a `Playground`; what they ask for is posted, never done by their callbacks."""
@@ -336,8 +352,7 @@ class Panel:
         self._followed = clock
         session = self._session
         for control in self._bound:
-            if clock - control.touched > _HANDS_OFF:
-                _put(control.handle, control.says())
+            control.follow(clock)
         self.strength.disabled = self.drive_time.disabled = self._paper()
         label = _PAUSE if session.playing else _PLAY
         if self.play.label != label:

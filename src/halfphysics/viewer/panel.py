@@ -145,7 +145,7 @@ class Panel:
     def _add_cameras(self) -> None:
         playground, gui = self._playground, self._gui
         self.home = gui.add_button("See everything", icon=_icon("HOME"), hint="As at the start")
-        self.home.on_click(lambda e: playground.do(lambda: playground.see_all(e.client)))
+        self.home.on_click(lambda e: playground.do(lambda: playground.cameras.home(e.client)))
         self.follow = gui.add_checkbox("Follow", False, hint="Go along; turn and zoom as you like")
         self.follow.on_update(lambda _: playground.do(self._follow))
 

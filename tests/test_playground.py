@@ -51,7 +51,13 @@ def playground():
 
 def moved(handle, value):
     """What viser does when a hand in a browser moves a control."""
-    handle.value = value
+    try:
+        handle.value = value
+    except RuntimeError as error:
+        # viser does not listen to a hand on a control that has just gone.
+        if "removed" not in str(error):
+            raise
+        return
     event = SimpleNamespace(client_id=7, client=None, target=handle)
     for callback in handle._impl.update_cb:
         callback(event)

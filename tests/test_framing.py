@@ -35,7 +35,8 @@ def test_all_points_are_in_the_free_part_and_fill_it_one_way(size, seed):
     direction = np.array([math.cos(angle), math.sin(angle), 0.4])
     direction /= np.linalg.norm(direction)
     free = free_part(*size)
-    position, target = framed(points, direction, size, free)
+    camera = framed(points, direction, size)
+    position, target = camera.position, camera.target
     np.testing.assert_allclose(
         (position - target) / np.linalg.norm(position - target), direction, atol=1e-9
     )
@@ -48,3 +49,10 @@ def test_all_points_are_in_the_free_part_and_fill_it_one_way(size, seed):
 def test_the_panel_is_on_the_right_of_a_wide_window_and_below_in_a_narrow_one():
     assert free_part(1280, 800) == (945, 800)
     assert free_part(390, 1000) == (390, 400)
+    assert free_part(1170, 2000) == (1170, 800)  # a phone with small pixels
+
+
+def test_it_keeps_the_distance_that_is_asked_for():
+    points = np.array([[1.0, 2.0, 3.0], [1.01, 2.0, 3.0]])
+    camera = framed(points, np.array([0.0, 2.0, 1.0]), (1280, 800), distance=3.0)
+    assert np.linalg.norm(camera.position - camera.target) == pytest.approx(3.0)

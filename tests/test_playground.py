@@ -53,8 +53,11 @@ def moved(handle, value):
     """What viser does when a hand in a browser moves a control."""
     try:
         handle.value = value
-    except RuntimeError:
-        return  # it has gone meanwhile: viser drops what a browser says of it
+    except RuntimeError as error:
+        # viser does not listen to a hand on a control that has just gone.
+        if "removed" not in str(error):
+            raise
+        return
     event = SimpleNamespace(client_id=7, client=None, target=handle)
     for callback in handle._impl.update_cb:
         callback(event)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from small_result import small_result
 
+from halfphysics.render import Camera
 from halfphysics.skeleton import JOINT_INDEX
-from halfphysics.viewer.camera import PRESETS, Cameras, Follower, beside_panel
+from halfphysics.viewer.camera import PRESETS, Cameras, Follower
 from halfphysics.viewpoint import FOV
 
 DESKTOP, PHONE = (1280, 800), (390, 844)
@@ -67,7 +68,7 @@ def cameras(*stages, clients=()):
 @pytest.mark.parametrize("name", PRESETS)
 def test_presets_have_people_in_the_part_that_the_panel_leaves_free(name, window):
     shown = stage()
-    camera = beside_panel(lambda size: cameras(shown).look(name, size), window)
+    camera = cameras(shown).look(name, window)
     points = shown.at
     if name == "Hands":
         points = points[[JOINT_INDEX["left_wrist"], JOINT_INDEX["right_wrist"]]]
@@ -218,3 +219,50 @@ def test_two_browsers_follow_each_in_their_own_way(scene):
     walk(one, seen, shown, 1.0)
     np.testing.assert_allclose(one.camera.position - one.camera.look_at, above, atol=1e-9)
     np.testing.assert_allclose(two.camera.position - two.camera.look_at, [-1.0, 0.0, 5.0])
+
+
+@pytest.fixture
+def visited():
+    """Cameras whose home is told by the window, and a browser on a phone that has just come."""
+    client = Client(3, PHONE)
+    first = SimpleNamespace(position=np.full(3, 9.0), look_at=np.zeros(3))
+    server = SimpleNamespace(get_clients=lambda: {3: client}, initial_camera=first)
+
+    def home(window):
+        return Camera(position=np.array([0.0, *window]), target=np.array([1.0, *window]))
+
+    return Cameras(server, [stage()], home), client, first
+
+
+def at_home(client):
+    camera = client.camera
+    place = [0.0, camera.image_width, camera.image_height]
+    return camera.position.tolist() == place and camera.look_at[0] == 1.0
+
+
+def test_who_comes_goes_home_and_again_if_the_page_begins_late(visited):
+    seen, client, first = visited
+    seen.watch()
+    assert at_home(client)
+    client.camera.position, client.camera.look_at = first.position + 1e-5, first.look_at
+    seen.watch()
+    assert at_home(client)
+
+
+def test_a_window_of_another_shape_is_framed_anew_unless_somebody_has_turned(visited):
+    seen, client, _ = visited
+    seen.watch()
+    before = client.camera.position
+    client.camera.image_width, client.camera.image_height = 195, 422  # drawn with fewer pixels
+    seen.watch()
+    assert client.camera.position is before
+    client.camera.image_width, client.camera.image_height = PHONE[::-1]
+    seen.watch()
+    assert at_home(client)
+    turned = client.camera.position + np.array([0.0, 0.1, 0.0])
+    client.camera.position = turned
+    client.camera.image_width, client.camera.image_height = PHONE
+    seen.watch()
+    assert client.camera.position is turned
+    seen.home(client)
+    assert at_home(client)

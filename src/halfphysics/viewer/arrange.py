@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from halfphysics.drawing import Drawing, Item
 from halfphysics.render import Camera
+from halfphysics.viewer.framing import framed
 from halfphysics.viewpoint import FOV, choose_direction, glass, spread, subject
 
 Array = NDArray[np.float64]
@@ -43,9 +44,9 @@ class Arrangement:
     points: Array
     faint: tuple[frozenset[str], ...]
 
-    def camera(self, size: tuple[int, int]) -> Camera:
-        """Sees the stories of all in a picture of this size [pixels]."""
-        return Camera.framing(self.points, self.direction, size=size, fov=FOV)
+    def camera(self, window: tuple[int, int]) -> Camera:
+        """Sees the stories of all beside the panel of a window of this size [pixels]."""
+        return framed(self.points, self.direction, window)
 
 
 def arrange(

@@ -17,24 +17,25 @@ from numpy.typing import NDArray
 
 from halfphysics.render import Camera
 from halfphysics.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.viewer.framing import framed
 from halfphysics.viewer.stage import Stage
-from halfphysics.viewpoint import FOV
 
 Array = NDArray[np.float64]
 
 #: Where presets look from.
 PRESETS = ("Front", "Side", "Top", "Hands")
 
-# The panel takes this much of a window that is wide [pixels]; on a narrow one it is a sheet over
-# this share of the height.
-_WIDE, _PANEL, _SHEET = 580, 335, 0.6
 # A camera that follows is this late [s], and waits this long for a hand that turns it [s].
 _LATE, _HANDS_OFF = 0.25, 0.4
 # Reports of a browser within this of what was sent [m] are what was sent.
 _SAME = 1e-3
 _RECENT = 60
+# Width over height that differs by less (its logarithm) is the same shape.
+_SHAPE = 0.05
 # Around joints [m]: half a head and a foot, and the flesh of a hand.
 _BODY, _HAND = 0.16, 0.05
+# Presets come no nearer [m].
+_LEAST = 0.6
 
 _HANDS = (
     [JOINT_INDEX["left_wrist"], *LEFT_HAND_JOINTS],
@@ -102,9 +103,10 @@ class Cameras:
     Args:
         server: Of viser.
         stages: What they look at.
-        home: The camera that sees everything, for a picture's width and height [pixels].
+        home: The camera that sees everything, for a window's width and height [pixels].
 
     Attributes:
+        stages: As given; may be changed.
         following: Whether they go along with people; set it as you like.
     """
 
@@ -112,22 +114,49 @@ class Cameras:
         self, server: Any, stages: Sequence[Stage], home: Callable[[tuple[int, int]], Camera]
     ) -> None:
         self._server = server
-        self._stages = stages
+        self.stages = stages
         self._home = home
+        # Of every browser: its window when it was last brought home, and where that was.
+        self._homes: dict[int, tuple[tuple[int, int], Camera]] = {}
         self._followers: dict[int, Follower] = {}
         self._last = time.monotonic()
         self.following = False
 
     def home(self, client: Any) -> None:
         """Back to where everything is seen."""
-        self._put(client, self._home)
+        window = _window(client)
+        camera = self._home(window)
+        self._homes[client.client_id] = window, camera
+        self._put(client, camera)
+
+    def watch(self) -> None:
+        """Browsers that have come go home; call it now and then.
+
+        So do those that nobody has turned whose window has another shape now, and those that look
+        from where viser has all begin, which is made for no window in particular: it may
+        do so after it was told where home is, and its own "Reset View" goes there too.
+        """
+        clients = self._server.get_clients()
+        self._homes = {k: home for k, home in self._homes.items() if k in clients}
+        for index, client in clients.items():
+            if index not in self._homes:
+                self.home(client)
+                continue
+            window, camera = self._homes[index]
+            first = self._server.initial_camera
+            if _at(client, camera.position, camera.target):
+                lost = _reshaped(window, _window(client))
+            else:
+                lost = _at(client, first.position, first.look_at)
+            if lost:
+                self.home(client)
 
     def preset(self, client: Any, name: str) -> None:
         """Look from one of `PRESETS`, at people as they are now."""
-        self._put(client, lambda size: self.look(name, size))
+        self._put(client, self.look(name, _window(client)))
 
-    def look(self, name: str, size: tuple[int, int]) -> Camera:
-        """The camera of a preset for a picture of this size [pixels]."""
+    def look(self, name: str, window: tuple[int, int]) -> Camera:
+        """The camera of a preset for a window of this size [pixels]."""
         people = self._people()
         joints = np.concatenate(people)
         left = people[0][JOINT_INDEX["left_hip"]] - people[0][JOINT_INDEX["right_hip"]]
@@ -146,7 +175,7 @@ class Cameras:
             joints, room = self._hands(), _HAND
         corners = room * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
         points = (joints[:, None] + corners).reshape(-1, 3)
-        return Camera.framing(points, direction, size=size, fov=FOV, distance=0.6)
+        return framed(points, direction, window, distance=_LEAST)
 
     def subject(self) -> Array:
         """What is followed: the middle of the people's pelvises (3,) [m]."""
@@ -170,9 +199,7 @@ class Cameras:
             if moved is not None:
                 _aim(client, *moved)
 
-    def _put(self, client: Any, choose: Callable[[tuple[int, int]], Camera]) -> None:
-        width, height = client.camera.image_width, client.camera.image_height
-        camera = beside_panel(choose, (max(width, 1), max(height, 1)))
+    def _put(self, client: Any, camera: Camera) -> None:
         _aim(client, camera.position, camera.target)
         if client.client_id in self._followers:
             follower = self._followers[client.client_id]
@@ -180,7 +207,7 @@ class Cameras:
 
     def _shown(self) -> list[Stage]:
         """Stages that are not hidden; where all are, as if they were not."""
-        return [stage for stage in self._stages if stage.visible] or list(self._stages)
+        return [stage for stage in self.stages if stage.visible] or list(self.stages)
 
     def _people(self) -> list[Array]:
         """Joints of everybody as shown now (55, 3) [m]."""
@@ -201,24 +228,23 @@ class Cameras:
         return np.concatenate(touching or every)
 
 
-def beside_panel(choose: Callable[[tuple[int, int]], Camera], window: tuple[int, int]) -> Camera:
-    """A camera whose picture is in the part of a window that the panel leaves free.
+def _window(client: Any) -> tuple[int, int]:
+    """Width and height of a browser's window [pixels]."""
+    return max(client.camera.image_width, 1), max(client.camera.image_height, 1)
 
-    Args:
-        choose: The camera for a picture's width and height [pixels].
-        window: Width and height [pixels].
-    """
-    width, height = window
-    wide = width > _WIDE
-    free = (width - _PANEL, height) if wide else (width, round(height * (1.0 - _SHEET)))
-    camera = choose((free[0], max(free[1], 1)))
-    right, down, _ = camera.axes()
-    # The field of view is that of the window's whole height.
-    toward = (camera.position - camera.target) * (height / max(free[1], 1))
-    pixel = 2.0 * np.linalg.norm(toward) * math.tan(math.radians(FOV) / 2.0) / height
-    aside = right * (width - free[0]) + down * (height - free[1])
-    target = camera.target + 0.5 * pixel * aside
-    return Camera(position=target + toward, target=target, fov=camera.fov)
+
+def _reshaped(before: tuple[int, int], now: tuple[int, int]) -> bool:
+    """Whether a window has another shape; a page that is slow draws fewer pixels in the same."""
+    return abs(math.log(now[0] / now[1] * before[1] / before[0])) > _SHAPE
+
+
+def _at(client: Any, position: Array, look_at: Array) -> bool:
+    """Whether a browser says that it looks from there."""
+    camera = client.camera
+    return bool(
+        np.allclose(camera.position, position, rtol=0.0, atol=_SAME)
+        and np.allclose(camera.look_at, look_at, rtol=0.0, atol=_SAME)
+    )
 
 
 def _aim(client: Any, position: Array, look_at: Array) -> None:

@@ -10,6 +10,7 @@ from halfphysics.viewer.camera import PRESETS
 from halfphysics.viewer.layers import legend
 from halfphysics.viewer.numbers import NumbersPanel
 from halfphysics.viewer.plots import Plots
+from halfphysics.viewer.server import icon
 from halfphysics.viewer.timeline import SPEEDS
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class Controls:
             "Time [s]", 0.0, slider_end(timeline.duration), _GRAIN, 0.0, hint="Drag to any moment"
         )
         self._slider.on_update(self._scrubbed)
-        self._play = gui.add_button(_PAUSE, icon=_icon("PLAYER_PAUSE"), hint="Also: space")
+        self._play = gui.add_button(_PAUSE, icon=icon("PLAYER_PAUSE"), hint="Also: space")
         self._play.on_click(lambda _: self._toggle())
         self._steps = gui.add_button_group(
             "Step", (_START, _BACK, _ON), hint="One frame back or on. Also: arrow keys"
@@ -98,7 +99,7 @@ class Controls:
             viewer.do(lambda: viewer.cameras.home(event.client))
 
         views.on_click(look)
-        reset = gui.add_button("See everything", icon=_icon("HOME"), hint="As at the start")
+        reset = gui.add_button("See everything", icon=icon("HOME"), hint="As at the start")
         reset.on_click(home)
         follow = gui.add_checkbox(
             "Follow", viewer.cameras.following, hint="Go along; turn and zoom as you like"
@@ -172,15 +173,9 @@ class Controls:
         label = _PAUSE if playing else _PLAY
         if self._play.label != label:
             self._play.label = label
-            self._play.icon = _icon("PLAYER_PAUSE" if playing else "PLAYER_PLAY")
+            self._play.icon = icon("PLAYER_PAUSE" if playing else "PLAYER_PLAY")
 
 
 def slider_end(duration: float) -> float:
     """End of the slider [s]: the last frame, up to a whole step; a way to go for a single one."""
     return round(max(math.ceil(duration / _GRAIN - 1e-6), 1) * _GRAIN, 2)
-
-
-def _icon(name: str) -> Any:
-    import viser
-
-    return getattr(viser.Icon, name)

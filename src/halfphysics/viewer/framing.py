@@ -7,47 +7,53 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.render import Camera
 from halfphysics.viewpoint import FOV
 
 Array = NDArray[np.float64]
 
-#: The panel takes this much of the right side of a window that is wide [pixels].
-WIDE, PANEL = 700, 335
-#: Part of a narrow window's height that is above the panel.
-ABOVE = 0.4
+#: A usual window [pixels]: where browsers look from before theirs is known is made for it.
+WINDOW = (1280, 720)
+# The panel takes this much of the right side of a window that is wide [pixels].
+_WIDE, _PANEL = 580, 335
+# In a narrow one, and one this much higher than wide (a phone with small pixels), it is a sheet
+# under this part of the height.
+_TALL, _ABOVE = 1.5, 0.4
 # Nearest to a point that the camera comes [m], and how much of the free part is filled.
 _NEAR, _FILLED = 0.5, 0.92
 
 
 def free_part(width: float, height: float) -> tuple[float, float]:
     """Width and height of what the panel leaves free, from the upper left corner [pixels]."""
-    if width > WIDE:
-        return width - PANEL, height
-    return width, ABOVE * height
+    if width > _WIDE and height < _TALL * width:
+        return width - _PANEL, height
+    return width, _ABOVE * height
 
 
 def framed(
-    points: Array, direction: Array, size: tuple[float, float], free: tuple[float, float]
-) -> tuple[Array, Array]:
-    """Position and look-at point (3,) [m] of the nearest camera that has everything in view.
+    points: Array, direction: Array, window: tuple[float, float], *, distance: float = 0.0
+) -> Camera:
+    """The nearest camera that has everything in what the panel leaves free of a window.
 
     Args:
         points: What must be seen (N, 3) [m].
-        direction: Unit, from there to the camera.
-        size: Of the window [pixels].
-        free: Width and height of the part in its upper left corner to show them in [pixels].
+        direction: From there to the camera, not straight up (3,).
+        window: Width and height [pixels].
+        distance: Least distance from the middle of the points [m].
     """
     ahead = -np.asarray(direction, dtype=np.float64)
+    ahead /= np.linalg.norm(ahead)
     right = np.cross(ahead, (0.0, 0.0, 1.0))
     right /= np.linalg.norm(right)
     up = np.cross(right, ahead)
     depth = points @ ahead
+    free = free_part(*window)
     half = math.tan(math.radians(0.5 * FOV))
-    across = half * size[0] / size[1]
+    across = half * window[0] / window[1]
     # Slopes of the rays through the edges of the free part, a little inside them.
-    middle = across * (free[0] / size[0] - 1.0), half * (1.0 - free[1] / size[1])
-    reach = _FILLED * across * free[0] / size[0], _FILLED * half * free[1] / size[1]
-    back, at = np.max(-depth) + _NEAR, []
+    middle = across * (free[0] / window[0] - 1.0), half * (1.0 - free[1] / window[1])
+    reach = _FILLED * across * free[0] / window[0], _FILLED * half * free[1] / window[1]
+    back, at = max(float(np.max(-depth)) + _NEAR, distance - float(depth.mean())), []
     for axis, centre, part in zip((right, up), middle, reach, strict=True):
         along = points @ axis
         # Camera at c, `back` behind the origin: (along - c) / (depth + back) within the edges.
@@ -59,4 +65,5 @@ def framed(
     for axis, centre, part, low, high in at:
         first, last = low - (centre + part) * back, high - (centre - part) * back
         position = position + 0.5 * (first + last) * axis
-    return position, position + (back + float(depth.mean())) * ahead
+    target = position + (back + float(depth.mean())) * ahead
+    return Camera(position=position, target=target, fov=FOV)

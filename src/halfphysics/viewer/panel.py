@@ -15,6 +15,7 @@ from halfphysics.settings import Settings
 from halfphysics.viewer import session as do
 from halfphysics.viewer.catalog import Choice, Option, options
 from halfphysics.viewer.knobs import STRENGTHS, mass_of, movable
+from halfphysics.viewer.server import icon
 
 if TYPE_CHECKING:
     from halfphysics.viewer.playground import Playground
@@ -102,7 +103,7 @@ class Panel:
 
     def _add_player(self) -> None:
         session, gui = self._session, self._gui
-        self.play = gui.add_button(_PAUSE, icon=_icon("PLAYER_PAUSE"), hint="Also: space")
+        self.play = gui.add_button(_PAUSE, icon=icon("PLAYER_PAUSE"), hint="Also: space")
         self.play.on_click(lambda _: self._toggle())
         self.steps = gui.add_button_group("Also", (_AGAIN, _STEP))
         self.steps.on_click(self._stepped)
@@ -160,8 +161,8 @@ class Panel:
 
     def _add_cameras(self) -> None:
         playground, gui = self._playground, self._gui
-        self.home = gui.add_button("See everything", icon=_icon("HOME"), hint="As at the start")
-        self.home.on_click(lambda e: playground.do(lambda: playground.see_all(e.client)))
+        self.home = gui.add_button("See everything", icon=icon("HOME"), hint="As at the start")
+        self.home.on_click(lambda e: playground.do(lambda: playground.cameras.home(e.client)))
         self.follow = gui.add_checkbox("Follow", False, hint="Go along; turn and zoom as you like")
         self.follow.on_update(lambda _: playground.do(self._follow))
 
@@ -357,7 +358,7 @@ class Panel:
         label = _PAUSE if session.playing else _PLAY
         if self.play.label != label:
             self.play.label = label
-            self.play.icon = _icon("PLAYER_PAUSE" if session.playing else "PLAYER_PLAY")
+            self.play.icon = icon("PLAYER_PAUSE" if session.playing else "PLAYER_PLAY")
         _write(self.status, self._state())
         _write(self.trouble, f"**{session.trouble}**" if session.trouble else "")
         self.trouble.visible = bool(session.trouble)
@@ -397,9 +398,3 @@ def _put(handle: Any, value: Any) -> None:
 def _write(handle: Any, text: str) -> None:
     if handle.content != text:
         handle.content = text
-
-
-def _icon(name: str) -> Any:
-    import viser
-
-    return getattr(viser.Icon, name)

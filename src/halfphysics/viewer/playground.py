@@ -17,7 +17,7 @@ from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.catalog import Catalog, Choice
 from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.dragging import draggable
-from halfphysics.viewer.framing import framed, free_part
+from halfphysics.viewer.framing import WINDOW
 from halfphysics.viewer.live_contacts import LiveContacts
 from halfphysics.viewer.pace import Pace
 from halfphysics.viewer.panel import Panel
@@ -93,7 +93,8 @@ class Playground:
         except BaseException:
             close_server(self.server)
             raise
-        self.server.on_client_connect(self._welcome)
+        # A browser has come: show it everything, now.
+        self.server.on_client_connect(lambda _: self._wake.set())
         self._player = threading.Thread(target=self._play, name="halfphysics-play", daemon=True)
         self._player.start()
 
@@ -157,10 +158,6 @@ class Playground:
         finally:
             self.stop()
 
-    def _welcome(self, client: Any) -> None:
-        """A browser has come: show it everything, in whatever shape its window has."""
-        self.do(lambda: self._aim(client))
-
     # -- by its own thread -------------------------------------------------------------------
 
     def _play(self) -> None:
@@ -193,6 +190,7 @@ class Playground:
             if session.make() is not None:
                 self.simulating += _SMOOTH * (session.seconds - self.simulating)
         self._show()
+        self.cameras.watch()
         self.panel.refresh(now=asked)
 
     def _show(self) -> None:
@@ -237,8 +235,13 @@ class Playground:
             )
             self._contacts = ContactNodes(self.server, self.stage, LiveContacts(session))
         self.stage.layers["contacts"] = Layer("Contacts", [self._contacts])
-        self.cameras = Cameras(self.server, [self.stage], row.camera)
-        self.cameras.following = self.panel.following
+        if moved:
+            # Everybody looks at it anew.
+            self.cameras = Cameras(self.server, [self.stage], row.camera)
+            self.cameras.following = self.panel.following
+            aim(self.server, row.camera(WINDOW))
+        else:
+            self.cameras.stages = [self.stage]
         self._row, self._story, self._shown = row, session.story, None
         self._place = place
         self._bodies = session.simulator.bodies
@@ -251,10 +254,6 @@ class Playground:
             if draggable(session.simulator, name):
                 self._let_drag(name)
         self.panel.show_story()
-        if moved:
-            aim(self.server, row.camera(_PICTURE))
-            for client in self.server.get_clients().values():
-                self._aim(client)
 
     def _let_drag(self, name: str) -> None:
         handle = self.stage.object(name)
@@ -270,24 +269,6 @@ class Playground:
                 self.post(LetGo(who))
 
         handle.on_drag("left")(dragged)
-
-    def see_all(self, client: Any) -> None:
-        """Have a browser look at the whole story again; by this thread, see `do`."""
-        self.cameras = Cameras(self.server, [self.stage], self._row.camera)
-        self.cameras.following = self.panel.following
-        self._aim(client)
-
-    def _aim(self, client: Any) -> None:
-        """Have a browser look at the story, beside or above the panel."""
-        width, height = client.camera.image_width, client.camera.image_height
-        if not (width and height):
-            return  # it has gone already
-        position, target = framed(
-            self._row.points, self._row.direction, (width, height), free_part(width, height)
-        )
-        with client.atomic():
-            client.camera.position = position
-            client.camera.look_at = target
 
 
 def play(

@@ -104,3 +104,10 @@ def _family(host: str) -> socket.AddressFamily:
             f"host: found {host!r}, which is no address. Use 127.0.0.1, or 0.0.0.0 for all "
             "addresses of this machine"
         ) from None
+
+
+def icon(name: str) -> Any:
+    """viser's picture of that name for a button, such as "HOME"."""
+    import viser
+
+    return getattr(viser.Icon, name)

@@ -20,8 +20,9 @@ from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.validation import shown
 from halfphysics.viewer.address import announcement, url
 from halfphysics.viewer.arrange import arrange, floor_height
-from halfphysics.viewer.camera import Cameras, beside_panel
+from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.controls import Controls
+from halfphysics.viewer.framing import WINDOW
 from halfphysics.viewer.layers import add_layers
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.stage import Layer, Stage, aim, light
@@ -36,8 +37,6 @@ _SPACING = 1.0 / 40.0
 _IDLE = 0.25
 # Names hang this far above the head's joint [m].
 _HEAD, _OVER = JOINT_INDEX["head"], 0.3
-# The window that things are arranged for [pixels].
-_PICTURE = (1280, 720)
 
 
 class Viewer:
@@ -73,7 +72,7 @@ class Viewer:
         drawings = [Drawing(result) for result in results]
         self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
         room = _OVER if len(drawings) > 1 else 0.0
-        row = arrange(drawings, _PICTURE, headroom=room)
+        row = arrange(drawings, WINDOW, headroom=room)
         self._asked_port = port
         self._host = host
         self.server = open_server(host, port, label=title)
@@ -84,7 +83,7 @@ class Viewer:
         self._failure: BaseException | None = None
         try:
             light(self.server)
-            aim(self.server, beside_panel(row.camera, _PICTURE))
+            aim(self.server, row.camera(WINDOW))
             self.stages = self._build(drawings, row)
             self.cameras = Cameras(self.server, self.stages, row.camera)
             self.controls = Controls(self)
@@ -94,7 +93,8 @@ class Viewer:
         except BaseException:
             close_server(self.server)
             raise
-        self.server.on_client_connect(self._welcome)
+        # A browser has come: show it everything, now.
+        self.server.on_client_connect(lambda _: self.changed())
         self._player = threading.Thread(target=self._play, name="halfphysics-view", daemon=True)
         self._player.start()
 
@@ -150,11 +150,6 @@ class Viewer:
         """Where it can be seen, and how from another machine."""
         what = f"showing {_and(self.labels)}"
         return announcement(what, self._host, self.port, self._asked_port)
-
-    def _welcome(self, client: Any) -> None:
-        """A browser has come: show it everything, in whatever shape its window has."""
-        self.cameras.home(client)
-        self.changed()
 
     def __repr__(self) -> str:
         state = "stopped" if self._stopping.is_set() else self.url
@@ -230,6 +225,7 @@ class Viewer:
         with self.server.atomic() if late else contextlib.nullcontext():
             for k in late:
                 self.stages[k].show(frames[k])
+        self.cameras.watch()
         self.cameras.follow()
         self.controls.refresh()
         return bool(late)

@@ -65,10 +65,11 @@ def moved(handle, value):
 
 def settled(playground, command):
     """Post a command and wait until the playground's thread has done it."""
-    done = threading.Event()
     playground.post(command)
-    playground.do(done.set)
-    assert done.wait(60.0)
+    for _ in range(2):  # commands may be on their way when the first task is done, not the second
+        done = threading.Event()
+        playground.do(done.set)
+        assert done.wait(60.0)
 
 
 # -- pace ------------------------------------------------------------------------------------

@@ -46,8 +46,13 @@ def page(request, story, tmp_path_factory):
 
 def at(page, time, shows=lambda picture: True):
     """Go to a time [s] and wait until the scene shows what it should; the page pauses."""
-    page.page.fill(TIME, f"{time:.1f}")
-    page.until(lambda: shows(scene(page)), seconds=120.0)
+
+    def there():
+        # Again where it was lost: a page that is still loading begins to play when it is done.
+        page.page.fill(TIME, f"{time:.1f}")
+        return shows(scene(page))
+
+    page.until(there, seconds=120.0)
 
 
 def scene(page):

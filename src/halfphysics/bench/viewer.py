@@ -138,8 +138,7 @@ class _Client:
         self._reader.start()
 
     def _listen(self) -> None:
-        assert self._process.stdout is not None
-        for line in self._process.stdout:
+        for line in self._process.stdout or ():
             size, count = line.split()
             self._count = int(size), int(count)
 

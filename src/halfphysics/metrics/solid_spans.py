@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
+from halfphysics.errors import InputError
 from halfphysics.metrics.inputs import Array
 from halfphysics.metrics.spans import Spans
 from halfphysics.parallel_rays import crossings
@@ -94,7 +95,10 @@ def _through(
     if isinstance(shape, Sphere):
         return [_ball(start, along, np.zeros(3), shape.radius)]
     if not isinstance(shape, Capsule | Cylinder):
-        raise NotImplementedError(type(shape).__name__)
+        raise InputError(
+            f"penetrating volume: found a {type(shape).__name__}, expected a plane, box, sphere, "
+            "capsule, cylinder or mesh"
+        )
     half = np.array([0.0, 0.0, 0.5 * shape.length])
     side = _quadratic(
         float(along[:2] @ along[:2]),

@@ -56,9 +56,7 @@ class LocalEngine:
 
     def __init__(self, folder: Path, jobs: int | None = None, memory: float | None = None) -> None:
         self.slots, self.share = shares(jobs, memory)
-        self._pool: Pool[Task, Done] = Pool(
-            partial(do, str(folder)), self.slots, memory=self.share
-        )
+        self._pool: Pool[Task, Done] = Pool(partial(do, str(folder)), self.slots, memory=self.share)
 
     def submit(self, task: Task) -> None:
         """Hand over a task."""

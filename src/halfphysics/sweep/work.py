@@ -77,7 +77,8 @@ def do(folder: str, task: Task) -> Done:
                 work.made(number)
             return Done(time.perf_counter() - start)
         batches = [
-            work.batch(batch, dict(task.dead)) for batch in range(task.first, task.first + task.count)
+            work.batch(batch, dict(task.dead))
+            for batch in range(task.first, task.first + task.count)
         ]
     except MemoryError:
         raise

@@ -112,8 +112,7 @@ class Loads:
 
 def summed(frame: Frames, values: Array, frames: int) -> Array:
     """Sums (T,) of values (k,) by their frame (k,)."""
-    sums: Array = np.bincount(frame, weights=values, minlength=frames)
-    return sums
+    return np.bincount(frame, weights=values, minlength=frames).astype(np.float64, copy=False)
 
 
 def intervals(on: Mask, gap: int = 0) -> list[tuple[int, int]]:

@@ -1,6 +1,8 @@
 """Variants of clips and scenarios: what is simulated, and that it is nobody else's business."""
 
+import gc
 import hashlib
+import tracemalloc
 import warnings
 
 import numpy as np
@@ -324,3 +326,22 @@ def test_what_is_kept_stays_little(walk, tmp_path):
             shop.make(scenario("kick_ball", factors={"object.ball.scale": 1.0 + 0.01 * k}))
     kept = [*vars(shop._stock).values(), *vars(shop._things).values()]
     assert sum(len(one) for one in kept) < 60
+
+
+def test_memory_is_flat(walk):
+    shop = workshop(grounded=True)
+
+    def made(first, count):
+        for k in range(first, first + count):
+            said = {"object.ball.scale": 1.0 + 0.001 * k, "motion.speed": 1.0 + 0.001 * k}
+            shop.make(scenario("kick_ball", factors=said))
+            shop.make(clip(walk, factors={"motion.yaw": float(k)}))
+        gc.collect()
+        return tracemalloc.get_traced_memory()[0]
+
+    tracemalloc.start()
+    try:
+        before = made(0, 40)  # more than are kept
+        assert made(40, 60) - before < 100_000
+    finally:
+        tracemalloc.stop()

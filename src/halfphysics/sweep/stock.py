@@ -17,7 +17,7 @@ import numpy as np
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.asked import betas_for, furnished, model_for
 from halfphysics.sweep.kept import Kept
-from halfphysics.sweep.motion_factors import recorded_in_step
+from halfphysics.sweep.motion_factors import recorded_in_step, retimed
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -61,6 +61,7 @@ class Stock:
         self._models: Kept[ShapeSpace] = Kept(MODELS)
         self._bodies: Kept[Body] = Kept(BODIES)
         self._grounded: Kept[tuple[Any, tuple[Motion, ...]]] = Kept(BODIES)
+        self._timed: Kept[tuple[Any, tuple[Motion, ...]]] = Kept(BODIES)
         self._scenes: Kept[tuple[Any, Furnished]] = Kept(SCENES)
 
     def clip(self, input: Input, options: Mapping[str, Any], body: Body | None) -> Loaded:
@@ -149,6 +150,16 @@ class Stock:
             return (loaded, bodies), tuple(motion.grounded(body) for motion, body in pairs)
 
         return self._grounded.get((id(loaded), *map(id, bodies)), make)[1]
+
+    def timed(
+        self, motions: tuple[Motion, ...], timing: Mapping[str, float]
+    ) -> tuple[Motion, ...]:
+        """Motions at the speed and frame rate that factors say (`motion_factors.retimed`)."""
+        speed, fps = timing.get("speed", 1.0), timing.get("fps")
+        if speed == 1.0 and fps is None:
+            return motions
+        key = (*map(id, motions), speed, fps)
+        return self._timed.get(key, lambda: (motions, retimed(motions, timing)))[1]
 
     def scene(self, choice: SceneChoice, loaded: Loaded, ground: bool, speed: float) -> Furnished:
         """The scene around a clip.

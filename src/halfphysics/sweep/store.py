@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 from halfphysics.errors import FileError, InputError
 from halfphysics.sweep import documents, manifest, sealing
 from halfphysics.sweep.documents import reported
+from halfphysics.sweep.fixed_inputs import check_inputs
 from halfphysics.sweep.fragments import Fragments, Sample
-from halfphysics.sweep.inputs import check_inputs
 from halfphysics.sweep.layout import Layout
 from halfphysics.sweep.locking import Lock
 from halfphysics.sweep.program import program_hash

@@ -80,12 +80,13 @@ class MotionOptions:
             "hands": self.hands,
             "model": self.model,
             "gender": self.gender,
-            "frames": self._range(),
+            "frames": self.frame_range(),
             "clip": self.clip,
             "assets": self.assets,
         }
 
-    def _range(self) -> tuple[int | None, int | None] | None:
+    def frame_range(self) -> tuple[int | None, int | None] | None:
+        """The first frame to read and the one after the last; raises `InputError`."""
         if self.frames is None:
             return None
         ends = self.frames.split(":")

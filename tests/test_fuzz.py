@@ -1,8 +1,8 @@
 """Random people, obstacles, things and settings: nothing passes through, the books are kept.
 
 By default a few dozen cases, the same every time. `HALFPHYSICS_FUZZ=SECONDS` runs new ones of each
-kind for so long and says how many frames it has seen. A failing case is made smaller and printed
-as the code that makes it: put it into an `@example(...)` over the test.
+kind for so long and says how many frames it has seen. A failing case is printed at once as the
+code that makes it: put the `@example(...)` over the test. See fuzzing.py.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 import warnings
@@ -15,11 +14,24 @@ import numpy as np
 from halfphysics.decomposition import USUAL
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.io.atomic import atomic_write
+from halfphysics.io.entries import (
+    Read,
+    choice,
+    flag,
+    guarded,
+    items,
+    mapping,
+    named_entries,
+    number,
+    sequence,
+    text,
+    vector,
+)
 from halfphysics.io.tree import Entry, plain_tree, read_tree
 from halfphysics.moving import Moving
 from halfphysics.scene import OBJECT_FRICTION, STATIC_FRICTION, Object, Scene, Static
 from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, MeshSource, Plane, Shape, Sphere
-from halfphysics.validation import file_path, shown
+from halfphysics.validation import file_path
 
 if TYPE_CHECKING:
     from halfphysics.articulated import Articulated
@@ -55,8 +67,6 @@ _SCENE_KEYS = (
 )
 _PIECE_KEYS = ("pieces", "threshold", "max_pieces")
 
-Read = Callable[[Entry], Any]
-
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
     """The work behind `Scene.load`; see there."""
@@ -68,7 +78,7 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
         )
     if not path.is_file():
         raise FileError(f"{path}: there is no such file, expected a scene ({', '.join(_SUFFIXES)})")
-    return _scene(read_tree(path), path.parent)
+    return _scene(read_tree(path, "statics, objects"), path.parent)
 
 
 def scene_from_document(document: Mapping[str, Any], origin: Path) -> Scene:
@@ -85,62 +95,62 @@ def scene_from_document(document: Mapping[str, Any], origin: Path) -> Scene:
 
 
 def _scene(tree: Entry, base: Path) -> Scene:
-    root = _mapping(tree, _SCENE_KEYS)
+    root = mapping(tree, _SCENE_KEYS)
     if "version" in root:
-        version = _number(root["version"])
+        version = number(root["version"])
         if version != VERSION:
             raise root["version"].error(
                 f"found version {version:g}, expected {VERSION}; a newer halfphysics may read it"
             )
     gravity = root.get("gravity")
-    scene = _guarded(gravity, Scene, _gravity(gravity)) if gravity else Scene()
+    scene = guarded(gravity, Scene, _gravity(gravity)) if gravity else Scene()
     for name, entry in _named(root.get("statics")):
         _add(scene.add_static, name, entry, _STATIC_KEYS, base)
     for name, entry in _named(root.get("objects")):
         _add(scene.add_object, name, entry, _OBJECT_KEYS, base)
     for name, entry in _named(root.get("moving")):
         for key in ("positions", "fps"):
-            if key not in _named_entries(entry, "a moving thing: shape or mesh, positions, fps"):
+            if key not in named_entries(entry, "a moving thing: shape or mesh, positions, fps"):
                 raise entry.error(f"a moving thing needs {key}")
         _add(scene.add_moving, name, entry, _MOVING_KEYS, base)
     for name, entry in _named(root.get("articulated")):
         _add_articulated(scene, name, entry, base)
-    for entry in _items(root.get("friction")):
-        a, b, mu = _sequence(entry, 3, "[name, name, coefficient]")
-        _guarded(entry, scene.friction, _text(a), _text(b), _number(mu))
-    for entry in _items(root.get("ignore")):
-        a, b = _sequence(entry, 2, "[name, name]")
-        _guarded(entry, scene.ignore, _text(a), _text(b))
+    for entry in items(root.get("friction")):
+        a, b, mu = sequence(entry, 3, "[name, name, coefficient]")
+        guarded(entry, scene.friction, text(a), text(b), number(mu))
+    for entry in items(root.get("ignore")):
+        a, b = sequence(entry, 2, "[name, name]")
+        guarded(entry, scene.ignore, text(a), text(b))
     return scene
 
 
 def _add(
     add: Callable[..., Any], name: str, entry: Entry, keys: tuple[str, ...], base: Path
 ) -> None:
-    given = _named_entries(entry, "a thing of a scene: shape or mesh, and more")
+    given = named_entries(entry, "a thing of a scene: shape or mesh, and more")
     shape, mesh = given.get("shape"), given.get("mesh")
     if shape is None and mesh is None:
         sizes = [key for _, needed, optional in _SHAPES.values() for key in (*needed, *optional)]
-        _mapping(entry, ("shape", "mesh", *dict.fromkeys(sizes), *_MESH_KEYS, *keys))
+        mapping(entry, ("shape", "mesh", *dict.fromkeys(sizes), *_MESH_KEYS, *keys))
     if (shape is None) == (mesh is None):
         found = "neither" if shape is None else "both"
         raise entry.error(
             f"expected shape ({', '.join(_SHAPES)}) or mesh (path of a file), found {found}"
         )
     if shape is not None:
-        kind = _choice(shape, tuple(_SHAPES))
+        kind = choice(shape, tuple(_SHAPES))
         cls, needed, optional = _SHAPES[kind]
-        _mapping(entry, ("shape", *needed, *optional, *keys), f" for a {kind}")
+        mapping(entry, ("shape", *needed, *optional, *keys), f" for a {kind}")
         missing = [key for key in needed if key not in given]
         if missing:
             raise entry.error(f"a {kind} needs {' and '.join(missing)}")
         size = {key: _READ[key](given[key]) for key in (*needed, *optional) if key in given}
         options = {key: _READ[key](given[key]) for key in keys if key in given}
-        _guarded(entry, lambda: add(name, cls(**size), **options))
+        guarded(entry, lambda: add(name, cls(**size), **options))
     elif mesh is not None:
         if "mass" in keys:  # of an object
             keys = (*keys, *_PIECE_KEYS)
-        _mapping(entry, ("mesh", *_MESH_KEYS, *keys), " for a mesh")
+        mapping(entry, ("mesh", *_MESH_KEYS, *keys), " for a mesh")
         _add_mesh(add, name, entry, keys, base)
 
 
@@ -150,7 +160,7 @@ def _add_mesh(
     given: dict[str, Entry] = entry.value
     mesh = given["mesh"]
     options = {key: _READ[key](given[key]) for key in (*keys, "scale", "up") if key in given}
-    source: Any = _written_out(mesh) if isinstance(mesh.value, dict) else base / _text(mesh)
+    source: Any = _written_out(mesh) if isinstance(mesh.value, dict) else base / text(mesh)
     try:
         added = add(name, source, **options)
     except HalfPhysicsError as error:
@@ -158,7 +168,7 @@ def _add_mesh(
         place = mesh if isinstance(error, FileError) else entry
         raise place.error(str(error)) from error
     if "sha256" in given and added.source is not None:
-        noted = _text(given["sha256"])
+        noted = text(given["sha256"])
         if noted != added.source.sha256:
             warnings.warn(
                 f"{mesh.file}, line {given['sha256'].line}, {given['sha256'].where}: "
@@ -170,19 +180,19 @@ def _add_mesh(
 
 
 def _add_articulated(scene: Scene, name: str, entry: Entry, base: Path) -> None:
-    given = _mapping(entry, _ARTICULATED_KEYS, " for an articulated object")
+    given = mapping(entry, _ARTICULATED_KEYS, " for an articulated object")
     if ("file" in given) == ("xml" in given):
         found = "both" if "file" in given else "neither"
         raise entry.error(f"expected file (path of MJCF or URDF) or xml (its text), found {found}")
     options = {key: _READ[key](given[key]) for key in _STATIC_KEYS if key in given}
     for key in ("joints", "velocities"):
         if key in given:
-            named = _named_entries(given[key], "from joints to numbers")
+            named = named_entries(given[key], "from joints to numbers")
             options[key] = {joint: _joint_value(value) for joint, value in named.items()}
-    source = base / _text(given["file"]) if "file" in given else _text(given["xml"])
-    added = _guarded(entry, lambda: scene.add_articulated(name, source, **options))
+    source = base / text(given["file"]) if "file" in given else text(given["xml"])
+    added = guarded(entry, lambda: scene.add_articulated(name, source, **options))
     if "sha256" in given and added.source is not None:
-        noted = _text(given["sha256"])
+        noted = text(given["sha256"])
         if noted != added.source.sha256:
             warnings.warn(
                 f"{entry.file}: {source} has changed since this scene was written",
@@ -193,90 +203,36 @@ def _add_articulated(scene: Scene, name: str, entry: Entry, base: Path) -> None:
 
 def _joint_value(entry: Entry) -> Any:
     if isinstance(entry.value, list):
-        return [_number(child) for child in entry.value]
-    return _number(entry)
+        return [number(child) for child in entry.value]
+    return number(entry)
 
 
 def _written_out(mesh: Entry) -> Mesh:
-    arrays = _mapping(mesh, ("vertices", "faces"))
+    arrays = mapping(mesh, ("vertices", "faces"))
     if len(arrays) != 2:
         raise mesh.error("a mesh written out needs vertices and faces")
     rows = (_rows(arrays["vertices"], float), _rows(arrays["faces"], int))
-    return _guarded(mesh, Mesh, *rows)
+    return guarded(mesh, Mesh, *rows)
 
 
 def _pieces(entry: Entry) -> str | list[Mesh]:
     if isinstance(entry.value, list):
         return [_written_out(piece) for piece in entry.value]
-    return _choice(entry, ("auto", "hull"))
-
-
-def _guarded(entry: Entry, make: Callable[..., Any], *args: Any) -> Any:
-    """make(*args), with the place in the file put before what goes wrong."""
-    try:
-        return make(*args)
-    except HalfPhysicsError as error:
-        raise entry.error(str(error)) from error
-
-
-def _mapping(entry: Entry, allowed: tuple[str, ...], suffix: str = "") -> dict[str, Entry]:
-    if not isinstance(entry.value, dict):
-        raise entry.error(f"expected a mapping with {', '.join(allowed)}, found {_describe(entry)}")
-    for key, child in entry.value.items():
-        if key not in allowed:
-            close = difflib.get_close_matches(key, allowed, n=1, cutoff=0.6)
-            hint = f"; did you mean {close[0]}?" if close else "."
-            raise child.error(f"unknown key {key!r}{suffix}{hint} Allowed: {', '.join(allowed)}")
-    return entry.value
+    return choice(entry, ("auto", "hull"))
 
 
 def _named(entry: Entry | None) -> list[tuple[str, Entry]]:
     if entry is None or entry.value is None:
         return []
-    return list(_named_entries(entry, "from names to things").items())
-
-
-def _named_entries(entry: Entry, of: str) -> dict[str, Entry]:
-    if not isinstance(entry.value, dict):
-        raise entry.error(f"expected a mapping ({of}), found {_describe(entry)}")
-    return entry.value
-
-
-def _items(entry: Entry | None) -> list[Entry]:
-    if entry is None or entry.value is None:
-        return []
-    if not isinstance(entry.value, list):
-        raise entry.error(f"expected a list, found {_describe(entry)}")
-    return entry.value
-
-
-def _sequence(entry: Entry, size: int, form: str) -> list[Entry]:
-    if not isinstance(entry.value, list) or len(entry.value) != size:
-        raise entry.error(f"expected {form}, found {_describe(entry)}")
-    return entry.value
-
-
-def _number(entry: Entry) -> float:
-    value = entry.value
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise entry.error(f"expected a number, found {_describe(entry)}")
-    if not np.isfinite(value):
-        raise entry.error(f"expected a finite number, found {value}")
-    return float(value)
-
-
-def _vector(size: int) -> Read:
-    return lambda entry: [
-        _number(child) for child in _sequence(entry, size, f"a list of {size} numbers")
-    ]
+    return list(named_entries(entry, "from names to things").items())
 
 
 def _gravity(entry: Entry) -> Any:
-    return _vector(3)(entry) if isinstance(entry.value, list) else _number(entry)
+    return vector(3)(entry) if isinstance(entry.value, list) else number(entry)
 
 
 def _rows(entry: Entry, kind: type) -> np.ndarray:
-    rows = [_vector(3)(row) for row in _items(entry)]
+    rows = [vector(3)(row) for row in items(entry)]
     array = np.array(rows, dtype=np.float64).reshape(-1, 3)
     if kind is int:
         if (array != np.round(array)).any():
@@ -285,51 +241,23 @@ def _rows(entry: Entry, kind: type) -> np.ndarray:
     return array
 
 
-def _text(entry: Entry) -> str:
-    if not isinstance(entry.value, str) or not entry.value:
-        raise entry.error(f"expected text, found {_describe(entry)}")
-    return entry.value
-
-
-def _flag(entry: Entry) -> bool:
-    if not isinstance(entry.value, bool):
-        raise entry.error(f"expected true or false, found {_describe(entry)}")
-    return entry.value
-
-
-def _choice(entry: Entry, options: tuple[str, ...]) -> str:
-    if entry.value not in options:
-        close = difflib.get_close_matches(str(entry.value), options, n=1)
-        hint = f"; did you mean {close[0]}?" if close else ""
-        raise entry.error(f"expected one of {', '.join(options)}, found {_describe(entry)}{hint}")
-    return entry.value
-
-
-def _describe(entry: Entry) -> str:
-    if isinstance(entry.value, dict):
-        return "a mapping" + (f" ({', '.join(entry.value)})"[:80] if entry.value else "")
-    if isinstance(entry.value, list):
-        return f"a list of {len(entry.value)}"
-    return "nothing" if entry.value is None else shown(entry.value)
-
-
 _READ: dict[str, Read] = {
     **dict.fromkeys(
         ("radius", "length", "offset", "mass", "density", "friction", "restitution", "scale"),
-        _number,
+        number,
     ),
     **dict.fromkeys(
-        ("size", "normal", "com", "position", "velocity", "angular_velocity"), _vector(3)
+        ("size", "normal", "com", "position", "velocity", "angular_velocity"), vector(3)
     ),
-    "quaternion": _vector(4),
-    "up": lambda entry: _choice(entry, ("y", "z")),
-    "start": lambda entry: _choice(entry, ("awake", "asleep")),
-    "fps": _number,
-    "loop": lambda entry: _flag(entry),
-    "positions": lambda entry: np.array([_vector(3)(row) for row in _items(entry)]),
-    "quaternions": lambda entry: np.array([_vector(4)(row) for row in _items(entry)]),
-    "threshold": _number,
-    "max_pieces": _number,
+    "quaternion": vector(4),
+    "up": lambda entry: choice(entry, ("y", "z")),
+    "start": lambda entry: choice(entry, ("awake", "asleep")),
+    "fps": number,
+    "loop": flag,
+    "positions": lambda entry: np.array([vector(3)(row) for row in items(entry)]),
+    "quaternions": lambda entry: np.array([vector(4)(row) for row in items(entry)]),
+    "threshold": number,
+    "max_pieces": number,
     "pieces": _pieces,
 }
 
@@ -341,13 +269,13 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
         raise InputError(f"{path}: found suffix {path.suffix!r}, expected {', '.join(_SUFFIXES)}")
     document = scene_document(scene, path.parent)
     if path.suffix.lower() == ".json":
-        text = json.dumps(document, indent=1, ensure_ascii=False)
+        written = json.dumps(document, indent=1, ensure_ascii=False)
     else:
         import yaml
 
-        text = yaml.safe_dump(document, sort_keys=False, default_flow_style=None, width=100)
+        written = yaml.safe_dump(document, sort_keys=False, default_flow_style=None, width=100)
     with atomic_write(path) as handle:
-        handle.write((text.rstrip() + "\n").encode())
+        handle.write((written.rstrip() + "\n").encode())
 
 
 def scene_document(scene: Scene, base: Path | None = None) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from typing import Any
 
 from halfphysics.errors import FileError
 
-_MAX_DEPTH = 20  # a scene file needs five
+_MAX_DEPTH = 20  # scene files and sweep files need five
 
 # YAML 1.2 numbers such as 1e3, which PyYAML (YAML 1.1) would take for text.
 _FLOAT = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$")
@@ -40,8 +40,11 @@ class Entry:
         return FileError(f"{self.file}{line}{place}: {message}")
 
 
-def read_tree(path: Path) -> Entry:
-    """The document of a .yaml, .yml or .json file; raises `FileError`."""
+def read_tree(path: Path, keys: str) -> Entry:
+    """The document of a .yaml, .yml or .json file; raises `FileError`.
+
+    `keys` names, for the message of an empty file, some of those it should have.
+    """
     import yaml
 
     try:
@@ -56,14 +59,14 @@ def read_tree(path: Path) -> Entry:
         except json.JSONDecodeError as error:
             raise FileError(f"{path}, line {error.lineno}: not valid JSON: {error.msg}") from None
         except RecursionError:
-            raise FileError(f"{path}: nested too deeply for a scene") from None
+            raise FileError(f"{path}: nested too deeply") from None
         # JSON is YAML but for tabs, which JSON allows between values only.
         text = text.replace("\t", " ")
     loader = _loader(yaml)(text)
     try:
         root = loader.get_single_node()
         if root is None:
-            raise FileError(f"{path}: the file is empty, expected a mapping with statics, objects")
+            raise FileError(f"{path}: the file is empty, expected a mapping with {keys}")
         return _Builder(path, loader.construct_object)(root, "", 0)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
@@ -71,7 +74,7 @@ def read_tree(path: Path) -> Entry:
         problem = getattr(error, "problem", None) or str(error)
         raise FileError(f"{path}{line}: not valid YAML: {problem}") from None
     except RecursionError:
-        raise FileError(f"{path}: nested too deeply for a scene") from None
+        raise FileError(f"{path}: nested too deeply") from None
     finally:
         loader.dispose()
 
@@ -106,7 +109,7 @@ class _Builder:
     def __call__(self, node: Any, where: str, depth: int) -> Entry:
         here = Entry(value=None, where=where, line=node.start_mark.line + 1, file=self.file)
         if depth > _MAX_DEPTH:
-            raise here.error("nested too deeply for a scene")
+            raise here.error("nested too deeply")
         if id(node) not in self.built:
             self.built[id(node)] = self._value(node, here, depth)
         return Entry(value=self.built[id(node)], where=where, line=here.line, file=self.file)

@@ -1,0 +1,1 @@
+"""Labels of a result, for data sets: contacts, forces, events."""

@@ -1,0 +1,112 @@
+"""Slips: parts of a person that bear load of an object and move along its surface."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+from halfphysics.labels.carried import Loads, frames_in, intervals, summed
+from halfphysics.labels.events import Limits, Slip
+from halfphysics.result import PersonResult
+from halfphysics.skeleton import JOINT_NAMES
+
+Array = NDArray[np.float64]
+Frames = NDArray[np.int64]
+
+
+def slips_of(loads: Loads, limits: Limits) -> Iterator[Slip]:
+    """Every slip of an object, person by person."""
+    result, contacts = loads.result, loads.result.contacts
+    for index, person in enumerate(result.people):
+        own = contacts.person[loads.rows] == index
+        # No step leads to frame 0.
+        own &= contacts.frame[loads.rows] > 0
+        rows, share = loads.rows[own], loads.share[own]
+        frame = contacts.frame[rows]
+        total = summed(frame, share, len(result))
+        carry = (total[frame] >= limits.load) & (share >= limits.load * total[frame])
+        rows, share, frame = rows[carry], share[carry], frame[carry]
+        if not len(rows):
+            continue
+        step = _steps(loads, person, rows)
+        slides = step * result.fps >= limits.slide_speed
+        lift = loads.lifted(index)
+        yield from _grouped(
+            loads, limits, person.name, rows[slides], share[slides], step[slides], lift
+        )
+
+
+def _steps(loads: Loads, person: PersonResult, rows: Frames) -> Array:
+    """How far (k,) [m] the part of a contact moves along the object's surface in its frame.
+
+    The part's material point at the contact, as the object sees it, from one frame to the next,
+    less what goes along the normal. What rolls without slipping does not move.
+    """
+    contacts, track = loads.result.contacts, loads.result.objects[loads.thing.name]
+    first = int(contacts.frame[rows].min()) - 1
+    after = int(contacts.frame[rows].max()) + 1
+    places, turns = person.body.joint_frames(person.motion[first:after])
+    now, part = contacts.frame[rows] - first, contacts.part[rows]
+    positions = track.position[first:after]
+    quaternions = rot.normalize(track.quaternion[first:after])
+
+    def seen(frame: Frames, point: Array) -> Array:
+        return rot.rotate(rot.conjugate(quaternions[frame]), point - positions[frame])
+
+    here = contacts.position[rows]
+    own = rot.rotate(rot.conjugate(turns[now, part]), here - places[now, part])
+    before = places[now - 1, part] + rot.rotate(turns[now - 1, part], own)
+    moved = rot.rotate(quaternions[now], seen(now, here) - seen(now - 1, before))
+    normal = contacts.normal[rows]
+    along = moved - np.einsum("ni,ni->n", moved, normal)[:, None] * normal
+    return np.linalg.norm(along, axis=1)
+
+
+def _grouped(
+    loads: Loads,
+    limits: Limits,
+    person: str,
+    rows: Frames,
+    share: Array,
+    step: Array,
+    lift: Array,
+) -> Iterator[Slip]:
+    """Slips of a person from the rows (k,) that slide.
+
+    Args:
+        loads, limits: Of what, from where on.
+        person: Name.
+        rows, share, step: Of the contacts, what they exert of the weight, how far they slide [m].
+        lift: What the person bears of the weight in every frame (T,).
+    """
+    result = loads.result
+    frame = result.contacts.frame[rows]
+    force = summed(frame, share, len(result))
+    # Without gravity every share is infinite: then all count the same.
+    weight = np.where(np.isfinite(share), share / force[frame], 1.0)
+    sums = summed(frame, weight, len(result))
+    way = summed(frame, weight * step, len(result))
+    way = np.divide(way, sums, out=np.zeros(len(result)), where=sums > 0.0)
+    for first, last in intervals(way > 0.0, frames_in(limits.gap, result.fps)):
+        distance = float(way[first : last + 1].sum())
+        long = last - first + 1 >= limits.slide_time * result.fps - 1e-6
+        bears = float(lift[first : last + 1].mean()) >= limits.slide_load
+        if not (long and bears) or distance < limits.slide:
+            continue
+        within = (frame >= first) & (frame <= last)
+        yield Slip(
+            object=loads.thing.name,
+            person=person,
+            parts=tuple(
+                JOINT_NAMES[p] for p in np.unique(result.contacts.part[rows[within]]).tolist()
+            ),
+            first=first,
+            last=last,
+            start=(first - 1) / result.fps,
+            end=last / result.fps,
+            distance=distance,
+            speed=float(way[first : last + 1].max() * result.fps),
+        )

@@ -10,7 +10,7 @@ import halfphysics as hp
 from halfphysics.errors import FileError
 from halfphysics.sweep.choices import BodyChoice, SceneChoice
 from halfphysics.sweep.kept import Kept
-from halfphysics.sweep.stock import digest
+from halfphysics.sweep.stock import Stock
 
 
 def test_kept_is_the_last_few():
@@ -87,7 +87,7 @@ def test_sources_name_every_file_once(walk, room, tmp_path):
     assert [s["sha256"] for s in ready.sources] == [
         hashlib.sha256(path.read_bytes()).hexdigest() for path in files
     ]
-    assert [s["path"] for s in ready.sources] == [str(walk), "room.yaml", str(files[2].resolve())]
+    assert [s["path"] for s in ready.sources] == [*map(str, files[:2]), str(files[2].resolve())]
 
 
 def test_a_body_of_a_model_file(walk, tmp_path):
@@ -102,13 +102,15 @@ def test_a_body_of_a_model_file(walk, tmp_path):
 
 def test_a_folder_is_named_by_what_is_in_it(tmp_path):
     (tmp_path / "clip" / "parts").mkdir(parents=True)
-    (tmp_path / "clip" / "parts" / "a.txt").write_text("a")
-    first = digest(tmp_path / "clip")
-    assert first == digest(tmp_path / "clip")
-    (tmp_path / "clip" / "parts" / "a.txt").write_text("b")
-    assert digest(tmp_path / "clip") != first
+    part = tmp_path / "clip" / "parts" / "a.txt"
+    part.write_text("a")
+    stock = Stock()
+    for text in ("a", "a", "longer"):
+        part.write_text(text)
+        said = {"path": str(part), "sha256": hashlib.sha256(text.encode()).hexdigest()}
+        assert stock._sources([tmp_path / "clip"]) == (said,)
     with pytest.raises(FileError, match="cannot be read: No such file"):
-        digest(tmp_path / "nothing")
+        stock._sources([tmp_path / "nothing"])
 
 
 def test_scenarios_read_nothing():

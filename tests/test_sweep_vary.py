@@ -192,7 +192,7 @@ def test_a_file_in_its_own_scene_and_in_a_file_s(walk, tmp_path):
     assert ready.sources == (
         {"path": str(walk), "sha256": hashlib.sha256(walk.read_bytes()).hexdigest()},
         {
-            "path": "room.yaml",
+            "path": str(tmp_path / "room.yaml"),
             "sha256": hashlib.sha256((tmp_path / "room.yaml").read_bytes()).hexdigest(),
         },
     )
@@ -201,10 +201,8 @@ def test_a_file_in_its_own_scene_and_in_a_file_s(walk, tmp_path):
 def test_a_scenario_brings_its_own_scene(tmp_path):
     hp.Scene().save(tmp_path / "room.yaml")
     room = SceneChoice(file="room.yaml", path=tmp_path / "room.yaml")
-    variant = scenario("kick_ball")
-    variant.scene = room
     with pytest.raises(InputError, match=r"room.yaml.*brings a scene of its own"):
-        workshop().make(variant)
+        workshop().make(scenario("kick_ball", scene=room))
 
 
 def test_grounded_is_as_the_command_line_has_it(walk):

@@ -37,8 +37,8 @@ class Ready:
         scene: What stands and lies around.
         bodies: Of each person.
         settings: How to simulate it.
-        sources: Of every file read (motion, scene, meshes, models): its path, as the plan says it
-            where it does, and the SHA-256 of its content.
+        sources: Of every file read (motion, scene, meshes, models): its absolute "path", and
+            "sha256" of its content.
         allow_mismatch: As in `simulate`.
     """
 

@@ -207,7 +207,7 @@ def _innermost(entry: Entry, said: str) -> tuple[Entry, str]:
             form: child
             for key, child in entry.value.items()
             # settings say their fields as the dataclass does
-            for form in (f"{key}: ", f"Settings.{key} ", f"Settings.{key}[")
+            for form in (f"{key}: ", f"Settings.{key} ", f"Settings.{key}[", f"Settings.{key}:")
         }
         for key in ("factors", "settings", "keep", "keep_after"):
             if key in entry.value and not entry.where:

@@ -92,6 +92,12 @@ def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None
             full = np.zeros((len(poses), skeleton.N_JOINTS, 3))
             count = sum(joint >= 0 for joint in columns)  # SMPL's rigid hands are last
             full[:, columns[:count]] = poses[:, :count]
+            for key, joints in SPLIT.items():
+                # The face beside poses without one.
+                if key in npz and not set(joints) & set(columns):
+                    part = Record(npz.path, npz).numbers(key, None, 3 * len(joints), frames=frames)
+                    same_length(str(npz.path), {"poses": len(poses), key: len(part)})
+                    full[:, list(joints)] = part.reshape(-1, len(joints), 3)
             rigid = poses[:, count:] if count < len(columns) else None
     else:
         parts = {
@@ -292,7 +298,8 @@ def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:
         order = [k for k in said["keys"] if k in out]
         out = {key: out[key] for key in (*order, *(k for k in out if k not in order))}
         out = {key: _exact(value, said["dtypes"].get(key)) for key, value in out.items()}
-    lost = np.setdiff1d(np.arange(skeleton.N_JOINTS), columns)
+    beside = [joint for key, joints in SPLIT.items() if key in out for joint in joints]
+    lost = np.setdiff1d(np.arange(skeleton.N_JOINTS), [*columns, *beside])
     if rotations[:, lost].any():
         out[FULL_KEY] = rotations.reshape(frames, -1)
     return out

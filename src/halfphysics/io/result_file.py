@@ -72,6 +72,11 @@ def is_result(path: str | os.PathLike[str]) -> bool:
 
 def save_result(result: Result, path: str | os.PathLike[str]) -> None:
     """The work behind `Result.save`; see there."""
+    write_npz(path, result_fields(result))
+
+
+def result_fields(result: Result) -> Fields:
+    """The arrays of a result file, by key."""
     from halfphysics import __version__
 
     fields: Fields = dict(_on_top(result.people[0]))
@@ -122,7 +127,7 @@ def save_result(result: Result, path: str | os.PathLike[str]) -> None:
             fields[f"{SUBSTEPS}person/{index}/rotations"] = motion.rotations
         fields[f"{SUBSTEPS}fps"] = np.array(result.substeps.motions[0].fps)
         fields |= _track_fields(SUBSTEPS, result.substeps.objects)
-    write_npz(path, fields)
+    return fields
 
 
 def load_result(

@@ -82,7 +82,7 @@ def test_a_whole_file(folder: Path) -> None:
                 options={"fps": 30, "frames": "0:90", "assets": "meshes"},
                 ground=True,
             ),
-            Inputs(files="takes/*/", options={"objects": "replayed"}),  # type: ignore[arg-type]
+            Inputs(files="takes/*/", options={"objects": "replayed"}),
         ),
         bodies=(BodyChoice(), BodyChoice(stature=1.6)),
         scenes=(SceneChoice(), SceneChoice(file="room.yaml")),
@@ -92,10 +92,10 @@ def test_a_whole_file(folder: Path) -> None:
             "settings.clearance": {"from": 0.001, "to": 0.01, "count": 3, "scale": "log"},
             "objects.friction": Uniform(low=0.2, high=1.2),
             "body.betas.0": Normal(mean=0, sd=1, within=(-2, 2)),
-        },  # type: ignore[dict-item]
+        },
         samples=4,
         seed=7,
-        keep="objects.mass < 2 or scene == 'own'",  # type: ignore[arg-type]
+        keep="objects.mass < 2 or scene == 'own'",
         keep_after=("success", "drops == 0"),
         settings={"stiffness": {"left_arm": 0.5}},
         labels=Labels(threshold=0.01, also=("behave",)),
@@ -147,14 +147,16 @@ def test_inputs_are_files_in_order(folder: Path) -> None:
     assert last.motion_options == MotionOptions(objects="replayed")
     # Two patterns that meet the same file mean it once.
     twice = Inputs(files=("clips/*.npz", "clips/a*"))
-    assert resolve([twice], folder) == ["file\tclips/a.npz\t0", "file\tclips/b.npz\t0"]
-    assert resolve([Inputs(files=str(folder / "clips" / "a.npz"))], Path("/")) == [  # type: ignore[arg-type]
+    assert resolve([twice], folder, "out") == ["file\tclips/a.npz\t0", "file\tclips/b.npz\t0"]
+    assert resolve([Inputs(files=str(folder / "clips" / "a.npz"))], Path("/"), "out") == [
         f"file\t{folder}/clips/a.npz\t0"
     ]
+    # What a sweep has written is no input of it.
+    assert resolve([Inputs(files="**/*.npz")], folder, "./clips/ä") == resolve([twice], folder, ".")
     with pytest.raises(FileError, match=r"inputs\[0\].files\[1\]: no file matches 'none\*'"):
-        resolve([Inputs(files=("clips/*.npz", "none*"))], folder)
+        resolve([Inputs(files=("clips/*.npz", "none*"))], folder, "out")
     with pytest.raises(FileError, match="no folder matches"):
-        resolve([Inputs(files=("clips/*.npz/",))], folder)
+        resolve([Inputs(files=("clips/*.npz/",))], folder, "out")
     (folder / "clips" / "a\tb.npz").touch()
     with pytest.raises(FileError, match="rename it"):
         resolve_inputs(plan)
@@ -360,7 +362,7 @@ def test_files_that_are_no_plan(folder: Path) -> None:
 )
 def test_mistakes_in_python(changes: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        Plan(**{"inputs": Inputs(scenarios="kick_ball"), **changes})  # type: ignore[arg-type]
+        Plan(**{"inputs": Inputs(scenarios="kick_ball"), **changes})
 
 
 def test_expressions_know_factors_and_results(folder: Path) -> None:

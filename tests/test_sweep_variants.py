@@ -21,7 +21,7 @@ FILES = [f"file\tclips/{k}.npz\t0" for k in range(3)]
 
 
 def a_plan(**changes: object) -> Plan:
-    return Plan(**{"inputs": Inputs(files="clips/*.npz"), **changes})  # type: ignore[arg-type]
+    return Plan(**{"inputs": Inputs(files="clips/*.npz"), **changes})
 
 
 def wide() -> Plan:
@@ -62,7 +62,7 @@ def test_every_combination_once_the_input_slowest() -> None:
     assert [v.number for v in variants] == list(range(144))
     drawn = {v.factors["objects.friction"] for v in variants}
     assert len(drawn) == 144
-    assert all(0.2 < value < 1.2 for value in drawn)  # type: ignore[operator]
+    assert all(0.2 < value < 1.2 for value in drawn)
 
 
 def test_a_variant_is_the_same_alone_and_anywhere() -> None:
@@ -127,7 +127,7 @@ def test_numbers_count_in_mixed_radix(sizes: list[int], inputs: int, data: st.Da
     number = data.draw(st.integers(0, len(variants) - 1))
     rest = 0
     for name, size in zip(factors, sizes, strict=True):
-        rest = rest * size + variants[number].factors[name]  # type: ignore[operator, assignment]
+        rest = rest * size + variants[number].factors[name]
     assert number % max(1, len(variants) // inputs) == rest
 
 
@@ -143,7 +143,7 @@ def test_conditions_choose_variants() -> None:
     assert 0 < len(kept) < len(variants)
     for variant in variants:
         mass, yaw = variant.factors.values()
-        expected = (mass == 1 or yaw > 45) and variant.input.name != "clips/2.npz"  # type: ignore[operator]
+        expected = (mass == 1 or yaw > 45) and variant.input.name != "clips/2.npz"
         assert variants.keeps(variant) is expected
     card = {"success": True, "clearance_min": 0.001, "input": "not this one"}
     assert variants.keeps_result(variants[0], card)

@@ -326,7 +326,7 @@ def resolve_inputs(plan: Plan) -> list[str]:
     Raises:
         FileError: A pattern that no file matches.
     """
-    return resolve(plan.inputs, plan.base)
+    return resolve(plan.inputs, plan.base, plan.outputs.folder)
 
 
 def _specs(factors: Mapping[str, Any]) -> dict[str, Spec]:

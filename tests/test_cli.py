@@ -16,7 +16,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.cli import COMMANDS, main
-from halfphysics.cli.options import GROUND
+from halfphysics.io.asked import GROUND
 
 UPRIGHT = [np.pi / 2, 0.0, 0.0]
 FRAMES = 12

@@ -429,6 +429,20 @@ class Scene:
         scene._ignored = {p: None for p in self._ignored if without not in p}
         return scene
 
+    def _with(
+        self,
+        things: Mapping[str, Static | Object | Articulated],
+        friction: Mapping[tuple[str, str], float],
+    ) -> Scene:
+        """A scene of its own: some things in the place of those of their names, pairs said anew."""
+        scene = self._copied()
+        groups: tuple[dict[str, Any], ...] = (scene._statics, scene._objects, scene._articulated)
+        for group in groups:
+            group.update({name: things[name] for name in group if name in things})
+        for (a, b), mu in friction.items():
+            scene.friction(a, b, mu)
+        return scene
+
     def _keep(self, thing: Object) -> None:
         """What moves on a trajectory comes last: the order in files and results."""
         from halfphysics.moving import Moving

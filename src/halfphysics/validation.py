@@ -6,6 +6,7 @@ Each raises `InputError` naming what the value is for, what was found and what i
 from __future__ import annotations
 
 import errno
+import math
 import numbers
 import os
 from pathlib import Path
@@ -43,7 +44,10 @@ def number(
         value = value.item()
     if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
         raise InputError(f"{what}: expected {wanted}, found {shown(value)}")
-    result = float(value)
+    try:
+        result = float(value)
+    except OverflowError:  # a whole number of more than 308 digits
+        result = math.inf
     if (
         not np.isfinite(result)
         or (above is not None and result <= above)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from halfphysics.errors import FileError, InputError
+from halfphysics.io.asked import betas_for, furnished, model_for
 from halfphysics.validation import file_path
 
 if TYPE_CHECKING:
@@ -23,9 +24,6 @@ File = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
 Things = Annotated[
     tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME=SHAPE,...")
 ]
-
-#: The static that `--ground` adds.
-GROUND = "ground"
 
 
 def progress() -> bool:
@@ -82,12 +80,13 @@ class MotionOptions:
             "hands": self.hands,
             "model": self.model,
             "gender": self.gender,
-            "frames": self._range(),
+            "frames": self.frame_range(),
             "clip": self.clip,
             "assets": self.assets,
         }
 
-    def _range(self) -> tuple[int | None, int | None] | None:
+    def frame_range(self) -> tuple[int | None, int | None] | None:
+        """The first frame to read and the one after the last; raises `InputError`."""
         if self.frames is None:
             return None
         ends = self.frames.split(":")
@@ -120,7 +119,6 @@ class BodyOptions:
     def load(self, motion: Motion) -> Body:
         """The body for a motion: with its betas, where they are that model's."""
         from halfphysics.body import Body
-        from halfphysics.io.body_models import read_model
 
         if self.body is None:
             return Body.default(stature=self.stature)
@@ -129,19 +127,8 @@ class BodyOptions:
                 "--stature is for the default body; the shape of a model comes from the motion's "
                 "betas. Leave out --stature or --body"
             )
-        folder = file_path(self.body).is_dir()
-        space = read_model(
-            self.body,
-            gender=motion.gender if folder else None,
-            model=motion.model if folder else None,
-        )
-        own = space.model == motion.model and space.gender in (motion.gender, "unknown")
-        return Body.shaped(space, motion.betas if own else None)
-
-
-def is_furnished(scene: Scene) -> bool:
-    """Whether anything stands or lies in a scene."""
-    return bool(scene.statics or scene.objects or scene.articulated)
+        space = model_for(motion, self.body)
+        return Body.shaped(space, betas_for(motion, space))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,31 +149,7 @@ class SceneOptions:
 
     def load(self, base: Scene | None = None) -> Scene:
         """The scene described: added to `base`, which a file takes the place of."""
-        from halfphysics.scene import Scene
-        from halfphysics.scene_spec import parse_object, parse_static
-        from halfphysics.shapes import Plane
-
-        if self.scene is not None and base is not None and is_furnished(base):
-            raise InputError(
-                f"--scene {self.scene}: the motion's data set brings a scene of its own. Leave out "
-                "--scene, or say --objects none"
-            )
-        scene = Scene.load(self.scene) if self.scene is not None else base or Scene()
-        for text in self.static:
-            name, shape, options = parse_static(text)
-            scene.add_static(name, shape, **options)
-        for text in self.object:
-            name, shape, options = parse_object(text)
-            scene.add_object(name, shape, **options)
-        planes = any(isinstance(static.shape, Plane) for static in scene.statics.values())
-        if self.ground and not planes:
-            if GROUND in (*scene.statics, *scene.objects):
-                raise InputError(
-                    f"the scene has something called {GROUND!r} that is no plane, the name of the "
-                    "floor that is added. Rename it, or say --no-ground"
-                )
-            scene.add_static(GROUND, Plane())
-        return scene
+        return furnished(base, self.scene, self.static, self.object, self.ground)
 
     @property
     def given(self) -> bool:

@@ -13,10 +13,10 @@ from halfphysics.cli.options import (
     MotionOptions,
     SceneOptions,
     check_output,
-    is_furnished,
     progress,
 )
 from halfphysics.errors import InputError
+from halfphysics.io.asked import is_furnished
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:

@@ -1,1 +1,23 @@
-"""Labels of a result, for data sets: contacts, forces, events."""
+"""Labels of a result, for data sets: contacts, forces, events (docs/labels.md)."""
+
+from __future__ import annotations
+
+from halfphysics.labels.contact_labels import contact_labels
+from halfphysics.labels.exporters import arctic, behave, chois, omomo
+from halfphysics.labels.near import Near
+from halfphysics.labels.sampling import ObjectSurface
+from halfphysics.labels.solver_contacts import SolverContacts
+from halfphysics.labels.tables import ContactLabels, PersonLabels
+
+__all__ = [
+    "ContactLabels",
+    "Near",
+    "ObjectSurface",
+    "PersonLabels",
+    "SolverContacts",
+    "arctic",
+    "behave",
+    "chois",
+    "contact_labels",
+    "omomo",
+]

@@ -1,25 +1,20 @@
-"""What a worker does: make variants, simulate them, label them, write them."""
+"""What a worker does: batches of variants made and written, shards sealed."""
 
 from __future__ import annotations
 
 import time
 import traceback
-import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
+from halfphysics.errors import HalfPhysicsError
 
 if TYPE_CHECKING:
-    from halfphysics.sweep.plan import Plan
+    from halfphysics.sweep.making import Maker
     from halfphysics.sweep.store import Store
-    from halfphysics.sweep.variants import Variant, Variants
-    from halfphysics.sweep.vary import Workshop
-
-_BUG = "(a bug: the traceback is on stderr)"
 
 
 @dataclass(frozen=True)
@@ -43,8 +38,9 @@ class Task:
 class Done:
     """How a task ended: seconds of work, and numbers of variants.
 
-    `kept` are in the fragments, `skipped` fell to a filter, `causes` are those of the failures.
-    `stop`: why the sweep cannot go on at all ("" if it can), such as a full disk.
+    `kept` are in the fragments, `skipped` fell to a condition of the plan, `causes` are those of
+    the failures. `size`: of the fragments [bytes]. `stop`: why the sweep cannot go on at all ("" if
+    it can), such as a full disk.
     """
 
     seconds: float
@@ -67,31 +63,75 @@ def do(folder: str, task: Task) -> Done:
     wrong with the outputs stops the sweep.
     """
     start = time.perf_counter()
+    records: list[Mapping[str, Any]] = []
+    stop = ""
     try:
-        work = _work(folder)
+        store, maker = opened(folder)
+        last = task.first + task.count
+        start = time.perf_counter()  # what a process needs to begin is not the task's
         if task.kind == "seal":
-            work.store.seal(task.shard)
-            return Done(time.perf_counter() - start)
-        if task.kind == "variants":
-            for number in range(task.first, task.first + task.count):
-                work.made(number)
-            return Done(time.perf_counter() - start)
-        batches = [
-            work.batch(batch, dict(task.dead))
-            for batch in range(task.first, task.first + task.count)
-        ]
+            store.seal(task.shard)
+        elif task.kind == "variants":
+            for number in range(task.first, last):
+                maker.sample(number)
+        else:
+            dead = dict(task.dead)
+            records = [_batch(store, maker, batch, dead) for batch in range(task.first, last)]
     except MemoryError:
         raise
     except HalfPhysicsError as error:
-        return Done(time.perf_counter() - start, stop=str(error))
+        stop = str(error)
     except Exception as error:
+        from halfphysics.sweep.making import BUG
+
         traceback.print_exc()
-        stop = f"{type(error).__name__}: {error} {_BUG}"
-        return Done(time.perf_counter() - start, stop=stop)
+        stop = f"{type(error).__name__}: {error} {BUG}"
     return Done(
         time.perf_counter() - start,
-        kept=sum(record["samples"] for record in batches),
-        skipped=sum(record["skipped"] for record in batches),
-        causes=tuple(f["cause"] for record in batches for f in record["failures"]),
-        size=sum(record["bytes"] for record in batches),
+        kept=sum(record["samples"] for record in records),
+        skipped=sum(record["skipped"] for record in records),
+        causes=tuple(failure["cause"] for record in records for failure in record["failures"]),
+        size=sum(record["bytes"] for record in records),
+        stop=stop,
     )
+
+
+@lru_cache(maxsize=1)
+def opened(folder: str) -> tuple[Store, Maker]:
+    """The sweep in a folder, and what it has loaded: kept from one task of a process to the next."""
+    from halfphysics.sweep.making import Maker
+    from halfphysics.sweep.plan import InputList, Plan
+    from halfphysics.sweep.store import Store
+    from halfphysics.sweep.variants import Variants
+
+    plan = Plan.load(Path(folder) / "plan.yaml")
+    variants = Variants(plan, InputList(Path(folder) / "inputs.txt"))
+    return Store(folder, plan), Maker(plan, variants)
+
+
+def _batch(store: Store, maker: Maker, batch: int, dead: Mapping[int, str]) -> Mapping[str, Any]:
+    """Make a batch; its samples are written as they come."""
+    from halfphysics.sweep.data_card import DataCard
+    from halfphysics.sweep.making import Sample
+
+    card = DataCard()
+    record: dict[str, Any] = {"skipped": 0, "failures": [], "inputs": {}}
+
+    def samples() -> Iterator[tuple[str, Mapping[str, bytes]]]:
+        for number in store.layout.variants_of(batch):
+            known = dead.get(number)
+            made = maker.sample(number) if known is None else maker.lost(number, known)
+            if isinstance(made, Sample):
+                record["inputs"].update(made.inputs)
+            if isinstance(made, Sample) and made.files:
+                card.sample(made.card)
+                yield f"{number:09d}", made.files
+            elif isinstance(made, dict):
+                card.failure(made)
+                record["failures"].append(made)
+            else:
+                card.skip(1)
+                record["skipped"] += 1
+        record["sums"] = card.sums()
+
+    return store.write_fragment(batch, samples(), record)

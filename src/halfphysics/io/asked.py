@@ -1,0 +1,98 @@
+"""The body and the scene that somebody asked for: what a command line and a sweep share."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from halfphysics.errors import InputError
+from halfphysics.validation import file_path
+
+if TYPE_CHECKING:
+    from halfphysics.motion import Motion
+    from halfphysics.scene import Scene
+    from halfphysics.shape_space import ShapeSpace
+
+#: The static that is added as a floor.
+GROUND = "ground"
+
+
+def model_for(
+    motion: Motion,
+    path: str | os.PathLike[str],
+    read: Callable[..., ShapeSpace] | None = None,
+) -> ShapeSpace:
+    """The body model for a motion: of a folder of them, that of its model and gender.
+
+    `read` stands in for `read_model`, such as one that keeps what it has read.
+    """
+    from halfphysics.io.body_models import read_model
+
+    folder = file_path(path).is_dir()
+    return (read or read_model)(
+        path,
+        gender=motion.gender if folder else None,
+        model=motion.model if folder else None,
+    )
+
+
+def betas_for(motion: Motion, space: ShapeSpace) -> Any:
+    """The motion's betas where they are that model's; None: they mean nothing to it."""
+    own = space.model == motion.model and space.gender in (motion.gender, "unknown")
+    return motion.betas if own else None
+
+
+def is_furnished(scene: Scene) -> bool:
+    """Whether anything stands or lies in a scene."""
+    return bool(scene.statics or scene.objects or scene.articulated)
+
+
+def furnished(
+    base: Scene | None,
+    file: str | os.PathLike[str] | None,
+    statics: Sequence[str],
+    objects: Sequence[str],
+    ground: bool,
+    *,
+    words: tuple[str, str, str] = ("--scene", "--objects none", "--no-ground"),
+) -> Scene:
+    """A scene from a file, or else what `base` has; and what is added to it. `base` stays as it is.
+
+    Args:
+        base: What a data set brings; a file takes its place where it is empty.
+        file: Scene file, or None.
+        statics: What never moves, as `scene_spec.parse_static` reads it.
+        objects: What moves, as `scene_spec.parse_object` reads it.
+        ground: Whether a floor at z = 0 is added, where there is no plane yet.
+        words: How to say, where this was asked: the scene file, no recorded objects, no floor.
+
+    Raises:
+        InputError: Two scenes, impossible things. FileError: A file that cannot be used.
+    """
+    from halfphysics.scene import Scene
+    from halfphysics.scene_spec import parse_object, parse_static
+    from halfphysics.shapes import Plane
+
+    if file is not None and base is not None and is_furnished(base):
+        raise InputError(
+            f"{words[0]} {file}: the motion's data set brings a scene of its own. Leave out "
+            f"{words[0]}, or say {words[1]}"
+        )
+    own = Scene() if base is None else base._copied()
+    scene = own if file is None else Scene.load(file)
+    for text in statics:
+        name, shape, options = parse_static(text)
+        scene.add_static(name, shape, **options)
+    for text in objects:
+        name, shape, options = parse_object(text)
+        scene.add_object(name, shape, **options)
+    planes = any(isinstance(static.shape, Plane) for static in scene.statics.values())
+    if ground and not planes:
+        if GROUND in (*scene.statics, *scene.objects):
+            raise InputError(
+                f"the scene has something called {GROUND!r} that is no plane, the name of the "
+                f"floor that is added. Rename it, or say {words[2]}"
+            )
+        scene.add_static(GROUND, Plane())
+    return scene

@@ -1,0 +1,138 @@
+"""Making contact labels of a result: geometry and the solver's impulses together."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError
+from halfphysics.labels.near import Near, Target, near
+from halfphysics.labels.part_balls import part_balls
+from halfphysics.labels.sampling import surface_of
+from halfphysics.labels.solids import Thing, things_of
+from halfphysics.labels.solver_contacts import solver_contacts
+from halfphysics.labels.tables import ContactLabels, PersonLabels
+from halfphysics.metrics.inputs import check_result
+from halfphysics.result import Result
+from halfphysics.skeleton import N_JOINTS
+from halfphysics.validation import number
+
+#: A vertex this much farther from a thing than the clearance still touches it [m].
+MARGIN = 1e-3
+
+
+def contact_labels(
+    result: Result, *, threshold: float | None = None, reach: float = 0.05
+) -> ContactLabels:
+    """Which vertices and parts touched what in every frame of a result, and how hard.
+
+    A vertex touches what is at most `threshold` from it: what of that thing touches in the
+    simulation (an object's convex pieces, a static's own shape, exactly), or, of an object's
+    vertex, the triangles of the skin. What the scene excuses from contact is not labelled.
+
+    Args:
+        result: What was simulated.
+        threshold: Up to how far [m]; None: the clearance of the result's settings and 1 mm, which
+            is also the most that it can be.
+        reach: How far the exporters may ask [m]: nothing is worked out until they do.
+
+    Raises:
+        InputError: No result, or an impossible threshold or reach.
+        FileError: In a result from a file: a body or the scene has gone.
+    """
+    check_result(result)
+    most = result.settings.clearance + MARGIN
+    if threshold is None:
+        threshold = most
+    threshold = number(threshold, "threshold", least=0.0, unit="m")
+    if threshold > most * (1.0 + 1e-12):
+        raise InputError(
+            f"threshold: found {threshold:g} m, expected at most {most:g} m, the clearance and "
+            "1 mm: farther is no contact. What other data sets call one is in "
+            "halfphysics.labels: behave, omomo, chois, arctic"
+        )
+    reach = max(number(reach, "reach", least=0.0, unit="m"), threshold)
+    scene = result.scene
+    things = things_of(scene, result.objects)
+    surfaces = {t.name: surface_of(scene, t) for t in things if not t.stands}
+    targets = [Target(t, threshold, surfaces.get(t.name)) for t in things]
+    kinds = _kinds(result, things)
+    people = [
+        _person(result, i, things, near(person.body, person.motion, targets), kinds)
+        for i, person in enumerate(result.people)
+    ]
+    return ContactLabels(
+        threshold_m=threshold,
+        reach=reach,
+        fps=result.fps,
+        people=tuple(people),
+        objects=tuple(surfaces.values()),
+        names=result.names,
+        contacts=solver_contacts(result),
+        result=result,
+    )
+
+
+_STANDS, _MOVES, _PERSON = 0, 1, 2
+
+
+def _kinds(result: Result, things: tuple[Thing, ...]) -> NDArray[np.int64]:
+    """Of every name of a result: what stands, what moves, a person."""
+    stands = {thing.name for thing in things if thing.stands}
+    people = {person.name for person in result.people}
+    return np.array(
+        [
+            _PERSON
+            if name in people
+            else _MOVES
+            if name in result.objects and name not in stands
+            else _STANDS
+            for name in result.names
+        ]
+    )
+
+
+def _person(
+    result: Result,
+    index: int,
+    things: tuple[Thing, ...],
+    found: list[tuple[Near, Near]],
+    kinds: NDArray[np.int64],
+) -> PersonLabels:
+    person = result.people[index]
+    part = part_balls(person.body).part
+    frames = len(person.motion)
+    parts = np.zeros((3, frames, N_JOINTS), dtype=bool)
+    for thing, (rows, _) in zip(things, found, strict=True):
+        kind = _STANDS if thing.stands else _MOVES
+        parts[kind, rows.frame, part[rows.vertex]] = True
+    contacts = result.contacts
+    pushed = contacts[(contacts.person == index) & (contacts.strength > 0.0)]
+    where = (kinds[pushed.other], pushed.frame, pushed.part)
+    parts[where] = True
+    force = np.zeros((3, frames, N_JOINTS, 3))
+    np.add.at(force, where, pushed.impulse * result.fps)
+    moving = [pair for thing, pair in zip(things, found, strict=True) if not thing.stands]
+    return PersonLabels(
+        name=person.name,
+        vertex_part=part.astype(np.int8),
+        body_near=tuple(body for body, _ in moving),
+        object_near=tuple(surface for _, surface in moving),
+        scene_near=_once([b for t, (b, _) in zip(things, found, strict=True) if t.stands]),
+        human_parts=parts[_MOVES],
+        scene_parts=parts[_STANDS],
+        people_parts=parts[_PERSON],
+        force=force.sum(axis=0),
+        force_objects=force[_MOVES],
+    )
+
+
+def _once(rows: list[Near]) -> Near:
+    """Rows of several things as those of one: every vertex once a frame, where it is nearest."""
+    every = Near.joined(rows)
+    order = np.lexsort((every.distance, every.vertex, every.frame))
+    frame, vertex = every.frame[order], every.vertex[order]
+    first = np.ones(len(order), dtype=bool)
+    first[1:] = (np.diff(frame) != 0) | (np.diff(vertex) != 0)
+    order = order[first]
+    return Near(every.frame[order], every.vertex[order], every.distance[order])

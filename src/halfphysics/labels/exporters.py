@@ -1,0 +1,178 @@
+"""What other data sets call contact, in their own layouts: BEHAVE, OMOMO, CHOIS, ARCTIC.
+
+From the same distances as the labels, at those data sets' thresholds. docs/labels.md says what is
+equal to theirs and what is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics import rotations as rot
+from halfphysics.errors import InputError
+from halfphysics.labels.tables import (
+    LEFT_FOOT,
+    LEFT_HAND,
+    RIGHT_FOOT,
+    RIGHT_HAND,
+    ContactLabels,
+)
+from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.validation import number
+
+Array = NDArray[np.float64]
+
+#: What each data set calls contact [m].
+BEHAVE, OMOMO, CHOIS, ARCTIC = 0.02, 0.05, 0.05, 0.003
+
+
+def behave(
+    labels: ContactLabels, *, person: int = 0, item: int = 0, threshold: float = BEHAVE
+) -> dict[str, NDArray[Any]]:
+    """As BEHAVE's contact files, all frames in one: points on the object that a person is near.
+
+    Args:
+        labels: Made by `contact_labels`.
+        person, item: Whose, and of which object.
+        threshold: Up to how far is contact [m].
+
+    Returns:
+        "object_points" (T, N, 3) float32, the object's vertices in the world [m]; "contact_label"
+        (T, N) bool; "contact_vertices" (T, N, 3) float32, the nearest point of the skin [m], nan
+        where there is no contact; "threshold_m".
+
+    Raises:
+        InputError: No such person or object, or a threshold beyond `ContactLabels.reach`.
+    """
+    rows = labels.object_near(threshold, person, item)
+    points = _in_world(labels, item)
+    label = np.zeros(points.shape[:2], dtype=bool)
+    label[rows.frame, rows.vertex] = True
+    nearest = np.full(points.shape, np.nan, dtype=np.float32)
+    nearest[rows.frame, rows.vertex] = rows.point
+    return {
+        "object_points": points.astype(np.float32),
+        "contact_label": label,
+        "contact_vertices": nearest,
+        "threshold_m": np.array(threshold),
+    }
+
+
+def omomo(
+    labels: ContactLabels, *, person: int = 0, item: int = 0, threshold: float = OMOMO
+) -> NDArray[np.bool_]:
+    """As OMOMO judges it: whether (T, 2) left and right hand are in contact with an object.
+
+    A hand is its joint at the root of the index finger, joints 22 and 23 of OMOMO's 24; it is in
+    contact where that is at most `threshold` from the nearest of the object's vertices.
+
+    Args:
+        labels, person, item, threshold: As of `behave`.
+
+    Raises:
+        InputError: No such person or object.
+    """
+    from scipy.spatial import cKDTree
+
+    labels.check(person, item)
+    who = labels.result.people[person]
+    hands = [JOINT_INDEX["left_index1"], JOINT_INDEX["right_index1"]]
+    joints = who.body.joints(who.motion)[:, hands]
+    position, turn = _frames(labels, item)
+    local = np.einsum("tij,thi->thj", turn, joints - position[:, None])
+    within = number(threshold, "threshold", least=0.0, unit="m")
+    distance, _ = cKDTree(labels.objects[item].vertices).query(local)
+    return np.asarray(distance <= within)
+
+
+def chois(
+    labels: ContactLabels, *, person: int = 0, item: int = 0, threshold: float = CHOIS
+) -> NDArray[np.float32]:
+    """As CHOIS's contact_labels_w_semantics: (T, 4) of 0 and 1, hands and feet near an object.
+
+    In the order left hand, right hand, left foot, right foot, each a part of the skin.
+
+    Args:
+        labels, person, item, threshold: As of `behave`.
+
+    Raises:
+        InputError: No such person or object, or a threshold beyond `ContactLabels.reach`.
+    """
+    rows = labels.skin_near(threshold, person, item)
+    part = labels.people[person].vertex_part[rows.vertex]
+    found = np.zeros((len(labels), 4), dtype=np.float32)
+    for column, parts in enumerate((LEFT_HAND, RIGHT_HAND, LEFT_FOOT, RIGHT_FOOT)):
+        found[rows.frame[np.isin(part, parts)], column] = 1.0
+    return found
+
+
+def arctic(
+    labels: ContactLabels,
+    *,
+    person: int = 0,
+    item: int = 0,
+    threshold: float = ARCTIC,
+    hands: Mapping[str, ArrayLike] | None = None,
+) -> dict[str, NDArray[Any]]:
+    """As ARCTIC's interaction field: distances between each hand and the object, and contact.
+
+    Args:
+        labels, person, item, threshold: As of `behave`.
+        hands: "left" and "right": vertices of the skin in the order of the hand model, such as
+            SMPL-X's MANO correspondence; None: the vertices of wrist and fingers, ascending.
+
+    Returns:
+        Of r, the right hand, l, the left, and o, the object: "dist.ro", "dist.lo" (T, Vh) from
+        every vertex of a hand to the object and "dist.or", "dist.ol" (T, Vo) back [m], float32,
+        at most `ContactLabels.reach`; "contact.ro" and so on, 1 where that is under `threshold`;
+        "vertices.r", "vertices.l" (Vh,), which vertices of the skin those are; "threshold_m".
+
+    Raises:
+        InputError: No such person or object, or vertices that the skin does not have.
+    """
+    threshold = number(threshold, "threshold", least=0.0, most=labels.reach, unit="m")
+    part = labels.people[person].vertex_part
+    reach = labels.reach
+    skin = labels.skin_near(reach, person, item)
+    surface = labels.object_near(reach, person, item)
+    found: dict[str, NDArray[Any]] = {"threshold_m": np.array(threshold)}
+    for letter, side, parts in (("r", "right", RIGHT_HAND), ("l", "left", LEFT_HAND)):
+        vertices = _hand(hands, side, len(part)) if hands else np.flatnonzero(np.isin(part, parts))
+        to = np.full((len(labels), len(part)), reach)
+        to[skin.frame, skin.vertex] = skin.distance
+        back = np.full((len(labels), len(labels.objects[item].vertices)), reach)
+        mine = np.isin(part[surface.nearest], parts)
+        back[surface.frame[mine], surface.vertex[mine]] = surface.distance[mine]
+        for key, distance in ((f"{letter}o", to[:, vertices]), (f"o{letter}", back)):
+            found[f"dist.{key}"] = distance.astype(np.float32)
+            found[f"contact.{key}"] = (distance < threshold).astype(np.int64)
+        found[f"vertices.{letter}"] = vertices
+    return found
+
+
+def _hand(hands: Mapping[str, ArrayLike], side: str, count: int) -> NDArray[np.intp]:
+    if side not in hands:
+        raise InputError(f"hands: found {sorted(hands)}, expected 'left' and 'right'")
+    vertices = np.asarray(hands[side])
+    ok = vertices.ndim == 1 and vertices.dtype.kind in "iu" and len(vertices) > 0
+    if not ok or vertices.min() < 0 or vertices.max() >= count:
+        raise InputError(
+            f"hands: {side}: found {vertices.dtype} of shape {vertices.shape}, expected vertices "
+            f"(n,) from 0 to {count - 1}"
+        )
+    return vertices.astype(np.intp)
+
+
+def _frames(labels: ContactLabels, item: int) -> tuple[Array, Array]:
+    """Position (T, 3) [m] and turn (T, 3, 3) of an object's frame in the world."""
+    track = labels.result.objects[labels.objects[item].name]
+    return track.position, rot.to_matrix(rot.normalize(track.quaternion))
+
+
+def _in_world(labels: ContactLabels, item: int) -> Array:
+    position, turn = _frames(labels, item)
+    return np.einsum("tij,vj->tvi", turn, labels.objects[item].vertices) + position[:, None]

@@ -1,0 +1,235 @@
+"""Contact labels of a result, in the layouts that people load: docs/labels.md.
+
+Ids are GRAB's: 0 where nothing touches, else the index into `JOINT_NAMES` of the body part plus 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError
+from halfphysics.labels.near import Near, Target, near
+from halfphysics.labels.sampling import ObjectSurface
+from halfphysics.labels.solids import things_of
+from halfphysics.labels.solver_contacts import SolverContacts
+from halfphysics.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.validation import number
+
+if TYPE_CHECKING:
+    from halfphysics.result import Result
+
+Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ids = NDArray[np.int8]
+
+#: Of `hands_feet`: the parts of each hand (wrist and fingers) and foot (ankle and toes).
+LEFT_HAND = (JOINT_INDEX["left_wrist"], *LEFT_HAND_JOINTS)
+RIGHT_HAND = (JOINT_INDEX["right_wrist"], *RIGHT_HAND_JOINTS)
+LEFT_FOOT = (JOINT_INDEX["left_ankle"], JOINT_INDEX["left_foot"])
+RIGHT_FOOT = (JOINT_INDEX["right_ankle"], JOINT_INDEX["right_foot"])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PersonLabels:
+    """Contact labels of one person.
+
+    Attributes:
+        name: As in `Result.names`.
+        vertex_part: Index into `JOINT_NAMES` of every vertex's part (Vb,): its largest weight.
+        body_near: Of every object, the vertices of the skin that touch it.
+        object_near: Of every object, those of its vertices that the skin touches.
+        scene_near: The vertices of the skin that touch what stands, once a frame, with the
+            smallest distance.
+        human_parts: Parts that touch an object (T, 55): one of their vertices does, or the solver
+            had an impulse between them during (t-1, t].
+        scene_parts: The same with what stands: statics, and links that no joint moves.
+        people_parts: Parts with an impulse from another person, or from oneself (T, 55).
+        force: On every part, from all that it touched (T, 55, 3) [N]: mean over (t-1, t], world.
+        force_objects: Of that what comes from objects (T, 55, 3) [N].
+    """
+
+    name: str
+    vertex_part: NDArray[np.int8]
+    body_near: tuple[Near, ...]
+    object_near: tuple[Near, ...]
+    scene_near: Near
+    human_parts: Bools
+    scene_parts: Bools
+    people_parts: Bools
+    force: Array
+    force_objects: Array
+
+    def body(self, item: int = 0) -> Ids:
+        """Ids (T, Vb) of the skin's vertices: those that touch an object have their part's."""
+        rows = self.body_near[item] if self.body_near else Near.joined([])
+        return self._ids(rows)
+
+    @property
+    def scene(self) -> Ids:
+        """Ids (T, Vb) of the skin's vertices: those that touch what stands have their part's."""
+        return self._ids(self.scene_near)
+
+    @property
+    def hands_feet(self) -> Bools:
+        """Whether (T, 4) left and right hand touch an object, left and right foot what stands."""
+        return np.stack(
+            [
+                self.human_parts[:, LEFT_HAND].any(axis=1),
+                self.human_parts[:, RIGHT_HAND].any(axis=1),
+                self.scene_parts[:, LEFT_FOOT].any(axis=1),
+                self.scene_parts[:, RIGHT_FOOT].any(axis=1),
+            ],
+            axis=1,
+        )
+
+    def _ids(self, rows: Near) -> Ids:
+        ids = np.zeros((len(self.human_parts), len(self.vertex_part)), dtype=np.int8)
+        ids[rows.frame, rows.vertex] = self.vertex_part[rows.vertex] + 1
+        return ids
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ContactLabels:
+    """Contact labels of everybody in a result.
+
+    Attributes:
+        threshold_m: Vertices at most this far apart touch [m].
+        reach: How far `skin_near` and `object_near` can be asked [m].
+        fps: Frames a second.
+        people: One entry a person.
+        objects: What moves and can be touched, in the scene's order, links of articulated objects
+            one by one ("NAME/LINK").
+        names: What `contacts` refers to: statics, objects, people.
+        contacts: The solver's.
+    """
+
+    threshold_m: float
+    reach: float
+    fps: float
+    people: tuple[PersonLabels, ...]
+    objects: tuple[ObjectSurface, ...]
+    names: tuple[str, ...]
+    contacts: SolverContacts
+    result: Result = field(repr=False)
+
+    def __len__(self) -> int:
+        return len(self.people[0].human_parts)
+
+    @property
+    def body(self) -> Ids:
+        """Of the first person and object: ids (T, Vb), see `PersonLabels.body`."""
+        return self.people[0].body()
+
+    @property
+    def object(self) -> Ids:
+        """Of the first person and object: ids (T, Vo), see `object_ids`."""
+        return self.object_ids()
+
+    @property
+    def hands_feet(self) -> Bools:
+        """Of the first person (T, 4), see `PersonLabels.hands_feet`."""
+        return self.people[0].hands_feet
+
+    def object_ids(self, person: int = 0, item: int = 0) -> Ids:
+        """Ids (T, Vo) of an object's vertices: those that touch the skin have its part's there."""
+        who = self.people[person]
+        count = len(self.objects[item].vertices) if self.objects else 0
+        ids = np.zeros((len(self), count), dtype=np.int8)
+        if self.objects:
+            rows = who.object_near[item]
+            ids[rows.frame, rows.vertex] = who.vertex_part[rows.nearest] + 1
+        return ids
+
+    def skin_near(self, within: float, person: int = 0, item: int = 0) -> Near:
+        """Vertices of a person's skin at most `within` from an object, with their distances [m].
+
+        Raises:
+            InputError: Farther than `reach`, or no such person or object.
+        """
+        return self._near(within, person, item)[0].within(within)
+
+    def object_near(self, within: float, person: int = 0, item: int = 0) -> Near:
+        """Vertices of an object at most `within` from a person's skin, with their distances [m].
+
+        Raises:
+            InputError: Farther than `reach`, or no such person or object.
+        """
+        return self._near(within, person, item)[1].within(within)
+
+    def arrays(self, *, scene: bool = False) -> dict[str, NDArray[Any]]:
+        """What goes into a contact.npz: docs/labels.md has every key.
+
+        The first person's labels with the first object are under the plain keys; another object's
+        have "/NAME" after the key, another person's "PERSON/" before it.
+
+        Args:
+            scene: Also the ids (T, Vb) of what touches the statics, "scene".
+        """
+        found: dict[str, NDArray[Any]] = {
+            "threshold_m": np.array(self.threshold_m),
+            "fps": np.array(self.fps),
+            "people": np.array([p.name for p in self.people], dtype=str),
+            "objects": np.array([o.name for o in self.objects], dtype=str),
+            "names": np.array(self.names, dtype=str),
+        }
+        for k, item in enumerate(self.objects):
+            found[_key("object_vertices", item.name, k)] = item.vertices.astype(np.float32)
+            found[_key("object_faces", item.name, k)] = item.faces
+        for i, who in enumerate(self.people):
+            mine: dict[str, NDArray[Any]] = {}
+            for k, name in enumerate([o.name for o in self.objects] or [""]):
+                mine[_key("body", name, k)] = who.body(k)
+                mine[_key("object", name, k)] = self.object_ids(i, k)
+            if scene:
+                mine["scene"] = who.scene
+            mine |= {
+                "human_parts": who.human_parts,
+                "scene_parts": who.scene_parts,
+                "people_parts": who.people_parts,
+                "hands_feet": who.hands_feet,
+                "force": who.force.astype(np.float32),
+                "force_objects": who.force_objects.astype(np.float32),
+            }
+            found |= {key if i == 0 else f"{who.name}/{key}": mine[key] for key in mine}
+        found |= {f"contacts/{key}": value for key, value in self.contacts.arrays().items()}
+        return found
+
+    def check(self, person: int, item: int) -> None:
+        """Refuse a person or an object that is not there.
+
+        Raises:
+            InputError: It is not.
+        """
+        if not (0 <= person < len(self.people) and 0 <= item < len(self.objects)):
+            raise InputError(
+                f"labels: found person {person} and object {item}, expected one of "
+                f"{len(self.people)} people and of {len(self.objects)} objects"
+            )
+
+    def _near(self, within: float, person: int, item: int) -> tuple[Near, Near]:
+        self.check(person, item)
+        if number(within, "within", least=0.0, unit="m") <= self.threshold_m:
+            who = self.people[person]
+            return who.body_near[item], who.object_near[item]
+        if within > self.reach:
+            raise InputError(
+                f"within: found {within:g} m, expected at most {self.reach:g} m. Ask for more when "
+                f"the labels are made: contact_labels(result, reach={within:g})"
+            )
+        return self._far[person][item]
+
+    @cached_property
+    def _far(self) -> list[list[tuple[Near, Near]]]:
+        """What is near as far as `reach`, per person and object; worked out when asked for."""
+        things = {thing.name: thing for thing in things_of(self.result.scene, self.result.objects)}
+        targets = [Target(things[o.name], self.reach, o) for o in self.objects]
+        return [near(p.body, p.motion, targets) for p in self.result.people]
+
+
+def _key(key: str, name: str, index: int) -> str:
+    return key if index == 0 else f"{key}/{name}"

@@ -1,0 +1,102 @@
+"""One variant, from its number to the files of its sample, or why there is none."""
+
+from __future__ import annotations
+
+import traceback
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
+from halfphysics.sweep.also import other_labels
+from halfphysics.sweep.card import card_of, plain
+from halfphysics.sweep.plan import OF_RESULT
+from halfphysics.sweep.sample import files_of
+from halfphysics.sweep.vary import Workshop
+
+if TYPE_CHECKING:
+    from halfphysics.sweep.plan import Plan
+    from halfphysics.sweep.variants import Variant, Variants
+
+BUG = "(a bug: the traceback is on stderr)"
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A variant that was simulated: its card and files, and what it was made from (path -> hash).
+
+    Without files a condition of the plan left it out.
+    """
+
+    card: Mapping[str, Any]
+    files: Mapping[str, bytes]
+    inputs: Mapping[str, str] = field(default_factory=dict)
+
+
+class Maker:
+    """Makes the samples of a plan, one after the other; none depends on those before it."""
+
+    def __init__(self, plan: Plan, variants: Variants) -> None:
+        self._plan, self._variants = plan, variants
+        self._workshop = Workshop(plan)
+        self._keep_after = plan.expressions("keep_after")
+
+    def sample(self, number: int) -> Sample | dict[str, Any] | None:
+        """A sample, a failure (plain values: number, input, factors, cause), or None: left out.
+
+        What a variant raises is its failure. The traceback of what is no error of the input, a
+        bug, goes to stderr. Nothing is raised but `MemoryError`.
+        """
+        variant: Variant | None = None
+        try:
+            variant = self._variants[number]
+            if not self._variants.keeps(variant):
+                return None
+            with warnings.catch_warnings():
+                # What is worth knowing of a simulation is in its card.
+                warnings.simplefilter("ignore", HalfPhysicsWarning)
+                return self._made(variant)
+        except MemoryError:
+            raise
+        except HalfPhysicsError as error:
+            return failure(number, variant, str(error))
+        except Exception as error:
+            traceback.print_exc()
+            return failure(number, variant, f"{type(error).__name__}: {error} {BUG}")
+
+    def lost(self, number: int, cause: str) -> dict[str, Any]:
+        """The failure of a variant that is not made, as it kills its process."""
+        try:
+            return failure(number, self._variants[number], cause)
+        except HalfPhysicsError:
+            return failure(number, None, cause)
+
+    def _made(self, variant: Variant) -> Sample:
+        from halfphysics.labels import contact_labels
+        from halfphysics.labels.events import events
+
+        ready = self._workshop.make(variant)
+        result = self._workshop.run(ready)
+        labels = contact_labels(result, threshold=self._plan.labels.threshold)
+        card = card_of(self._plan, variant, ready, result, labels, events(result))
+        values = {**variant.values(), **{name: card[name] for name in OF_RESULT}}
+        inputs = {source["path"]: source["sha256"] for source in ready.sources}
+        if not all(holds(values) for holds in self._keep_after):
+            return Sample(card, {}, inputs)
+        files = files_of(result, labels, card, whole=self._plan.outputs.results)
+        return Sample(card, {**files, **other_labels(labels, self._plan.labels.also)}, inputs)
+
+
+def failure(number: int, variant: Variant | None, cause: str) -> dict[str, Any]:
+    """What is kept of a variant that failed; None: not even its input can be told."""
+    if variant is None:
+        return {"number": number, "input": "", "factors": {}, "cause": cause}
+    return {
+        "number": number,
+        "input": variant.input.name,
+        "body": variant.body.name,
+        "scene": variant.scene.name,
+        "factors": plain(variant.factors),
+        "cause": cause,
+    }

@@ -1,0 +1,33 @@
+"""Variants for the tests of sweeps, made by hand."""
+
+from types import SimpleNamespace
+
+from halfphysics.sweep.choices import BodyChoice, SceneChoice
+from halfphysics.sweep.inputs import Input
+from halfphysics.sweep.vary import Workshop
+
+
+def workshop(**plan):
+    """A workshop of a plan with these settings; `grounded` too."""
+    return Workshop(SimpleNamespace(**{"settings": {}, "grounded": False, **plan}))
+
+
+def scenario(name, body=None, factors=None, **options):
+    """A variant of a scenario, with options of the input."""
+    return _variant(Input(kind="scenario", name=name, options=options), body, None, factors)
+
+
+def clip(path, body=None, scene=None, factors=None, ground=True, **options):
+    """A variant of a motion file."""
+    given = Input(kind="file", name=str(path), path=path, options=options, ground=ground)
+    return _variant(given, body, scene, factors)
+
+
+def _variant(given, body, scene, factors):
+    return SimpleNamespace(
+        number=0,
+        input=given,
+        body=body or BodyChoice(),
+        scene=scene or SceneChoice(),
+        factors=dict(factors or {}),
+    )

@@ -1,9 +1,8 @@
-"""Contact labels of results, in the layouts that people load: docs/labels.md."""
+"""Labels of a result, for data sets: contacts, forces, events (docs/labels.md)."""
 
 from __future__ import annotations
 
 from halfphysics.labels.contact_labels import contact_labels
-from halfphysics.labels.events import Drop, Events, Hold, Limits, Slip, events
 from halfphysics.labels.exporters import arctic, behave, chois, omomo
 from halfphysics.labels.near import Near
 from halfphysics.labels.sampling import ObjectSurface
@@ -12,19 +11,13 @@ from halfphysics.labels.tables import ContactLabels, PersonLabels
 
 __all__ = [
     "ContactLabels",
-    "Drop",
-    "Events",
-    "Hold",
-    "Limits",
     "Near",
     "ObjectSurface",
     "PersonLabels",
-    "Slip",
     "SolverContacts",
     "arctic",
     "behave",
     "chois",
     "contact_labels",
-    "events",
     "omomo",
 ]

@@ -275,7 +275,7 @@ class Store:
             The numbers of shards, samples, skipped variants and failures.
         """
         self._remove_sealed()
-        return manifest.write(self.folder, self.layout, self.records())
+        return manifest.write(self.folder, self.plan, self.layout, self.records())
 
 
 def _difference(there: Any, here: Any, where: str = "") -> str:

@@ -19,7 +19,7 @@ def write(folder: Path, layout: Layout, records: Iterable[Mapping[str, Any]]) ->
     Returns:
         Numbers of "shards", "samples", "skipped" and "failures".
     """
-    from halfphysics.sweep.card import DataCard
+    from halfphysics.sweep.data_card import DataCard
 
     card = DataCard()
     totals = {"shards": 0, "samples": 0, "skipped": 0, "failures": 0}

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from halfphysics.bench.paper.evidence import Outcome, Task, plain
-from halfphysics.bench.paper.program import program
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.atomic import atomic_write
+from halfphysics.program import program
 
 _NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_. -]*")
 

@@ -1,0 +1,54 @@
+"""What a sample says of the program that made it.
+
+The bytes of a sample depend on the package itself (its code, native core and default body) and on
+the packages that `halfphysics.program` lists: mujoco compiles masses and shapes, numpy, scipy and
+trimesh compute, coacd cuts meshes. Where one of them differs, what is stored counts as another
+program's and is made again. Everything else (Python, the operating system, h5py) cannot change a
+number; it is told where that helps to find out why two machines differ, and is in no file.
+"""
+
+from __future__ import annotations
+
+import platform
+from functools import cache
+
+from halfphysics.program import engines, program
+
+
+@cache
+def _versions() -> tuple[tuple[str, str | None], ...]:
+    from halfphysics import __version__
+
+    own = {"halfphysics": __version__, "program": program()}
+    return tuple((own | dict(engines())).items())
+
+
+def versions() -> dict[str, str | None]:
+    """Names and versions that decide a sample's bytes, for its card.
+
+    "program" is a SHA-256 over all of them and over the package's files; None stands for an
+    optional package that is not installed.
+    """
+    return dict(_versions())
+
+
+def told() -> dict[str, str]:
+    """What decides no number and is in no file: Python and the machine's kind."""
+    return {
+        "python": platform.python_version(),
+        "system": platform.system(),
+        "machine": platform.machine(),
+    }
+
+
+def changed(stored: dict[str, str | None]) -> list[str]:
+    """In words, what of the versions in a card is not this program's."""
+    here = versions()
+    words = []
+    for name in sorted({*stored, *here} - {"program"}):
+        if stored.get(name) != here.get(name):
+            words.append(f"{name} {stored.get(name)} there, {here.get(name)} here")
+    if stored.get("program") != here["program"]:
+        one, other = (str(which)[:12] for which in (stored.get("program"), here["program"]))
+        words.append(f"the program ({one}... there, {other}... here)")
+    return words

@@ -215,9 +215,7 @@ class World:
         name_of = {name: i for i, name in enumerate(self.names)}
         names: list[int] = []
         parts: list[int] = []
-        # Parts of which something is said have entries of their own, after the names.
-        pairs = [(a, b) for a, b, _ in self.scene.friction_pairs] + [*self.scene.ignored_pairs]
-        self._told = sorted({end for pair in pairs for end in pair if end.startswith("person/")})
+        self._told = self.told_of(self.scene)
         for index, person in enumerate(self.people):
             mine = add_person_movers(
                 self.stepper,
@@ -249,6 +247,20 @@ class World:
                     parts.append(-1)
         self.mover_name = np.array(names, dtype=np.int64)
         self.mover_part = np.array(parts, dtype=np.int64)
+
+    @staticmethod
+    def told_of(scene: Scene) -> list[str]:
+        """Parts of which a scene says something: their entries come after the names."""
+        pairs = [(a, b) for a, b, _ in scene.friction_pairs] + [*scene.ignored_pairs]
+        return sorted({end for pair in pairs for end in pair if end.startswith("person/")})
+
+    def put_scene(self, scene: Scene, model_changed: bool) -> None:
+        """Another scene of the same shapes; `halfphysics.reuse` has seen to the model."""
+        self.scene = scene
+        if model_changed:
+            self.stepper.set_model(*model_arrays(self.model))
+        self._set_pairings()
+        self.signature = f"{self.names} {fingerprint(self.bodies, scene)}"
 
     def _entry(self, name: int, joint: int) -> int:
         """Where the pairings have a part of a person."""

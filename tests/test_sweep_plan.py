@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from halfphysics.cli.options import MotionOptions
 from halfphysics.errors import FileError, InputError
@@ -338,6 +340,47 @@ def test_every_mistake_has_its_place(
 def test_other_mistakes(folder: Path, text: str, message: str) -> None:
     with pytest.raises(FileError, match=message):
         load(folder, text)
+
+
+#: What may stand anywhere in a document.
+ANYTHING = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.sampled_from([0, 1, -1, 2.5, 10**400, float("inf"), float("nan")]),
+    st.sampled_from(["", "own", "x", "objects.mass < 1", "a" * 2000, "\0", "/", "**", "../.."]),
+    st.sampled_from([[], [1], [[1]], [None], ["a", "a"], {}, {"a": 1}, {"uniform": [0, 1]}]),
+    st.sampled_from([{"from": 0, "to": 1, "count": 3}, {"choice": [1], "weights": None}]),
+)
+
+
+def _places(node: object, path: tuple[object, ...] = ()) -> list[tuple[object, ...]]:
+    """Paths of all values below a node of a document."""
+    pairs = node.items() if isinstance(node, dict) else enumerate(node)
+    inner = [((*path, key), child) for key, child in pairs]
+    deeper = [_places(child, at) for at, child in inner if isinstance(child, dict | list)]
+    return [at for at, _ in inner] + [at for places in deeper for at in places]
+
+
+@settings(
+    max_examples=150,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(st.data())
+def test_any_document_is_a_plan_or_one_error(folder: Path, data: st.DataObject) -> None:
+    document = load(folder, WHOLE).document()
+    *path, last = data.draw(st.sampled_from(_places(document)))
+    parent = document
+    for key in path:
+        parent = parent[key]
+    parent[last] = data.draw(ANYTHING)
+    try:
+        plan = Plan.from_document(document, folder)
+    except FileError:
+        return
+    plan.save(folder / "again.yaml")
+    again = Plan.load(folder / "again.yaml")
+    assert (again, again.identity) == (plan, plan.identity)
 
 
 def test_files_that_are_no_plan(folder: Path) -> None:

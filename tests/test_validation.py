@@ -52,12 +52,6 @@ def test_quaternions_become_unit_once(value: list[float]) -> None:
     np.testing.assert_array_equal(quaternion(unit, "q"), unit)
 
 
-@pytest.mark.parametrize("value", [None, "abc", 0, -1, np.nan, np.inf, 10**400])
-def test_not_a_frame_rate(value: Any) -> None:
-    with pytest.raises(InputError, match="fps: found .* expected a positive number"):
-        frame_rate(value)
-
-
 def test_settings_are_finite() -> None:
     for value in (np.nan, np.inf, -np.inf, 10**400):
         with pytest.raises(InputError, match=r"Settings\.stiffness is .* expected a finite number"):
@@ -77,6 +71,6 @@ def test_paths() -> None:
 
 def test_frame_rates() -> None:
     assert frame_rate(np.float32(30)) == 30.0
-    for value in (None, "fast", 0, -1.0, np.inf, np.nan):
+    for value in (None, "fast", 0, -1.0, np.inf, np.nan, 10**400):
         with pytest.raises(InputError, match=r"fps: found .*positive number, such as 60\.0"):
             frame_rate(value, "60.0")

@@ -7,28 +7,33 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from halfphysics.sweep import documents
 from halfphysics.sweep.layout import Layout
 
+if TYPE_CHECKING:
+    from halfphysics.sweep.plan import Plan
 
-def write(folder: Path, layout: Layout, records: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+
+def write(
+    folder: Path, plan: Plan, layout: Layout, records: Iterable[Mapping[str, Any]]
+) -> dict[str, Any]:
     """Write `manifest.jsonl`, `failures.jsonl`, `card.json` and `card.md`.
 
     Returns:
         Numbers of "shards", "samples", "skipped" and "failures".
     """
-    from halfphysics.sweep.card import DataCard
+    from halfphysics.sweep.data_card import DataCard
 
-    card = DataCard()
+    card = DataCard(plan)
     totals = {"shards": 0, "samples": 0, "skipped": 0, "failures": 0}
     with (
         documents.replacing(folder / "manifest.jsonl") as lines,
         documents.replacing(folder / "failures.jsonl") as failures,
     ):
         for record in records:
-            card.add(record["sums"])
+            card.add(record)
             totals["shards"] += 1
             totals["samples"] += record["samples"]
             totals["skipped"] += record["skipped"]

@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.errors import FileError, InputError
+from halfphysics.program import program as this_program
 from halfphysics.sweep import documents, manifest, sealing
 from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fixed_inputs import check_inputs
 from halfphysics.sweep.fragments import Fragments, Sample
 from halfphysics.sweep.layout import Layout
 from halfphysics.sweep.locking import Lock
-from halfphysics.sweep.program import program_hash
 from halfphysics.sweep.sources import Sources
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class Store:
     def __init__(self, folder: str | os.PathLike[str], plan: Plan, program: str | None = None):
         self.folder = Path(folder)
         self.plan = plan
-        program = program_hash() if program is None else program
+        program = this_program() if program is None else program
         self.identity = hashlib.sha256(f"{plan.identity} {program}".encode()).hexdigest()
         self._lock = Lock(self.folder / "work" / "driver.lock")
 
@@ -55,7 +55,7 @@ class Store:
     @cached_property
     def layout(self) -> Layout:
         """Which variants, batches and shards there are, and where they lie."""
-        from halfphysics.sweep.plan import InputList
+        from halfphysics.sweep.inputs import InputList
         from halfphysics.sweep.variants import Variants
 
         outputs = self.plan.outputs
@@ -150,7 +150,7 @@ class Store:
                     f"{self.folder}: holds another plan: {_difference(other, here)}. Run that "
                     f"plan ({path}), or give another folder (--out)"
                 )
-            if there.base == self.plan.base:
+            if there.base.resolve() == self.plan.base.resolve():
                 return
         self.plan.save(path)
 
@@ -275,7 +275,7 @@ class Store:
             The numbers of shards, samples, skipped variants and failures.
         """
         self._remove_sealed()
-        return manifest.write(self.folder, self.layout, self.records())
+        return manifest.write(self.folder, self.plan, self.layout, self.records())
 
 
 def _difference(there: Any, here: Any, where: str = "") -> str:

@@ -198,6 +198,16 @@ def test_a_plan_survives_its_document_and_its_files(folder: Path) -> None:
     assert load(folder, json.dumps(document), "plan.json") == plan
 
 
+def test_results_can_go_elsewhere(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = load(folder, WHOLE)
+    monkeypatch.chdir(folder / "takes")
+    moved = plan.into("../clips/ä")
+    assert moved.folder == folder / "clips" / "ä"
+    assert moved.identity == plan.identity
+    assert "file\tclips/ä/a.npz\t0" in resolve_inputs(plan)
+    assert "file\tclips/ä/a.npz\t0" not in resolve_inputs(moved)
+
+
 def test_the_identity_is_of_what_is_made(folder: Path) -> None:
     plan = load(folder, WHOLE)
     elsewhere = load(folder, WHOLE.replace("folder: out", "folder: other"), "moved.yaml")
@@ -416,6 +426,10 @@ def test_expressions_know_factors_and_results(folder: Path) -> None:
     assert not set(OF_VARIANT) & set(OF_RESULT)
 
 
+#: The mistakes whose messages the document shows.
+DOCUMENTED = [("to: 0.004", "to: 0.2"), ("objects.mass_factor < 2", "objects.mas < 2")]
+
+
 def test_the_explained_example_is_a_plan(tmp_path: Path) -> None:
     """docs/sweeps.md explains a whole file, and every key, in words that are still true."""
     text = DOCUMENT.read_text(encoding="utf-8")
@@ -428,6 +442,12 @@ def test_the_explained_example_is_a_plan(tmp_path: Path) -> None:
     plan = load(tmp_path, example)
     variants = Variants(plan, resolve_inputs(plan))
     assert f"{len(variants):,} variants" in text
+    messages = text.split("```\n")[2].splitlines()
+    for (old, new), message in zip(DOCUMENTED, messages, strict=True):
+        with pytest.raises(FileError) as caught:
+            load(tmp_path, example.replace(old, new))
+        said = message.removesuffix("...").rstrip()
+        assert str(caught.value).startswith(f"{tmp_path}/{said}")
     given = yaml.safe_load(example)
     assert set(given) == set(_KEYS) - {"base"}
     assert set(given["labels"]) == set(_LABEL_KEYS)

@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from halfphysics.sweep.factors import check_factors, check_settings
 from halfphysics.sweep.inputs import Input, InputList, Inputs, resolve
 from halfphysics.sweep.outputs import Labels, Outputs
 from halfphysics.sweep.values import Axis, Drawn, Spec, spec
-from halfphysics.validation import file_path, shown
+from halfphysics.validation import shown
 
 __all__ = [
     "BodyChoice",
@@ -194,11 +194,6 @@ class Plan:
         # Factors keep their order: it is the order of the axes.
         text = json.dumps(document, ensure_ascii=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()
-
-    def into(self, folder: str | os.PathLike[str]) -> Plan:
-        """The same plan with its results in another folder, relative to the working folder."""
-        absolute = os.path.abspath(file_path(folder))
-        return replace(self, outputs=replace(self.outputs, folder=absolute))
 
     @property
     def folder(self) -> Path:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import pickle
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -199,13 +201,15 @@ def test_a_plan_survives_its_document_and_its_files(folder: Path) -> None:
     assert load(folder, json.dumps(document), "plan.json") == plan
 
 
-def test_results_can_go_elsewhere(folder: Path) -> None:
+def test_results_can_go_elsewhere(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     plan = load(folder, WHOLE)
     moved = replace(plan, outputs=replace(plan.outputs, folder=str(folder / "clips" / "ä")))
     assert moved.folder == folder / "clips" / "ä"
     assert moved.identity == plan.identity
     assert "file\tclips/ä/a.npz\t0" in resolve_inputs(plan)
     assert "file\tclips/ä/a.npz\t0" not in resolve_inputs(moved)
+    monkeypatch.chdir(folder)
+    assert resolve_inputs(replace(moved, base=Path())) == resolve_inputs(moved)
 
 
 def test_the_identity_is_of_what_is_made(folder: Path) -> None:
@@ -424,6 +428,21 @@ def test_expressions_know_factors_and_results(folder: Path) -> None:
     assert keep.names == ("objects.mass", "scene")
     assert [e.names for e in plan.expressions("keep_after")] == [("success",), ("drops",)]
     assert not set(OF_VARIANT) & set(OF_RESULT)
+
+
+def test_the_explained_lines_of_python_run(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    load(folder, WHOLE)
+    monkeypatch.chdir(folder)
+    lines = DOCUMENT.read_text(encoding="utf-8").split("```python\n")[1].split("```")[0]
+    names: dict[str, Any] = {}
+    exec(lines, names)
+    said = lines.rsplit("# ", 1)[1].replace("...", "").strip()
+    expected = ast.literal_eval(said)
+    factors = names["variants"][17].factors
+    assert factors == pytest.approx(expected, abs=0.01)
+    assert "variants  60" in capsys.readouterr().out
 
 
 #: The mistakes whose messages the document shows.

@@ -156,7 +156,7 @@ def _inputs(
 
 def _merged(records: list[dict[str, Any]]) -> dict[str, Any]:
     """What the fragments' records say together."""
-    from halfphysics.sweep.card import DataCard
+    from halfphysics.sweep.data_card import DataCard
 
     card = DataCard()
     for record in records:

@@ -19,13 +19,12 @@ from halfphysics import rotations as rot
 from halfphysics.sweep.provenance import versions
 
 if TYPE_CHECKING:
-    from halfphysics.sweep.plan import Plan
-    from halfphysics.sweep.variants import Variant
-
     from halfphysics.labels.events import Events
     from halfphysics.motion import Motion
     from halfphysics.result import PersonResult, Result
     from halfphysics.settings import Settings
+    from halfphysics.sweep.plan import Plan
+    from halfphysics.sweep.variants import Variant
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -178,7 +177,7 @@ def card_of(
         "slid": sum(slip.distance for slip in slips),
         "drops": len(events.drops),
         "objects": objects,
-        "travel_max": max((its["travel"] for its in objects.values()), default=0.0),
+        "travel_max": max((its["travel"] or 0.0 for its in objects.values()), default=0.0),
         "events": events.document(),
     }
 

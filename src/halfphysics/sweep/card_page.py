@@ -20,8 +20,8 @@ The shards are WebDataset archives as well: `webdataset.WebDataset("shards/00000
 samples whose card says `"success": true`, or look at its `checks`."""
 _LICENCES = """\
 Motions, body models, meshes and scenes are the user's: their licences hold for this data set too.
-Body models and meshes are named in the cards by path and SHA-256, their content is not in it; poses,
-shapes and places of objects are."""
+Body models and meshes are named in the cards by path and SHA-256, their content is not in it;
+poses, shapes and places of objects are."""
 _SUCCESS = {
     "whole": "fewer frames came back than were asked for",
     "finite": "a number was not finite",
@@ -64,8 +64,8 @@ def _about(card: Mapping[str, Any]) -> str:
     lines = [f"Made with {made or 'nothing yet'}."]
     if card["plan"] is not None:
         lines.append(
-            f"Plan {card['plan_identity'][:12]}, seed {card['seed']}; the plan is in plan.yaml, its "
-            "inputs are in inputs.txt."
+            f"Plan {card['plan_identity'][:12]}, seed {card['seed']}; the plan is in plan.yaml, "
+            "its inputs are in inputs.txt."
         )
     return "\n".join(lines)
 

@@ -17,7 +17,9 @@ from halfphysics.program import engines, program
 
 @cache
 def _versions() -> tuple[tuple[str, str | None], ...]:
-    own = {"halfphysics": halfphysics.__version__, "program": program()}
+    from halfphysics import __version__
+
+    own = {"halfphysics": __version__, "program": program()}
     return tuple((own | dict(engines())).items())
 
 

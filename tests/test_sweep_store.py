@@ -442,7 +442,7 @@ def swept(tmp_path, monkeypatch):
 
 def test_unchanged_inputs_are_not_read_again(swept, monkeypatch):
     with swept() as store:
-        monkeypatch.setattr("halfphysics.sweep.stock.digest", None)
+        monkeypatch.setattr("hashlib.file_digest", None)
         assert store.done(0)
         assert store.left(1) == [4, 5]
 
@@ -472,8 +472,8 @@ def test_what_changed_since_the_run_began_is_not_trusted(tmp_path):
     path = tmp_path / "clip.npz"
     path.write_bytes(b"new")
     changed = path.stat().st_ctime_ns
-    assert Sources(tmp_path, changed).stats({"clip.npz": "old"}) == {}
-    assert Sources(tmp_path, changed + 1).stats({"clip.npz": "old"}) != {}
+    assert Sources(changed, tmp_path).stats({"clip.npz": "old"}) == {}
+    assert Sources(changed + 1, tmp_path).stats({"clip.npz": "old"}) != {}
 
 
 def test_inputs_that_change_while_they_are_read(tmp_path):

@@ -6,6 +6,7 @@ the file looked like then (size, date). A file that still looks so is not read a
 
 from __future__ import annotations
 
+import hashlib
 import os
 import stat
 from collections import OrderedDict
@@ -13,7 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
-from halfphysics.errors import InputError
+from halfphysics.errors import FileError, InputError
 
 T = TypeVar("T")
 
@@ -27,11 +28,11 @@ class Sources:
     """Looks at files, at each once as long as it is remembered.
 
     Args:
-        base: What names are relative to; files elsewhere go by their whole path.
         since: When the run began [ns]: what changed later may not be what was read.
+        base: What names are relative to; files elsewhere go by their whole path.
     """
 
-    def __init__(self, base: Path, since: int) -> None:
+    def __init__(self, since: int, base: Path = Path()) -> None:
         self._base = os.path.abspath(base)
         self._real = os.path.realpath(base)
         self._since = since
@@ -96,11 +97,14 @@ class Sources:
         return known
 
     def _hash(self, name: str) -> str:
-        from halfphysics.sweep.stock import digest
-
         known = self._hashes.get(name)
         if known is None:
-            known = digest(self._path(name))
+            path = self._path(name)
+            try:
+                with path.open("rb") as handle:
+                    known = hashlib.file_digest(handle, "sha256").hexdigest()
+            except OSError as error:
+                raise FileError(f"{path}: cannot read: {error.strerror}") from None
             _remember(self._hashes, name, known)
         return known
 

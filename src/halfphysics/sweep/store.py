@@ -68,7 +68,7 @@ class Store:
             since = os.stat(self._lock.path).st_mtime_ns - _CLOCKS
         except OSError:
             since = 0  # nobody began: what files look like is not to be trusted
-        return Sources(self.plan.base, since)
+        return Sources(since, self.plan.base)
 
     @cached_property
     def _fragments(self) -> Fragments:

@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 
 from halfphysics.io.npz import npz_bytes
+from halfphysics.sweep.data_card import DataCard
 from halfphysics.sweep.plan import Plan
 from halfphysics.sweep.store import Store
 
@@ -90,7 +91,7 @@ def record_of(store, batch, failed=()):
     return {
         "skipped": sum(number in (3, 8) for number in numbers),
         "failures": [{"number": n, **cause} for n in numbers if n in failed],
-        "sums": {},
+        "sums": DataCard().sums(),
         "inputs": {},
     }
 

@@ -165,8 +165,17 @@ def _sample(group: h5py.Group, key: str, parts: Collection[str] | None) -> dict[
         sample["card"] = json.loads(card)
     for name, part in group.items():
         if name != "card" and (parts is None or name in parts):
-            sample[name] = {name: _array(part[name]) for name in part}
+            sample[name] = dict(_arrays(part))
     return sample
+
+
+def _arrays(group: h5py.Group, where: str = "") -> Iterator[tuple[str, NDArray[Any]]]:
+    """Arrays by name; those with a slash in it are in groups of their own."""
+    for name, item in group.items():
+        if isinstance(item, _h5py().Group):
+            yield from _arrays(item, f"{where}{name}/")
+        else:
+            yield f"{where}{name}", _array(item)
 
 
 def _array(dataset: h5py.Dataset) -> NDArray[Any]:

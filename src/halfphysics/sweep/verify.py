@@ -15,6 +15,7 @@ from halfphysics.sweep.comparing import DAMAGE
 from halfphysics.sweep.making import Maker, Sample
 from halfphysics.sweep.pieces import Piece, ranges_made
 from halfphysics.sweep.provenance import changed
+from halfphysics.sweep.sources import Sources
 from halfphysics.validation import shown
 
 #: So many variants are looked at for each one asked for, where filters leave most of them out.
@@ -101,6 +102,7 @@ class _Verifier:
         # Its own: what the workers of this process have read may have changed since.
         self._maker = Maker(plan, self._variants)
         self._layout = Store(folder, plan).layout
+        self._sources = Sources(plan.base, since=0)
         self._equal = self._out = 0
         self._differences: list[str] = []
         self._notes: dict[str, None] = {}
@@ -155,9 +157,9 @@ class _Verifier:
             self._differences.append(f"{key}: has a sample there, and {why} now")
             return
         changes = [
-            f"{path} is not the file any more that {key} was made from (SHA-256)"
-            for path, digest in made.inputs.items()
-            if piece.inputs.get(path, digest) != digest
+            f"{name} is not the file any more that samples were made from (SHA-256)"
+            for name, digest in self._sources.named(made.inputs).items()
+            if piece.inputs.get(name, digest) != digest
         ]
         if changes:  # then all else may differ
             self._differences += [text for text in changes if text not in self._differences]

@@ -219,7 +219,7 @@ def test_a_batch_that_dies_although_its_variants_do_not():
 def test_where_every_process_dies_it_ends(kind):
     outputs = Outputs(4000)
     engine = Clock(outputs, dying={kind, "variants"})
-    with pytest.raises(SweepError, match="in a row died.*no luck"):
+    with pytest.raises(SweepError, match=r"in a row died.*no luck"):
         Driver(outputs, engine, Told()).run()
     assert outputs.sealed == set()
 

@@ -15,10 +15,9 @@ def act(order):
     word, _, rest = order.partition(" ")
     if word == "die":
         os.kill(os.getpid(), signal.SIGKILL)
-    if word == "once":
-        if not Path(rest).exists():
-            Path(rest).touch()
-            os.kill(os.getpid(), signal.SIGKILL)
+    if word == "once" and not Path(rest).exists():
+        Path(rest).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
     if word == "nap":
         time.sleep(float(rest))
     if word == "take":

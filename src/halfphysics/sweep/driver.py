@@ -10,6 +10,7 @@ import math
 from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from halfphysics.errors import HalfPhysicsError
@@ -18,6 +19,7 @@ from halfphysics.sweep.work import Done, Task
 
 if TYPE_CHECKING:
     from halfphysics.sweep.layout import Layout
+    from halfphysics.sweep.store import Store
 
 AHEAD = 2  # so many tasks for each slot are handed over
 TARGET = 2.0  # a task should take so long [s]
@@ -31,6 +33,28 @@ _TOGETHER = "its process died, again and again, though each variant of its batch
 
 class SweepError(HalfPhysicsError):
     """A sweep that cannot go on: its outputs cannot be written, or processes die all the time."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a sweep has come to, with what was there before.
+
+    Attributes:
+        folder: Where it is.
+        shards, samples, skipped, failures: Numbers of shards, of variants that are in them, that a
+            condition of the plan left out, and that failed (``failures.jsonl``).
+    """
+
+    folder: Path
+    shards: int
+    samples: int
+    skipped: int
+    failures: int
+
+    @property
+    def variants(self) -> int:
+        """How many variants that is."""
+        return self.samples + self.skipped + self.failures
 
 
 class Shards(Protocol):
@@ -61,6 +85,21 @@ class Progress(Protocol):
 
     def died(self, task: Task, death: Death) -> None:
         """A process has died."""
+
+
+def run(store: Store, engine: Engine, progress: Progress) -> Report:
+    """Do all that is left of a sweep.
+
+    Args:
+        store: Its folder, begun.
+        engine: What works; the caller closes it.
+        progress: Who is told.
+
+    Raises:
+        SweepError: It cannot go on. What is done stays done; the same sweep continues.
+    """
+    Driver(store, engine, progress).run()
+    return Report(store.folder, **store.finish())
 
 
 @dataclass

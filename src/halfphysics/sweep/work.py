@@ -98,7 +98,7 @@ def do(folder: str, task: Task) -> Done:
 
 @lru_cache(maxsize=1)
 def opened(folder: str) -> tuple[Store, Maker]:
-    """The sweep in a folder, and what it has loaded: kept from one task of a process to the next."""
+    """The sweep in a folder, with what it has loaded: kept from task to task of a process."""
     from halfphysics.sweep.making import Maker
     from halfphysics.sweep.plan import InputList, Plan
     from halfphysics.sweep.store import Store

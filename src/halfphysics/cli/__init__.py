@@ -29,6 +29,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
         "render": "make a page, a film or pictures of results",
         "play": "play with a simulation in a browser",
         "convert": "write a motion in another format or at another frame rate",
+        "sweep": "simulate variants of many clips, into a labelled data set",
         "bench": "measure speed beside a plain MuJoCo loop",
     }
 )

@@ -38,8 +38,30 @@ FORMATS = ("webdataset", "hdf5")
 ALSO = ("behave", "omomo", "chois", "arctic")
 #: What expressions know of every variant beside its factors.
 OF_VARIANT = ("input", "body", "scene")
-#: What `keep_after` knows beside that: numbers of the card that every simulation has.
-OF_RESULT = ("success", "clearance_min", "drops", "slips", "contacts")
+#: What `keep_after` knows beside that: the single values of the card that tell of a result.
+OF_RESULT = (
+    "success",
+    "frames",
+    "fps",
+    "seconds",
+    "lost_time",
+    "clearance_min",
+    "started_inside",
+    "joint_error_mean_mm",
+    "joint_error_max_mm",
+    "pose_error_mean_mm",
+    "contacts",
+    "threshold_m",
+    "impulse",
+    "force_max",
+    "holds",
+    "held_seconds",
+    "lost_grasps",
+    "slips",
+    "slid",
+    "drops",
+    "travel_max",
+)
 
 _MOST_SEED = 2**63 - 1
 
@@ -304,7 +326,7 @@ def resolve_inputs(plan: Plan) -> list[str]:
     Raises:
         FileError: A pattern that no file matches.
     """
-    return resolve(plan.inputs, plan.base)
+    return resolve(plan.inputs, plan.base, plan.outputs.folder)
 
 
 def _specs(factors: Mapping[str, Any]) -> dict[str, Spec]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -62,7 +63,9 @@ def save_plan(plan: Plan, path: str | os.PathLike[str]) -> None:
     import yaml
 
     path = file_path(path)
-    base = os.path.relpath(plan.base.resolve(), path.resolve().parent)
+    base: str | Path = plan.base.resolve()
+    with contextlib.suppress(ValueError):  # another drive: no relative path leads there
+        base = os.path.relpath(base, path.resolve().parent)
     document = plan.document()
     ordered = {"version": document.pop("version"), "base": Path(base).as_posix(), **document}
     written = yaml.safe_dump(ordered, sort_keys=False, default_flow_style=None, width=100)
@@ -207,7 +210,7 @@ def _innermost(entry: Entry, said: str) -> tuple[Entry, str]:
             form: child
             for key, child in entry.value.items()
             # settings say their fields as the dataclass does
-            for form in (f"{key}: ", f"Settings.{key} ", f"Settings.{key}[")
+            for form in (f"{key}: ", f"Settings.{key} ", f"Settings.{key}[", f"Settings.{key}:")
         }
         for key in ("factors", "settings", "keep", "keep_after"):
             if key in entry.value and not entry.where:

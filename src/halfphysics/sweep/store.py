@@ -55,7 +55,7 @@ class Store:
     @cached_property
     def layout(self) -> Layout:
         """Which variants, batches and shards there are, and where they lie."""
-        from halfphysics.sweep.plan import InputList
+        from halfphysics.sweep.inputs import InputList
         from halfphysics.sweep.variants import Variants
 
         outputs = self.plan.outputs
@@ -150,7 +150,7 @@ class Store:
                     f"{self.folder}: holds another plan: {_difference(other, here)}. Run that "
                     f"plan ({path}), or give another folder (--out)"
                 )
-            if there.base == self.plan.base:
+            if there.base.resolve() == self.plan.base.resolve():
                 return
         self.plan.save(path)
 

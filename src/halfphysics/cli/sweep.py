@@ -1,0 +1,193 @@
+"""halfphysics sweep: simulate variants of many clips, into a labelled data set."""
+
+from __future__ import annotations
+
+import contextlib
+import shlex
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+
+from halfphysics.cli.parsing import Exit, parse
+from halfphysics.errors import HalfPhysicsError, InputError
+
+if TYPE_CHECKING:
+    from halfphysics.sweep.engines import Engine
+    from halfphysics.sweep.plan import Plan
+    from halfphysics.sweep.progress import Progress
+    from halfphysics.sweep.store import Store
+
+EXAMPLES = """\
+halfphysics sweep plan.yaml --dry-run
+halfphysics sweep plan.yaml --out data --jobs 4
+halfphysics sweep plan.yaml --out data --verify 20
+halfphysics sweep plan.yaml --engine ray --address auto"""
+
+#: Samples that --verify computes again if it does not say how many.
+VERIFIED = 10
+#: Shards up to which the manifest of a sweep that was stopped is written: it is quick.
+_QUICK = 1000
+
+
+def read(prog: str, arguments: Sequence[str]) -> Command | Exit:
+    """The command that the arguments describe; --verify may stand without a number."""
+    given = list(arguments)
+    for place, word in enumerate(given):
+        following = given[place + 1 : place + 2]
+        if word == "--verify" and not (following and following[0].lstrip("-").isdigit()):
+            given[place] = f"--verify={VERIFIED}"
+    return parse(Command, prog, EXAMPLES, given)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Simulate every variant of a plan: inputs x bodies x scenes x factors (docs/sweeps.md).
+
+    Stop it and start it again, however it ended: what is done is kept, and the data comes out the
+    same to the last byte. Variants that fail are listed with their cause; the rest goes on.
+    """
+
+    plan: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="PLAN")]
+    """What to do, as a .yaml or .json file."""
+    out: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="FOLDER")] = None
+    """Folder to write into instead of the plan's; made if it is not there."""
+    engine: Literal["local", "ray"] = "local"
+    """What works: processes of this machine, or a cluster."""
+    jobs: int | None = None
+    """Processes to work in; one per core if not said. No byte depends on it."""
+    memory: Annotated[float | None, tyro.conf.arg(metavar="GIB")] = None
+    """Memory for all processes together [GiB]; 80 % of the machine's if not said."""
+    address: Annotated[str | None, tyro.conf.arg(metavar="RAY")] = None
+    """Of --engine ray: the cluster (auto, HOST:PORT or ray://HOST:PORT)."""
+    dry_run: bool = False
+    """Only show what would be done."""
+    rehearse: Annotated[int | None, tyro.conf.arg(metavar="MACHINES")] = None
+    """Simulate nothing: play the sweep on so many machines and measure what drives them."""
+    verify: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Make so many samples of a finished sweep again and compare them bit by bit; 10 if it does not
+    say how many."""
+    retry_failed: bool = False
+    """Try the variants that failed again."""
+
+    def run(self) -> None:
+        """Show the plan, do it, say what it came to."""
+        from halfphysics.sweep import Plan, Variants, describe
+        from halfphysics.sweep.plan import resolve_inputs
+
+        self._check()
+        plan = Plan.load(self.plan)
+        folder = plan.folder if self.out is None else self.out
+        if self.verify is not None:
+            self._verify(folder, self.verify)
+            return
+        print(describe(plan, Variants(plan, resolve_inputs(plan))))
+        if self.rehearse is not None:
+            from halfphysics.sweep.rehearsal import Play, rehearse
+
+            print(f"\n{rehearse(plan, Play(machines=self.rehearse), self.out)}")
+        elif not self.dry_run:
+            sys.stdout.flush()
+            self._sweep(plan, folder)
+
+    def _check(self) -> None:
+        modes = {
+            "--dry-run": self.dry_run,
+            "--rehearse": self.rehearse is not None,
+            "--verify": self.verify is not None,
+            "--retry-failed": self.retry_failed,
+        }
+        chosen = [name for name, given in modes.items() if given]
+        if len(chosen) > 1:
+            raise InputError(f"{' and '.join(chosen)}: expected one of these at a time")
+        if self.address is not None and self.engine != "ray":
+            raise InputError("--address: is for --engine ray, found --engine local")
+        for name, number in (("jobs", self.jobs), ("verify", self.verify)):
+            if number is not None and number < 1:
+                raise InputError(f"--{name}: found {number}, expected at least 1")
+
+    def _verify(self, folder: Path, count: int) -> None:
+        from halfphysics.sweep.verify import verify
+
+        print(verify(folder, count))
+
+    def _sweep(self, plan: Plan, folder: Path) -> None:
+        from halfphysics.sweep.driver import SweepError, run
+        from halfphysics.sweep.progress import Progress
+        from halfphysics.sweep.store import Store
+        from halfphysics.sweep.summary import summary
+
+        progress = Progress()
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(_ended_like_by_ctrl_c())
+            store = stack.enter_context(Store(folder, plan))
+            if self.retry_failed:
+                print(f"{store.drop_failed()} variants failed and are tried again")
+            engine = self._engine(folder)
+            stack.callback(progress.close)
+            stack.callback(engine.close)
+            try:
+                report = run(store, engine, progress)
+            except KeyboardInterrupt:
+                engine.close()
+                progress.close()
+                print(f"stopped: {self._how_far(progress)}", file=sys.stderr)
+                _list_what_there_is(store)
+                raise
+            except SweepError as error:
+                raise SweepError(f"{error}\n{self._how_far(progress)}") from None
+        print(summary(report))
+        print(f"next     {self._again('--verify')}")
+
+    def _engine(self, folder: Path) -> Engine:
+        if self.engine == "local":
+            from halfphysics.sweep.local import LocalEngine
+
+            return LocalEngine(folder, self.jobs, self.memory)
+        from halfphysics.sweep.ray_engine import RayEngine
+
+        return RayEngine(folder, self.jobs, self.memory, address=self.address)
+
+    def _how_far(self, progress: Progress) -> str:
+        """What is done, and how to go on."""
+        of = f" of {progress.total}" if progress.total else ""
+        return f"{progress.done}{of} variants are done. To go on: {self._again()}"
+
+    def _again(self, *more: str) -> str:
+        words = ["halfphysics", "sweep", str(self.plan)]
+        for name in ("out", "jobs", "memory", "address"):
+            value: Any = getattr(self, name)
+            if value is not None and (name == "out" or "--verify" not in more):
+                words += [f"--{name}", str(value)]
+        if self.engine != "local" and "--verify" not in more:
+            words += ["--engine", self.engine]
+        return shlex.join([*words, *more])
+
+
+def _list_what_there_is(store: Store) -> None:
+    """Manifest and card of a sweep that was stopped, where that takes no time."""
+    if store.layout.shards <= _QUICK:
+        with contextlib.suppress(HalfPhysicsError):  # it is stopped either way
+            store.finish()
+
+
+@contextlib.contextmanager
+def _ended_like_by_ctrl_c() -> Iterator[None]:
+    """A request to end (SIGTERM, as job systems send it) is one like Ctrl-C."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import halfphysics as hp
 from halfphysics import scenarios
-from halfphysics.reuse import put_scene
+from halfphysics.reuse import use_again
 from halfphysics.simulation import follow
 from halfphysics.simulator import Simulator
 from halfphysics.world import model_arrays
@@ -62,7 +62,7 @@ def anew(scene, motion, chosen=None):
 
 
 positive = st.floats(0.05, 20.0)
-CHOICES = st.fixed_dictionaries(
+SCENES = st.fixed_dictionaries(
     {
         "masses": st.tuples(positive, positive, positive),
         "frictions": st.tuples(*[st.floats(0.0, 1.2)] * 3),
@@ -75,6 +75,22 @@ CHOICES = st.fixed_dictionaries(
     }
 )
 
+SETTINGS = st.fixed_dictionaries(
+    {},
+    optional={
+        "stiffness": st.sampled_from([0.0, 3.0, {"left_hand": 0.2}]),
+        "drive_time": st.sampled_from([None, 0.05]),
+        "substeps": st.sampled_from([4, 9]),
+        "clearance": st.sampled_from([0.0005, 0.004]),
+        "root": st.just("recover"),
+        "tolerance": st.just(1e-5),
+        "record": st.just("substeps"),
+    },
+)
+CHOICES = st.fixed_dictionaries(
+    {"scene": SCENES, "settings": SETTINGS, "fps": st.sampled_from([30.0, 40.0])}
+)
+
 
 @settings(max_examples=8, deadline=None)
 @given(chosen=st.lists(CHOICES, min_size=2, max_size=4))
@@ -83,10 +99,12 @@ def test_scenes_one_after_the_other(walk, chosen):
     simulator = Simulator(room(), settings=how, fps=walk.fps)
     kept = []
     for said in chosen:
-        scene = room(**said)
-        assert put_scene(simulator.world, scene)
-        result = follow(simulator, [walk])
-        assert bits(result) == anew(scene, walk)
+        scene, how = room(**said["scene"]), hp.Settings(contact="parts", **said["settings"])
+        motion = walk.resample(said["fps"])
+        assert use_again(simulator, scene, how, motion.fps)
+        result = follow(simulator, [motion])
+        assert bits(result) == anew(scene, motion, how)
+        assert result.settings is how
         assert result.scene is scene
         kept.append((result, bits(result)))
     for result, was in kept:
@@ -96,8 +114,9 @@ def test_scenes_one_after_the_other(walk, chosen):
 def test_the_model_is_the_compiled_one():
     simulator = Simulator(room())
     scene = room(masses=(0.013, 70.0, 1e-3), places=[(1.0, 2.0, 3.0)] * 3)
-    assert put_scene(simulator.world, scene)
-    theirs = Simulator(scene).world
+    limp = hp.Settings(stiffness={"right_hand": 0.3})
+    assert use_again(simulator, scene, limp, 30.0)
+    theirs = Simulator(scene, settings=limp).world
     for mine, other in zip(
         model_arrays(simulator.world.model), model_arrays(theirs.model), strict=True
     ):
@@ -113,7 +132,7 @@ def test_scenarios_twice(name):
         story.scene, body=list(story.bodies), settings=story.settings, fps=motions[0].fps
     )
     first = bits(follow(simulator, motions))
-    assert put_scene(simulator.world, story.scene._copied())
+    assert use_again(simulator, story.scene._copied(), story.settings, motions[0].fps)
     assert bits(follow(simulator, motions)) == first
 
 
@@ -127,7 +146,7 @@ def test_what_sleeps_sleeps_again(walk):
 
     simulator = Simulator(scene(1.0), settings=hp.Settings(contact="parts"), fps=walk.fps)
     follow(simulator, [walk])
-    assert put_scene(simulator.world, scene(3.0))
+    assert use_again(simulator, scene(3.0), simulator.settings, walk.fps)
     assert bits(follow(simulator, [walk])) == anew(scene(3.0), walk)
 
 
@@ -161,28 +180,50 @@ def asleep(scene):
     return scene._with({"box": replace(scene.objects["box"], start="asleep")}, {})
 
 
-def on_the_moon(scene):
-    moon = hp.Scene(gravity=1.62)
-    for attribute in ("_statics", "_objects"):
-        getattr(moon, attribute).update(getattr(scene, attribute))
-    return moon
-
-
 @pytest.mark.parametrize(
-    "change",
-    [other_shape, other_static, one_more, of_a_part, other_centre, asleep, on_the_moon],
+    "change", [other_shape, other_static, one_more, of_a_part, other_centre, asleep]
 )
 def test_what_needs_a_new_world_leaves_the_old_one_alone(walk, change):
     scene = room()
     simulator = Simulator(scene, settings=hp.Settings(contact="parts"), fps=walk.fps)
     before = bits(follow(simulator, [walk]))
-    assert not put_scene(simulator.world, change(scene))
+    assert not use_again(simulator, change(scene), simulator.settings, walk.fps)
     assert simulator.world.scene is scene
     assert bits(follow(simulator, [walk])) == before
 
 
 def test_trajectories_and_poses_that_are_set_need_a_new_world():
-    scene = room()
-    assert not put_scene(Simulator(scene, settings=hp.Settings(mode="kinematic")).world, scene)
+    scene, how = room(), hp.Settings()
+    pose = hp.Settings(mode="kinematic")
+    assert not use_again(Simulator(scene, settings=pose), scene, pose, 30.0)
     scene.add_moving("cart", hp.Sphere(0.1), [(3.0, 0.0, 1.0)], fps=1.0)
-    assert not put_scene(Simulator(scene).world, scene)
+    assert not use_again(Simulator(scene), scene, how, 30.0)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"contact": "parts"},
+        {"self_contact": True},
+        {"strength": "human"},
+        {"mode": "torque"},
+        {"internal_forces": True},
+        {"joint_damping": 1.0},
+    ],
+)
+def test_settings_that_need_a_new_world(other):
+    scene = room()
+    simulator = Simulator(scene)
+    assert not use_again(simulator, scene, hp.Settings(**other), 30.0)
+    assert simulator.settings == hp.Settings() == simulator.world.settings
+
+
+def test_gravity(walk):
+    moon = hp.Scene(gravity=1.62)
+    moon.add_object("ball", hp.Sphere(0.1), mass=1.0, position=(0.5, 0.0, 1.0))
+    earth = hp.Scene()
+    earth.add_object("ball", hp.Sphere(0.1), mass=1.0, position=(0.5, 0.0, 1.0))
+    how = hp.Settings(contact="parts")
+    simulator = Simulator(earth, settings=how, fps=walk.fps)
+    assert use_again(simulator, moon, how, walk.fps)
+    assert bits(follow(simulator, [walk])) == anew(moon, walk)

@@ -314,8 +314,8 @@ def test_a_run_changes_nothing_for_the_next():
     assert shop._simulator is simulator  # its world was used again
     assert same(shop.run(shop.make(heavy)), first)
     assert same(workshop().run(shop.make(heavy)), first)
-    softer = scenario("kick_ball", factors={"settings.stiffness": 0.5})
-    shop.run(shop.make(softer))
+    stronger = scenario("kick_ball", factors={"settings.strength": "human"})
+    shop.run(shop.make(stronger))
     assert shop._simulator is not simulator
 
 

@@ -161,9 +161,7 @@ class World:
 
         spec = mujoco.MjSpec()
         self.stiffness = stiffness_array(self.settings.stiffness, "Settings.stiffness")
-        armature = np.zeros(N_JOINTS)
-        fingers = list(LEFT_HAND_JOINTS + RIGHT_HAND_JOINTS)
-        armature[fingers] = FINGER_INERTIA / (1.0 + self.stiffness[fingers])
+        armature = armature_of(self.stiffness)
         for name, body in zip(people, self.bodies, strict=True):
             add_person(spec, body.variant, prefix=f"{name}/", armature=armature, geoms=False)
         for thing in self.scene.objects.values():
@@ -254,12 +252,13 @@ class World:
         pairs = [(a, b) for a, b, _ in scene.friction_pairs] + [*scene.ignored_pairs]
         return sorted({end for pair in pairs for end in pair if end.startswith("person/")})
 
-    def put_scene(self, scene: Scene, model_changed: bool) -> None:
+    def put(self, scene: Scene, settings: Settings, model_changed: bool) -> None:
         """Another scene of the same shapes; `halfphysics.reuse` has seen to the model."""
-        self.scene = scene
+        self.scene, self.settings = scene, settings
         if model_changed:
             self.stepper.set_model(*model_arrays(self.model))
         self._set_pairings()
+        set_settings(self.stepper, settings, scene.gravity)
         self.signature = f"{self.names} {fingerprint(self.bodies, scene)}"
 
     def _entry(self, name: int, joint: int) -> int:
@@ -445,6 +444,14 @@ def _same_place(a: Static, b: Static) -> bool:
         and np.array_equal(a.position, b.position)
         and np.array_equal(a.quaternion, b.quaternion)
     )
+
+
+def armature_of(stiffness: Array) -> Array:
+    """Armature of every joint (55,) [kg m^2] at a firmness (55,): fingers have one."""
+    armature = np.zeros(N_JOINTS)
+    fingers = list(LEFT_HAND_JOINTS + RIGHT_HAND_JOINTS)
+    armature[fingers] = FINGER_INERTIA / (1.0 + stiffness[fingers])
+    return armature
 
 
 def set_settings(stepper: Any, settings: Settings, gravity: Array) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from halfphysics.body import check_match
 from halfphysics.errors import InputError
-from halfphysics.reuse import put_scene
+from halfphysics.reuse import use_again
 from halfphysics.settings import Settings
 from halfphysics.simulation import follow
 from halfphysics.simulator import Simulator
@@ -102,7 +102,7 @@ class Workshop:
     def run(self, ready: Ready) -> Result:
         """The result of `simulate`, to the last bit.
 
-        Where the neighbour before had the same people, settings and shapes, its world is used
+        Where the neighbour before had the same people and shapes, its world is used
         again: preparing one takes as long as a second of a motion that meets little.
 
         Raises:
@@ -116,12 +116,10 @@ class Workshop:
         last, fps = self._simulator, ready.motions[0].fps
         if (
             last is not None
-            and last.settings == ready.settings
             and len(last.bodies) == len(ready.bodies)
             and all(a is b for a, b in zip(last.bodies, ready.bodies, strict=True))
-            and put_scene(last.world, ready.scene)
+            and use_again(last, ready.scene, ready.settings, fps)
         ):
-            last.dt = 1.0 / fps
             return last
         # Forgotten first: two at a time would take twice the memory.
         self._simulator = None

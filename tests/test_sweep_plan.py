@@ -381,8 +381,7 @@ def _places(node: object, path: tuple[object, ...] = ()) -> list[tuple[object, .
 
 @settings(
     max_examples=150,
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(st.data())
 def test_any_document_is_a_plan_or_one_error(folder: Path, data: st.DataObject) -> None:

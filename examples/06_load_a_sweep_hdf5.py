@@ -25,7 +25,7 @@ def load(folder):
 def main(folder):
     """Prints how far people went and what they touched with; returns how many there are."""
     count = 0
-    for count, (factors, poses, trans, parts) in enumerate(load(folder), start=1):
+    for factors, poses, trans, parts in load(folder):
         said = ", ".join(f"{name} {value}" for name, value in factors.items())
         far = np.linalg.norm(np.diff(trans, axis=0), axis=1).sum()
         print(

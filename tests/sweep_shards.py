@@ -56,6 +56,7 @@ def sample_with_card(number, card):
                 "human_parts": np.zeros((FRAMES, 55), bool),
                 "nothing": np.zeros((0, 3)),
                 "threshold_m": np.array(0.002),
+                "contacts/frame": rng.integers(0, FRAMES, 7),
             }
         ),
     }

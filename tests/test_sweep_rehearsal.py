@@ -1,4 +1,4 @@
-"""A rehearsal: the driver does its work, whatever the played machines do, at a cost that is flat."""
+"""A rehearsal: the driver does its work, whatever played machines do, at a cost that is flat."""
 
 from __future__ import annotations
 

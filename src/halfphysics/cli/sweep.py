@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -82,6 +82,9 @@ class Command:
 
         self._check()
         plan = Plan.load(self.plan)
+        if self.out is not None:
+            outputs = replace(plan.outputs, folder=str(self.out.absolute()))
+            plan = replace(plan, outputs=outputs)
         folder = plan.folder if self.out is None else self.out
         if self.verify is not None:
             self._verify(folder, self.verify)

@@ -10,6 +10,7 @@ import io
 import json
 import os
 from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -128,11 +129,29 @@ def _put(group: h5py.Group, key: str, array: NDArray[Any]) -> None:
 
 def samples(path: Path, parts: Collection[str] | None = None) -> Iterator[dict[str, Any]]:
     """The samples of an HDF5 shard, as `sweep.read` gives them."""
+    with _opened(path) as file:
+        for key in file:
+            yield _sample(file[key], key, parts)
+
+
+def keys(path: Path) -> list[str]:
+    """The keys of the samples of an HDF5 shard."""
+    with _opened(path) as file:
+        return list(file)
+
+
+def sample(path: Path, key: str) -> dict[str, Any]:
+    """One sample of an HDF5 shard."""
+    with _opened(path) as file:
+        return _sample(file[key], key, None)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[h5py.File]:
     h5 = _h5py()
     try:
         with h5.File(path, "r") as file:
-            for key in file:
-                yield _sample(file[key], key, parts)
+            yield file
     except (OSError, KeyError, RuntimeError, ValueError) as error:
         raise FileError(
             f"{path}: damaged, or no shard of a sweep ({error}). Run the sweep again in its "

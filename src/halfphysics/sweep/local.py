@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -52,11 +53,24 @@ class LocalEngine:
     Args:
         folder: The sweep's.
         jobs, memory: See `shares`.
+        function: What the processes run.
+
+    Raises:
+        InputError: Impossible numbers.
     """
 
-    def __init__(self, folder: Path, jobs: int | None = None, memory: float | None = None) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        jobs: int | None = None,
+        memory: float | None = None,
+        *,
+        function: Callable[[str, Task], Done] = do,
+    ) -> None:
         self.slots, self.share = shares(jobs, memory)
-        self._pool: Pool[Task, Done] = Pool(partial(do, str(folder)), self.slots, memory=self.share)
+        self._pool: Pool[Task, Done] = Pool(
+            partial(function, str(folder)), self.slots, memory=self.share
+        )
 
     def submit(self, task: Task) -> None:
         """Hand over a task."""

@@ -28,9 +28,9 @@ def main(folder):
     for factors, poses, trans, parts in load(folder):
         said = ", ".join(f"{name} {value}" for name, value in factors.items())
         far = np.linalg.norm(np.diff(trans, axis=0), axis=1).sum()
-        print(
-            f"{said}: {far:.2f} m in {len(poses)} frames, {parts.any(axis=0).sum()} parts touched"
-        )
+        touched = int(np.count_nonzero(parts.any(axis=0)))
+        print(f"{said}: {far:.2f} m in {len(poses)} frames, {touched} parts touched something")
+        count += 1
     return count
 
 

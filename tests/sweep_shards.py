@@ -5,21 +5,31 @@ from __future__ import annotations
 import io
 import json
 import tarfile
+from functools import cache
 
 import numpy as np
 
 from halfphysics.io.npz import npz_bytes
+from halfphysics.sweep.data_card import DataCard
+from halfphysics.sweep.plan import Plan
+from halfphysics.sweep.store import Store
 
 FRAMES = 30
 
 
-def sample(number, card=None):
+@cache
+def sample(number):
     """Key and files of a sample, all from its number."""
+    return sample_with_card(number, {"number": number, "factors": {"mass": 0.5}})
+
+
+def sample_with_card(number, card):
+    """The same with another card."""
     rng = np.random.default_rng(number)
     body = np.zeros((FRAMES, 2000), np.int8)
     body[number % FRAMES :, 100:160] = 21
     files = {
-        "card.json": json.dumps(card or {"number": number, "factors": {"mass": 0.5}}).encode(),
+        "card.json": json.dumps(card).encode(),
         "human.npz": npz_bytes(
             {
                 "poses": rng.normal(size=(FRAMES, 156)),
@@ -43,6 +53,7 @@ def sample(number, card=None):
                 "human_parts": np.zeros((FRAMES, 55), bool),
                 "nothing": np.zeros((0, 3)),
                 "threshold_m": np.array(0.002),
+                "contacts/frame": rng.integers(0, FRAMES, 7),
             }
         ),
     }
@@ -58,3 +69,62 @@ def write_tar(path, samples):
                 info.size = len(data)
                 archive.addfile(info, io.BytesIO(data))
     return path
+
+
+def plan_of(base, *, variants=11, batch=2, per_shard=6, formats=("webdataset",), seed=0):
+    """A plan of so many variants: of two files, the values of a factor; nobody opens the files."""
+    for name in ("a.npz", "b.npz"):
+        if not (base / name).exists():
+            (base / name).write_bytes(name.encode())
+    document = {
+        "inputs": {"files": "*.npz"},
+        "factors": {"motion.yaw": list(range(variants))},
+        "outputs": {"formats": list(formats), "batch": batch, "variants_per_shard": per_shard},
+        "seed": seed,
+    }
+    return Plan.from_document(document, base)
+
+
+def record_of(store, batch, failed=()):
+    """What a worker knows of a batch in which variants 3 and 8 fell to a filter."""
+    numbers = store.layout.variants_of(batch)
+    cause = {"input": "a.npz", "factors": {}, "cause": "InputError: the clip is broken"}
+    return {
+        "skipped": sum(number in (3, 8) for number in numbers),
+        "failures": [{"number": n, **cause} for n in numbers if n in failed],
+        "sums": DataCard().sums(),
+        "inputs": {},
+    }
+
+
+def make_batch(store, batch, failed=(), **more):
+    """Write a fragment, as a worker does."""
+    numbers = store.layout.variants_of(batch)
+    kept = (sample(n) for n in numbers if n not in (3, 8, *failed))
+    store.write_fragment(batch, kept, record_of(store, batch, failed) | more)
+
+
+def make(store, failed=(), **more):
+    """All that is left of a sweep, as a driver and its workers do it."""
+    for shard in range(store.layout.shards):
+        if not store.done(shard):
+            for batch in store.left(shard):
+                make_batch(store, batch, failed, **more)
+            store.seal(shard)
+    return store.finish()
+
+
+def run(folder, plan, program="this"):
+    """A sweep from its start, or from where it was, to its end."""
+    with Store(folder, plan, program) as store:
+        return make(store)
+
+
+def tree(folder):
+    """All that is in a folder but for notes: path -> bytes."""
+    files = sorted(p for p in folder.rglob("*") if p.is_file())
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in files
+        if path.name != "driver.lock" and path.parent.name != "stats"
+    }

@@ -1,20 +1,20 @@
 """Variants for the tests of sweeps, made by hand."""
 
-from types import SimpleNamespace
-
 from halfphysics.sweep.choices import BodyChoice, SceneChoice
-from halfphysics.sweep.inputs import Input
+from halfphysics.sweep.inputs import Input, Inputs
+from halfphysics.sweep.plan import Plan
+from halfphysics.sweep.variants import Variant
 from halfphysics.sweep.vary import Workshop
 
 
 def workshop(**plan):
     """A workshop of a plan with these settings; `grounded` too."""
-    return Workshop(SimpleNamespace(**{"settings": {}, "grounded": False, **plan}))
+    return Workshop(Plan(inputs=(Inputs(scenarios=("kick_ball",)),), **plan))
 
 
-def scenario(name, body=None, factors=None, **options):
+def scenario(name, body=None, scene=None, factors=None, **options):
     """A variant of a scenario, with options of the input."""
-    return _variant(Input(kind="scenario", name=name, options=options), body, None, factors)
+    return _variant(Input(kind="scenario", name=name, options=options), body, scene, factors)
 
 
 def clip(path, body=None, scene=None, factors=None, ground=True, **options):
@@ -24,7 +24,7 @@ def clip(path, body=None, scene=None, factors=None, ground=True, **options):
 
 
 def _variant(given, body, scene, factors):
-    return SimpleNamespace(
+    return Variant(
         number=0,
         input=given,
         body=body or BodyChoice(),

@@ -45,11 +45,15 @@ SETTINGS = {
     "doorway": 2,
     "metrics": 4,
     "viewer": 3,
+    "sweep": 3,
+    "sweep-parts": 6,
+    "sweep-memory": 2,
     "skinning": 1,
 }
-ALONE = {"tree", "metrics", "viewer", "skinning"}  # nobody is simulated
+SWEEPS = {"sweep", "sweep-parts", "sweep-memory"}
+ALONE = {"tree", "metrics", "viewer", "skinning", *SWEEPS}  # no parts beside the skin
 PRESSED = ("grasp", "lift", "glass", "sofa", "lean", "settle")
-WITH_PEER = {"free", "live", "stepper", "wall", "near", *PRESSED}
+WITH_PEER = {"free", "live", "stepper", "wall", "near", "sweep", "sweep-parts", *PRESSED}
 
 
 @pytest.fixture(scope="module")
@@ -81,8 +85,9 @@ def test_all_cases_leave_complete_records(measured):
         for record in records:
             assert record["frames"] > 0
             units = {"metrics": "s", "tree": "s", "viewer": "updates/s"}
+            units |= {"sweep": "variants/s", "sweep-parts": "s", "sweep-memory": "MB"}
             assert record["unit"] == units.get(case, "frames/s")
-            assert len(record["ours"]) == 1
+            assert len(record["ours"]) == (10 if case == "sweep-memory" else 1)
             assert all(math.isfinite(x) and x > 0.0 for x in record["ours"])
             for name, there in (("parts", case not in ALONE), ("peer", case in WITH_PEER)):
                 figures = record[name]
@@ -112,6 +117,17 @@ def test_moving_people_in_a_browser_takes_little(measured):
         assert 0.0 < kilobytes < 300.0
         if "setters" not in setting:
             assert 0.0 < rate < 0.5
+
+
+def test_sweeps_make_all_samples_and_their_parts_are_the_whole(measured):
+    records = {r["setting"]: r for r in measured["records"] if r["case"] in SWEEPS}
+    assert {tuple(r["checks"]["samples"]) for r in records.values() if r["case"] == "sweep"} == {
+        (3.0, 3.0)
+    }
+    parts = {k: r["ours"][0] for k, r in records.items() if r["case"] == "sweep-parts"}
+    whole = 1.0 / records["3 variants, one process; peer: simulate alone"]["ours"][0]
+    # Reading the clip, once, is in the whole only.
+    assert 0.2 * whole < sum(parts.values()) < 1.5 * whole
 
 
 def test_the_wall_stops_us_and_not_the_peer(measured):

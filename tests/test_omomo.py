@@ -23,6 +23,7 @@ from wrong_files import (
 
 import halfphysics as hp
 from halfphysics import rotations as rot
+from halfphysics.errors import InputError
 from halfphysics.io import stored
 from halfphysics.skeleton import BODY_JOINTS
 
@@ -102,6 +103,8 @@ def test_clips_of_one_file(tmp_path):
     assert len(clips[2].motion()) == 7
     refused(path, f"holds several clips: {CLIP}, sub3.*clip=")
     refused(path, "did you mean", clip="sub3_largebox_005")
+    with pytest.raises(InputError, match="clip: found '', expected the name of a clip"):
+        hp.Motion.load(path, clip="")
 
 
 def test_a_file_is_read_once_for_all_its_clips(tmp_path, monkeypatch):

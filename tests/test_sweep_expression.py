@@ -172,4 +172,4 @@ def test_numbers_are_computed_with_and_text_is_not() -> None:
 @pytest.mark.parametrize("text", ["", "  ", "1 " * 600, None, 3])
 def test_what_is_no_condition(text: object) -> None:
     with pytest.raises(InputError, match="expected"):
-        Expression(text, [])  # type: ignore[arg-type]
+        Expression(text, [])

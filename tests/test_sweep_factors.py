@@ -34,7 +34,7 @@ SIGNIFICANCE = 1e-3
 def draws(values: object, count: int = DRAWS, seed: int = 5, name: str = "x") -> np.ndarray:
     made = spec(values)
     stream = Stream(seed, name)
-    return np.array([made.draw(stream, k) for k in range(count)])  # type: ignore[union-attr]
+    return np.array([made.draw(stream, k) for k in range(count)])
 
 
 @given(st.floats(1e-300, 1e300))
@@ -50,7 +50,7 @@ def test_draws_are_what_they_were() -> None:
     numbers = (0, 1, 12345678)
     assert [stream.uniform(k) for k in numbers] == FROZEN_UNIFORM
     assert [next(stream.normals(k)) for k in numbers] == FROZEN_NORMAL
-    assert [spec({"log_uniform": [0.1, 10]}).draw(stream, k) for k in numbers] == FROZEN_LOG  # type: ignore[union-attr]
+    assert [spec({"log_uniform": [0.1, 10]}).draw(stream, k) for k in numbers] == FROZEN_LOG
 
 
 FROZEN_UNIFORM = [0.11957265893192737, 0.7290489564666486, 0.4356398832333582]
@@ -81,7 +81,7 @@ def test_draws_need_no_others_and_never_meet_their_ends() -> None:
     ],
 )
 def test_distributions_are_what_they_say(values: object, law: object) -> None:
-    assert stats.kstest(draws(values), law.cdf).pvalue > SIGNIFICANCE  # type: ignore[attr-defined]
+    assert stats.kstest(draws(values), law.cdf).pvalue > SIGNIFICANCE
 
 
 def test_choices_come_in_proportion_to_their_weights() -> None:
@@ -230,6 +230,7 @@ def test_possible_factors() -> None:
     checked({"settings.clearance": [0.001, 0.05], "settings.strength": [None, "human"]})
     checked({"scenario.mass": {"uniform": [0.1, 3]}, "objects.restitution": [0, 1]})
     checked({"motion.yaw": {"normal": [0, 30]}, "body.stature": {"normal": [1.7, 0.1]}})
+    checked({"objects.mass": {"normal": [2, 1], "within": [0.5, 4]}})
     # Neither goes with the usual value of the other; one combination does.
     checked({"settings.strength": ["human"], "settings.drive_time": [0.01, None]})
 
@@ -240,6 +241,9 @@ def test_possible_factors() -> None:
         ({"settings.clearance": [0.2]}, {}, "settings.clearance: Settings.clearance is 0.2"),
         ({"settings.clearance": {"uniform": [0.01, 0.2]}}, {}, "clearance is 0.2"),
         ({"settings.substeps": [8, 0]}, {}, "substeps is 0"),
+        ({"settings.substeps": {"uniform": [4, 8]}}, {}, "substeps is 4.0; expected a whole"),
+        ({"settings.clearance": {"normal": [0.01, 0.01]}}, {}, "is -0.04.* Add within"),
+        ({"objects.mass": {"normal": [2, 1]}}, {}, "found -4.0, expected .* Add within"),
         ({"settings.strength": ["human"]}, {"drive_time": None}, "None without drive_time"),
         ({"settings.mode": ["velocity", "torqe"]}, {}, "mode"),
         ({"settings.clearance": [0.01]}, {"clearance": 0.02}, "also in settings"),
@@ -279,6 +283,6 @@ def test_settings_are_those_of_a_simulation() -> None:
 def test_extremes_are_where_values_are_checked() -> None:
     assert Uniform(low=0, high=1).extremes() == (0, 1)
     assert LogUniform(low=1, high=2).extremes() == (1, 2)
-    assert Normal(mean=0, sd=1).extremes() == (0,)
+    assert Normal(mean=0, sd=1).extremes() == (-6, 6)
     assert Normal(mean=0, sd=1, within=(-1, 1)).extremes() == (-1, 1)
     assert Choice(values=(1, "a")).extremes() == (1, "a")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweep_shards import sample, write_tar
+from sweep_shards import sample, sample_with_card, write_tar
 
 from halfphysics.errors import FileError, MissingDependencyError
 from halfphysics.sweep.hdf5 import convert
@@ -69,7 +69,7 @@ def test_the_same_bytes_at_another_time(tar, tmp_path):
 
 
 def test_a_long_card(tmp_path):
-    long = sample(2, card={"number": 2, "notes": "ö" * 80_000})
+    long = sample_with_card(2, {"number": 2, "notes": "ö" * 80_000})
     tar = write_tar(tmp_path / "a.tar", [long])
     convert(tar, tmp_path / "a.h5")
     (only,) = read(tmp_path / "a.h5")

@@ -210,13 +210,13 @@ def test_slots_follow_the_cluster(tmp_path, fake, monkeypatch):
     assert engine.slots == 6000
 
 
-def test_another_version_on_a_machine_stops_the_sweep(tmp_path, fake, monkeypatch):
+def test_another_program_on_a_machine_stops_the_sweep(tmp_path, fake, monkeypatch):
     engine = engine_of(tmp_path)
-    monkeypatch.setattr(ray_engine, "__version__", "0.0.9")  # where it runs
+    monkeypatch.setattr(ray_engine, "program", lambda: "another")  # where it runs
     engine.submit(task(0))
     fake.given[0].end()
     ((_, done),) = engine.wait()
-    assert "halfphysics 0.0.9 is installed, expected" in done.stop
+    assert "Install the same versions on all machines" in done.stop
 
 
 def test_without_ray_it_says_what_to_install(tmp_path, monkeypatch):

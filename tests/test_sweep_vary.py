@@ -1,6 +1,8 @@
 """Variants of clips and scenarios: what is simulated, and that it is nobody else's business."""
 
+import gc
 import hashlib
+import tracemalloc
 import warnings
 
 import numpy as np
@@ -190,7 +192,7 @@ def test_a_file_in_its_own_scene_and_in_a_file_s(walk, tmp_path):
     assert ready.sources == (
         {"path": str(walk), "sha256": hashlib.sha256(walk.read_bytes()).hexdigest()},
         {
-            "path": "room.yaml",
+            "path": str(tmp_path / "room.yaml"),
             "sha256": hashlib.sha256((tmp_path / "room.yaml").read_bytes()).hexdigest(),
         },
     )
@@ -199,10 +201,8 @@ def test_a_file_in_its_own_scene_and_in_a_file_s(walk, tmp_path):
 def test_a_scenario_brings_its_own_scene(tmp_path):
     hp.Scene().save(tmp_path / "room.yaml")
     room = SceneChoice(file="room.yaml", path=tmp_path / "room.yaml")
-    variant = scenario("kick_ball")
-    variant.scene = room
     with pytest.raises(InputError, match=r"room.yaml.*brings a scene of its own"):
-        workshop().make(variant)
+        workshop().make(scenario("kick_ball", scene=room))
 
 
 def test_grounded_is_as_the_command_line_has_it(walk):
@@ -324,3 +324,22 @@ def test_what_is_kept_stays_little(walk, tmp_path):
             shop.make(scenario("kick_ball", factors={"object.ball.scale": 1.0 + 0.01 * k}))
     kept = [*vars(shop._stock).values(), *vars(shop._things).values()]
     assert sum(len(one) for one in kept) < 60
+
+
+def test_memory_is_flat(walk):
+    shop = workshop(grounded=True)
+
+    def made(first, count):
+        for k in range(first, first + count):
+            said = {"object.ball.scale": 1.0 + 0.001 * k, "motion.speed": 1.0 + 0.001 * k}
+            shop.make(scenario("kick_ball", factors=said))
+            shop.make(clip(walk, factors={"motion.yaw": float(k)}))
+        gc.collect()
+        return tracemalloc.get_traced_memory()[0]
+
+    tracemalloc.start()
+    try:
+        before = made(0, 40)  # more than are kept
+        assert made(40, 60) - before < 100_000
+    finally:
+        tracemalloc.stop()

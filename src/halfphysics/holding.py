@@ -151,12 +151,9 @@ def without_held(world: World, name: str) -> Mapping[str, Hold]:
     raise InputError(f"release: nobody holds {name!r}. Held: {held}")
 
 
-def must_be_free(world: World, what: str, name: str) -> None:
-    """Raises `InputError` for what somebody holds."""
-    if name in world.held:
-        raise InputError(
-            f"{what}: {_holder(world, name)} holds {name!r}; release({name!r}) it first"
-        )
+def not_free(world: World, what: str, name: str) -> InputError:
+    """What to raise for what somebody holds."""
+    return InputError(f"{what}: {_holder(world, name)} holds {name!r}; release({name!r}) it first")
 
 
 def _holder(world: World, name: str) -> str:

@@ -175,8 +175,8 @@ def _pushed(world: World, what: str, name: str) -> tuple[Thing, Object]:
             f"{what}: {name!r} moves along its trajectory and nothing pushes it; expected an "
             "object of add_object"
         )
-    holding.must_be_free(world, what, name)
-    assert isinstance(place, Thing)
+    if not isinstance(place, Thing):
+        raise holding.not_free(world, what, name)
     return place, thing
 
 

@@ -101,6 +101,22 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "two people of 14k vertices, and their ghosts, moved 30 times a second in a browser "
             "scene with a client connected",
         ),
+        "sweep": (
+            "sweep",
+            "sweep",
+            "sweeps of a scenario, whole: two processes beside one by the clock; one process, "
+            "processor time. Peer: what stands behind each setting",
+        ),
+        "sweep-parts": (
+            "sweep",
+            "parts",
+            "where a variant's processor time goes; seconds. Peer: simulate of the same run",
+        ),
+        "sweep-memory": (
+            "sweep",
+            "memory",
+            "what driver and workers hold at ten points of a long sweep; MB",
+        ),
         "skinning": ("measuring", "skinning", "body.vertices, all vertices of the default body"),
     }
 )

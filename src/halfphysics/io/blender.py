@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from halfphysics.io import amass_smplx
 from halfphysics.io.building import file_parameters
 from halfphysics.io.formats import Format
 from halfphysics.io.npz import write_npz
@@ -66,7 +67,7 @@ FORMAT = Format(
     name=NAME,
     expects="npz with trans (T, 3), gender, betas (n,), poses (T, 165), mocap_frame_rate",
     sniff=None,
-    load=None,
+    load=amass_smplx.FORMAT.load,
     save=_save,
     loses=_loses,
 )

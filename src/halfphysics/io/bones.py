@@ -97,7 +97,7 @@ def shaped_like(
     joints = list(skeleton.BODY_JOINTS)
     if hands:
         joints += [*skeleton.LEFT_HAND_JOINTS, *skeleton.RIGHT_HAND_JOINTS]
-    best: tuple[float, Body] | None = None
+    fits = []
     for space in spaces:
         # SMPL has no fingers: these joints sit at their parents on every shape.
         count = min(_BETAS, space.shapedirs.shape[2])
@@ -112,15 +112,15 @@ def shaped_like(
         right = np.concatenate([wanted[moved] / _NOISE, np.zeros(count)])
         betas = np.linalg.lstsq(left, right, rcond=None)[0]
         off = float(np.abs(directions[moved] @ betas - wanted[moved]).max(initial=0.0))
-        if best is None or off < best[0]:
-            best = off, Body.shaped(space, betas)
-    assert best is not None
-    if best[0] > _FITS:
+        fits.append((off, space, betas))
+    off, space, betas = min(fits, key=lambda fit: fit[0])
+    body = Body.shaped(space, betas)
+    if off > _FITS:
         warn(
-            f"{where}: the bones differ by up to {1e3 * best[0]:.0f} mm from every shape of {path} "
-            f"({best[1].gender}). Is the person of another gender, or the file of another model?"
+            f"{where}: the bones differ by up to {1e3 * off:.0f} mm from every shape of {path} "
+            f"({body.gender}). Is the person of another gender, or the file of another model?"
         )
-    return best[1]
+    return body
 
 
 def default_like(where: str, bones: Bones) -> Body:

@@ -118,8 +118,8 @@ Assets: TypeAlias = str | os.PathLike[str] | Iterable[str | os.PathLike[str]] | 
 class Options:
     """What the caller of `Motion.load` or `load_sequence` said; None where the file is to say it.
 
-    `objects` is "free" (pushed about from where they are at the first frame) or "replayed" (along
-    the recorded trajectory).
+    `clip` is "" of a file that holds one motion only. `objects` is "free" (pushed about from where
+    they are at the first frame) or "replayed" (along the recorded trajectory).
     """
 
     fps: float | None = None
@@ -128,7 +128,7 @@ class Options:
     model: str | os.PathLike[str] | None = None
     gender: str | None = None
     frames: slice = field(default_factory=lambda: slice(None))
-    clip: str | None = None
+    clip: str = ""
     assets: tuple[Path, ...] = ()
     objects: str = "free"
 
@@ -146,9 +146,9 @@ class Format:
     #: What its files hold, for the message that no format fits.
     expects: str
     #: Whether this file's content is of this format. May raise FileError to explain a near
-    #: miss that no other format could claim either. None where it can only be written.
+    #: miss that no other format could claim either. None where another one's sniff finds them.
     sniff: Callable[[Source], bool] | None
-    load: Callable[[Source, Options], Motion] | None
+    load: Callable[[Source, Options], Motion]
     #: Motion and scene, where the data set has objects; None: the motion on an empty scene.
     load_sequence: Callable[[Source, Options], Sequence] | None = None
     #: The names of the clips in a file that holds several; it loads the one of `Options.clip`.

@@ -133,16 +133,17 @@ def _with_body(source: Source, options: Options) -> tuple[Motion, Body]:
     rotations = rotations_of({(0,): root, ORDER[1:]: angles})
     bones = _bones(record, rows, rotations)
     hands: Literal["flat", "mean"] = "mean" if bend(bones.offsets) > _RELAXED else "flat"
-    named = options.model is not None and str(options.model) not in MODELS
+    # A model's file or folder, as against "smplx" and the like.
+    model = None if str(options.model) in MODELS else options.model
+    named = model is not None
     if hands == "mean" and options.hands is None and not named:
         raise FileError(
             f"{record.where}: where its fingers are zero, the joints of the hands are those of the "
             "model's relaxed hand. Name the body-model file with model=, or say hands='flat' to "
             "take the hands as flat"
         )
-    if named:
-        assert options.model is not None
-        body = shaped_like(record.where, bones, options.model, options.gender, hands == "flat")
+    if model is not None:
+        body = shaped_like(record.where, bones, model, options.gender, hands == "flat")
     else:
         body = default_like(record.where, bones)
         warn(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics import skeleton
+from halfphysics.errors import FileError
 from halfphysics.io.atomic import atomic_write
 from halfphysics.io.building import (
     file_parameters,
@@ -42,8 +43,10 @@ def _sniff(source: Source) -> bool:
 
 
 def _load(source: Source, options: Options) -> Motion:
-    assert source.npy is not None
-    record = Record(source.path, {"array": source.npy.array})
+    npy = source.npy
+    if npy is None:
+        raise FileError(f"{source.path}: not a Motion-X file")
+    record = Record(source.path, {"array": npy.array})
     rows = record.array("array", None, WIDTH, frames=options.frames)
     return motion_of(
         str(source.path),
@@ -56,7 +59,7 @@ def _load(source: Source, options: Options) -> Motion:
         model="smplx",
         gender="neutral",
         betas=rows[:, _SHAPE],
-        fields={"dtype": source.npy.dtype},
+        fields={"dtype": npy.dtype},
         per_frame={"face": rows[:, _FACE]},
     )
 

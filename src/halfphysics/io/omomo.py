@@ -117,7 +117,6 @@ def _names(source: Source) -> Iterable[str]:
 
 def _record(source: Source, options: Options) -> tuple[Any, Record]:
     """Id and fields of the clip that is meant, of which all have a row a frame."""
-    assert options.clip is not None
     id, fields = _by_name(source)[options.clip]
     record = Record(f"{source.path}, clip {options.clip!r}", fields)
     lengths = {

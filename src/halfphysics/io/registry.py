@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -99,7 +99,6 @@ def load_motion(
     """The work behind `Motion.load`; see there."""
     options = _options(fps, up, hands, model, gender, frames, clip, assets)
     source, format, options = _found(path, options)
-    assert format.load is not None
     return format.load(source, options)
 
 
@@ -141,7 +140,6 @@ def load_sequence(
     source, format, options = _found(path, options)
     if format.load_sequence is not None:
         return format.load_sequence(source, options)
-    assert format.load is not None
     return Sequence(format.load(source, options), Scene())
 
 
@@ -157,11 +155,11 @@ def save_motion(
     if body is not None:
         checked_body(body, "joint_frames")
     writer = writer_of(motion, path, format)
-    assert writer.save is not None
+    save = _saving(writer)
     own = motion.origin is not None and motion.origin.format == writer.name
     if not own and writer.up is not None:
-        motion = _in_axes(motion, writer, body)
-    writer.save(motion, path, body)
+        motion = _in_axes(motion, writer.name, writer.up, body)
+    save(motion, path, body)
 
 
 def losses(motion: Motion, path: str | os.PathLike[str], format: str | None = None) -> list[str]:
@@ -184,10 +182,16 @@ def writer_of(motion: Motion, path: Path, format: str | None) -> Format:
     if format is not None and (not isinstance(format, str) or format not in FORMATS):
         raise InputError(f"format: found {format!r}, expected one of {', '.join(FORMATS)}")
     writer = _by_suffix(motion, path) if format is None else FORMATS[format]
+    _saving(writer)  # or say that it cannot
+    return writer
+
+
+def _saving(writer: Format) -> Callable[[Motion, Path, Body | None], None]:
+    """What writes its files."""
     if writer.save is None:
         writable = ", ".join(name for name, known in FORMATS.items() if known.save)
         raise InputError(f"format: '{writer.name}' can only be read, expected one of {writable}")
-    return writer
+    return writer.save
 
 
 def _by_suffix(motion: Motion, path: Path) -> Format:
@@ -210,20 +214,19 @@ def _by_suffix(motion: Motion, path: Path) -> Format:
     )
 
 
-def _in_axes(motion: Motion, writer: Format, body: Body | None) -> Motion:
-    """The motion with `translation` as the writer's files mean it."""
+def _in_axes(motion: Motion, format: str, up: str, body: Body | None) -> Motion:
+    """The motion with `translation` as the files of a format mean it."""
     from halfphysics.axes import axes_of
 
-    assert writer.up is not None
-    if (motion.axes == axes_of(writer.up)).all():
+    if (motion.axes == axes_of(up)).all():
         return motion
     if body is None:
         raise InputError(
-            f"format: '{writer.name}' has {writer.up} up and the motion came from a file with "
+            f"format: '{format}' has {up} up and the motion came from a file with "
             "another axis up: what its translation is there depends on the pelvis of the body at "
             "rest. Say whose motion it is with body="
         )
-    return motion.rebased(body, writer.up)
+    return motion.rebased(body, up)
 
 
 def _options(
@@ -256,7 +259,7 @@ def _options(
         raise InputError(
             f"frames: found {shown(frames)}, expected (start, stop), whole numbers or None"
         )
-    if clip is not None and not isinstance(clip, str):
+    if clip is not None and (not isinstance(clip, str) or not clip):
         raise InputError(f"clip: found {shown(clip)}, expected the name of a clip in the file")
     if assets is None:
         assets = ()
@@ -273,7 +276,7 @@ def _options(
         model=model,
         gender=gender,
         frames=slice(*frames) if frames else slice(None),
-        clip=clip,
+        clip=clip or "",
         assets=folders,
         objects=objects,
     )
@@ -290,13 +293,13 @@ def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Form
     if format is None:
         raise unknown(source)
     if format.clips is None:
-        if options.clip is not None:
+        if options.clip:
             raise InputError(
                 f"clip: found {options.clip!r}, but {source.path} holds one motion only. Leave it "
                 "out"
             )
         return source, format, options
-    if options.clip is None:
+    if not options.clip:
         names = list(islice(format.clips(source), 13))
         if len(names) == 1:
             return source, format, replace(options, clip=names[0])

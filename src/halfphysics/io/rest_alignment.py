@@ -114,8 +114,7 @@ class RestAlignment:
         source = self._source
         own, then = source.joints[joint], _NEXT.get(joint)
         least = SAME_PLACE * source.leg
-        if then in source.joints:
-            assert then is not None
+        if then is not None and then in source.joints:
             # All joints between turn with it at rest; what is in one place is passed over.
             way = source.rest[source.joints[then]] - source.rest[own]
             return _unit(way, least)

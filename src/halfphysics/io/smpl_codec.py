@@ -48,7 +48,8 @@ def _sniff(source: Source) -> bool:
 
 
 def _load(source: Source, options: Options) -> Motion:
-    assert source.npz is not None
+    if source.npz is None:
+        raise FileError(f"{source.path}: not a file of the SMPL codec")
     record = Record(source.path, source.npz)
     if "bodyPose" not in record:
         raise FileError(

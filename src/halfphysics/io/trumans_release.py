@@ -114,7 +114,6 @@ def _names(source: Source) -> Iterable[str]:
 
 
 def _rows(source: Source, options: Options) -> tuple[Record, slice]:
-    assert options.clip is not None
     start, stop = _clips(source)[options.clip]
     rows = range(start, stop)[options.frames]
     arrays = _Arrays(source.path)

@@ -1,4 +1,4 @@
-"""Contact labels of results, in the layouts that people load: docs/labels.md."""
+"""Labels of a result, for data sets: contacts, forces, events (docs/labels.md)."""
 
 from __future__ import annotations
 

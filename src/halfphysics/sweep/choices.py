@@ -52,7 +52,7 @@ class BodyChoice:
     def name(self) -> str:
         """As expressions and cards call it: "own", "stature=1.6" or the model's path as said."""
         if self.stature is not None:
-            return f"stature={self.stature!r}"
+            return f"stature={float(self.stature)!r}"
         return self.model or OWN
 
     def document(self) -> Any:

@@ -108,7 +108,7 @@ def _said(value: Value) -> str:
 
 def _some(names: list[str], own: str) -> str:
     texts = [own if name == OWN else name for name in names]
-    shown = ", ".join(texts[:_FIRST]) + (", ..." if len(texts) > _FIRST else "")
+    shown = "; ".join(texts[:_FIRST]) + ("; ..." if len(texts) > _FIRST else "")
     return shown if len(texts) == 1 else f"{len(texts):,}: {shown}"
 
 

@@ -28,7 +28,11 @@ class Stream:
     """The draws of one name under one seed."""
 
     def __init__(self, seed: int, name: str) -> None:
+        self.seed, self.name = seed, name
         self._start = blake2b(f"{seed}\0{name}".encode(), digest_size=64, person=b"halfphysics")
+
+    def __reduce__(self) -> tuple[type[Stream], tuple[int, str]]:
+        return Stream, (self.seed, self.name)
 
     def uniform(self, number: int) -> float:
         """The number-th draw, evenly between 0 and 1 (neither is ever drawn)."""

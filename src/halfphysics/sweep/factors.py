@@ -14,13 +14,13 @@ from __future__ import annotations
 import difflib
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal, TypeAlias
 
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
-from halfphysics.sweep.values import Spec, Value
+from halfphysics.sweep.values import Normal, Spec, Value
 from halfphysics.validation import shown
 
 Group: TypeAlias = Literal[
@@ -170,7 +170,7 @@ def check_factors(
         parsed = FactorName.parse(name)
         if parsed.bounds is not None:
             for value in values.extremes():
-                parsed.bounds.check(name, value)
+                _within(values, parsed.bounds.check, name, value)
         if parsed.group == "scenario":
             _check_option(name, parsed.what, tuple(scenarios), files)
         if parsed.group == "settings" and parsed.what in settings:
@@ -193,6 +193,16 @@ def check_settings(settings: Mapping[str, Any]) -> None:
                 f"one of {', '.join(_SETTINGS)}"
             )
     Settings(**settings)
+
+
+def _within(values: Spec, check: Callable[..., None], *args: Any) -> None:
+    """check(*args), with the way out for a normal distribution that has no ends."""
+    try:
+        check(*args)
+    except InputError as error:
+        if isinstance(values, Normal) and values.within is None:
+            raise InputError(f"{error}. Add within: [low, high] to the distribution") from None
+        raise
 
 
 def _check_body(name: str, what: str) -> None:
@@ -225,14 +235,15 @@ def _check_option(name: str, option: str, scenarios: tuple[str, ...], files: boo
 def _check_settings(factors: Mapping[str, Spec], settings: Mapping[str, Any]) -> None:
     """Each value of a setting makes Settings with some values of the others."""
     axes = {
-        name.partition(".")[2]: values.extremes()
+        name.partition(".")[2]: values
         for name, values in factors.items()
         if name.startswith("settings.")
     }
     for field, values in axes.items():
-        others = {other: axes[other] for other in axes if other != field}
-        for value in values:
-            _check_setting({**settings, field: value}, others, f"settings.{field}")
+        others = {other: axes[other].extremes() for other in axes if other != field}
+        for value in values.extremes():
+            name = f"settings.{field}"
+            _within(values, _check_setting, {**settings, field: value}, others, name)
 
 
 def _check_setting(

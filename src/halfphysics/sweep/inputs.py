@@ -10,7 +10,7 @@ from __future__ import annotations
 import glob
 import mmap
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args, get_type_hints
@@ -115,12 +115,13 @@ def scenario_options(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(o for o in known[0] if o not in NOT_PLAIN and all(o in each for each in known))
 
 
-def resolve(entries: Sequence[Inputs], base: Path) -> list[str]:
+def resolve(entries: Sequence[Inputs], base: Path, outputs: str) -> list[str]:
     """The inputs, one line each: entry by entry, files sorted by path within each.
 
     Args:
         entries: As in the plan.
         base: The folder that patterns are relative to.
+        outputs: The folder of the results, relative to it: what lies there is no input.
 
     Raises:
         FileError: A pattern that no file matches, or a name that a line cannot hold.
@@ -132,15 +133,17 @@ def resolve(entries: Sequence[Inputs], base: Path) -> list[str]:
             continue
         found: set[str] = set()
         for k, pattern in enumerate(entry.files):
-            matches = _matches(pattern, base)
-            if not matches:
+            count = 0
+            for name in _matches(pattern, base, outputs):
+                found.add(f"file\t{name}\t{number}")  # a million: no second copy of them
+                count += 1
+            if not count:
                 raise FileError(
                     f"inputs[{number}].files[{k}]: no {'folder' if pattern[-1:] == '/' else 'file'}"
                     f" matches {pattern!r} in {base.absolute()}; patterns are relative to the "
                     "plan's folder, ** stands for any folders between"
                 )
-            found.update(matches)
-        lines += [f"file\t{name}\t{number}" for name in sorted(found)]
+        lines += sorted(found)
     return lines
 
 
@@ -215,11 +218,15 @@ def _line_ends(handle: Any) -> np.ndarray:
     return np.concatenate(parts) if parts else np.empty(0, np.int64)
 
 
-def _matches(pattern: str, base: Path) -> list[str]:
+def _matches(pattern: str, base: Path, outputs: str) -> Iterator[str]:
     folders = pattern.endswith("/")
-    names = []
+    root = os.path.abspath(base)
+    own = os.path.abspath(base / outputs) + os.sep
+    aside = not (root + os.sep).startswith(own)
     for name in glob.iglob(pattern, root_dir=base, recursive=True):
-        whole = os.path.join(base, name)
+        whole = os.path.join(root, name)
+        if aside and os.path.normpath(whole).startswith(own):
+            continue
         if folders or os.path.isfile(whole):
             name = name.replace(os.sep, "/").rstrip("/")
             if not name.isprintable():
@@ -227,8 +234,7 @@ def _matches(pattern: str, base: Path) -> list[str]:
                     f"{name!r}: found a name with characters that a list of inputs cannot hold "
                     "(tabs, line breaks, what is no UTF-8); rename it"
                 )
-            names.append(name)
-    return names
+            yield name
 
 
 def _motion_options(options: dict[str, Any]) -> dict[str, Any]:

@@ -28,6 +28,7 @@ from urllib.parse import urlsplit
 
 from halfphysics import __version__, machine
 from halfphysics.errors import HalfPhysicsError, InputError, MissingDependencyError
+from halfphysics.program import program
 from halfphysics.sweep.work import Done, Task, do
 from halfphysics.workers import DIED, FULL, THREADS, Death
 
@@ -104,7 +105,7 @@ class RayEngine:
         self.slots, self._asked = 1, 0.0
         self._refresh()
         share = None if memory is None else int(GIB * memory / self.slots)
-        self._order = function, str(Path(folder).absolute()), share, __version__
+        self._order = function, str(Path(folder).absolute()), share, program()
         self._remote = self._function("halfphysics", calls=_FRESH)
         # Processes belong to an environment, and those of this one answer once: it finds none.
         self._alone = self._function("halfphysics-alone", calls=1, HALFPHYSICS_ALONE="1")
@@ -201,13 +202,17 @@ def _answer(
     function: Callable[[str, Task], Done],
     folder: str,
     memory: int | None,
-    version: str,
+    ours: str,
     task: Task,
 ) -> _Answer:
     """What runs in the processes of the cluster."""
     place = f"on {socket.gethostname()}"
-    if version != __version__:
-        stop = f"{place}: halfphysics {__version__} is installed, expected {version} as here"
+    if program() != ours:
+        stop = (
+            f"{place}: halfphysics {__version__} there, or what it computes with (mujoco, numpy, "
+            "scipy, trimesh, coacd), is not what is installed here. Install the same versions on "
+            "all machines"
+        )
         return _Answer(Done(0.0, stop=stop))
     if memory is not None:
         machine.limit_memory(memory)

@@ -17,7 +17,7 @@ import numpy as np
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.asked import betas_for, furnished, model_for
 from halfphysics.sweep.kept import Kept
-from halfphysics.sweep.motion_factors import recorded_in_step
+from halfphysics.sweep.motion_factors import recorded_in_step, retimed
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from halfphysics.sweep.choices import BodyChoice, SceneChoice
     from halfphysics.sweep.inputs import Input
 
-#: A file that was read: "path", and "sha256" of its content.
+#: A file that was read: its absolute "path", and "sha256" of its content.
 Source: TypeAlias = dict[str, str]
 
 #: How many of each are kept. A body is some megabytes, a clip or a scene may be tens of them.
-CLIPS, MODELS, BODIES, SCENES = 2, 2, 4, 3
+CLIPS, MODELS, BODIES, SCENES, DIGESTS = 2, 2, 4, 3, 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,12 +55,14 @@ class Stock:
     """Clips, body models, bodies, clips on the ground and scenes: the last few of each."""
 
     def __init__(self) -> None:
+        self._digests: Kept[str] = Kept(DIGESTS)
         # Where a key has the id of something, that something is kept beside the value: no id is
         # taken again while its key is there.
         self._clips: Kept[tuple[Any, Loaded]] = Kept(CLIPS)
         self._models: Kept[ShapeSpace] = Kept(MODELS)
         self._bodies: Kept[Body] = Kept(BODIES)
         self._grounded: Kept[tuple[Any, tuple[Motion, ...]]] = Kept(BODIES)
+        self._timed: Kept[tuple[Any, tuple[Motion, ...]]] = Kept(BODIES)
         self._scenes: Kept[tuple[Any, Furnished]] = Kept(SCENES)
 
     def clip(self, input: Input, options: Mapping[str, Any], body: Body | None) -> Loaded:
@@ -73,7 +75,7 @@ class Stock:
         """
         if input.kind == "file":
             key: Hashable = ("file", str(input.path), _key(input.options))
-            return self._clips.get(key, lambda: (None, _read(input)))[1]
+            return self._clips.get(key, lambda: (None, self._read(input)))[1]
 
         def make() -> tuple[Any, Loaded]:
             from halfphysics import scenarios
@@ -150,6 +152,14 @@ class Stock:
 
         return self._grounded.get((id(loaded), *map(id, bodies)), make)[1]
 
+    def timed(self, motions: tuple[Motion, ...], timing: Mapping[str, float]) -> tuple[Motion, ...]:
+        """Motions at the speed and frame rate that factors say (`motion_factors.retimed`)."""
+        speed, fps = timing.get("speed", 1.0), timing.get("fps")
+        if speed == 1.0 and fps is None:
+            return motions
+        key = (*map(id, motions), speed, fps)
+        return self._timed.get(key, lambda: (motions, retimed(motions, timing)))[1]
+
     def scene(self, choice: SceneChoice, loaded: Loaded, ground: bool, speed: float) -> Furnished:
         """The scene around a clip.
 
@@ -165,20 +175,52 @@ class Stock:
             own = own if speed == 1.0 else recorded_in_step(own, speed)
             words = (f"scenes: {choice.name}:", "objects: none", "ground: false")
             scene = furnished(own, choice.path or choice.file, (), (), ground, words=words)
-            return loaded, Furnished(scene, _sources_of(scene, choice))
+            return loaded, Furnished(scene, self._sources_of(scene, choice))
 
         key = (str(choice.path or choice.file), id(loaded), ground, speed)
         return self._scenes.get(key, make)[1]
 
+    def _read(self, input: Input) -> Loaded:
+        options, path = input.motion_options, Path(input.path or input.name)
+        clip = options.sequence(path)
+        model = Path(options.model) if options.model is not None else path
+        files = [path] if model == path or not model.is_file() else [path, model]
+        return Loaded(clip, self._sources(files))
 
-def _read(input: Input) -> Loaded:
-    options, path = input.motion_options, Path(input.path or input.name)
-    clip = options.sequence(path)
-    files = [(input.name, path)]
-    model = Path(options.model) if options.model is not None else None
-    if model is not None and model.is_file():
-        files.append((str(model), model))
-    return Loaded(clip, tuple({"path": name, "sha256": digest(file)} for name, file in files))
+    def _sources_of(self, scene: Scene, choice: SceneChoice) -> tuple[Source, ...]:
+        """The scene's file and those of its meshes and articulated things."""
+        file = choice.path or choice.file
+        things: Iterable[Any] = (
+            *scene.statics.values(),
+            *scene.objects.values(),
+            *scene.articulated.values(),
+        )
+        read = (thing.source for thing in things if thing.source is not None)
+        return (
+            *self._sources([] if file is None else [Path(file)]),
+            *({"path": source.path, "sha256": source.sha256} for source in read),
+        )
+
+    def _sources(self, paths: Iterable[Path]) -> tuple[Source, ...]:
+        """Files by content; of a folder all that is in it."""
+        files: list[Path] = []
+        for path in paths:
+            inner = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+            files += [file.absolute() for file in inner]
+        return tuple({"path": str(file), "sha256": self._digest(file)} for file in files)
+
+    def _digest(self, file: Path) -> str:
+        """SHA-256 (hex) of a file, read again where it looks otherwise than before."""
+
+        def make() -> str:
+            with file.open("rb") as handle:
+                return hashlib.file_digest(handle, "sha256").hexdigest()
+
+        try:
+            look = file.stat()
+            return self._digests.get((str(file), look.st_size, look.st_mtime_ns), make)
+        except OSError as error:
+            raise FileError(f"{file}: cannot be read: {error.strerror}") from None
 
 
 def _default(betas: Mapping[int, float], stature: float | None) -> Body:
@@ -201,40 +243,6 @@ def _with_betas(full: Any, betas: Mapping[int, float], name: str) -> Any:
             )
         made[k] = value
     return made
-
-
-def _sources_of(scene: Scene, choice: SceneChoice) -> tuple[Source, ...]:
-    """The scene's file and those of its meshes and articulated things."""
-    path = choice.path or (Path(choice.file) if choice.file is not None else None)
-    files = [] if path is None else [{"path": choice.name, "sha256": digest(path)}]
-    things: Iterable[Any] = (
-        *scene.statics.values(),
-        *scene.objects.values(),
-        *scene.articulated.values(),
-    )
-    files += [
-        {"path": thing.source.path, "sha256": thing.source.sha256}
-        for thing in things
-        if thing.source is not None
-    ]
-    return tuple(files)
-
-
-def digest(path: Path) -> str:
-    """SHA-256 (hex) of a file; of a folder that of its files' names and digests.
-
-    Raises:
-        FileError: It cannot be read.
-    """
-    try:
-        if path.is_dir():
-            inner = sorted(p for p in path.rglob("*") if p.is_file())
-            lines = [f"{p.relative_to(path).as_posix()}\t{digest(p)}\n" for p in inner]
-            return hashlib.sha256("".join(lines).encode()).hexdigest()
-        with path.open("rb") as handle:
-            return hashlib.file_digest(handle, "sha256").hexdigest()
-    except OSError as error:
-        raise FileError(f"{path}: cannot be read: {error.strerror}") from None
 
 
 def _key(options: Mapping[Any, Any]) -> Hashable:

@@ -55,7 +55,7 @@ class Store:
     @cached_property
     def layout(self) -> Layout:
         """Which variants, batches and shards there are, and where they lie."""
-        from halfphysics.sweep.plan import InputList
+        from halfphysics.sweep.inputs import InputList
         from halfphysics.sweep.variants import Variants
 
         outputs = self.plan.outputs
@@ -68,7 +68,7 @@ class Store:
             since = os.stat(self._lock.path).st_mtime_ns - _CLOCKS
         except OSError:
             since = 0  # nobody began: what files look like is not to be trusted
-        return Sources(since)
+        return Sources(since, self.plan.base)
 
     @cached_property
     def _fragments(self) -> Fragments:
@@ -150,7 +150,7 @@ class Store:
                     f"{self.folder}: holds another plan: {_difference(other, here)}. Run that "
                     f"plan ({path}), or give another folder (--out)"
                 )
-            if there.base == self.plan.base:
+            if there.base.resolve() == self.plan.base.resolve():
                 return
         self.plan.save(path)
 
@@ -275,7 +275,7 @@ class Store:
             The numbers of shards, samples, skipped variants and failures.
         """
         self._remove_sealed()
-        return manifest.write(self.folder, self.plan, self.layout, self.records())
+        return manifest.write(self.plan, self.layout, self.records())
 
 
 def _difference(there: Any, here: Any, where: str = "") -> str:

@@ -18,6 +18,8 @@ Value: TypeAlias = float | int | str | bool | None
 
 #: Share of a normal distribution that must lie in `within`: draws outside are drawn again.
 _LEAST_SHARE = 0.01
+#: Standard deviations within which practically all draws of a normal distribution are.
+_FAR = 6
 _MOST_VALUES = 1_000_000
 
 
@@ -114,8 +116,8 @@ class Uniform:
         return self.low + (self.high - self.low) * stream.uniform(number)
 
     def extremes(self) -> tuple[Value, ...]:
-        """Values that are possible if all are."""
-        return (self.low, self.high)
+        """Values that are possible if all are; no whole numbers, as none will be drawn."""
+        return (float(self.low), float(self.high))
 
     def document(self) -> Any:
         """As plain data."""
@@ -141,8 +143,8 @@ class LogUniform:
         return min(max(self.low * exp(span * stream.uniform(number)), self.low), self.high)
 
     def extremes(self) -> tuple[Value, ...]:
-        """Values that are possible if all are."""
-        return (self.low, self.high)
+        """Values that are possible if all are; no whole numbers, as none will be drawn."""
+        return (float(self.low), float(self.high))
 
     def document(self) -> Any:
         """As plain data."""
@@ -188,8 +190,10 @@ class Normal:
         return value
 
     def extremes(self) -> tuple[Value, ...]:
-        """Values that are possible if all are; without `within` only the mean is sure to come."""
-        return self.within or (self.mean,)
+        """Values that are possible if all are; without `within` those of two in a billion."""
+        if self.within is not None:
+            return (float(self.within[0]), float(self.within[1]))
+        return tuple(float(self.mean + k * self.sd) for k in (-_FAR, _FAR))
 
     def document(self) -> Any:
         """As plain data."""

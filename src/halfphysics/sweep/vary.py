@@ -15,7 +15,7 @@ from halfphysics.errors import InputError
 from halfphysics.settings import Settings
 from halfphysics.simulation import simulate
 from halfphysics.sweep.factors import NOT_PLAIN, FactorName
-from halfphysics.sweep.motion_factors import placed, retimed, said_of_motion
+from halfphysics.sweep.motion_factors import placed, said_of_motion
 from halfphysics.sweep.scene_factors import SceneFactors
 from halfphysics.sweep.stock import Loaded, Source, Stock
 
@@ -37,8 +37,8 @@ class Ready:
         scene: What stands and lies around.
         bodies: Of each person.
         settings: How to simulate it.
-        sources: Of every file read (motion, scene, meshes, models): its path, as the plan says it
-            where it does, and the SHA-256 of its content.
+        sources: Of every file read (motion, scene, meshes, models): its absolute "path", and
+            "sha256" of its content.
         allow_mismatch: As in `simulate`.
     """
 
@@ -76,7 +76,7 @@ class Workshop:
         loaded, bodies = self._people(variant, said)
         clip = loaded.clip
         motions = self._stock.grounded(loaded, bodies) if self._plan.grounded else clip.motions
-        motions = placed(retimed(motions, timing), bodies, timing)
+        motions = placed(self._stock.timed(motions, timing), bodies, timing)
         around = self._stock.scene(
             variant.scene, loaded, variant.input.ground, timing.get("speed", 1.0)
         )

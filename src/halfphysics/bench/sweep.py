@@ -1,0 +1,271 @@
+"""What a sweep costs beside its simulations: by the clock, by its parts, in memory."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import sys
+import tempfile
+import time
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from halfphysics.bench.record import Options, Record
+from halfphysics.bench.timing import in_turns
+from halfphysics.errors import InputError
+from halfphysics.sweep.data_card import DataCard
+from halfphysics.sweep.driver import run
+from halfphysics.sweep.inputs import Inputs
+from halfphysics.sweep.local import LocalEngine
+from halfphysics.sweep.making import Maker, Sample
+from halfphysics.sweep.plan import Outputs, Plan, resolve_inputs
+from halfphysics.sweep.progress import Progress
+from halfphysics.sweep.store import Store
+from halfphysics.sweep.values import spec
+from halfphysics.sweep.variants import Variants
+from halfphysics.sweep.vary import Workshop
+from halfphysics.sweep.work import Done, Task, do
+
+if TYPE_CHECKING:
+    from halfphysics.workers import Death
+
+#: A person walks up to a ball and kicks it: 167 frames.
+SCENARIO = "kick_ball"
+_VARIANTS, _QUICK_VARIANTS = 200, 3
+_ALONE, _MANY, _POINTS = 100, 2000, 10
+#: A run takes long enough to say something, and many of them too long.
+_REPEATS = 3
+
+
+def sweep(options: Options) -> Iterator[Record]:
+    """Whole sweeps: two processes beside one; one process beside what it cannot do without."""
+    count = _QUICK_VARIANTS if options.quick else _VARIANTS
+    yield _processes(count, options)
+    few = _QUICK_VARIANTS if options.quick else _ALONE
+    # A pass is long enough for a run.
+    once = replace(options, quick=True, repeats=min(options.repeats, _REPEATS))
+    plan = plan_of(few)
+    variants = Variants(plan, resolve_inputs(plan))
+    workshop = Workshop(plan)
+    # What is ready stays as it is: it is simulated again in every turn.
+    ready = [workshop.make(variant) for variant in variants]
+    whole, same, bare = in_turns(
+        (
+            lambda: _here(plan),
+            lambda: len(_made(Maker(plan, variants), few)),
+            lambda: len([workshop.run(one) for one in ready]),
+        ),
+        once,
+    )
+    for name, side in (("simulate, labels and files alone", same), ("simulate alone", bare)):
+        yield Record(
+            case="sweep",
+            setting=f"{few} variants, one process; peer: {name}",
+            frames=few,
+            unit="variants/s",
+            ours=whole.rates(few),
+            peer=side.rates(few),
+            checks={"samples": (whole.result, side.result)},
+        )
+
+
+def parts(options: Options) -> Iterator[Record]:
+    """Seconds a variant for each thing that a sweep does with it, beside those for `simulate`."""
+    count = _QUICK_VARIANTS if options.quick else _ALONE
+    plan = plan_of(count)
+    found = [_parts(plan) for _ in range(min(options.repeats, _REPEATS))]
+    for name in found[0]:
+        yield Record(
+            case="sweep-parts",
+            setting=f"{name}, {count} variants",
+            frames=count,
+            unit="s",
+            ours=tuple(one[name] for one in found),
+            peer=tuple(one["simulate"] for one in found),
+        )
+
+
+def memory(options: Options) -> Iterator[Record]:
+    """What driver and workers hold at ten points of a long sweep.
+
+    Raises:
+        InputError: Not on Linux: what other processes hold is not known.
+    """
+    if sys.platform != "linux":
+        raise InputError(f"bench: sweep-memory is measured on Linux only, found {sys.platform}")
+    count = _POINTS if options.quick else _MANY
+    watch = _Watch()
+    _clocked(plan_of(count), 2, watch)
+    for name, held in (("driver", watch.driver), ("each of 2 workers", watch.workers)):
+        megabytes = np.array(held) / 1e6
+        # The first point is of processes that still load things.
+        at = np.linspace(0.0, count, len(held) + 1)[2:]
+        slope = np.polyfit(at, megabytes[1:], 1)[0]
+        yield Record(
+            case="sweep-memory",
+            setting=f"{name}, {count} variants",
+            frames=count,
+            unit="MB",
+            ours=tuple(megabytes.tolist()),
+            checks={
+                "growth [kB/variant]": (1000.0 * float(slope), None),
+                "last over second point": (float(megabytes[-1] / megabytes[1]), None),
+            },
+        )
+
+
+def plan_of(count: int) -> Plan:
+    """A sweep of so many variants of the scenario."""
+    return Plan(
+        inputs=(Inputs(scenarios=(SCENARIO,)),),
+        factors={
+            "objects.friction": spec({"uniform": [0.3, 1.0]}),
+            "settings.stiffness": spec({"uniform": [0.0, 1.0]}),
+        },
+        samples=count,
+        outputs=Outputs(),
+    )
+
+
+class Here:
+    """An engine in this process: what is left of a sweep without processes."""
+
+    slots = 1
+
+    def __init__(self, folder: Path) -> None:
+        self._folder, self._tasks = str(folder), deque[Task]()
+
+    def submit(self, task: Task) -> None:
+        """Hand over a task."""
+        self._tasks.append(task)
+
+    def wait(self) -> list[tuple[Task, Done | Death]]:
+        """Do the next task."""
+        if not self._tasks:
+            return []
+        task = self._tasks.popleft()
+        return [(task, do(self._folder, task))]
+
+    def close(self) -> None:
+        """Forget what was handed over."""
+        self._tasks.clear()
+
+
+class _Watch(Progress):
+    """Looks at the memory of driver and workers whenever another part of the sweep is done [B]."""
+
+    def __init__(self) -> None:
+        super().__init__(bar=False, say=lambda line: None)
+        self.driver: list[int] = []
+        self.workers: list[int] = []
+
+    def ended(self, task: Task, done: Done) -> None:
+        """A task has ended."""
+        super().ended(task, done)
+        while (
+            len(self.driver) < _POINTS
+            and self.done * _POINTS >= (len(self.driver) + 1) * self.total
+        ):
+            self.driver.append(_held(os.getpid()))
+            workers = [child.pid for child in multiprocessing.active_children()]
+            self.workers.append(max((_held(pid) for pid in workers if pid), default=0))
+
+
+def _held(process: int) -> int:
+    """What a process holds [bytes]."""
+    return int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def _processes(count: int, options: Options) -> Record:
+    """Two processes beside one, by the clock, starting them included."""
+    plan = plan_of(count)
+    seconds: dict[int, list[float]] = {1: [], 2: []}
+    samples = 0
+    order = (2, 1)
+    for _ in range(min(options.repeats, _REPEATS)):
+        for jobs in order:
+            took, samples = _clocked(plan, jobs, Progress(bar=False, say=lambda line: None))
+            seconds[jobs].append(took)
+        order = order[::-1]
+    return Record(
+        case="sweep",
+        setting=f"{count} variants, two processes by the clock; peer: one process",
+        frames=count,
+        unit="variants/s",
+        ours=tuple(count / took for took in seconds[2]),
+        peer=tuple(count / took for took in seconds[1]),
+        checks={"samples": (samples, samples)},
+    )
+
+
+def _clocked(plan: Plan, jobs: int, progress: Progress) -> tuple[float, int]:
+    """Seconds that a sweep takes by the clock, starting its processes included, and its samples."""
+    with tempfile.TemporaryDirectory() as folder, Store(folder, plan) as store:
+        start = time.perf_counter()
+        engine = LocalEngine(Path(folder), jobs)
+        try:
+            report = run(store, engine, progress)
+        finally:
+            engine.close()
+        return time.perf_counter() - start, report.samples
+
+
+def _here(plan: Plan) -> int:
+    """A sweep in this process; says how many samples it made."""
+    with tempfile.TemporaryDirectory() as folder, Store(folder, plan) as store:
+        return run(store, Here(Path(folder)), Progress(bar=False, say=lambda line: None)).samples
+
+
+def _made(maker: Maker, count: int) -> list[Sample]:
+    """The samples of a sweep, without driver, engine and folder."""
+    made = (maker.sample(number) for number in range(count))
+    return [one for one in made if isinstance(one, Sample)]
+
+
+def _parts(plan: Plan) -> dict[str, float]:
+    """Processor time of a variant [s] by what it is for."""
+    from halfphysics.labels import contact_labels
+    from halfphysics.labels.events import events
+    from halfphysics.sweep.card import card_of
+    from halfphysics.sweep.sample import files_of
+
+    variants, workshop = Variants(plan, resolve_inputs(plan)), Workshop(plan)
+    workshop.make(variants[0])  # reading and building it once is not a variant's
+    spent = dict.fromkeys(("make", "simulate", "labels", "events and card", "files", "shard"), 0.0)
+    last = time.process_time()
+
+    def took(name: str) -> None:
+        nonlocal last
+        now = time.process_time()
+        spent[name] += now - last
+        last = now
+
+    with tempfile.TemporaryDirectory() as folder, Store(folder, plan) as store:
+        for batch in range(store.layout.batches):
+            samples, card = [], DataCard()
+            for number in store.layout.variants_of(batch):
+                last = time.process_time()
+                ready = workshop.make(variants[number])
+                took("make")
+                result = workshop.run(ready)
+                took("simulate")
+                labels = contact_labels(result)
+                took("labels")
+                one = card_of(plan, variants[number], ready, result, labels, events(result))
+                card.sample(one)
+                took("events and card")
+                samples.append((variants[number].key, files_of(result, labels, one, whole=False)))
+                took("files")
+            record = {"skipped": 0, "failures": [], "inputs": {}, "sums": card.sums()}
+            store.write_fragment(batch, samples, record)
+            took("shard")
+        for shard in range(store.layout.shards):
+            store.seal(shard)
+        store.finish()
+        took("shard")
+    return {name: max(seconds, 1e-9) / len(variants) for name, seconds in spent.items()}

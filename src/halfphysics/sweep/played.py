@@ -1,0 +1,307 @@
+"""Machines that are played: an engine with a clock of its own, and a folder without fragments.
+
+What happens to a variant depends on the seed and its number; what happens to processes and
+machines on the seed and the order of tasks.
+"""
+
+from __future__ import annotations
+
+import heapq
+import time
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError
+from halfphysics.machine import resident
+from halfphysics.sweep.card import CHECKS
+from halfphysics.sweep.data_card import SPREADS, SUMMED, counted
+from halfphysics.sweep.fragments import Fragments
+from halfphysics.sweep.layout import Layout
+from halfphysics.sweep.making import failure
+from halfphysics.sweep.provenance import versions
+from halfphysics.sweep.sources import Sources
+from halfphysics.sweep.store import Store
+from halfphysics.sweep.work import Done, Task
+from halfphysics.workers import Death
+
+if TYPE_CHECKING:
+    from halfphysics.sweep.plan import Plan
+    from halfphysics.sweep.variants import Variant, Variants
+
+CAUSE = "played: this variant cannot be simulated"
+
+_SLOW = 10.0  # who straggles takes so many times as long
+_SHAPE = 4.0  # of the gamma distribution of times: half and twice the average are common
+_NOTHING = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"  # its SHA-256
+
+
+@dataclass(frozen=True, kw_only=True)
+class Play:
+    """What the machines do.
+
+    Attributes:
+        machines, cores: So many machines, each with so many cores.
+        seconds: A variant takes so long on average [s].
+        sealing: Sealing a shard takes so long [s].
+        failing: The part of the variants that fail.
+        killing: The part of the variants that always kill their process.
+        dying: The part of the tasks whose process dies for no reason of theirs.
+        straggling: The part of the tasks that take ten times as long.
+        seed: Of all that is drawn.
+
+    Raises:
+        InputError: A number that cannot be.
+    """
+
+    machines: int
+    cores: int = 16
+    seconds: float = 0.5
+    sealing: float = 0.5
+    failing: float = 1e-3
+    killing: float = 1e-6
+    dying: float = 1e-4
+    straggling: float = 1e-3
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, least in (("machines", 1), ("cores", 1), ("seed", 0)):
+            if getattr(self, name) < least:
+                raise InputError(f"{name}: found {getattr(self, name)}, expected {least} or more")
+        for name in ("seconds", "sealing"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"{name}: found {getattr(self, name)}, expected more than 0")
+        for name in ("failing", "killing", "dying", "straggling"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InputError(f"{name}: found {getattr(self, name)}, expected 0 to 1")
+
+
+class PlayedEngine:
+    """The cores of the played machines.
+
+    Attributes:
+        slots: Cores of all machines.
+        now: What the clock says [s].
+        busy: Seconds of cores that worked.
+        tasks: How many were handed over.
+        used: Processor time of this process that was not the driver's [s].
+        step: The most processor time of the driver between two calls [s].
+        most: The most memory that this process held [bytes].
+    """
+
+    def __init__(self, folder: Path, plan: Plan, play: Play) -> None:
+        self.slots = play.machines * play.cores
+        self.now = self.busy = self.used = self.step = 0.0
+        self.tasks = self.most = 0
+        self._play = play
+        self._store = _PlayedStore(folder, plan, play)
+        self._random = np.random.default_rng([play.seed, 0])
+        self._queue = deque[Task]()
+        self._running: list[tuple[float, int, Task, Done | Death]] = []
+        self._left = time.process_time()
+
+    def submit(self, task: Task) -> None:
+        """Hand over a task."""
+        start = self._enter()
+        self.tasks += 1
+        self._queue.append(task)
+        self._begin()
+        self._leave(start)
+
+    def wait(self) -> list[tuple[Task, Done | Death]]:
+        """What ends next; nothing only where nothing is under way."""
+        start = self._enter()
+        found = []
+        if self._running:
+            self.now, _, task, end = heapq.heappop(self._running)
+            if task.kind == "seal" and isinstance(end, Done):
+                self._store.seal(task.shard)
+                self.most = max(self.most, resident())
+            found.append((task, end))
+            self._begin()
+        self._leave(start)
+        return found
+
+    def close(self) -> None:
+        """Nothing goes on."""
+        self._queue.clear()
+        self._running.clear()
+
+    def _enter(self) -> float:
+        start = time.process_time()
+        self.step = max(self.step, start - self._left)
+        return start
+
+    def _leave(self, start: float) -> None:
+        self._left = time.process_time()
+        self.used += self._left - start
+
+    def _begin(self) -> None:
+        while self._queue and len(self._running) < self.slots:
+            task = self._queue.popleft()
+            seconds, end = self._end(task)
+            self.busy += seconds
+            heapq.heappush(self._running, (self.now + seconds, self.tasks, task, end))
+
+    def _end(self, task: Task) -> tuple[float, Done | Death]:
+        """How long a task will take, and how it will end."""
+        straggles, dies, when = self._random.random(3).tolist()
+        slow = _SLOW if straggles < self._play.straggling else 1.0
+        if task.kind == "seal":
+            done, killed = Done(slow * self._play.sealing), False
+        else:
+            done, killed = self._store.fates(task.shard).of(self._numbers(task), task.dead, slow)
+        if killed or dies < self._play.dying:
+            return when * done.seconds, Death()
+        return done.seconds, done
+
+    def _numbers(self, task: Task) -> range:
+        """The variants of a task."""
+        if task.kind == "variants":
+            return range(task.first, task.first + task.count)
+        of = self._store.layout.variants_of
+        return range(of(task.first)[0], of(task.first + task.count - 1)[-1] + 1)
+
+
+@dataclass(frozen=True)
+class _Fates:
+    """What happens to the variants of a shard, from number `first` on: arrays of one length."""
+
+    first: int
+    seconds: NDArray[np.float64]
+    failing: NDArray[np.bool_]
+    killing: NDArray[np.bool_]
+    skipped: NDArray[np.bool_]
+
+    def of(
+        self, numbers: range, dead: tuple[tuple[int, str], ...], slow: float
+    ) -> tuple[Done, bool]:
+        """How a task with these variants ends, and whether one of them kills the process."""
+        part = slice(numbers[0] - self.first, numbers[-1] + 1 - self.first)
+        lost = np.zeros(len(numbers), dtype=bool)
+        for number, _ in dead:
+            lost[number - numbers[0]] = True
+        skipped = self.skipped[part] & ~lost
+        made = ~(lost | skipped)
+        failed = int(np.count_nonzero(lost | (self.failing[part] & made)))
+        left_out = int(np.count_nonzero(skipped))
+        done = Done(
+            slow * float(self.seconds[part].sum(where=made)),
+            kept=len(numbers) - failed - left_out,
+            skipped=left_out,
+            causes=(CAUSE,) * failed,
+        )
+        return done, bool((self.killing[part] & made).any())
+
+
+@dataclass(frozen=True)
+class _PlayedLayout(Layout):
+    """All fragments are one empty file."""
+
+    def fragment(self, batch: int) -> Path:
+        return self.work / "played.fragment"
+
+
+class _PlayedStore(Store):
+    """A folder whose fragments are not on disk, but known from the seed; the rest is."""
+
+    def __init__(self, folder: Path, plan: Plan, play: Play) -> None:
+        super().__init__(folder, plan)
+        self._play = play
+        #: Twice the tasks that are under way belong to so many shards, and some.
+        open_shards = 2 * play.machines * play.cores // self.layout.batches_per_shard + 64
+        self.fates = lru_cache(open_shards)(self._fates)
+        self.layout.fragment(0).touch()
+
+    @cached_property
+    def layout(self) -> Layout:
+        whole = super().layout
+        return _PlayedLayout(whole.folder, whole.variants, whole.batch, whole.per_shard)
+
+    @cached_property
+    def variants(self) -> Variants:
+        """What numbers stand for."""
+        from halfphysics.sweep.plan import InputList
+        from halfphysics.sweep.variants import Variants
+
+        return Variants(self.plan, InputList(self.layout.inputs))
+
+    @cached_property
+    def _fragments(self) -> Fragments:
+        return _PlayedFragments(self)
+
+    def _fates(self, shard: int) -> _Fates:
+        batches = self.layout.batches_of(shard)
+        first = self.layout.variants_of(batches[0])[0]
+        numbers = range(first, self.layout.variants_of(batches[-1])[-1] + 1)
+        play, random = self._play, np.random.default_rng([self._play.seed, 1, shard])
+        skipped = np.zeros(len(numbers), dtype=bool)
+        if self.plan.keep:
+            kept = (self.variants.keeps(self.variants[number]) for number in numbers)
+            skipped = ~np.fromiter(kept, dtype=bool, count=len(numbers))
+        return _Fates(
+            first,
+            random.gamma(_SHAPE, play.seconds / _SHAPE, len(numbers)),
+            random.random(len(numbers)) < play.failing,
+            random.random(len(numbers)) < play.killing,
+            skipped,
+        )
+
+
+class _PlayedFragments(Fragments):
+    """What the records of fragments would be."""
+
+    def __init__(self, store: _PlayedStore) -> None:
+        super().__init__(store.layout, store.identity, Sources(0))
+        self._store = store
+        self._empty = counted(())
+
+    def read(self, batch: int) -> dict[str, Any]:
+        layout, variants = self._store.layout, self._store.variants
+        numbers = layout.variants_of(batch)
+        fates = self._store.fates(layout.shard_of(batch))
+        part = slice(numbers[0] - fates.first, numbers[-1] + 1 - fates.first)
+        skipped = int(np.count_nonzero(fates.skipped[part]))
+        lost = (fates.failing[part] | fates.killing[part]) & ~fates.skipped[part]
+        failures = [failure(numbers[k], variants[numbers[k]], CAUSE) for k in np.flatnonzero(lost)]
+        samples = len(numbers) - skipped - len(failures)
+        numbers_ = {"samples": samples, "skipped": skipped, "failed": len(failures)}
+        # Counts as long as real ones, of one batch of a shard: they take their time.
+        shown = numbers[:samples] if batch == layout.batches_of(layout.shard_of(batch))[0] else ()
+        sums = counted(self._cards(shown), failures) if shown or failures else self._empty
+        return {
+            "batch": batch,
+            "samples": samples,
+            "skipped": skipped,
+            "failures": failures,
+            "sums": {**sums, "numbers": {**numbers_, "success": samples}},
+            "inputs": {},
+            "stats": {},
+            "bytes": 0,
+            "sha256": _NOTHING,
+        }
+
+    def remove(self, shard: int) -> None:
+        """There is nothing to remove."""
+
+    def _cards(self, numbers: Iterable[int]) -> Iterator[dict[str, Any]]:
+        """Cards of samples in which things happened."""
+        known = versions()
+        for number in numbers:
+            variant: Variant = self._store.variants[number]
+            even = np.random.default_rng(number).random()
+            yield {
+                **variant.values(),
+                "factors": variant.factors,
+                "success": True,
+                "checks": dict.fromkeys(CHECKS, True),
+                "versions": known,
+                **dict.fromkeys(SPREADS, even),
+                **dict.fromkeys(SUMMED, 1),
+            }

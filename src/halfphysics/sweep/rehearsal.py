@@ -1,0 +1,193 @@
+"""A sweep without its simulations: what would a thousand machines ask of the one that drives them?
+
+The driver, the numbering of variants, the folder, the sealing of shards, manifest and data card are
+the real ones; machines are played (`sweep.played`). What is measured is the driver: its time and
+memory must not grow faster than the sweep does.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from halfphysics.errors import InputError
+from halfphysics.machine import resident
+from halfphysics.sweep.driver import Driver
+from halfphysics.sweep.played import Play, PlayedEngine
+from halfphysics.sweep.progress import bytes_text, time_text
+from halfphysics.sweep.store import Store
+
+if TYPE_CHECKING:
+    from halfphysics.sweep.plan import Plan
+    from halfphysics.sweep.work import Done, Task
+    from halfphysics.workers import Death
+
+__all__ = ["PARTS", "Play", "Rehearsal", "rehearse"]
+
+#: A sweep is cut into so many equal parts, to see whether the last costs what the first did.
+PARTS = 8
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rehearsal:
+    """What a rehearsal found.
+
+    Times are processor time [s], of the driver alone: not what machines are played with.
+
+    Attributes:
+        play: What was played.
+        variants, batches, shards: Of the sweep.
+        tasks, deaths, failures: What happened.
+        begin: To list the inputs and open the folder.
+        parts: To drive each of `PARTS` equal parts of the sweep.
+        finish: To write manifest, data card and failures.
+        step: The most that the driver ever took to answer.
+        memory: By how much the process grew [bytes]: with the played machines in it.
+        manifest, records: Sizes of the manifest and of all records of shards [bytes].
+        makespan: How long the sweep would take if the driver took no time [s].
+        utilisation: The part of the cores' time for which they worked.
+    """
+
+    play: Play
+    variants: int
+    batches: int
+    shards: int
+    tasks: int
+    deaths: int
+    failures: int
+    begin: float
+    parts: tuple[float, ...]
+    finish: float
+    step: float
+    memory: int
+    manifest: int
+    records: int
+    makespan: float
+    utilisation: float
+
+    @property
+    def driving(self) -> float:
+        """Seconds of the driver in all."""
+        return self.begin + sum(self.parts) + self.finish
+
+    @property
+    def growth(self) -> float:
+        """What the driver took for the second half of the sweep, over the first."""
+        half = len(self.parts) // 2
+        return sum(self.parts[half:]) / max(sum(self.parts[:half]), 1e-9)
+
+    def __str__(self) -> str:
+        play = self.play
+        million = self.driving * 1e6 / self.variants
+        parts = ", ".join(f"{part:.3g}" for part in self.parts)
+        return "\n".join(
+            (
+                f"{play.machines:,} machines of {play.cores} cores, played: "
+                f"{play.seconds:g} s a variant",
+                f"sweep    {self.variants:,} variants, {self.batches:,} batches, {self.shards:,} "
+                f"shards in {self.tasks:,} tasks; {self.deaths:,} deaths of processes, "
+                f"{self.failures:,} variants that fail",
+                f"takes    {time_text(self.makespan)}, with cores at work for "
+                f"{100.0 * self.utilisation:.1f} % of it",
+                f"driver   {self.driving:.3g} s of processor time, {million:.3g} s a million "
+                f"variants, {100.0 * self.driving / self.makespan:.2g} % of the sweep's time",
+                f"         {self.begin:.3g} s to begin, {self.finish:.3g} s to finish; eighths of "
+                f"the sweep: {parts} s; second half over first {self.growth:.2f}",
+                f"         longest answer {1000.0 * self.step:.3g} ms",
+                f"memory   {bytes_text(self.memory)} more than before, with the played machines",
+                f"written  manifest {bytes_text(self.manifest)}, records of shards "
+                f"{bytes_text(self.records)}",
+            )
+        )
+
+
+def rehearse(plan: Plan, play: Play, folder: Path | None = None) -> Rehearsal:
+    """Drive a sweep whose machines are played.
+
+    Args:
+        plan: The sweep; its inputs are listed but not read.
+        play: What the machines do.
+        folder: Where records and manifest are written, missing or empty; None: a temporary one.
+
+    Raises:
+        InputError: There is something in the folder.
+        FileError: It cannot be written.
+    """
+    with ExitStack() as stack:
+        if folder is None:
+            temporary = tempfile.TemporaryDirectory(prefix="halfphysics-")
+            folder = Path(stack.enter_context(temporary))
+        elif folder.is_dir() and any(folder.iterdir()):
+            raise InputError(
+                f"{folder}: found files in it, expected an empty folder: what a rehearsal writes "
+                "is no data. Leave --out away for a temporary one"
+            )
+        before, start = resident(), time.process_time()
+        store = stack.enter_context(Store(folder, plan))
+        begin = time.process_time() - start
+        engine = PlayedEngine(folder, plan, play)
+        watch = _Watch(engine)
+        Driver(store, engine, watch).run()
+        parts = watch.parts()
+        start = time.process_time()
+        totals = store.finish()
+        finish = time.process_time() - start
+        layout = store.layout
+        records = layout.shard_folder.rglob("*.json")
+        return Rehearsal(
+            play=play,
+            variants=layout.variants,
+            batches=layout.batches,
+            shards=totals["shards"],
+            tasks=engine.tasks,
+            deaths=watch.deaths,
+            failures=totals["failures"],
+            begin=begin,
+            parts=parts,
+            finish=finish,
+            step=engine.step,
+            memory=max(engine.most, resident()) - before,
+            manifest=(folder / "manifest.jsonl").stat().st_size,
+            records=sum(path.stat().st_size for path in records),
+            makespan=engine.now,
+            utilisation=engine.busy / (engine.slots * engine.now),
+        )
+
+
+class _Watch:
+    """Looks at the driver's time whenever another part of the sweep is done."""
+
+    def __init__(self, engine: PlayedEngine) -> None:
+        self.deaths = 0
+        self._engine = engine
+        self._variants = self._done = 0
+        self._marks = [0.0]
+        self._start = time.process_time()
+
+    def begin(self, variants: int) -> None:
+        self._variants = variants
+
+    def found(self, variants: int) -> None:
+        self._done += variants
+
+    def ended(self, task: Task, done: Done) -> None:
+        # Who tries a variant alone makes none.
+        self._done += done.variants if task.kind == "batches" else 0
+        while len(self._marks) < PARTS and self._done * PARTS >= self._variants * len(self._marks):
+            self._marks.append(self._time())
+
+    def died(self, task: Task, death: Death) -> None:
+        self.deaths += 1
+
+    def parts(self) -> tuple[float, ...]:
+        """The driver's time for each part; the last one's is until now."""
+        marks = [*self._marks, self._time()]
+        return tuple(after - before for before, after in pairwise(marks))
+
+    def _time(self) -> float:
+        return time.process_time() - self._start - self._engine.used

@@ -1,0 +1,545 @@
+"""The folder of a sweep: what is in it, and that nothing is ever lost or half there."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import signal
+import sys
+import tarfile
+import time
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sweep_shards import make, make_batch, plan_of, record_of, run, sample, tree, write_tar
+
+from halfphysics.errors import FileError, HalfPhysicsError, InputError
+from halfphysics.sweep import documents, tar
+from halfphysics.sweep.sources import Sources
+from halfphysics.sweep.store import Store
+
+posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+BOTH = ("webdataset", "hdf5")
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory):
+    """Eleven values for two files: 22 variants, 11 batches, 4 shards."""
+    pytest.importorskip("h5py")
+    return plan_of(tmp_path_factory.mktemp("library"), formats=BOTH)
+
+
+@pytest.fixture(scope="module")
+def undisturbed(plan, tmp_path_factory):
+    """What the folder holds after a run in one go."""
+    folder = tmp_path_factory.mktemp("undisturbed") / "out"
+    assert run(folder, plan) == {"shards": 4, "samples": 20, "skipped": 2, "failures": 0}
+    return tree(folder)
+
+
+# -- what is there -------------------------------------------------------------------------
+
+
+def test_what_is_in_the_folder(undisturbed):
+    shards = [f"shards/00000/{k:09d}{s}" for k in range(4) for s in (".h5", ".json", ".tar")]
+    notes = ["card.json", "card.md", "failures.jsonl", "inputs.txt", "manifest.jsonl", "plan.yaml"]
+    assert sorted(undisturbed) == sorted(shards + notes)
+
+
+def test_a_shard_is_what_tarfile_writes_in_one_go(undisturbed, tmp_path):
+    kept = [sample(n) for n in range(6) if n != 3]
+    whole = write_tar(tmp_path / "a.tar", kept).read_bytes()
+    assert undisturbed["shards/00000/000000000.tar"] == whole
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.text("ab.é_", min_size=1, max_size=40), st.binary(max_size=3000))))
+def test_members_and_end_are_an_archive(files):
+    pieces = b"".join(b"".join(tar.member(name, data)) for name, data in files)
+    whole = io.BytesIO()
+    with tarfile.open(fileobj=whole, mode="w", format=tarfile.USTAR_FORMAT) as archive:
+        for name, data in files:
+            info = tarfile.TarInfo(name)
+            info.size = len(data)
+            archive.addfile(info, io.BytesIO(data))
+    assert pieces + tar.ending(len(pieces)) == whole.getvalue()
+
+
+def test_a_name_that_does_not_fit():
+    with pytest.raises(InputError, match="does not fit an archive"):
+        tar.member("a" * 300, b"")
+
+
+def test_manifest_says_what_the_files_are(undisturbed):
+    import hashlib
+
+    lines = [json.loads(line) for line in undisturbed["manifest.jsonl"].splitlines()]
+    assert [line["first"] for line in lines] == [0, 6, 12, 18]
+    assert [line["samples"] for line in lines] == [5, 5, 6, 4]
+    for line in lines:
+        assert line["files"].keys() == {"tar", "h5"}
+        for file in line["files"].values():
+            data = undisturbed[file["path"]]
+            assert (len(data), hashlib.sha256(data).hexdigest()) == (file["bytes"], file["sha256"])
+
+
+def test_order_and_process_do_not_matter(plan, undisturbed, tmp_path):
+    with Store(tmp_path / "out", plan, "this") as store:
+        rng = np.random.default_rng(0)
+        for batch in rng.permutation(store.layout.batches):
+            # Each as its own process would, twice where a worker was thought dead.
+            for _ in range(rng.integers(1, 3)):
+                make_batch(Store(tmp_path / "out", plan, "this"), int(batch))
+        for shard in rng.permutation(store.layout.shards):
+            Store(tmp_path / "out", plan, "this").seal(int(shard))
+        store.finish()
+    assert tree(tmp_path / "out") == undisturbed
+
+
+def test_formats(tmp_path, undisturbed):
+    """Without the tar the HDF5 file is the same, and the tar it is made from does not stay."""
+    run(tmp_path / "out", plan_of(tmp_path, formats=("hdf5",)))
+    there = tree(tmp_path / "out")
+    assert not [name for name in there if name.endswith(".tar")]
+    for k in range(4):
+        name = f"shards/00000/{k:09d}.h5"
+        assert there[name] == undisturbed[name]
+
+
+def test_a_batch_of_nothing(tmp_path):
+    with Store(tmp_path / "out", plan_of(tmp_path, variants=2, per_shard=2)) as store:
+        for batch in range(store.layout.batches):
+            store.write_fragment(batch, [], record_of(store, batch) | {"skipped": 2})
+        for shard in range(store.layout.shards):
+            store.seal(shard)
+        assert store.finish() == {"shards": 2, "samples": 0, "skipped": 4, "failures": 0}
+    with tarfile.open(tmp_path / "out/shards/00000/000000000.tar") as archive:
+        assert archive.getnames() == []
+
+
+@pytest.mark.parametrize("numbers", [[1, 0], [0, 0], [0, 5]])
+def test_samples_in_order_and_of_the_batch(tmp_path, numbers):
+    with Store(tmp_path / "out", plan_of(tmp_path)) as store:
+        with pytest.raises(InputError, match="expected keys from 000000000 to 000000001"):
+            store.write_fragment(0, [sample(n) for n in numbers], {})
+        assert store.left(0) == [0, 1, 2]
+    assert list((tmp_path / "out/work/000000000").iterdir()) == []
+
+
+# -- never lose work -----------------------------------------------------------------------
+
+
+def changes_something(event, arguments, folder):
+    """Whether an event of the interpreter is one of writing in a folder."""
+    path = arguments[0] if arguments else None
+    if not isinstance(path, str | os.PathLike) or not str(path).startswith(str(folder)):
+        return False
+    if event == "open":
+        return bool(arguments[2] & (os.O_WRONLY | os.O_RDWR))
+    if event == "os.mkdir":
+        return not os.path.exists(path)
+    there = {"os.rename", "os.remove", "os.rmdir", "os.chmod", "os.truncate"}
+    return event in there and os.path.exists(path)
+
+
+def disturbed(folder, work, at, what):
+    """Do work in another process, in which `what()` happens before operation `at` on `folder`.
+
+    Returns its exit code: 0 where there are no such many operations, 2 where it came to its end
+    all the same, 3 after an error of ours that names the folder.
+    """
+    child = os.fork()
+    if child:
+        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    count = 0
+
+    def hook(event, arguments):
+        nonlocal count
+        if changes_something(event, arguments, folder):
+            count += 1
+            if count == at:
+                what()
+
+    sys.addaudithook(hook)
+    try:
+        work()
+    except HalfPhysicsError as error:
+        os._exit(3 if str(folder) in str(error) else 4)
+    except BaseException:
+        os._exit(5)
+    os._exit(2 if count >= at else 0)
+
+
+def full():
+    raise OSError(28, "No space left on device")
+
+
+@posix
+@pytest.mark.parametrize(
+    ("what", "code", "formats"),
+    [(lambda: os._exit(9), 9, BOTH), (full, 3, BOTH[:1])],
+    ids=["killed", "full"],
+)
+def test_disturbed_at_every_operation(tmp_path, what, code, formats):
+    """Killed, or without room, before any one thing done to a file: the same bytes in the end."""
+    if "hdf5" in formats:
+        pytest.importorskip("h5py")
+    plan = plan_of(tmp_path, variants=1, formats=formats)
+    run(tmp_path / "whole", plan)
+    expected = tree(tmp_path / "whole")
+    codes = []
+    while 0 not in codes:
+        folder = tmp_path / f"out{len(codes)}"
+        codes.append(disturbed(folder, lambda f=folder: run(f, plan), len(codes) + 1, what))
+        run(folder, plan)
+        assert tree(folder) == expected, f"operation {len(codes)}"
+    assert len(codes) > 40
+    # What is only tidying up may fail without a word.
+    assert set(codes[:-1]) <= {code, 2}
+    assert codes.count(2) < 5
+
+
+@posix
+def test_killed_at_random(plan, undisturbed, tmp_path):
+    rng = np.random.default_rng(5)
+    killed = 0
+    while True:
+        child = os.fork()
+        if not child:
+            run(tmp_path / "out", plan)
+            os._exit(0)
+        time.sleep(rng.uniform(0.0, 0.01 * (killed + 4)))
+        os.kill(child, signal.SIGKILL)
+        if os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0:
+            break
+        killed += 1
+    assert killed >= 3
+    assert tree(tmp_path / "out") == undisturbed
+
+
+@posix
+@pytest.mark.parametrize("limit", [100, 20_000, 100_000])
+def test_a_full_disk(plan, undisturbed, tmp_path, limit):
+    """The limit of a file's size stops writing in the middle of a file."""
+    import resource
+
+    read, write = os.pipe()
+    child = os.fork()
+    if not child:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+        try:
+            run(tmp_path / "out", plan)
+        except FileError as error:
+            os.write(write, str(error).encode())
+        os._exit(0)
+    os.close(write)
+    os.waitpid(child, 0)
+    with open(read) as pipe:
+        said = pipe.read()
+    assert str(tmp_path / "out") in said
+    assert "Make room on the disk" in said
+    assert not list((tmp_path / "out").rglob(".*.part"))
+    run(tmp_path / "out", plan)
+    assert tree(tmp_path / "out") == undisturbed
+
+
+def test_leftovers_of_a_kill_go(plan, undisturbed, tmp_path):
+    run(tmp_path / "out", plan)
+    late = tmp_path / "out/work/000000002"
+    late.mkdir()
+    (late / "00000006.fragment").write_bytes(b"a worker that was thought dead")
+    for folder in (".", "shards/00000", "work/000000002", "work/stats"):
+        (tmp_path / "out" / folder / ".a.tar.x1.part").write_bytes(b"half")
+    run(tmp_path / "out", plan)
+    assert tree(tmp_path / "out") == undisturbed
+    assert not late.exists()
+    assert not list((tmp_path / "out").rglob(".*"))
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda path: path.with_suffix(".json").unlink(),
+        lambda path: path.with_suffix(".json").write_text('{"of": '),
+        lambda path: path.with_suffix(".json").write_text("[]"),
+        lambda path: path.with_suffix(".json").write_bytes(b"\xff\xfe"),
+        lambda path: path.unlink(),
+        lambda path: path.write_bytes(path.read_bytes()[:-1]),
+    ],
+)
+def test_a_fragment_that_does_not_count(plan, tmp_path, damage):
+    with Store(tmp_path / "out", plan, "this") as store:
+        for batch in store.batches(0):
+            make_batch(store, batch)
+        assert store.left(0) == []
+        damage(tmp_path / "out/work/000000000/00000001.fragment")
+        assert store.left(0) == [1]
+        with pytest.raises(FileError, match=r"00000001\.fragment: missing, or not what was"):
+            store.seal(0)
+
+
+def test_bits_that_changed_on_the_disk(plan, undisturbed, tmp_path):
+    with Store(tmp_path / "out", plan, "this") as store:
+        for batch in store.batches(0):
+            make_batch(store, batch)
+        path = tmp_path / "out/work/000000000/00000001.fragment"
+        data = bytearray(path.read_bytes())
+        data[1000] ^= 1
+        path.write_bytes(data)
+        with pytest.raises(FileError, match="not what was written"):
+            store.seal(0)
+        assert store.left(0) == [1]
+        make(store)
+    assert tree(tmp_path / "out") == undisturbed
+
+
+def test_another_program_makes_it_again(plan, tmp_path):
+    with Store(tmp_path / "out", plan, "old") as store:
+        make_batch(store, 0)
+        for batch in store.batches(1):
+            make_batch(store, batch)
+        store.seal(1)
+    with Store(tmp_path / "out", plan, "new") as store:
+        assert not store.done(1)
+        assert store.left(0) == [0, 1, 2]
+        assert store.left(1) == [3, 4, 5]
+        make(store)
+    assert tree(tmp_path / "out") == _made(tmp_path / "other", plan, "new")
+
+
+def _made(folder, plan, program):
+    run(folder, plan, program)
+    return tree(folder)
+
+
+@pytest.mark.parametrize("suffix", [".tar", ".h5", ".json"])
+def test_a_shard_whose_file_is_gone_is_not_done(plan, undisturbed, tmp_path, suffix):
+    run(tmp_path / "out", plan)
+    (tmp_path / "out/shards/00000/000000001").with_suffix(suffix).unlink()
+    with Store(tmp_path / "out", plan, "this") as store:
+        assert [store.done(k) for k in range(4)] == [True, False, True, True]
+        make(store)
+    assert tree(tmp_path / "out") == undisturbed
+
+
+def test_sealing_twice_changes_nothing(plan, undisturbed, tmp_path):
+    run(tmp_path / "out", plan)
+    tar = tmp_path / "out/shards/00000/000000001.tar"
+    before = tar.stat().st_mtime_ns
+    with Store(tmp_path / "out", plan, "this") as store:
+        store.seal(1)
+    assert tar.stat().st_mtime_ns == before
+
+
+# -- the wrong folder ----------------------------------------------------------------------
+
+
+def test_another_plan_in_the_folder(tmp_path):
+    run(tmp_path / "out", plan_of(tmp_path))
+    before = tree(tmp_path / "out")
+    with pytest.raises(InputError, match=r"holds another plan: seed is 0 there and 3 now.*--out"):
+        Store(tmp_path / "out", plan_of(tmp_path, seed=3)).begin()
+    assert tree(tmp_path / "out") == before
+    # Where results go is no part of what they are.
+    Store(tmp_path / "out", plan_of(tmp_path)).begin()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda base: (base / "c.npz").write_bytes(b""), r"1 new \(file c\.npz 0\)"),
+        (lambda base: (base / "a.npz").unlink(), r"1 gone \(file a\.npz 0\)"),
+        (lambda base: (base / "a.npz").rename(base / "z.npz"), r"1 new .*; 1 gone"),
+    ],
+)
+def test_other_inputs(tmp_path, change, said):
+    plan = plan_of(tmp_path)
+    run(tmp_path / "out", plan)
+    change(tmp_path)
+    store = Store(tmp_path / "out", plan)
+    with pytest.raises(InputError, match=f"inputs are not those.*{said}.*put them back"):
+        store.begin()
+    # The folder is not left locked.
+    plan_of(tmp_path)
+    for name in ("c.npz", "z.npz"):
+        (tmp_path / name).unlink(missing_ok=True)
+    store.begin()
+    store.close()
+
+
+def test_a_folder_of_something_else(tmp_path):
+    plan = plan_of(tmp_path)
+    with pytest.raises(InputError, match=r"found a\.npz, b\.npz and no plan\.yaml"):
+        Store(tmp_path, plan).begin()
+    with pytest.raises(FileError, match="a file, expected a folder"):
+        Store(tmp_path / "a.npz", plan).begin()
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.npz", "b.npz"]
+
+
+@posix
+def test_one_driver_at_a_time(tmp_path):
+    plan = plan_of(tmp_path)
+    read, write = os.pipe()
+    done, finish = os.pipe()
+    child = os.fork()
+    if not child:
+        os.close(finish)
+        Store(tmp_path / "out", plan).begin()
+        os.write(write, b"x")
+        os.read(done, 1)
+        os._exit(0)
+    os.read(read, 1)
+    second = Store(tmp_path / "out", plan)
+    try:
+        with pytest.raises(InputError, match=rf"another sweep works.*process {child} on "):
+            second.begin()
+    finally:
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+    second.begin()
+    with pytest.raises(InputError, match=r"another sweep works.*this process"):
+        Store(tmp_path / "out", plan).begin()
+    second.close()
+    for end in (read, write, done, finish):
+        os.close(end)
+
+
+def test_a_folder_that_cannot_be_written(tmp_path):
+    plan = plan_of(tmp_path)
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(FileError, match="cannot write"):
+        Store(tmp_path / "file" / "out", plan).begin()
+
+
+# -- inputs that change --------------------------------------------------------------------
+
+
+def digest(path):
+    import hashlib
+
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+@pytest.fixture
+def swept(tmp_path, monkeypatch):
+    """A folder made from a file that had not changed for long; gives a new store for it."""
+    monkeypatch.setattr("halfphysics.sweep.store._CLOCKS", -60_000_000_000)
+    plan = plan_of(tmp_path)
+    (tmp_path / "mesh.obj").write_bytes(b"v 0 0 0")
+    (tmp_path / "big.npz.txt").write_bytes(b"a" * 1000)
+    with Store(tmp_path / "out", plan, "this") as store:
+        inputs = {str(p): digest(p) for p in (tmp_path / "mesh.obj", tmp_path / "big.npz.txt")}
+        for batch in store.batches(0):
+            make_batch(store, batch, inputs=inputs)
+        store.seal(0)
+        make_batch(store, 3, inputs=inputs)
+    return lambda: Store(tmp_path / "out", plan, "this")
+
+
+def test_unchanged_inputs_are_not_read_again(swept, monkeypatch):
+    with swept() as store:
+        monkeypatch.setattr("hashlib.file_digest", None)
+        assert store.done(0)
+        assert store.left(1) == [4, 5]
+
+
+def test_touched_inputs_are_read_again(swept, tmp_path):
+    os.utime(tmp_path / "mesh.obj", (1, 1))
+    with swept() as store:
+        assert store.done(0)
+        assert store.left(1) == [4, 5]
+
+
+def test_changed_inputs_make_it_again(swept, tmp_path):
+    (tmp_path / "mesh.obj").write_bytes(b"v 0 0 1")
+    with swept() as store:
+        assert not store.done(0)
+        assert store.left(0) == [0, 1, 2]
+        assert store.left(1) == [3, 4, 5]
+
+
+def test_inputs_that_are_gone(swept, tmp_path):
+    (tmp_path / "mesh.obj").unlink()
+    with swept() as store, pytest.raises(InputError, match=r"mesh\.obj: cannot be reached.*back"):
+        store.done(0)
+
+
+def test_what_changed_since_the_run_began_is_not_trusted(tmp_path):
+    path = tmp_path / "clip.npz"
+    path.write_bytes(b"new")
+    changed = path.stat().st_ctime_ns
+    assert Sources(changed, tmp_path).stats({"clip.npz": "old"}) == {}
+    assert Sources(changed + 1, tmp_path).stats({"clip.npz": "old"}) != {}
+
+
+def test_inputs_that_change_while_they_are_read(tmp_path):
+    plan = plan_of(tmp_path)
+    with Store(tmp_path / "out", plan) as store:
+        for batch, sha in zip(store.batches(0), ("1" * 64, "1" * 64, "2" * 64), strict=True):
+            make_batch(store, batch, inputs={str(tmp_path / "a.npz"): sha})
+        with pytest.raises(InputError, match=r"a\.npz: changed while the sweep read it"):
+            store.seal(0)
+        assert store.left(0) == [0, 1, 2]
+
+
+# -- failures, manifest --------------------------------------------------------------------
+
+
+def test_failures_are_listed_and_can_be_tried_again(plan, undisturbed, tmp_path):
+    with Store(tmp_path / "out", plan, "this") as store:
+        assert make(store, failed=(1, 13)) == {
+            "shards": 4, "samples": 18, "skipped": 2, "failures": 2,
+        }  # fmt: skip
+    lines = (tmp_path / "out/failures.jsonl").read_text().splitlines()
+    assert [json.loads(line)["number"] for line in lines] == [1, 13]
+    assert json.loads(lines[0])["cause"] == "InputError: the clip is broken"
+    with Store(tmp_path / "out", plan, "this") as store:
+        assert store.drop_failed() == 2
+        assert [store.done(k) for k in range(4)] == [False, True, False, True]
+        make(store)
+    assert tree(tmp_path / "out") == undisturbed
+
+
+def test_failures_of_open_shards_can_be_tried_again(plan, tmp_path):
+    with Store(tmp_path / "out", plan, "this") as store:
+        for batch in store.batches(0):
+            make_batch(store, batch, failed=(2,))
+        assert store.drop_failed() == 1
+        assert store.left(0) == [1]
+
+
+def test_what_there_is_of_an_interrupted_run(plan, tmp_path):
+    with Store(tmp_path / "out", plan, "this") as store:
+        for batch in store.batches(2):
+            make_batch(store, batch)
+        store.seal(2)
+        assert store.finish() == {"shards": 1, "samples": 6, "skipped": 0, "failures": 0}
+        assert [record["shard"] for record in store.records()] == [2]
+    assert json.loads((tmp_path / "out/manifest.jsonl").read_text())["first"] == 12
+
+
+def test_manifest_of_many_shards(tmp_path):
+    """Quick, and in no more memory than that of few: records are looked at one at a time."""
+    peaks = []
+    for shards in (50, 500):
+        plan = plan_of(tmp_path, variants=shards, batch=2, per_shard=2)
+        with Store(tmp_path / str(shards), plan, "this") as store:
+            make_batch(store, 0)
+            store.seal(0)
+            record = store.record(0)
+            for shard in range(1, shards):
+                path = store.layout.shard_file(shard, ".json")
+                documents.write(path, record | {"shard": shard, "first": 2 * shard})
+            start = time.process_time()
+            assert store.finish()["shards"] == shards
+            took = time.process_time() - start
+            tracemalloc.start()
+            store.finish()
+            peaks.append(tracemalloc.get_traced_memory()[1])
+            tracemalloc.stop()
+    assert took < 0.5  # 10,000 in 10 s
+    assert peaks[1] < peaks[0] + 100_000

@@ -32,6 +32,7 @@ class Handled:
         walk: Where the person is (T, 3) [m]; None: at the origin.
         spin: How far the box and the person have turned about z (T,) [rad]; None: not at all.
         gravity: Its size [m/s^2].
+        people: How many there are; the first is called person, the second person1.
     """
 
     fps: float
@@ -39,13 +40,14 @@ class Handled:
     walk: np.ndarray | None = None
     spin: np.ndarray | None = None
     gravity: float = G
+    people: int = 1
     rows: list[tuple] = field(default_factory=list)
 
-    def push(self, frames, up, side=0.0, part=WRIST, at=(0.0, 0.0, 0.0)):
-        """The person bears `up` of its weight, and presses with `side` of it, along x."""
+    def push(self, frames, up, side=0.0, part=WRIST, at=(0.0, 0.0, 0.0), person=0):
+        """A person bears `up` of its weight, and presses with `side` of it, along x."""
         for frame in frames:
             impulse = np.array([side, 0.0, -up]) * MASS * (self.gravity or G) / self.fps
-            self.rows.append((frame, 0, part, -1, NAMES.index("box"), at, impulse))
+            self.rows.append((frame, person, part, -1, NAMES.index("box"), at, impulse))
 
     def rest(self, frames, on="floor", up=1.0):
         """It lies on something that bears `up` of its weight."""
@@ -69,7 +71,10 @@ class Handled:
         upright = rot.multiply(own, rot.exp([np.pi / 2, 0.0, 0.0]))
         rotations[:, 0] = rot.log(rot.multiply(world, upright))
         motion = Motion(pelvis + shift - body.rest_joints[0], rotations, self.fps)
-        person = PersonResult(name="person", motion=motion, reference=motion, body=body)
+        names = ("person", "person1")[: self.people]
+        people = tuple(
+            PersonResult(name=name, motion=motion, reference=motion, body=body) for name in names
+        )
         scene = Scene(gravity=self.gravity)
         scene.add_static("floor", Plane())
         scene.add_static("table", Box((1.0, 1.0, 0.1)), position=(5.0, 0.0, 0.5))
@@ -86,10 +91,10 @@ class Handled:
             position=rot.rotate(world, self.box) + shift, quaternion=rot.multiply(world, own)
         )
         return Result(
-            people=(person,),
+            people=people,
             objects={"box": track},
             scene=scene,
-            names=NAMES,
+            names=(*NAMES[:-1], *names),
             contacts=Contacts(
                 frame=frame,
                 person=columns[0],

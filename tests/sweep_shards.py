@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 
 from halfphysics.io.npz import npz_bytes
+from halfphysics.sweep.data_card import DataCard
 from halfphysics.sweep.plan import Plan
 from halfphysics.sweep.store import Store
 
@@ -52,6 +53,7 @@ def sample_with_card(number, card):
                 "human_parts": np.zeros((FRAMES, 55), bool),
                 "nothing": np.zeros((0, 3)),
                 "threshold_m": np.array(0.002),
+                "contacts/frame": rng.integers(0, FRAMES, 7),
             }
         ),
     }
@@ -90,7 +92,7 @@ def record_of(store, batch, failed=()):
     return {
         "skipped": sum(number in (3, 8) for number in numbers),
         "failures": [{"number": n, **cause} for n in numbers if n in failed],
-        "sums": {},
+        "sums": DataCard().sums(),
         "inputs": {},
     }
 

@@ -124,6 +124,23 @@ def test_what_is_caught_is_lost_and_not_dropped():
     assert found.lost == 1
 
 
+def test_what_is_handed_over_is_one_hold_of_two_people():
+    case = slid(speed=0.01, people=2)
+    case.rows = [row for row in case.rows if row[0] < 50]
+    case.push(range(48, len(case.box)), 1.0, 5.0, person=1, part=JOINT_INDEX["left_wrist"])
+    (hold,) = events(case.result()).holds
+    assert hold.people == ("person", "person1")
+    assert set(hold.parts) == {"left_wrist", "right_wrist"}
+    assert hold.ending == "kept"
+
+
+def test_a_slip_is_that_of_the_person_whose_hands_slide():
+    case = slid(people=2)
+    case.push(range(1, len(case.box)), 0.5, 2.0, person=1)
+    # Both stand still while the box goes down: it slides in the hands of both.
+    assert [slip.person for slip in events(case.result()).slips] == ["person", "person1"]
+
+
 def test_short_gaps_and_bumps_do_not_end_a_hold():
     case = slid(speed=0.01)
     case.rows = [row for row in case.rows if row[0] not in (30, 31, 32)]

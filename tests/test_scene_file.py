@@ -91,6 +91,7 @@ def test_json_says_the_same_with_tabs_too(tmp_path: Path) -> None:
         ("radius: 0.11", "radius: wide", "line 14, objects.ball.radius: .*number, found 'wide'"),
         ("radius: 0.11", "radius: -1", "line 12, objects.ball: Sphere: radius"),
         ("radius: 0.11", "radius: .nan", "finite number"),
+        ("radius: 0.11", f"radius: 1{'0' * 400}", "finite number, found 1000"),
         ("radius: 0.11", "radius: true", "number, found True"),
         ("radius: 0.11", "radius:", "number, found nothing"),
         ("radius: 0.11", "radius: 1:30", "number, found '1:30'"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -173,6 +174,17 @@ def test_cards_are_json_of_the_same_bytes_each_time():
     one, other = (text_of(card(held())) for _ in range(2))
     assert one == other
     assert json.loads(one) == card(held())
+
+
+def test_the_documentation_says_what_every_value_is():
+    page = (Path(__file__).parent.parent / "docs" / "sweeps.md").read_text()
+    table = page.partition("## The card of a sample")[2].partition("## ")[0]
+    found = card(held())
+    named = set(re.findall(r"`(\w+)`", table))
+    assert set(found) <= named
+    assert set(found["checks"]) <= named
+    assert set(found["objects"]["box"]) <= named
+    assert set(found["versions"]) <= named
 
 
 def test_no_folder_of_a_machine_is_in_a_card(tmp_path):

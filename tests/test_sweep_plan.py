@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import pickle
 import re
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from halfphysics.cli.options import MotionOptions
 from halfphysics.errors import FileError, InputError
@@ -196,6 +201,17 @@ def test_a_plan_survives_its_document_and_its_files(folder: Path) -> None:
     assert load(folder, json.dumps(document), "plan.json") == plan
 
 
+def test_results_can_go_elsewhere(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = load(folder, WHOLE)
+    moved = replace(plan, outputs=replace(plan.outputs, folder=str(folder / "clips" / "ä")))
+    assert moved.folder == folder / "clips" / "ä"
+    assert moved.identity == plan.identity
+    assert "file\tclips/ä/a.npz\t0" in resolve_inputs(plan)
+    assert "file\tclips/ä/a.npz\t0" not in resolve_inputs(moved)
+    monkeypatch.chdir(folder)
+    assert resolve_inputs(replace(moved, base=Path())) == resolve_inputs(moved)
+
+
 def test_the_identity_is_of_what_is_made(folder: Path) -> None:
     plan = load(folder, WHOLE)
     elsewhere = load(folder, WHOLE.replace("folder: out", "folder: other"), "moved.yaml")
@@ -340,6 +356,47 @@ def test_other_mistakes(folder: Path, text: str, message: str) -> None:
         load(folder, text)
 
 
+#: What may stand anywhere in a document.
+ANYTHING = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.sampled_from([0, 1, -1, 2.5, 10**400, float("inf"), float("nan")]),
+    st.sampled_from(["", "own", "x", "objects.mass < 1", "a" * 2000, "\0", "/", "**", "../.."]),
+    st.sampled_from([[], [1], [[1]], [None], ["a", "a"], {}, {"a": 1}, {"uniform": [0, 1]}]),
+    st.sampled_from([{"from": 0, "to": 1, "count": 3}, {"choice": [1], "weights": None}]),
+)
+
+
+def _places(node: object, path: tuple[object, ...] = ()) -> list[tuple[object, ...]]:
+    """Paths of all values below a node of a document."""
+    pairs = node.items() if isinstance(node, dict) else enumerate(node)
+    inner = [((*path, key), child) for key, child in pairs]
+    deeper = [_places(child, at) for at, child in inner if isinstance(child, dict | list)]
+    return [at for at, _ in inner] + [at for places in deeper for at in places]
+
+
+@settings(
+    max_examples=150,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(st.data())
+def test_any_document_is_a_plan_or_one_error(folder: Path, data: st.DataObject) -> None:
+    document = load(folder, WHOLE).document()
+    *path, last = data.draw(st.sampled_from(_places(document)))
+    parent = document
+    for key in path:
+        parent = parent[key]
+    parent[last] = data.draw(ANYTHING)
+    try:
+        plan = Plan.from_document(document, folder)
+    except FileError:
+        return
+    plan.save(folder / "again.yaml")
+    again = Plan.load(folder / "again.yaml")
+    assert (again, again.identity) == (plan, plan.identity)
+
+
 def test_files_that_are_no_plan(folder: Path) -> None:
     with pytest.raises(FileError, match="there is no such file, expected a sweep"):
         Plan.load(folder / "none.yaml")
@@ -373,6 +430,25 @@ def test_expressions_know_factors_and_results(folder: Path) -> None:
     assert not set(OF_VARIANT) & set(OF_RESULT)
 
 
+def test_the_explained_lines_of_python_run(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    load(folder, WHOLE)
+    monkeypatch.chdir(folder)
+    lines = DOCUMENT.read_text(encoding="utf-8").split("```python\n")[1].split("```")[0]
+    names: dict[str, Any] = {}
+    exec(lines, names)
+    said = lines.rsplit("# ", 1)[1].replace("...", "").strip()
+    expected = ast.literal_eval(said)
+    factors = names["variants"][17].factors
+    assert factors == pytest.approx(expected, abs=0.01)
+    assert "variants  60" in capsys.readouterr().out
+
+
+#: The mistakes whose messages the document shows.
+DOCUMENTED = [("to: 0.004", "to: 0.2"), ("objects.mass_factor < 2", "objects.mas < 2")]
+
+
 def test_the_explained_example_is_a_plan(tmp_path: Path) -> None:
     """docs/sweeps.md explains a whole file, and every key, in words that are still true."""
     text = DOCUMENT.read_text(encoding="utf-8")
@@ -385,6 +461,12 @@ def test_the_explained_example_is_a_plan(tmp_path: Path) -> None:
     plan = load(tmp_path, example)
     variants = Variants(plan, resolve_inputs(plan))
     assert f"{len(variants):,} variants" in text
+    messages = text.split("```\n")[2].splitlines()
+    for (old, new), message in zip(DOCUMENTED, messages, strict=True):
+        with pytest.raises(FileError) as caught:
+            load(tmp_path, example.replace(old, new))
+        said = message.removesuffix("...").rstrip()
+        assert str(caught.value).startswith(f"{tmp_path}/{said}")
     given = yaml.safe_load(example)
     assert set(given) == set(_KEYS) - {"base"}
     assert set(given["labels"]) == set(_LABEL_KEYS)

@@ -236,3 +236,16 @@ def test_a_factor_of_nothing_is_an_error():
     scene.add_moving("cart", hp.Sphere(0.1), [(0.0, 0.0, 1.0)], fps=1.0)
     with pytest.raises(InputError, match="moves as told"):
         varied(scene, object__cart__mass=1.0)
+
+
+def test_a_table_of_a_top_and_legs_stays_one():
+    scene = scenarios.load("close_laptop").scene
+    made = varied(scene, statics__scale=1.2)
+    leg = made.statics["table_leg_near_left"]
+    top = made.statics["table"]
+    height = leg.position[2] + 0.5 * leg.shape.size[2]
+    assert top.position[2] - 0.5 * top.shape.size[2] == pytest.approx(height)
+    surface = top.position[2] + 0.5 * top.shape.size[2]
+    was = scene.statics["table"]
+    gap = scene.articulated["laptop"].position[2] - was.position[2] - 0.5 * was.shape.size[2]
+    assert made.articulated["laptop"].position[2] - surface == pytest.approx(gap)

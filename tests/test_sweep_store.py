@@ -132,13 +132,25 @@ def test_samples_in_order_and_of_the_batch(tmp_path, numbers):
 
 # -- never lose work -----------------------------------------------------------------------
 
-_OPERATIONS = {"open", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "os.chmod"}
+
+def changes_something(event, arguments, folder):
+    """Whether an event of the interpreter is one of writing in a folder."""
+    path = arguments[0] if arguments else None
+    if not isinstance(path, str | os.PathLike) or not str(path).startswith(str(folder)):
+        return False
+    if event == "open":
+        return bool(arguments[2] & (os.O_WRONLY | os.O_RDWR))
+    if event == "os.mkdir":
+        return not os.path.exists(path)
+    there = {"os.rename", "os.remove", "os.rmdir", "os.chmod", "os.truncate"}
+    return event in there and os.path.exists(path)
 
 
 def disturbed(folder, work, at, what):
     """Do work in another process, in which `what()` happens before operation `at` on `folder`.
 
-    Returns its exit code: 0 where it came to its end, 3 after an error of ours.
+    Returns its exit code: 0 where there are no such many operations, 2 where it came to its end
+    all the same, 3 after an error of ours that names the folder.
     """
     child = os.fork()
     if child:
@@ -147,7 +159,7 @@ def disturbed(folder, work, at, what):
 
     def hook(event, arguments):
         nonlocal count
-        if event in _OPERATIONS and str(folder) in str(arguments[0]):
+        if changes_something(event, arguments, folder):
             count += 1
             if count == at:
                 what()
@@ -159,7 +171,7 @@ def disturbed(folder, work, at, what):
         os._exit(3 if str(folder) in str(error) else 4)
     except BaseException:
         os._exit(5)
-    os._exit(0)
+    os._exit(2 if count >= at else 0)
 
 
 def full():
@@ -167,10 +179,16 @@ def full():
 
 
 @posix
-@pytest.mark.parametrize(("what", "code"), [(lambda: os._exit(9), 9), (full, 3)])
-def test_disturbed_at_every_operation(tmp_path, what, code):
+@pytest.mark.parametrize(
+    ("what", "code", "formats"),
+    [(lambda: os._exit(9), 9, BOTH), (full, 3, BOTH[:1])],
+    ids=["killed", "full"],
+)
+def test_disturbed_at_every_operation(tmp_path, what, code, formats):
     """Killed, or without room, before any one thing done to a file: the same bytes in the end."""
-    plan = plan_of(tmp_path, variants=2, formats=BOTH)
+    if "hdf5" in formats:
+        pytest.importorskip("h5py")
+    plan = plan_of(tmp_path, variants=1, formats=formats)
     run(tmp_path / "whole", plan)
     expected = tree(tmp_path / "whole")
     codes = []
@@ -181,7 +199,8 @@ def test_disturbed_at_every_operation(tmp_path, what, code):
         assert tree(folder) == expected, f"operation {len(codes)}"
     assert len(codes) > 40
     # What is only tidying up may fail without a word.
-    assert set(codes) <= {0, code}
+    assert set(codes[:-1]) <= {code, 2}
+    assert codes.count(2) < 5
 
 
 @posix
@@ -193,7 +212,7 @@ def test_killed_at_random(plan, undisturbed, tmp_path):
         if not child:
             run(tmp_path / "out", plan)
             os._exit(0)
-        time.sleep(rng.uniform(0.0, 0.02))
+        time.sleep(rng.uniform(0.0, 0.01 * (killed + 4)))
         os.kill(child, signal.SIGKILL)
         if os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0:
             break
@@ -222,7 +241,7 @@ def test_a_full_disk(plan, undisturbed, tmp_path, limit):
     with open(read) as pipe:
         said = pipe.read()
     assert str(tmp_path / "out") in said
-    assert "Make room" in said or limit == 100
+    assert "Make room on the disk" in said
     assert not list((tmp_path / "out").rglob(".*.part"))
     run(tmp_path / "out", plan)
     assert tree(tmp_path / "out") == undisturbed
@@ -382,7 +401,7 @@ def test_one_driver_at_a_time(tmp_path):
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
     second.begin()
-    with pytest.raises(InputError, match="another sweep works.*this process"):
+    with pytest.raises(InputError, match=r"another sweep works.*this process"):
         Store(tmp_path / "out", plan).begin()
     second.close()
     for end in (read, write, done, finish):
@@ -453,8 +472,8 @@ def test_what_changed_since_the_run_began_is_not_trusted(tmp_path):
     path = tmp_path / "clip.npz"
     path.write_bytes(b"new")
     changed = path.stat().st_ctime_ns
-    assert Sources(changed).stats({str(path): "old"}) == {}
-    assert Sources(changed + 1).stats({str(path): "old"}) != {}
+    assert Sources(changed, tmp_path).stats({"clip.npz": "old"}) == {}
+    assert Sources(changed + 1, tmp_path).stats({"clip.npz": "old"}) != {}
 
 
 def test_inputs_that_change_while_they_are_read(tmp_path):
@@ -506,7 +525,7 @@ def test_what_there_is_of_an_interrupted_run(plan, tmp_path):
 def test_manifest_of_many_shards(tmp_path):
     """Quick, and in no more memory than that of few: records are looked at one at a time."""
     peaks = []
-    for shards in (200, 2000):
+    for shards in (50, 500):
         plan = plan_of(tmp_path, variants=shards, batch=2, per_shard=2)
         with Store(tmp_path / str(shards), plan, "this") as store:
             make_batch(store, 0)
@@ -522,5 +541,5 @@ def test_manifest_of_many_shards(tmp_path):
             store.finish()
             peaks.append(tracemalloc.get_traced_memory()[1])
             tracemalloc.stop()
-    assert took < 2.0  # 10,000 in 10 s
-    assert peaks[1] < peaks[0] + 500_000
+    assert took < 0.5  # 10,000 in 10 s
+    assert peaks[1] < peaks[0] + 100_000

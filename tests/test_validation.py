@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from halfphysics.errors import InputError
+from halfphysics.settings import Settings
 from halfphysics.validation import file_path, frame_rate, number, quaternion, shown, vector
 
 
@@ -21,7 +22,9 @@ def test_numbers_of_any_kind() -> None:
     assert number(1, "x", least=0.0, most=1.0) == 1.0
 
 
-@pytest.mark.parametrize("value", [None, "3", True, np.True_, 1j, [3.0], np.nan, np.inf, 0.0, -1])
+@pytest.mark.parametrize(
+    "value", [None, "3", True, np.True_, 1j, [3.0], np.nan, np.inf, 10**400, 0.0, -1]
+)
 def test_not_a_positive_number(value: Any) -> None:
     with pytest.raises(InputError, match=r"ball: mass: expected a number above 0 \[kg\], found"):
         number(value, "ball: mass", above=0.0, unit="kg")
@@ -49,6 +52,12 @@ def test_quaternions_become_unit_once(value: list[float]) -> None:
     np.testing.assert_array_equal(quaternion(unit, "q"), unit)
 
 
+def test_settings_are_finite() -> None:
+    for value in (np.nan, np.inf, -np.inf, 10**400):
+        with pytest.raises(InputError, match=r"Settings\.stiffness is .* expected a finite number"):
+            Settings(stiffness=value)
+
+
 def test_long_values_are_cut() -> None:
     assert len(shown(list(range(1000)))) == 80
 
@@ -62,6 +71,6 @@ def test_paths() -> None:
 
 def test_frame_rates() -> None:
     assert frame_rate(np.float32(30)) == 30.0
-    for value in (None, "fast", 0, -1.0, np.inf, np.nan):
+    for value in (None, "fast", 0, -1.0, np.inf, np.nan, 10**400):
         with pytest.raises(InputError, match=r"fps: found .*positive number, such as 60\.0"):
             frame_rate(value, "60.0")

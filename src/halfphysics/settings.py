@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
@@ -88,7 +89,7 @@ class Settings:
             real = isinstance(value, int | float) and not isinstance(value, bool)
             limit = f"> {above}" if above is not None else f">= {least}"
             limit += f" and <= {most}{why}" if most < math.inf else ""
-            good = real and math.isfinite(value) and value <= most
+            good = real and abs(value) <= sys.float_info.max and value <= most
             if good and above is not None:
                 good = value > above
             if good and least is not None:

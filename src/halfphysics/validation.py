@@ -46,7 +46,7 @@ def number(
         raise InputError(f"{what}: expected {wanted}, found {shown(value)}")
     try:
         result = float(value)
-    except OverflowError:  # a whole number of more than 308 digits
+    except OverflowError:  # a whole number of 309 digits
         result = math.inf
     if (
         not np.isfinite(result)
@@ -95,7 +95,7 @@ def frame_rate(value: object, example: str = "30.0") -> float:
     """`value` as frames per second."""
     try:
         fps = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         fps = np.nan
     if not (np.isfinite(fps) and fps > 0.0):
         raise InputError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import tempfile
 from collections.abc import Iterator
@@ -37,7 +38,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
             dir=path.parent, prefix=f".{path.name}.", suffix=".part"
         )
     except OSError as error:
-        raise FileError(f"{path}: cannot write in {path.parent}: {error.strerror}") from None
+        raise FileError(f"{path}: cannot write in {path.parent}: {reason(error)}") from None
     os.close(descriptor)
     temporary = Path(name)
     try:
@@ -48,9 +49,17 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         temporary.chmod(0o666 & ~umask)
         os.replace(temporary, path)
     except OSError as error:
-        raise FileError(f"{path}: cannot write: {error.strerror or error}") from None
+        raise FileError(f"{path}: cannot write: {reason(error)}") from None
     finally:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # what went wrong before is what is said
+            temporary.unlink(missing_ok=True)
+
+
+def reason(error: OSError) -> str:
+    """Why the system would not write, and what to do where its disk is full."""
+    said = error.strerror or str(error)
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    return f"{said}. Make room on the disk and try again" if full else said
 
 
 @contextlib.contextmanager

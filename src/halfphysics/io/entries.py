@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import sys
 from collections.abc import Callable
 from typing import Any
-
-import numpy as np
 
 from halfphysics.errors import HalfPhysicsError
 from halfphysics.io.tree import Entry
@@ -63,8 +62,8 @@ def number(entry: Entry) -> float:
     value = entry.value
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise entry.error(f"expected a number, found {describe(entry)}")
-    if not np.isfinite(value):
-        raise entry.error(f"expected a finite number, found {value}")
+    if not abs(value) <= sys.float_info.max:  # nan, and whole numbers of 309 digits, are not
+        raise entry.error(f"expected a finite number, found {shown(value)}")
     return float(value)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from halfphysics.labels.contact_labels import contact_labels
+from halfphysics.labels.events import Drop, Events, Hold, Limits, Slip, events
 from halfphysics.labels.exporters import arctic, behave, chois, omomo
 from halfphysics.labels.near import Near
 from halfphysics.labels.sampling import ObjectSurface
@@ -11,13 +12,19 @@ from halfphysics.labels.tables import ContactLabels, PersonLabels
 
 __all__ = [
     "ContactLabels",
+    "Drop",
+    "Events",
+    "Hold",
+    "Limits",
     "Near",
     "ObjectSurface",
     "PersonLabels",
+    "Slip",
     "SolverContacts",
     "arctic",
     "behave",
     "chois",
     "contact_labels",
+    "events",
     "omomo",
 ]

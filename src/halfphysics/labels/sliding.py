@@ -29,7 +29,8 @@ def slips_of(loads: Loads, limits: Limits) -> Iterator[Slip]:
         total = summed(frame, share, len(result))
         carry = (total[frame] >= limits.load) & (share >= limits.load * total[frame])
         rows, share, frame = rows[carry], share[carry], frame[carry]
-        if not len(rows):
+        # A kick is over sooner than any slip.
+        if not len(rows) or not _long(int(frame[0]), int(frame[-1]), limits, result.fps):
             continue
         step = _steps(loads, person, rows)
         slides = step * result.fps >= limits.slide_speed
@@ -37,6 +38,10 @@ def slips_of(loads: Loads, limits: Limits) -> Iterator[Slip]:
         yield from _grouped(
             loads, limits, person.name, rows[slides], share[slides], step[slides], lift
         )
+
+
+def _long(first: int, last: int, limits: Limits, fps: float) -> bool:
+    return last - first + 1 >= limits.slide_time * fps - 1e-6
 
 
 def _steps(loads: Loads, person: PersonResult, rows: Frames) -> Array:
@@ -92,7 +97,7 @@ def _grouped(
     way = np.divide(way, sums, out=np.zeros(len(result)), where=sums > 0.0)
     for first, last in intervals(way > 0.0, frames_in(limits.gap, result.fps)):
         distance = float(way[first : last + 1].sum())
-        long = last - first + 1 >= limits.slide_time * result.fps - 1e-6
+        long = _long(first, last, limits, result.fps)
         bears = float(lift[first : last + 1].mean()) >= limits.slide_load
         if not (long and bears) or distance < limits.slide:
             continue

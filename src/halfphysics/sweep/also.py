@@ -18,7 +18,7 @@ def other_labels(labels: ContactLabels, names: Iterable[str]) -> dict[str, bytes
 
     Args:
         labels: Made by `contact_labels`.
-        names: Of `plan.ALSO`.
+        names: Of `outputs.ALSO`.
     """
     from halfphysics.labels import exporters
 

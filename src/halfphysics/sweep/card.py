@@ -7,6 +7,7 @@ a machine, no number that is not finite (null stands for those).
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
@@ -205,7 +206,7 @@ def _source(source: Mapping[str, str], base: Path) -> dict[str, str]:
     """A file that was read: its path as the plan has it, or its name where the plan has none."""
     path = Path(source["path"])
     if path.is_absolute():
-        root = base.absolute()
+        path, root = Path(os.path.abspath(path)), os.path.abspath(base)
         path = path.relative_to(root) if path.is_relative_to(root) else Path(path.name)
     return {"path": path.as_posix(), "sha256": source["sha256"]}
 

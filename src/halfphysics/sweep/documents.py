@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 from collections.abc import Iterator, Mapping
@@ -11,10 +10,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from halfphysics.errors import FileError
-from halfphysics.io.atomic import atomic_path
-
-#: What the system says when there is no more room.
-_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+from halfphysics.io.atomic import atomic_write, reason
 
 
 def text_of(document: Mapping[str, Any]) -> str:
@@ -41,7 +37,7 @@ def replacing(path: Path, *, lasting: bool = False) -> Iterator[IO[bytes]]:
     """
     with reported(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_path(path) as temporary, room_for(path), temporary.open("wb") as handle:
+        with atomic_write(path) as handle:
             yield handle
             if lasting:
                 handle.flush()
@@ -49,27 +45,12 @@ def replacing(path: Path, *, lasting: bool = False) -> Iterator[IO[bytes]]:
 
 
 @contextmanager
-def room_for(path: Path) -> Iterator[None]:
-    """Says what to do where the disk is full."""
-    try:
-        yield
-    except OSError as error:
-        if error.errno not in _FULL:
-            raise
-        raise FileError(
-            f"{path}: cannot write: {error.strerror}. Make room on the disk and start the same "
-            "sweep again: it continues where it was"
-        ) from None
-
-
-@contextmanager
 def reported(path: Path) -> Iterator[None]:
     """Errors of the system as `FileError`."""
     try:
-        with room_for(path):
-            yield
+        yield
     except OSError as error:
-        raise FileError(f"{path}: cannot write: {error.strerror or error}") from None
+        raise FileError(f"{path}: cannot write: {reason(error)}") from None
 
 
 def write(path: Path, document: Mapping[str, Any], *, lasting: bool = False) -> None:

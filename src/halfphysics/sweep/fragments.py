@@ -57,7 +57,7 @@ class Fragments:
                         handle.write(piece)
                         digest.update(piece)
                         size += len(piece)
-        inputs = dict(record.get("inputs", {}))
+        inputs = self._sources.named(record.get("inputs", {}))
         whole = {
             **record,
             "of": self._identity,

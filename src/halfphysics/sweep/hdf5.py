@@ -10,6 +10,7 @@ import io
 import json
 import os
 from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -127,11 +128,29 @@ def _put(group: h5py.Group, key: str, array: NDArray[Any]) -> None:
 
 def samples(path: Path, parts: Collection[str] | None = None) -> Iterator[dict[str, Any]]:
     """The samples of an HDF5 shard, as `sweep.read` gives them."""
+    with _opened(path) as file:
+        for key in file:
+            yield _sample(file[key], key, parts)
+
+
+def keys(path: Path) -> list[str]:
+    """The keys of the samples of an HDF5 shard."""
+    with _opened(path) as file:
+        return list(file)
+
+
+def sample(path: Path, key: str) -> dict[str, Any]:
+    """One sample of an HDF5 shard."""
+    with _opened(path) as file:
+        return _sample(file[key], key, None)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[h5py.File]:
     h5 = _h5py()
     try:
         with h5.File(path, "r") as file:
-            for key in file:
-                yield _sample(file[key], key, parts)
+            yield file
     except (OSError, KeyError, RuntimeError, ValueError) as error:
         raise FileError(
             f"{path}: damaged, or no shard of a sweep ({error}). Run the sweep again in its "
@@ -146,8 +165,17 @@ def _sample(group: h5py.Group, key: str, parts: Collection[str] | None) -> dict[
         sample["card"] = json.loads(card)
     for name, part in group.items():
         if name != "card" and (parts is None or name in parts):
-            sample[name] = {name: _array(part[name]) for name in part}
+            sample[name] = dict(_arrays(part))
     return sample
+
+
+def _arrays(group: h5py.Group, where: str = "") -> Iterator[tuple[str, NDArray[Any]]]:
+    """Arrays by name; those with a slash in it are in groups of their own."""
+    for name, item in group.items():
+        if isinstance(item, _h5py().Group):
+            yield from _arrays(item, f"{where}{name}/")
+        else:
+            yield f"{where}{name}", _array(item)
 
 
 def _array(dataset: h5py.Dataset) -> NDArray[Any]:

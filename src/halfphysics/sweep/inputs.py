@@ -220,10 +220,11 @@ def _line_ends(handle: Any) -> np.ndarray:
 
 def _matches(pattern: str, base: Path, outputs: str) -> Iterator[str]:
     folders = pattern.endswith("/")
-    own = os.path.normpath(base / outputs) + os.sep
-    aside = not (os.path.normpath(base) + os.sep).startswith(own)
+    root = os.path.abspath(base)
+    own = os.path.abspath(base / outputs) + os.sep
+    aside = not (root + os.sep).startswith(own)
     for name in glob.iglob(pattern, root_dir=base, recursive=True):
-        whole = os.path.join(base, name)
+        whole = os.path.join(root, name)
         if aside and os.path.normpath(whole).startswith(own):
             continue
         if folders or os.path.isfile(whole):

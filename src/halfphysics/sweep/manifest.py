@@ -6,7 +6,6 @@ All are written by going over the records of the shards once, in order, one at a
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.sweep import documents
@@ -16,9 +15,7 @@ if TYPE_CHECKING:
     from halfphysics.sweep.plan import Plan
 
 
-def write(
-    folder: Path, plan: Plan, layout: Layout, records: Iterable[Mapping[str, Any]]
-) -> dict[str, Any]:
+def write(plan: Plan, layout: Layout, records: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     """Write `manifest.jsonl`, `failures.jsonl`, `card.json` and `card.md`.
 
     Returns:
@@ -27,6 +24,7 @@ def write(
     from halfphysics.sweep.data_card import DataCard
 
     card = DataCard(plan)
+    folder = layout.folder
     totals = {"shards": 0, "samples": 0, "skipped": 0, "failures": 0}
     with (
         documents.replacing(folder / "manifest.jsonl") as lines,
@@ -38,7 +36,7 @@ def write(
             totals["samples"] += record["samples"]
             totals["skipped"] += record["skipped"]
             totals["failures"] += len(record["failures"])
-            lines.write(documents.text_of(_line(folder, layout, record)).encode() + b"\n")
+            lines.write(documents.text_of(_line(layout, record)).encode() + b"\n")
             for failure in record["failures"]:
                 failures.write(documents.text_of(failure).encode() + b"\n")
     documents.write(folder / "card.json", card.document())
@@ -47,11 +45,11 @@ def write(
     return totals
 
 
-def _line(folder: Path, layout: Layout, record: Mapping[str, Any]) -> dict[str, Any]:
+def _line(layout: Layout, record: Mapping[str, Any]) -> dict[str, Any]:
     shard = record["shard"]
     files = {
         suffix.lstrip("."): {
-            "path": layout.shard_file(shard, suffix).relative_to(folder).as_posix(),
+            "path": layout.shard_file(shard, suffix).relative_to(layout.folder).as_posix(),
             **file,
         }
         for suffix, file in record["files"].items()

@@ -131,10 +131,10 @@ def _inputs(entry: Entry, base: Path) -> Inputs:
     ground = {"ground": _plain(given["ground"])} if "ground" in given else {}
     made: Inputs = _placed(entry, lambda: Inputs(**what, options=options, **ground))
     for folder in made.options.get("assets", ()) if made.files else ():
-        if not (base / folder).is_dir():
+        if not _at(given["assets"], base / folder).is_dir():
             raise given["assets"].error(f"there is no folder {folder!r} in {base.absolute()}")
     model = made.options.get("model") if made.files else None
-    if model is not None and model not in MODELS and not (base / model).exists():
+    if model is not None and model not in MODELS and not _at(given["model"], base / model).exists():
         raise given["model"].error(
             f"found {model!r}, expected one of {', '.join(MODELS)} or the path of a body model in "
             f"{base.absolute()}"
@@ -152,7 +152,7 @@ def _body(entry: Entry, base: Path) -> BodyChoice:
         )
     given = mapping(entry, _BODY_KEYS)
     made: BodyChoice = _made(entry, BodyChoice, given)
-    if made.model is not None and not (base / made.model).exists():
+    if made.model is not None and not _at(given["model"], base / made.model).exists():
         raise given["model"].error(f"there is no {made.model!r} in {base.absolute()}")
     return made
 
@@ -161,7 +161,7 @@ def _scene(entry: Entry, base: Path) -> SceneChoice:
     if entry.value == OWN:
         return SceneChoice()
     name = text(entry)
-    if not (base / name).is_file():
+    if not _at(entry, base / name).is_file():
         raise entry.error(
             f"expected {OWN} (what the input brings) or a scene file; there is no {name!r} in "
             f"{base.absolute()}"
@@ -172,6 +172,12 @@ def _scene(entry: Entry, base: Path) -> SceneChoice:
 def _spec(entry: Entry) -> Spec:
     made: Spec = _placed(entry, lambda: spec(_plain(entry)))
     return made
+
+
+def _at(entry: Entry, path: Path) -> Path:
+    """A path that can be asked for: something may be there or not."""
+    asked: Path = guarded(entry, file_path, path)
+    return asked
 
 
 def _made(entry: Entry, kind: Callable[..., Any], given: Mapping[str, Entry]) -> Any:

@@ -15,7 +15,7 @@ from typing import Any
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.atomic import atomic_path
 from halfphysics.sweep import documents, tar
-from halfphysics.sweep.documents import reported, room_for
+from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fragments import Fragments
 from halfphysics.sweep.layout import Layout
 
@@ -86,7 +86,7 @@ def _write_files(
         stack.enter_context(reported(path))
         target.parent.mkdir(parents=True, exist_ok=True)
         tar_path = stack.enter_context(atomic_path(path))
-        with room_for(path), tar_path.open("wb") as handle:
+        with tar_path.open("wb") as handle:
             whole = _join(layout, fragments, records, handle)
             handle.flush()
             os.fsync(handle.fileno())
@@ -96,7 +96,7 @@ def _write_files(
             from halfphysics.sweep.hdf5 import convert
 
             made = layout.shard_file(shard, ".h5")
-            with reported(made), atomic_path(made) as temporary, room_for(made):
+            with reported(made), atomic_path(made) as temporary:
                 convert(tar_path, temporary)
                 with temporary.open("rb+") as handle:
                     os.fsync(handle.fileno())

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import hashlib
 import os
+import stat
 from collections import OrderedDict
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TypeVar
 
 from halfphysics.errors import FileError, InputError
 
 T = TypeVar("T")
 
-#: path -> [size, date in ns]
+#: Name of a file -> [size, date in ns].
 Stats = Mapping[str, list[int]]
 # How many files to remember; variants of one shard share them.
 _REMEMBERED = 20_000
@@ -27,68 +29,87 @@ class Sources:
 
     Args:
         since: When the run began [ns]: what changed later may not be what was read.
+        base: What names are relative to; files elsewhere go by their whole path.
     """
 
-    def __init__(self, since: int) -> None:
+    def __init__(self, since: int, base: Path = Path()) -> None:
+        self._base = os.path.abspath(base)
+        self._real = os.path.realpath(base)
         self._since = since
         self._seen: OrderedDict[str, list[int]] = OrderedDict()
         self._hashes: OrderedDict[str, str] = OrderedDict()
 
+    def named(self, inputs: Mapping[str, str]) -> dict[str, str]:
+        """Paths as names that are the same wherever the plan and its files lie together."""
+        return {self._name(path): digest for path, digest in sorted(inputs.items())}
+
+    def _name(self, path: str) -> str:
+        whole = os.path.abspath(os.path.join(self._base, path))
+        for base in (self._base, self._real):
+            if whole.startswith(os.path.join(base, "")):
+                return Path(whole).relative_to(base).as_posix()
+        return Path(whole).as_posix()
+
+    def _path(self, name: str) -> Path:
+        return Path(self._base, name)
+
     def stats(self, inputs: Mapping[str, str]) -> dict[str, list[int]]:
         """What the files look like that have not changed since the run began."""
         found = {}
-        for path in inputs:
+        for name in inputs:
             try:
-                stat = os.stat(path)
+                its = self._path(name).stat()
             except OSError:
-                continue  # then it is read again
-            if max(stat.st_mtime_ns, stat.st_ctime_ns) < self._since:
-                found[path] = [stat.st_size, stat.st_mtime_ns]
+                continue  # it is looked at again when the sweep is
+            # The date of a folder is not that of what is in its files.
+            if stat.S_ISREG(its.st_mode) and max(its.st_mtime_ns, its.st_ctime_ns) < self._since:
+                found[name] = [its.st_size, its.st_mtime_ns]
         return found
 
     def changed(self, inputs: Mapping[str, str], stats: Stats) -> str | None:
         """The first file that is not what it was, or None.
 
         Args:
-            inputs: path -> SHA-256 of what was read.
+            inputs: Name -> SHA-256 of what was read.
             stats: What they looked like, as far as it is known.
 
         Raises:
             InputError: A file is not there any more.
             FileError: It cannot be read.
         """
-        for path, digest in inputs.items():
-            if self._look(path) != stats.get(path) and self._hash(path) != digest:
-                return path
+        for name, digest in inputs.items():
+            if self._look(name) != stats.get(name) and self._hash(name) != digest:
+                return name
         return None
 
-    def _look(self, path: str) -> list[int]:
-        known = self._seen.get(path)
+    def _look(self, name: str) -> list[int]:
+        known = self._seen.get(name)
         if known is None:
             try:
-                stat = os.stat(path)
+                its = self._path(name).stat()
             except OSError as error:
                 raise InputError(
-                    f"{path}: cannot be reached ({error.strerror}), but the data in this folder "
-                    "was made from it. Put it back, or give another folder (--out)"
+                    f"{self._path(name)}: cannot be reached ({error.strerror}), but the data in "
+                    "the folder was made from it. Put it back, or give another folder (--out)"
                 ) from None
-            known = [stat.st_size, stat.st_mtime_ns]
-            _remember(self._seen, path, known)
+            known = [its.st_size, its.st_mtime_ns]
+            _remember(self._seen, name, known)
         return known
 
-    def _hash(self, path: str) -> str:
-        known = self._hashes.get(path)
+    def _hash(self, name: str) -> str:
+        known = self._hashes.get(name)
         if known is None:
+            path = self._path(name)
             try:
-                with open(path, "rb") as handle:
+                with path.open("rb") as handle:
                     known = hashlib.file_digest(handle, "sha256").hexdigest()
             except OSError as error:
                 raise FileError(f"{path}: cannot read: {error.strerror}") from None
-            _remember(self._hashes, path, known)
+            _remember(self._hashes, name, known)
         return known
 
 
-def _remember(seen: OrderedDict[str, T], path: str, value: T) -> None:
-    seen[path] = value
+def _remember(seen: OrderedDict[str, T], name: str, value: T) -> None:
+    seen[name] = value
     if len(seen) > _REMEMBERED:
         seen.popitem(last=False)

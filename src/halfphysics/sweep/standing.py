@@ -12,6 +12,7 @@ from halfphysics import rotations as rot
 from halfphysics.articulated import Articulated, start_poses
 from halfphysics.moving import Moving
 from halfphysics.scene import Scene
+from halfphysics.shapes import Plane
 from halfphysics.sweep.scaled import lowest
 from halfphysics.things import Object, Static
 
@@ -34,45 +35,72 @@ class Support:
     height: float
 
 
+@dataclass(frozen=True)
+class _Extent:
+    """Where something is: its bounding box in the world, `low` and `high` (3,) [m]."""
+
+    low: Array
+    high: Array
+
+    @property
+    def middle(self) -> Array:
+        return 0.5 * (self.low + self.high)
+
+
 def supports(scene: Scene) -> dict[str, Support]:
     """Of everything that stands on a static or an object: on which.
 
-    It is the first thing straight below the middle of the lowest points' bounding box, within
-    `NEAR`. Things that move as told stand on nothing; nothing stands on an articulated object.
+    It is the first thing straight below the middle of its bounding box, within `NEAR` of its lowest
+    point; if there is none, the first whose top is as near and whose own middle is below it (a leg
+    of a table top). Things that move as told stand on nothing; nothing stands on an articulated
+    object.
     """
     things: dict[str, Static | Object] = {**scene.statics, **scene.objects}
-    low = {name: float(thing.position[2]) + lowest(thing) for name, thing in things.items()}
-    found = {}
-    for name, thing in things.items():
-        if not isinstance(thing, Moving) and np.isfinite(low[name]):
-            found[name] = _beneath(scene, low, _middle(thing), low[name], name)
+    extents = {
+        name: _extent(rot.rotate(thing.quaternion, thing.mesh()[0]) + thing.position, thing)
+        for name, thing in things.items()
+        if not isinstance(thing.shape, Plane)
+    }
+    found = {
+        name: _beneath(scene, extents, extent, name)
+        for name, extent in extents.items()
+        if not isinstance(things[name], Moving)
+    }
     for name, jointed in scene.articulated.items():
-        corners = _corners(jointed)
-        if len(corners):
-            middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-            found[name] = _beneath(scene, low, middle, float(corners[:, 2].min()), name)
+        vertices = _vertices(jointed)
+        if len(vertices):
+            extent = _Extent(vertices.min(axis=0), vertices.max(axis=0))
+            found[name] = _beneath(scene, extents, extent, name)
     return {name: support for name, support in found.items() if support is not None}
 
 
 def _beneath(
-    scene: Scene, low: Mapping[str, float], middle: Array, bottom: float, name: str
+    scene: Scene, extents: Mapping[str, _Extent], mine: _Extent, name: str
 ) -> Support | None:
+    bottom = float(mine.low[2])
     # Only what reaches lower can carry: no two things carry each other.
-    above = [other for other, z in low.items() if other == name or z >= bottom]
-    start = (middle[0], middle[1], bottom + NEAR)
+    above = [n for n, other in extents.items() if n == name or other.low[2] >= bottom]
+    start = (mine.middle[0], mine.middle[1], bottom + NEAR)
     hit = scene.ray(start, (0.0, 0.0, -1.0), ignore=above)
-    if hit is None or hit.distance > 2.0 * NEAR:
-        return None
-    foot = low[hit.name]
-    return Support(hit.name, float(hit.position[2]) - foot if np.isfinite(foot) else 0.0)
+    if hit is not None and hit.distance <= 2.0 * NEAR:
+        plane = hit.name not in extents
+        foot = hit.position[2] if plane else extents[hit.name].low[2]
+        return Support(hit.name, float(hit.position[2] - foot))
+    for other, its in extents.items():
+        under = (np.abs(its.middle - mine.middle) <= 0.5 * (mine.high - mine.low))[:2].all()
+        if other not in above and under and abs(its.high[2] - bottom) <= NEAR:
+            return Support(other, float(its.high[2] - its.low[2]))
+    return None
 
 
-def _middle(thing: Static | Object) -> Array:
-    corners = rot.rotate(thing.quaternion, thing.mesh()[0]) + thing.position
-    return 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+def _extent(vertices: Array, thing: Static | Object) -> _Extent:
+    """Of what touches; its lowest point to the last digit, which triangles of round shapes miss."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low[2] = thing.position[2] + lowest(thing)
+    return _Extent(low, high)
 
 
-def _corners(thing: Articulated) -> Array:
+def _vertices(thing: Articulated) -> Array:
     """Vertices (n, 3) [m] of all that touches, in the world, where it starts."""
     placed = [
         rot.rotate(quaternion, link.mesh()[0]) + position

@@ -68,7 +68,7 @@ class Store:
             since = os.stat(self._lock.path).st_mtime_ns - _CLOCKS
         except OSError:
             since = 0  # nobody began: what files look like is not to be trusted
-        return Sources(since)
+        return Sources(since, self.plan.base)
 
     @cached_property
     def _fragments(self) -> Fragments:
@@ -275,7 +275,7 @@ class Store:
             The numbers of shards, samples, skipped variants and failures.
         """
         self._remove_sealed()
-        return manifest.write(self.folder, self.plan, self.layout, self.records())
+        return manifest.write(self.plan, self.layout, self.records())
 
 
 def _difference(there: Any, here: Any, where: str = "") -> str:

@@ -93,7 +93,6 @@ class Variants(Sequence[Variant]):
                 "some factors from distributions instead of combining all values"
             )
         self._keep = plan.expressions("keep")
-        self._keep_after = plan.expressions("keep_after")
         self._last: tuple[int, Input] | None = None
 
     def __len__(self) -> int:
@@ -133,17 +132,6 @@ class Variants(Sequence[Variant]):
             return True
         values = variant.values()
         return all(holds(values) for holds in self._keep)
-
-    def keeps_result(self, variant: Variant, card: Mapping[str, Any]) -> bool:
-        """Whether a sample with these values of its card is to be kept: the plan's `keep_after`.
-
-        Raises:
-            InputError: Values that a condition cannot compare or compute with, or that are missing.
-        """
-        if not self._keep_after:
-            return True
-        values = {**card, **variant.values()}
-        return all(holds(values) for holds in self._keep_after)
 
     def sample(self, count: int) -> list[int]:
         """Numbers of up to `count` variants, spread at random but always the same; sorted.

@@ -161,9 +161,7 @@ class World:
 
         spec = mujoco.MjSpec()
         self.stiffness = stiffness_array(self.settings.stiffness, "Settings.stiffness")
-        armature = np.zeros(N_JOINTS)
-        fingers = list(LEFT_HAND_JOINTS + RIGHT_HAND_JOINTS)
-        armature[fingers] = FINGER_INERTIA / (1.0 + self.stiffness[fingers])
+        armature = armature_of(self.stiffness)
         for name, body in zip(people, self.bodies, strict=True):
             add_person(spec, body.variant, prefix=f"{name}/", armature=armature, geoms=False)
         for thing in self.scene.objects.values():
@@ -215,9 +213,7 @@ class World:
         name_of = {name: i for i, name in enumerate(self.names)}
         names: list[int] = []
         parts: list[int] = []
-        # Parts of which something is said have entries of their own, after the names.
-        pairs = [(a, b) for a, b, _ in self.scene.friction_pairs] + [*self.scene.ignored_pairs]
-        self._told = sorted({end for pair in pairs for end in pair if end.startswith("person/")})
+        self._told = self.told_of(self.scene)
         for index, person in enumerate(self.people):
             mine = add_person_movers(
                 self.stepper,
@@ -249,6 +245,21 @@ class World:
                     parts.append(-1)
         self.mover_name = np.array(names, dtype=np.int64)
         self.mover_part = np.array(parts, dtype=np.int64)
+
+    @staticmethod
+    def told_of(scene: Scene) -> list[str]:
+        """Parts of which a scene says something: their entries come after the names."""
+        pairs = [(a, b) for a, b, _ in scene.friction_pairs] + [*scene.ignored_pairs]
+        return sorted({end for pair in pairs for end in pair if end.startswith("person/")})
+
+    def put(self, scene: Scene, settings: Settings, model_changed: bool) -> None:
+        """Another scene of the same shapes; `halfphysics.reuse` has seen to the model."""
+        self.scene, self.settings = scene, settings
+        if model_changed:
+            self.stepper.set_model(*model_arrays(self.model))
+        self._set_pairings()
+        set_settings(self.stepper, settings, scene.gravity)
+        self.signature = f"{self.names} {fingerprint(self.bodies, scene)}"
 
     def _entry(self, name: int, joint: int) -> int:
         """Where the pairings have a part of a person."""
@@ -433,6 +444,14 @@ def _same_place(a: Static, b: Static) -> bool:
         and np.array_equal(a.position, b.position)
         and np.array_equal(a.quaternion, b.quaternion)
     )
+
+
+def armature_of(stiffness: Array) -> Array:
+    """Armature of every joint (55,) [kg m^2] at a firmness (55,): fingers have one."""
+    armature = np.zeros(N_JOINTS)
+    fingers = list(LEFT_HAND_JOINTS + RIGHT_HAND_JOINTS)
+    armature[fingers] = FINGER_INERTIA / (1.0 + stiffness[fingers])
+    return armature
 
 
 def set_settings(stepper: Any, settings: Settings, gravity: Array) -> None:

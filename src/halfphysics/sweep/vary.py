@@ -11,9 +11,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from halfphysics.body import check_match
 from halfphysics.errors import InputError
+from halfphysics.reuse import use_again
 from halfphysics.settings import Settings
-from halfphysics.simulation import simulate
+from halfphysics.simulation import follow
+from halfphysics.simulator import Simulator
 from halfphysics.sweep.factors import NOT_PLAIN, FactorName
 from halfphysics.sweep.motion_factors import placed, said_of_motion
 from halfphysics.sweep.scene_factors import SceneFactors
@@ -63,6 +66,7 @@ class Workshop:
         self._plan = plan
         self._stock = Stock()
         self._things = SceneFactors()
+        self._simulator: Simulator | None = None
 
     def make(self, variant: Variant) -> Ready:
         """What to simulate.
@@ -96,14 +100,33 @@ class Workshop:
         )
 
     def run(self, ready: Ready) -> Result:
-        """The result of `simulate`."""
-        return simulate(
-            list(ready.motions),
-            ready.scene,
-            body=list(ready.bodies),
-            settings=ready.settings,
-            allow_mismatch=ready.allow_mismatch,
+        """The result of `simulate`, to the last bit.
+
+        Where the neighbour before had the same people and shapes, its world is used
+        again: preparing one takes as long as a second of a motion that meets little.
+
+        Raises:
+            MismatchError: A body of another gender or model than the motion's.
+        """
+        for motion, body in zip(ready.motions, ready.bodies, strict=True):
+            check_match(motion, body, allow_mismatch=ready.allow_mismatch)
+        return follow(self._simulator_for(ready), ready.motions)
+
+    def _simulator_for(self, ready: Ready) -> Simulator:
+        last, fps = self._simulator, ready.motions[0].fps
+        if (
+            last is not None
+            and len(last.bodies) == len(ready.bodies)
+            and all(a is b for a, b in zip(last.bodies, ready.bodies, strict=True))
+            and use_again(last, ready.scene, ready.settings, fps)
+        ):
+            return last
+        # Forgotten first: two at a time would take twice the memory.
+        self._simulator = None
+        self._simulator = Simulator(
+            ready.scene, body=list(ready.bodies), settings=ready.settings, fps=fps
         )
+        return self._simulator
 
     def _people(
         self, variant: Variant, said: Mapping[str, Mapping[str, Any]]

@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from halfphysics.io.npz import npz_bytes
+from halfphysics.io.npz_bytes import npz_bytes
 from halfphysics.sweep.data_card import DataCard
 from halfphysics.sweep.plan import Plan
 from halfphysics.sweep.store import Store
@@ -50,6 +50,9 @@ def sample_with_card(number, card):
         "contact.npz": npz_bytes(
             {
                 "body": body,
+                "body/cup": body[:, ::2],
+                "second:body/cup": body[:, ::3],
+                "second/body:cup": body[:, ::5],
                 "human_parts": np.zeros((FRAMES, 55), bool),
                 "nothing": np.zeros((0, 3)),
                 "threshold_m": np.array(0.002),

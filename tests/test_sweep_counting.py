@@ -92,7 +92,15 @@ def test_a_spread_is_what_the_numbers_are():
     width = math.ldexp(1.0, spread.bins.width)
     assert width == 1.0 / 64.0  # 64 of at most 100
     for percent in (1, 5, 50, 95, 99):
-        assert 0.0 <= found[f"p{percent}"] - percent / 100.0 <= width + 1e-3
+        assert 0.0 <= percent / 100.0 - found[f"p{percent}"] <= width + 1e-3
+
+
+def test_where_most_are_zero_so_is_the_median():
+    spread = Spread()
+    for number in (0.0, 0.0, 0.0, 7.25):
+        spread.add(number)
+    assert spread.summary()["p50"] == 0.0
+    assert spread.summary()["p99"] == 7.25
 
 
 def test_nothing_has_no_percentiles():

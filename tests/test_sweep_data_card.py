@@ -190,6 +190,17 @@ def test_the_page_tells_it_to_a_person():
     assert sum(int(row.split("|")[2].replace(",", "")) for row in rows) == document["samples"]
 
 
+def test_numbers_that_were_drawn_are_taken_together_on_the_page():
+    """Few samples, each with a number of its own; a list of values stays a list."""
+    cards = [sample(n, factors={"drawn": n / 40.0, "listed": n % 20}) for n in range(40)]
+    text = whole([counted(cards * 6)]).markdown()
+    drawn = text.partition("### drawn")[2].partition("###")[0]
+    assert "| 0 to 0.075 | 24 |" in drawn
+    assert len([line for line in drawn.splitlines() if " to " in line]) == 10
+    listed = text.partition("### listed")[2].partition("###")[0]
+    assert "| 7 | 12 |" in listed
+
+
 def test_of_nothing_there_is_a_card_too():
     card = DataCard()
     assert card.document()["samples"] == 0

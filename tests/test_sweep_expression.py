@@ -60,7 +60,7 @@ conditions = st.recursive(
 )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(conditions)
 def test_holds_where_python_says_so(text: str) -> None:
     plain = text
@@ -146,7 +146,7 @@ def test_hostile_text_is_refused_with_its_column(text: str, column: int, problem
         assert f"column {column}:" in str(caught.value)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.text(max_size=60) | st.text(alphabet="ab.'\"`()[]{}<>=!+-*/%, 01_\\\n#@:;", max_size=40))
 def test_any_text_is_a_condition_or_one_error(text: str) -> None:
     values = {"a": 1, "b": "x", "a.b": 2.0}

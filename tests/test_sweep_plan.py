@@ -341,6 +341,10 @@ def test_every_mistake_has_its_place(
         (FIRST + "samples: 2", "samples: found 2 without a distribution|found 2 without"),
         ("inputs: {files: a*}\nfactors: {scenario.mass: [1]}", "inputs are all scenarios"),
         (FIRST + "factors: {scenario.weight: [1]}", "kick_ball has no option 'weight'"),
+        (
+            "inputs: {scenarios: kick_ball, mass: 2}\nfactors: {scenario.mass: [1]}",
+            "line 2, factors.scenario.mass: mass is also said at the inputs",
+        ),
         (FIRST + "factors: [1]", "factors: expected a mapping"),
         (
             "inputs: {scenarios: [kick_ball, crawl_under_table], mass: 2}",
@@ -377,8 +381,7 @@ def _places(node: object, path: tuple[object, ...] = ()) -> list[tuple[object, .
 
 @settings(
     max_examples=150,
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(st.data())
 def test_any_document_is_a_plan_or_one_error(folder: Path, data: st.DataObject) -> None:

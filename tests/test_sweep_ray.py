@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
 import os
 import signal
 import sys
+import threading
 import time
 from concurrent.futures import Future
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import sweep_case
+from sweep_case import PLAN, Told, data, deadly, planned
 
 from halfphysics.errors import InputError, MissingDependencyError
 from halfphysics.sweep import ray_engine
+from halfphysics.sweep.driver import run
+from halfphysics.sweep.local import LocalEngine
 from halfphysics.sweep.ray_engine import LOST, ClusterError, RayEngine
-from halfphysics.sweep.work import Done, Task
+from halfphysics.sweep.store import Store
+from halfphysics.sweep.work import Done, Task, opened
 from halfphysics.workers import DIED, FULL, THREADS, Death
 
 try:
@@ -237,3 +246,69 @@ def test_impossible_numbers_are_said_before_ray_starts(tmp_path):
 def test_a_cluster_that_is_not_there_is_one_message(tmp_path, address):
     with pytest.raises(ClusterError, match=f"ray: cannot use {address}: .*`ray start --head`"):
         RayEngine(tmp_path, address=address)
+
+
+class Killer(Told):
+    """Kills the process whose number is in a file, as soon as there is one."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.path, self.over = path, threading.Event()
+        self.thread = threading.Thread(target=self.watch)
+
+    def watch(self):
+        while not self.over.wait(0.05):
+            if self.path.exists():
+                os.kill(int(self.path.read_text()), signal.SIGKILL)
+                return
+
+    def __enter__(self):
+        self.thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self.over.set()
+        self.thread.join()
+
+
+@needs_ray
+def test_a_worker_killed_mid_run_costs_nothing_and_bytes_are_the_local_ones(tmp_path, capfd):
+    """Two workers; one is killed from outside while it simulates, one variant kills its own."""
+    plan = planned(tmp_path, PLAN.replace("[0.2, 0.4, 0.6, 0.8]", "[0.2, 0.8]"))
+    local, far, signed = tmp_path / "local", tmp_path / "far", tmp_path / "pid"
+
+    def waits_to_be_killed(folder, task):
+        if task.kind == "batches" and task.first == 0 and not signed.exists():
+            opened(folder)[1].sample(0)
+            replaced = signed.with_suffix(".new")
+            replaced.write_text(str(os.getpid()))
+            replaced.rename(signed)
+            time.sleep(60.0)
+        return deadly(folder, task)
+
+    with (
+        Store(local, plan) as store,
+        contextlib.closing(LocalEngine(local, 2, 2.0, function=deadly)) as engine,
+    ):
+        there = run(store, engine, Told())
+    ray.cloudpickle.register_pickle_by_value(sweep_case)
+    try:
+        with (
+            Store(far, plan) as store,
+            contextlib.closing(
+                RayEngine(far, 2, 2.0, address="local", function=waits_to_be_killed)
+            ) as engine,
+            Killer(signed) as killer,
+        ):
+            found = run(store, engine, killer)
+    finally:
+        ray.cloudpickle.unregister_pickle_by_value(sweep_case)
+    assert signed.exists()
+    # That one, and the variant's own twice in its batch and twice alone.
+    assert killer.deaths >= 5
+    assert (found.samples, found.skipped, found.failures) == (5, 0, 1)
+    assert replace(found, folder=local) == there
+    assert data(far) == data(local)
+    (failure,) = map(json.loads, (far / "failures.jsonl").read_text().splitlines())
+    assert (failure["number"], failure["cause"]) == (5, DIED)
+    assert capfd.readouterr().out == ""

@@ -119,7 +119,7 @@ def test_another_distribution_changes_no_draw_of_the_others() -> None:
     )
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(st.integers(1, 5), max_size=5), st.integers(1, 4), st.data())
 def test_numbers_count_in_mixed_radix(sizes: list[int], inputs: int, data: st.DataObject) -> None:
     factors = {f"body.betas.{k}": list(range(size)) for k, size in enumerate(sizes)}

@@ -151,9 +151,10 @@ class MeshQuery:
         corners = v[np.unique(f)]
         #: Corners (2, 3) of the box around all triangles.
         self.bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
-        self._all = native.TriangleTree(v, f)
+        #: The native tree over all triangles.
+        self.tree = native.TriangleTree(v, f)
         if closed:
-            self._closed, self._loose = self._all, None
+            self._closed, self._loose = self.tree, None
             return
         split = _split(v, f)
         self._closed = (
@@ -188,7 +189,7 @@ class MeshQuery:
 
         Of several faces equally near, the one listed first.
         """
-        return self._all.distance(_points(points), threads)
+        return self.tree.distance(_points(points), threads)
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """How far points (n, 3) are inside [m], (n,): 0 outside, else the distance to the surface.

@@ -82,14 +82,13 @@ class Command:
 
         self._check()
         plan = Plan.load(self.plan)
-        if self.out is not None:
-            outputs = replace(plan.outputs, folder=str(self.out.absolute()))
-            plan = replace(plan, outputs=outputs)
         folder = plan.folder if self.out is None else self.out
         if self.verify is not None:
             self._verify(folder, self.verify)
             return
-        print(describe(plan, Variants(plan, resolve_inputs(plan))))
+        # No byte of the data depends on --out: only what is shown says where it goes.
+        shown = replace(plan, outputs=replace(plan.outputs, folder=str(folder.absolute())))
+        print(describe(shown, Variants(plan, resolve_inputs(plan))))
         if self.rehearse is not None:
             from halfphysics.sweep.rehearsal import Play, rehearse
 

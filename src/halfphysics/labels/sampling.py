@@ -7,8 +7,8 @@ the same each time, round ones too.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import TYPE_CHECKING
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,13 @@ class ObjectSurface:
     vertices: Array
     faces: NDArray[np.int32]
     off: float
+
+    @cached_property
+    def grid(self) -> Any:
+        """The vertices for the core: `PointGrid`."""
+        from halfphysics import _native
+
+        return _native.PointGrid(np.ascontiguousarray(self.vertices))
 
 
 def surface_of(scene: Scene, thing: Thing) -> ObjectSurface:

@@ -7,15 +7,16 @@ is for the simulation, and has no inside.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
+from halfphysics.errors import InputError
 from halfphysics.pairs import PERSON
 from halfphysics.shape_base import Shape
 from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
@@ -40,30 +41,26 @@ class Solid:
     turn: Array
     surface: bool = False
 
-    def distance(self, points: Array) -> Array:
-        """Distances (n,) [m] of points (n, 3) in the thing's frame."""
-        return self._measure((points - self.position) @ self.turn)
-
-    @cached_property
-    def _measure(self) -> Callable[[Array], Array]:
+    def add_to(self, thing: Any) -> None:
+        """Add it to a `TouchingThing` of the core."""
+        turn, place = np.ascontiguousarray(self.turn), np.ascontiguousarray(self.position)
         shape = self.shape
         if isinstance(shape, Plane):
-            normal = np.asarray(shape.normal)
-            return lambda p: np.maximum(p @ normal - shape.offset, 0.0)
-        if isinstance(shape, Box):
-            half = 0.5 * np.asarray(shape.size)
-            return lambda p: _length(np.maximum(np.abs(p) - half, 0.0))
-        if isinstance(shape, Sphere):
-            return lambda p: np.maximum(_length(p) - shape.radius, 0.0)
-        if isinstance(shape, Capsule):
-            return lambda p: np.maximum(_from_axis(p, 0.5 * shape.length) - shape.radius, 0.0)
-        if isinstance(shape, Cylinder):
-            return lambda p: _outside_cylinder(p, shape.radius, 0.5 * shape.length)
-        if not isinstance(shape, Mesh):
-            raise TypeError(f"no distance of a {type(shape).__name__}")
-        if self.surface:
-            return lambda p: shape.query.closest(p)[0] if len(p) else np.zeros(0)
-        return _outside_hull(shape.hull)
+            thing.add_plane(turn, place, np.array(shape.normal), shape.offset)
+        elif isinstance(shape, Box):
+            thing.add_box(turn, place, 0.5 * np.array(shape.size))
+        elif isinstance(shape, Sphere):
+            thing.add_capsule(turn, place, shape.radius, 0.0)
+        elif isinstance(shape, Capsule):
+            thing.add_capsule(turn, place, shape.radius, 0.5 * shape.length)
+        elif isinstance(shape, Cylinder):
+            thing.add_cylinder(turn, place, shape.radius, 0.5 * shape.length)
+        elif isinstance(shape, Mesh):
+            mesh = shape if self.surface else shape.hull
+            planes = np.zeros((0, 4)) if self.surface else face_planes(mesh)
+            thing.add_triangles(turn, place, mesh.query.tree, planes)
+        else:
+            raise InputError(f"labels: found a {type(shape).__name__}, expected a known shape")
 
     @cached_property
     def ball(self) -> tuple[Array, float]:
@@ -109,12 +106,19 @@ class Thing:
             return (points - self.position[0]) @ self.turn[0]
         return np.einsum("nij,ni->nj", self.turn[frame], points - self.position[frame])
 
+    @cached_property
+    def native(self) -> Any:
+        """The same for the core: `TouchingThing`."""
+        from halfphysics import _native
+
+        found = _native.TouchingThing()
+        for solid in self.solids:
+            solid.add_to(found)
+        return found
+
     def distance(self, points: Array) -> Array:
         """Distances (n,) [m] of points (n, 3) in its frame; 0 inside, inf where it has no solid."""
-        found = np.full(len(points), np.inf)
-        for solid in self.solids:
-            np.minimum(found, solid.distance(points), out=found)
-        return found
+        return np.asarray(self.native.distance(np.ascontiguousarray(points)))
 
 
 def things_of(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[Thing, ...]:
@@ -158,36 +162,12 @@ def _poses(track: ObjectTrack) -> tuple[Array, Array]:
     return track.position, rot.to_matrix(rot.normalize(track.quaternion))
 
 
-def _length(vectors: Array) -> Array:
-    # Column by column: a sum along so short an axis takes several times as long.
-    x, y, z = vectors[:, 0], vectors[:, 1], vectors[:, 2]
-    return np.sqrt(x * x + y * y + z * z)
-
-
-def _from_axis(p: Array, half: float) -> Array:
-    z = p[:, 2] - np.clip(p[:, 2], -half, half)
-    return np.sqrt(p[:, 0] ** 2 + p[:, 1] ** 2 + z * z)
-
-
-def _outside_cylinder(p: Array, radius: float, half: float) -> Array:
-    side = np.maximum(np.hypot(p[:, 0], p[:, 1]) - radius, 0.0)
-    return np.hypot(side, np.maximum(np.abs(p[:, 2]) - half, 0.0))
-
-
-def _outside_hull(hull: Mesh) -> Callable[[Array], Array]:
-    def distance(p: Array) -> Array:
-        found = np.zeros(len(p))
-        outside = ~hull.query.inside(p)
-        found[outside] = hull.query.closest(p[outside])[0]
-        return found
-
-    return distance
-
-
-def solids_in_world(things: tuple[Thing, ...], frame: int) -> Iterator[tuple[str, Solid]]:
-    """Every solid of things at a frame, as a solid of the world: for references and judges."""
-    for thing in things:
-        at = min(frame, len(thing.position) - 1)
-        for solid in thing.solids:
-            place = thing.turn[at] @ solid.position + thing.position[at]
-            yield thing.name, Solid(solid.shape, place, thing.turn[at] @ solid.turn, solid.surface)
+def face_planes(hull: Mesh) -> Array:
+    """Outward unit normal and offset (F, 4) of every face of a convex mesh."""
+    corners = hull.vertices[hull.faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = normal[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
+    # All of the hull is behind a plane: of a face that rounding tilted too.
+    offset = (hull.vertices @ normal.T).max(axis=0)
+    return np.ascontiguousarray(np.concatenate([normal, offset[:, None]], axis=1))

@@ -14,6 +14,7 @@ from halfphysics import rotations as rot
 from halfphysics import skinning
 from halfphysics.colliders import ConvexCollider, convex_collider
 from halfphysics.metrics.inputs import Array
+from halfphysics.metrics.part_gaps import part_gaps
 from halfphysics.metrics.things import links_of
 from halfphysics.shapes import Mesh, Plane
 
@@ -58,12 +59,54 @@ class Poses:
         0 or less where they meet; inf beyond `RANGE`.
         """
         contacts, found = self.result.contacts, np.full(len(rows), np.inf)
+        plain = (contacts.part[rows] >= 0) & (contacts.other_part[rows] < 0)
+        rest = np.flatnonzero(~plain)
+        found[rest] = self._one_by_one(rows[rest], at[rest])
+        for who, person in enumerate(self.result.people):
+            for other in np.unique(contacts.other[rows[plain]]):
+                mine = plain & (contacts.person[rows] == who) & (contacts.other[rows] == other)
+                some, name = np.flatnonzero(mine), self.result.names[other]
+                found[some] = part_gaps(
+                    person.body,
+                    self.motions[who],
+                    self._is_skin,
+                    self._gap_thing(name),
+                    None if name in self._statics else self.tracks[name],
+                    contacts.part[rows[some]],
+                    at[some],
+                    RANGE,
+                )
+        return found
+
+    def _gap_thing(self, name: str) -> Any:
+        """What touches of a static, an object or a link, for the core; worked out once."""
+        if name not in self._gap_things:
+            from halfphysics import _native
+
+            thing = _native.GapThing()
+            still = name in self._statics
+            for solid in [self._statics[name]] if still else self._colliders(name):
+                if isinstance(solid, ConvexCollider):
+                    thing.add_hull(*solid.arrays)
+                elif isinstance(solid, Triangles):
+                    corners = np.ascontiguousarray(solid.corners.reshape(-1, 3))
+                    thing.add_mesh(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3))
+                else:
+                    thing.add_half_space(*solid)
+            self._gap_things[name] = thing
+        return self._gap_things[name]
+
+    def _one_by_one(self, rows: NDArray[np.intp], at: NDArray[np.intp]) -> Array:
+        """The same of whatever two sides, hull by hull."""
+        contacts, found = self.result.contacts, np.full(len(rows), np.inf)
         order = np.argsort(at, kind="stable")
         frames, first = np.unique(at[order], return_index=True)
         ends = np.append(first[1:], len(order))
         for i in range(0, len(frames), _CHUNK):
             chunk = frames[i : i + _CHUNK]
-            skins = self._skins(chunk)
+            here = rows[order[first[i] : ends[min(i + _CHUNK, len(frames)) - 1]]]
+            of_people = (contacts.part[here] >= 0) | (contacts.other_part[here] >= 0)
+            skins = self._skins(chunk) if of_people.any() else []
             for k, frame in enumerate(chunk):
                 for place in order[first[i + k] : ends[i + k]]:
                     row = rows[place]
@@ -137,6 +180,10 @@ class Poses:
                 pieces = [geom.collider() for geom in links_of(scene)[name][1].geoms]
             self._known[name] = pieces
         return self._known[name]
+
+    @cached_property
+    def _gap_things(self) -> dict[str, Any]:
+        return {}
 
     @cached_property
     def _known(self) -> dict[str, list[ConvexCollider]]:

@@ -7,4 +7,6 @@ NB_MODULE(_native, m) {
   bind_skinning(m);
   bind_winding(m);
   bind_raster(m);
+  bind_touching(m);
+  bind_gaps(m);
 }

@@ -15,3 +15,5 @@ void bind_physics(nb::module_& m);
 void bind_skinning(nb::module_& m);
 void bind_winding(nb::module_& m);
 void bind_raster(nb::module_& m);
+void bind_touching(nb::module_& m);
+void bind_gaps(nb::module_& m);

@@ -197,15 +197,17 @@ class Tree {
   }
 
   // Closest triangle; of several equally near the one listed first. `guess` (or -1) is a
-  // triangle that is likely near: it changes the time taken, not the answer.
-  int closest(Vec p, int guess, Vec& point, double& distance) const {
+  // triangle that is likely near: it changes the time taken, not the answer. -1: none is within
+  // `limit`, and `distance` is that.
+  int closest(Vec p, int guess, Vec& point, double& distance,
+              double limit = std::numeric_limits<double>::infinity()) const {
     struct Open {
       double d2;
       int node;
     };
     Open stack[kStack];
     int top = 0, best = -1;
-    double best2 = std::numeric_limits<double>::infinity();
+    double best2 = limit * limit;
     auto ask = [&](int i) {
       const Vec q = closest_on_triangle(p, triangles_[i]);
       const double d2 = dot(p - q, p - q);

@@ -1,7 +1,7 @@
 """Sweeps: every clip of a library times masses, frictions, shapes, settings: docs/sweeps.md.
 
-`plan` reads what is wanted, `variants` computes from a number which simulation it is. Names are
-imported when first used.
+`plan` reads what is wanted, `variants` computes from a number which simulation it is, `read` gives
+the samples of what was made. Names are imported when first used.
 """
 
 from __future__ import annotations
@@ -12,15 +12,17 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from halfphysics.sweep.description import describe
     from halfphysics.sweep.plan import Plan
+    from halfphysics.sweep.reading import read
     from halfphysics.sweep.variants import Variant, Variants
 
-__all__ = ["Plan", "Variant", "Variants", "describe"]
+__all__ = ["Plan", "Variant", "Variants", "describe", "read"]
 
 _MODULES = {
     "Plan": "plan",
     "Variant": "variants",
     "Variants": "variants",
     "describe": "description",
+    "read": "reading",
 }
 
 

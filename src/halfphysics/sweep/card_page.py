@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-#: A factor with more rows than these is told in as many, neighbours taken together.
-_ROWS = 12
+from halfphysics.sweep.data_card import COUNTED
+
+#: Of more rows than these for a factor, neighbours are taken together: bins, and numbers that were
+#: drawn, of which each has fewer samples than the other.
+_ROWS, _FEW = 12, 10
 _LOADING = """\
 ```python
 import halfphysics.sweep
@@ -141,16 +144,22 @@ def _factor(row: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _together(rows: Sequence[Mapping[str, Any]]) -> Sequence[Mapping[str, Any]]:
-    """Neighbouring bins together, so many that few are left; values stay as they are."""
+    """Rows of bins and of drawn numbers, neighbours together so that few are left."""
     size = -(-len(rows) // _ROWS)
-    if size <= 1 or "value" in rows[0]:
+    drawn = sum(row["samples"] for row in rows) < _FEW * len(rows)
+    if size <= 1 or ("value" in rows[0] and not (drawn and _numbers(rows))):
         return rows
     few = []
     for first in range(0, len(rows), size):
         part = rows[first : first + size]
-        sums = {key: sum(row[key] for row in part) for key in part[0] if key not in ("from", "to")}
-        few.append({"from": part[0]["from"], "to": part[-1]["to"], **sums})
+        sums = {key: sum(row[key] for row in part) for key in COUNTED}
+        low = part[0].get("value", part[0].get("from"))
+        few.append({"from": low, "to": part[-1].get("value", part[-1].get("to")), **sums})
     return few
+
+
+def _numbers(rows: Sequence[Mapping[str, Any]]) -> bool:
+    return all(type(row["value"]) in (int, float) for row in rows)
 
 
 def _share(number: int, total: int) -> str:

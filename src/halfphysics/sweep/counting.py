@@ -185,16 +185,14 @@ class Spread:
     def percentile(self, percent: int) -> float | None:
         """A number that so many percent are at or below, to the width of a bin; None: no numbers.
 
-        The upper edge of the bin that the share is reached in, within the least and the most.
+        The lower edge of the bin in which the share is reached, but not below the least number.
         """
-        if self.least is None or self.most is None:
+        if self.least is None:
             return None
         # Whole numbers: no rounding decides.
         wanted = -(-self.number * percent // 100)
-        upper = self.most
-        for _, edge, (count,) in self.bins.edges():
+        for low, _, (count,) in self.bins.edges():
             wanted -= count
             if wanted <= 0:
-                upper = edge
-                break
-        return min(max(upper, self.least), self.most)
+                return max(low, self.least)
+        return self.most

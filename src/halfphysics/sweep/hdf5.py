@@ -18,14 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import FileError, MissingDependencyError
-from halfphysics.io.npz import DENSE
+from halfphysics.io.npz_bytes import mostly_zeros
 from halfphysics.sweep.documents import text_of
 
 if TYPE_CHECKING:
     import h5py
 
-# Attributes up to this size stand in the head of an object; larger text is a dataset.
-_ATTRIBUTE = 60_000
 # Arrays from this size on are cut into chunks of about the other, which are packed [bytes].
 _PACKED, _CHUNK = 4096, 1 << 20
 
@@ -98,11 +96,7 @@ class _Sink(io.RawIOBase):
 
 def _add(file: h5py.File, sample: dict[str, Any]) -> None:
     group = file.create_group(sample.pop("key"))
-    card = text_of(sample.pop("card", {}))
-    if len(card.encode()) <= _ATTRIBUTE:
-        group.attrs["card"] = card
-    else:
-        group.create_dataset("card", data=card, track_times=False)
+    group.attrs["card"] = text_of(sample.pop("card"))
     for name, arrays in sample.items():
         part = group.create_group(name)
         for key, array in arrays.items():
@@ -110,20 +104,27 @@ def _add(file: h5py.File, sample: dict[str, Any]) -> None:
 
 
 def _put(group: h5py.Group, key: str, array: NDArray[Any]) -> None:
-    """A dataset, packed where that is cheap, as in `npz_bytes`."""
-    if array.dtype.kind == "U":  # the library has no text of four bytes a letter
-        text = array.astype(object)
-        group.create_dataset(key, data=text, dtype=_h5py().string_dtype(), track_times=False)
-        return
+    """A dataset, packed where that is cheap, as in `npz_bytes`.
+
+    A slash would make a group of what stands before it, which may be a dataset itself ("body",
+    "body/cup"): such keys are written with a colon, and say what they are.
+    """
     options: dict[str, Any] = {}
-    if array.nbytes >= _PACKED and np.count_nonzero(array) <= DENSE * array.size:
+    if array.dtype.kind == "U":  # the library has no text of four bytes a letter
+        array, options = array.astype(object), {"dtype": _h5py().string_dtype()}
+    elif array.nbytes >= _PACKED and mostly_zeros(array):
         rows = max(1, _CHUNK * len(array) // array.nbytes)
         options = {
             "chunks": (min(rows, len(array)), *array.shape[1:]),
             "compression": "gzip",
             "compression_opts": 1,
         }
-    group.create_dataset(key, data=array, track_times=False, **options)
+    name = key.replace("/", ":")
+    while name in group:
+        name += "_"
+    dataset = group.create_dataset(name, data=array, track_times=False, **options)
+    if name != key:
+        dataset.attrs["key"] = key
 
 
 def samples(path: Path, parts: Collection[str] | None = None) -> Iterator[dict[str, Any]]:
@@ -161,21 +162,11 @@ def _opened(path: Path) -> Iterator[h5py.File]:
 def _sample(group: h5py.Group, key: str, parts: Collection[str] | None) -> dict[str, Any]:
     sample: dict[str, Any] = {"key": key}
     if parts is None or "card" in parts:
-        card = group.attrs["card"] if "card" in group.attrs else group["card"].asstr()[()]
-        sample["card"] = json.loads(card)
+        sample["card"] = json.loads(group.attrs["card"])
     for name, part in group.items():
-        if name != "card" and (parts is None or name in parts):
-            sample[name] = dict(_arrays(part))
+        if parts is None or name in parts:
+            sample[name] = {its.attrs.get("key", key): _array(its) for key, its in part.items()}
     return sample
-
-
-def _arrays(group: h5py.Group, where: str = "") -> Iterator[tuple[str, NDArray[Any]]]:
-    """Arrays by name; those with a slash in it are in groups of their own."""
-    for name, item in group.items():
-        if isinstance(item, _h5py().Group):
-            yield from _arrays(item, f"{where}{name}/")
-        else:
-            yield f"{where}{name}", _array(item)
 
 
 def _array(dataset: h5py.Dataset) -> NDArray[Any]:

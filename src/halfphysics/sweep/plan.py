@@ -231,6 +231,13 @@ class Plan:
         scenarios = [name for entry in self.inputs for name in entry.scenarios]
         files = any(entry.files for entry in self.inputs)
         check_factors(self.factors, self.settings, scenarios, files)
+        for entry in self.inputs:
+            for option in entry.options if entry.scenarios else ():
+                if f"scenario.{option}" in self.factors:
+                    raise InputError(
+                        f"scenario.{option}: {option} is also said at the inputs; leave out one of "
+                        "the two"
+                    )
         if "body.stature" in self.factors:
             for body in self.bodies:
                 if body.model is not None or body.stature is not None:

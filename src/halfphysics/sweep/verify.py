@@ -102,7 +102,7 @@ class _Verifier:
         # Its own: what the workers of this process have read may have changed since.
         self._maker = Maker(plan, self._variants)
         self._layout = Store(folder, plan).layout
-        self._sources = Sources(plan.base, since=0)
+        self._sources = Sources(since=0, base=plan.base)
         self._equal = self._out = 0
         self._differences: list[str] = []
         self._notes: dict[str, None] = {}

@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import html
-import queue
-import sys
-import threading
 import time
-from collections.abc import Callable
 from typing import Any
 
 from halfphysics.drawing import Drawing
-from halfphysics.viewer.address import announcement, url
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.catalog import Catalog, Choice
@@ -22,7 +16,7 @@ from halfphysics.viewer.live_contacts import LiveContacts
 from halfphysics.viewer.pace import Pace
 from halfphysics.viewer.panel import Panel
 from halfphysics.viewer.provisional import provisional
-from halfphysics.viewer.server import close_server, open_server
+from halfphysics.viewer.served import Served
 from halfphysics.viewer.session import Command, Grab, LetGo, Pull, Session
 from halfphysics.viewer.stage import Layer, Stage, aim, light
 from halfphysics.viewer.wardrobe import Wardrobe
@@ -35,11 +29,10 @@ _PICTURE = (640, 360)
 _SMOOTH = 0.1
 
 
-class Playground:
+class Playground(Served):
     """A running playground, stopped by `stop` or at the end of a `with` block.
 
-    One thread owns the session, its simulator and the scene; what browsers ask for waits in
-    queues until that thread has made its frame.
+    Its thread owns the session, the simulator and the scene.
 
     Args:
         catalog: What can be chosen.
@@ -60,6 +53,9 @@ class Playground:
         HalfPhysicsError: The first choice cannot be played, no port can be had, viser is missing.
     """
 
+    _what = "the playground is"
+    _height = 640
+
     def __init__(
         self,
         catalog: Catalog,
@@ -69,106 +65,37 @@ class Playground:
         port: int = 8080,
     ) -> None:
         self.session = Session(catalog, choice)
-        self._host, self._asked_port = host, port
-        self.server = open_server(host, port, label="halfphysics play")
-        self.port: int = self.server.get_port()
+        super().__init__("halfphysics play", host, port)
         self.pace = Pace()
         self.simulating = self.sending = 0.0
         self.updates = 0
         self.stage: Stage
         self._row: Arrangement
-        self._stopping = threading.Event()
-        self._wake = threading.Event()
-        self._tasks: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
-        self._failure: BaseException | None = None
         self._shown: object = None
         self._story = -1
         self._place = ("", "")
         self._wardrobe = Wardrobe()
-        try:
+        with self._starting():
             light(self.server)
             self.panel = Panel(self)
             self._set_stage()
             self._show()
-        except BaseException:
-            close_server(self.server)
-            raise
-        # A browser has come: show it everything, now.
-        self.server.on_client_connect(lambda _: self._wake.set())
-        self._player = threading.Thread(target=self._play, name="halfphysics-play", daemon=True)
-        self._player.start()
 
     # -- by anybody --------------------------------------------------------------------------
 
-    @property
-    def url(self) -> str:
-        """Address to open in a browser on this machine."""
-        return url(self._host, self.port)
-
-    def announce(self) -> str:
-        """Where it can be seen, and how from another machine."""
-        return announcement("the playground is", self._host, self.port, self._asked_port)
-
     def __repr__(self) -> str:
-        state = "stopped" if self._stopping.is_set() else self.url
-        return f"Playground({state})"
-
-    def _repr_html_(self) -> str:
-        """In a notebook: the playground itself."""
-        if self._stopping.is_set():
-            return f"<pre>{html.escape(repr(self))}</pre>"
-        return f'<iframe src="{self.url}" width="100%" height="640" style="border:0"></iframe>'
-
-    def __enter__(self) -> Playground:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
+        return f"Playground({self._state})"
 
     def post(self, command: Command) -> None:
         """Have something done to the session before its next frame."""
         self.session.post(command)
         self._wake.set()
 
-    def do(self, task: Callable[[], object]) -> None:
-        """Have something else done between two frames, by the thread that makes them."""
-        self._tasks.put(task)
-        self._wake.set()
-
-    def stop(self) -> None:
-        """End it; browsers see that it has gone. Once is enough, twice does no harm."""
-        if self._stopping.is_set():
-            return
-        self._stopping.set()
-        self._wake.set()
-        if self._player is not threading.current_thread():
-            self._player.join(timeout=10.0)
-        close_server(self.server)
-
-    def wait(self) -> None:
-        """Until `stop` is called elsewhere, or Ctrl-C.
-
-        Raises:
-            KeyboardInterrupt: Ctrl-C; the playground has been stopped.
-        """
-        try:
-            while not self._stopping.wait(_IDLE):
-                if self._failure is not None:
-                    raise self._failure
-        finally:
-            self.stop()
-
     # -- by its own thread -------------------------------------------------------------------
 
-    def _play(self) -> None:
-        try:
-            while not self._stopping.is_set():
-                busy = self.session.playing or self.session.stepping
-                self._wake.wait(self.pace.wait() if busy else _IDLE)
-                self._wake.clear()
-                self._round()
-        except BaseException as error:
-            self._failure = error
+    def _due(self) -> float:
+        busy = self.session.playing or self.session.stepping
+        return self.pace.wait() if busy else _IDLE
 
     def _round(self) -> None:
         """What was asked for, then a frame if one is due, and all of it shown."""
@@ -176,12 +103,7 @@ class Playground:
         asked = session.obey()
         if session.story != self._story:
             self._set_stage()
-        while True:
-            try:
-                task = self._tasks.get_nowait()
-            except queue.Empty:
-                break
-            task()
+        self._do_tasks()
         if not session.playing and not session.stepping:
             self.pace.rest()
         elif self.pace.wait() == 0.0:
@@ -298,12 +220,5 @@ def play(
         KeyboardInterrupt: Ctrl-C while it blocks; the playground has been stopped.
     """
     playground = Playground(catalog, choice, host=host, port=port)
-    print(playground.announce(), flush=True)
-    if block:
-        print("Ctrl-C ends it", flush=True)
-        try:
-            playground.wait()
-        except KeyboardInterrupt:
-            print("", file=sys.stderr)
-            raise
+    playground.say(block)
     return playground

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import html
 import math
-import queue
-import sys
-import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,13 +14,12 @@ from halfphysics.drawing import Drawing
 from halfphysics.errors import InputError
 from halfphysics.skeleton import JOINT_INDEX
 from halfphysics.validation import shown
-from halfphysics.viewer.address import announcement, url
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.controls import Controls
 from halfphysics.viewer.framing import WINDOW
 from halfphysics.viewer.layers import add_layers
-from halfphysics.viewer.server import close_server, open_server
+from halfphysics.viewer.served import Served
 from halfphysics.viewer.stage import Layer, Stage, aim, light
 from halfphysics.viewer.timeline import Timeline
 
@@ -39,7 +34,7 @@ _IDLE = 0.25
 _HEAD, _OVER = JOINT_INDEX["head"], 0.3
 
 
-class Viewer:
+class Viewer(Served):
     """A running viewer, stopped by `stop` or at the end of a `with` block.
 
     Args:
@@ -57,6 +52,8 @@ class Viewer:
         cameras: Where browsers look from.
     """
 
+    _height = 560
+
     def __init__(
         self,
         results: Sequence[Result],
@@ -69,19 +66,14 @@ class Viewer:
         for index, result in enumerate(results):
             _check(index, result)
         self.labels = _labels(results, labels)
+        self._what = f"showing {_and(self.labels)}"
         drawings = [Drawing(result) for result in results]
         self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
         room = _OVER if len(drawings) > 1 else 0.0
         row = arrange(drawings, WINDOW, headroom=room)
-        self._asked_port = port
-        self._host = host
-        self.server = open_server(host, port, label=title)
-        self.port: int = self.server.get_port()
-        self._stopping = threading.Event()
-        self._wake = threading.Event()
-        self._tasks: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
-        self._failure: BaseException | None = None
-        try:
+        self._last = -math.inf  # when something was sent
+        super().__init__(title, host, port)
+        with self._starting():
             light(self.server)
             aim(self.server, row.camera(WINDOW))
             self.stages = self._build(drawings, row)
@@ -90,13 +82,6 @@ class Viewer:
             self.timeline.play()
             for stage in self.stages:
                 stage.show(0)
-        except BaseException:
-            close_server(self.server)
-            raise
-        # A browser has come: show it everything, now.
-        self.server.on_client_connect(lambda _: self.changed())
-        self._player = threading.Thread(target=self._play, name="halfphysics-view", daemon=True)
-        self._player.start()
 
     def _build(self, drawings: Sequence[Drawing], row: Any) -> list[Stage]:
         stages: list[Stage] = []
@@ -141,83 +126,22 @@ class Viewer:
         stage.followers.append(follow)
         stage.layers["label"] = Layer("Names", [label])
 
-    @property
-    def url(self) -> str:
-        """Address to open in a browser on this machine."""
-        return url(self._host, self.port)
-
-    def announce(self) -> str:
-        """Where it can be seen, and how from another machine."""
-        what = f"showing {_and(self.labels)}"
-        return announcement(what, self._host, self.port, self._asked_port)
-
     def __repr__(self) -> str:
-        state = "stopped" if self._stopping.is_set() else self.url
-        return f"Viewer({', '.join(self.labels)}: {state})"
-
-    def _repr_html_(self) -> str:
-        """In a notebook: the viewer itself."""
-        if self._stopping.is_set():
-            return f"<pre>{html.escape(repr(self))}</pre>"
-        return f'<iframe src="{self.url}" width="100%" height="560" style="border:0"></iframe>'
-
-    def __enter__(self) -> Viewer:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
+        return f"Viewer({', '.join(self.labels)}: {self._state})"
 
     def changed(self) -> None:
         """Look at the timeline again, now."""
         self._wake.set()
 
-    def do(self, task: Callable[[], object]) -> None:
-        """Have something done between two frames, by the thread that moves the scene."""
-        self._tasks.put(task)
-        self._wake.set()
+    def _due(self) -> float:
+        next_one = self._last + _SPACING - time.monotonic()
+        return max(min(self.timeline.until_next(), _IDLE), next_one, 0.0)
 
-    def stop(self) -> None:
-        """End it; browsers see that it has gone. Once is enough, twice does no harm."""
-        if self._stopping.is_set():
-            return
-        self._stopping.set()
-        self._wake.set()
-        if self._player is not threading.current_thread():
-            self._player.join(timeout=5.0)
-        close_server(self.server)
-
-    def wait(self) -> None:
-        """Until `stop` is called elsewhere, or Ctrl-C.
-
-        Raises:
-            KeyboardInterrupt: Ctrl-C; the viewer has been stopped.
-        """
-        try:
-            while not self._stopping.wait(_IDLE):
-                if self._failure is not None:
-                    raise self._failure
-        finally:
-            self.stop()
-
-    def _play(self) -> None:
-        try:
-            last = -math.inf
-            while not self._stopping.is_set():
-                now = time.monotonic()
-                wait = max(min(self.timeline.until_next(), _IDLE), last + _SPACING - now, 0.0)
-                self._wake.wait(wait)
-                self._wake.clear()
-                while True:
-                    try:
-                        task = self._tasks.get_nowait()
-                    except queue.Empty:
-                        break
-                    task()
-                # Nobody there: time goes on, nothing is sent.
-                if self.server.get_clients() and self._update():
-                    last = time.monotonic()
-        except BaseException as error:
-            self._failure = error
+    def _round(self) -> None:
+        self._do_tasks()
+        # Nobody there: time goes on, nothing is sent.
+        if self.server.get_clients() and self._update():
+            self._last = time.monotonic()
 
     def _update(self) -> bool:
         frames = self.timeline.frames()
@@ -261,14 +185,7 @@ def view(
         KeyboardInterrupt: Ctrl-C while it blocks; the viewer has been stopped.
     """
     viewer = Viewer((result, *more), labels=labels, host=host, port=port)
-    print(viewer.announce(), flush=True)
-    if block:
-        print("Ctrl-C ends it", flush=True)
-        try:
-            viewer.wait()
-        except KeyboardInterrupt:
-            print("", file=sys.stderr)
-            raise
+    viewer.say(block)
     return viewer
 
 

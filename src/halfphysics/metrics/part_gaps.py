@@ -1,0 +1,101 @@
+"""Distances of a person's parts from things, many at a time: hulls of the skin, or rigid parts."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics import rotations as rot
+from halfphysics import skinning
+from halfphysics.metrics.inputs import Array
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.motion import Motion
+    from halfphysics.result import ObjectTrack
+
+_CHUNK = 64  # poses at a time
+Whole = NDArray[np.integer]
+
+
+def part_gaps(
+    body: Body,
+    motion: Motion,
+    skin: bool,
+    thing: Any,
+    track: ObjectTrack | None,
+    part: Whole,
+    at: Whole,
+    reach: float,
+) -> Array:
+    """Distances (n,) [m] of parts (n,) of a person from a thing in poses `at` (n,).
+
+    0 or less where they meet; inf beyond `reach`.
+
+    Args:
+        body, motion: The person's.
+        skin: Whether the skin's hulls touch, or the rigid parts.
+        thing: The core's `GapThing`.
+        track: How it moves; None: it stands.
+        part, at: What is asked for.
+        reach: How far is measured [m].
+    """
+    found = np.full(len(at), np.inf)
+    frames = np.unique(at)
+    for first in range(0, len(frames), _CHUNK):
+        chunk = frames[first : first + _CHUNK]
+        here = np.flatnonzero((at >= chunk[0]) & (at <= chunk[-1]))
+        parts = np.unique(part[here])
+        posed, of_part, starts, corner = (_skin if skin else _rigid)(body, motion, chunk, parts)
+        position, turn = np.zeros((len(chunk), 3)), np.tile(np.eye(3), (len(chunk), 1, 1))
+        if track is not None:
+            position = np.ascontiguousarray(track.position[chunk])
+            turn = rot.to_matrix(rot.normalize(track.quaternion[chunk]))
+        found[here] = thing.gaps(
+            posed,
+            np.searchsorted(chunk, at[here]).astype(np.int32),
+            np.searchsorted(of_part, part[here], side="left").astype(np.int32),
+            np.searchsorted(of_part, part[here], side="right").astype(np.int32),
+            starts,
+            corner,
+            position,
+            turn,
+            reach,
+        )
+    return found
+
+
+#: Points (t, n, 3) in the world, of every hull its part (h,), ascending, where its corners start
+#: (h + 1,), and the corners: places among the points.
+Posed = tuple[Array, Whole, NDArray[np.int32], NDArray[np.int32]]
+
+
+def _skin(body: Body, motion: Motion, frames: Whole, parts: Whole) -> Posed:
+    hulls = body.skin_hulls
+    some = np.flatnonzero(np.isin(hulls.part, parts))
+    pieces = [hulls.vertex[hulls.first[h] : hulls.first[h + 1]] for h in some]
+    vertex = np.unique(np.concatenate([np.zeros(0, dtype=np.int32), *pieces]))
+    posed = body.vertices(motion, frames, indices=vertex)
+    corners = [np.searchsorted(vertex, piece) for piece in pieces]
+    return posed, hulls.part[some], *_listed(corners)
+
+
+def _rigid(body: Body, motion: Motion, frames: Whole, parts: Whole) -> Posed:
+    root = motion.translation[frames] + motion.axes @ body.rest_joints[0]
+    x, q = skinning.kinematics(motion.rotations[frames], root, body.rest_joints)
+    corner: Mapping[int, Array] = {int(p): body.variant.parts[p].vertices for p in parts}
+    some = [p for p, vertices in corner.items() if len(vertices)]
+    placed = [rot.rotate(q[:, p, None], corner[p]) + x[:, p, None] for p in some]
+    posed = np.concatenate([np.zeros((len(frames), 0, 3)), *placed], axis=1)
+    ends = np.cumsum([0, *(len(corner[p]) for p in some)])
+    corners = [np.arange(a, b) for a, b in itertools.pairwise(ends)]
+    return posed, np.array(some, dtype=np.int64), *_listed(corners)
+
+
+def _listed(corners: list[NDArray[Any]]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    starts = np.cumsum([0, *(len(c) for c in corners)]).astype(np.int32)
+    return starts, np.concatenate([np.zeros(0, dtype=np.int32), *corners]).astype(np.int32)

@@ -1,0 +1,119 @@
+"""A sweep that is killed, again and again, leaves the same bytes as one that is left alone.
+
+As a script: ``python tests/test_sweep_killed.py [KILLS] [SEED] [VARIANTS]`` kills more often.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+from sweep_case import PLAN, Here, Told, data
+
+from halfphysics.sweep.driver import run
+from halfphysics.sweep.plan import Plan
+from halfphysics.sweep.store import Store
+
+
+def started(plan, out):
+    return subprocess.Popen(
+        [sys.executable, "-m", "halfphysics", "sweep", str(plan), "--out", str(out), "--jobs", "2"],
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+
+
+def undisturbed(plan, out):
+    engine = Here(out)
+    with Store(out, Plan.load(plan)) as store:
+        run(store, engine, Told())
+    return data(out)
+
+
+def workers_of(pid):
+    """The processes of a sweep that is under way, its own first."""
+    found = [pid]
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[2]) == pid and fields[0] != "Z" and int(stat.parent.name) != pid:
+            found.append(int(stat.parent.name))
+    return found
+
+
+def gone(group, seconds=30.0):
+    deadline = time.monotonic() + seconds
+    while len(workers_of(group)) > 1 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    return len(workers_of(group)) == 1
+
+
+def progress_of(out):
+    """What is there, as a number that grows."""
+    return len(list(out.glob("work/0*/*.json"))) + 10 * len(list(out.glob("shards/*/*.json")))
+
+
+def killed(plan, out, kills, chance):
+    """Start and kill a sweep so often; the first kill waits until something is there."""
+    for _ in range(kills):
+        process = started(plan, out)
+        before = progress_of(out)
+        deadline = time.monotonic() + 120.0
+        while progress_of(out) <= before and process.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.01)
+        time.sleep(chance.uniform(0.0, 0.3))
+        process.kill()
+        process.communicate()
+        assert gone(process.pid), "the workers have ended with their parent"
+
+
+def ended(plan, out):
+    process = started(plan, out)
+    err = process.communicate(timeout=600.0)[1].decode()
+    assert process.returncode == 0, err
+
+
+needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
+
+
+@needs_proc
+def test_killed_at_any_moment_it_finishes_with_the_same_bytes(tmp_path):
+    plan = tmp_path / "plan.yaml"
+    plan.write_text(PLAN)
+    killed(plan, tmp_path / "out", 2, random.Random(0))
+    # And its workers, one after the other, which it gets over.
+    process = started(plan, tmp_path / "out")
+    deadline = time.monotonic() + 120.0
+    while len(workers_of(process.pid)) < 3 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    for worker in workers_of(process.pid)[1:]:
+        os.kill(worker, signal.SIGKILL)
+    err = process.communicate(timeout=600.0)[1].decode()
+    assert process.returncode == 0, err
+    assert data(tmp_path / "out") == undisturbed(plan, tmp_path / "whole")
+
+
+if __name__ == "__main__":
+    numbers = [int(word) for word in sys.argv[1:]]
+    kills, seed, variants = [*numbers, *(10, 0, 200)[len(numbers) :]]
+    with tempfile.TemporaryDirectory() as name:
+        plan = Path(name) / "plan.yaml"
+        count = -(-variants // 4)
+        text = PLAN.replace("[0.5, 1, 2]", f"{{from: 0.5, to: 2, count: {count}}}")
+        plan.write_text(text.replace("variants_per_shard: 8", "variants_per_shard: 30"))
+        killed(plan, Path(name) / "out", kills, random.Random(seed))
+        ended(plan, Path(name) / "out")
+        same = data(Path(name) / "out") == undisturbed(plan, Path(name) / "whole")
+        print(f"{kills} kills: {'the same bytes' if same else 'OTHER BYTES'}")
+        sys.exit(not same)

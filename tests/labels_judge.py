@@ -24,7 +24,8 @@ class Verdict:
     them [m]; `unlabelled`: vertices without a label that are nearer than the threshold;
     `impulses`: contacts of people with an impulse; `bare`: those of a part without any label;
     `with_vertex`: those of which a vertex of the two sides has a label at the frame; `gaps`: the
-    distances of both sides of the others [m].
+    distances of both sides of the others [m]; `between`: contacts between people, whose vertices
+    have no labels.
     """
 
     vertices: int = 0
@@ -34,6 +35,7 @@ class Verdict:
     impulses: int = 0
     bare: int = 0
     with_vertex: int = 0
+    between: int = 0
     gaps: np.ndarray | None = None
 
 
@@ -176,7 +178,7 @@ def _judge_impulses(verdict, result, labels):
         verdict.impulses += 1
         if other >= first_person:
             verdict.bare += not who.people_parts[frame, part]
-            verdict.with_vertex += 1  # between people vertices have no labels
+            verdict.between += 1
             continue
         item = names.get(name)
         parts = who.scene_parts if item is None else who.human_parts

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from halfphysics.sweep.driver import AHEAD, TARGET, Driver, SweepError
+from halfphysics.sweep.driver import AHEAD, RATE, TARGET, Driver, SweepError
 from halfphysics.sweep.engines import Death
 from halfphysics.sweep.layout import Layout
 from halfphysics.sweep.work import Done
@@ -161,6 +161,18 @@ def test_all_slots_are_busy_to_the_end(variants, seconds):
     engine = Clock(outputs, 2, seconds)
     driven(outputs, engine)
     assert engine.busy / engine.now > 1.9
+
+
+def test_many_slots_get_longer_tasks():
+    """One driver answers two thousand cores."""
+    outputs = Outputs(800_000, per_shard=4000)
+    engine = Clock(outputs, 2000, 0.1)
+    driven(outputs, engine)
+    tasks = [t for t in engine.log if t.kind == "batches"]
+    # Not those that begin, nor those that what is left is shared out in.
+    took = [0.1 * len(engine._variants(t)) for t in tasks[2 * AHEAD * engine.slots :]]
+    assert max(took) == pytest.approx(engine.slots / RATE, rel=0.1)
+    assert engine.busy / engine.now > 0.9 * engine.slots
 
 
 def test_uneven_variants_keep_all_slots_busy():

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from halfphysics.sweep.store import Store
 
 AHEAD = 2  # so many tasks for each slot are handed over
-TARGET = 2.0  # a task should take so long [s]
+TARGET = 2.0  # a task should take so long [s],
+RATE = 200.0  # and longer where more than so many tasks would end in a second: one process drives
 _ENDING = 3  # what is left is shared out in so many tasks for each slot
 _LEARNING = 0.3  # the weight of the latest task in what a batch is said to take
 _TRIES = 2  # a batch, or a variant alone, whose process died runs so often in all
@@ -175,7 +176,8 @@ class Driver:
     def _batches(self) -> Task:
         """Batches of the shard in hand that are neighbours, as many as fill a task."""
         rest = self._layout.batches - self._left[0]
-        most = 1 if self._pace is None else max(1, round(TARGET / max(self._pace, 1e-3)))
+        target = max(TARGET, self.engine.slots / RATE)
+        most = 1 if self._pace is None else max(1, round(target / max(self._pace, 1e-3)))
         most = min(most, math.ceil(rest / (_ENDING * self.engine.slots)))
         first = self._left.popleft()
         count = 1

@@ -200,7 +200,9 @@ class Store:
         """
         if self.done(shard):
             return []
-        return [b for b in self.layout.batches_of(shard) if not self._fragments.current(b)]
+        if not self.layout.open_shard(shard).is_dir():
+            return list(self.batches(shard))  # one look instead of one for each batch
+        return [b for b in self.batches(shard) if not self._fragments.current(b)]
 
     def records(self) -> Iterator[dict[str, Any]]:
         """The records of all sealed shards, in order, one at a time."""

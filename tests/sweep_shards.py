@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from halfphysics.io.npz import npz_bytes
+from halfphysics.io.npz_bytes import npz_bytes
 from halfphysics.sweep.data_card import DataCard
 from halfphysics.sweep.plan import Plan
 from halfphysics.sweep.store import Store

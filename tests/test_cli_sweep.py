@@ -107,6 +107,8 @@ def test_a_poisoned_clip_costs_its_variants_and_is_said(tmp_path, capsys, here):
     assert main([*arguments, "--retry-failed"]) == 0
     assert "1 variants failed and are tried again" in capsys.readouterr().out
     assert data(tmp_path / "data") == before
+    assert main([*arguments, "--verify"]) == 0
+    assert "1 sample" in capsys.readouterr().out
 
 
 def test_a_full_disk_is_one_message_that_says_how_to_go_on(

@@ -44,7 +44,7 @@ def held():
     return case.result()
 
 
-def card(result, *, motions=None, sources=(), plan=None):
+def card(result, *, motions=None, sources=(), plan=None, line="scenario\tkick_ball\t0"):
     plan = plan or plan_of()
     ready = Ready(
         motions=motions or tuple(p.reference for p in result.people),
@@ -53,7 +53,7 @@ def card(result, *, motions=None, sources=(), plan=None):
         settings=result.settings,
         sources=sources,
     )
-    variant = Variants(plan, ["scenario\tkick_ball\t0"])[0]
+    variant = Variants(plan, [line])[0]
     return card_of(plan, variant, ready, result, LABELS, events(result))
 
 
@@ -188,14 +188,23 @@ def test_the_documentation_says_what_every_value_is():
 
 
 def test_no_folder_of_a_machine_is_in_a_card(tmp_path):
-    plan = plan_of(base=tmp_path)
-    elsewhere = Path("/somewhere/models/SMPLX_NEUTRAL.npz")
-    sources = (
-        {"path": str(tmp_path / "clips" / "a.npz"), "sha256": "01"},
-        {"path": str(elsewhere), "sha256": "02"},
+    """Files below the plan's folder by their path, others as the plan says them or by name."""
+    there = tmp_path / "there"
+    base = tmp_path / "plans"
+    there.mkdir()
+    base.symlink_to(there)
+    plan = plan_of(
+        base=base, inputs=(Inputs(files=("../clips/*.npz",)),), factors={"objects.mass": [1.0]}
     )
-    found = card(held(), plan=plan, sources=sources)
-    assert [s["path"] for s in found["sources"]] == ["clips/a.npz", "SMPLX_NEUTRAL.npz"]
+    places = {
+        tmp_path / "clips" / "a.npz": "../clips/a.npz",
+        base / "room" / "table.obj": "room/table.obj",
+        there / "room" / "chair.obj": "room/chair.obj",
+        Path("/somewhere/models/SMPLX_NEUTRAL.npz"): "SMPLX_NEUTRAL.npz",
+    }
+    sources = tuple({"path": str(path), "sha256": "01"} for path in places)
+    found = card(held(), plan=plan, sources=sources, line="file\t../clips/a.npz\t0")
+    assert [s["path"] for s in found["sources"]] == list(places.values())
     assert str(tmp_path) not in text_of(found)
 
 

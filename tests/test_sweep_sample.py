@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import time
-import zipfile
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,7 +12,6 @@ import pytest
 
 import halfphysics as hp
 from halfphysics import rotations as rot
-from halfphysics.io.npz import npz_bytes
 from halfphysics.skeleton import JOINT_INDEX, SMPLH_JOINTS
 from halfphysics.sweep.sample import files_of
 
@@ -137,23 +135,6 @@ def test_the_same_bytes_at_any_time(result, files, monkeypatch):
 def test_no_number_that_json_has_not(result):
     with pytest.raises(ValueError, match="JSON"):
         files_of(result, labels(12, 100), {"clearance_min": float("inf")})
-
-
-def test_what_packs_is_packed():
-    zeros = np.zeros((200, 13_000), np.int8)
-    motion = np.random.default_rng(0).normal(size=(200, 156))
-    still = np.where(np.arange(156) < 66, motion, 0.0)
-    data = npz_bytes({"zeros": zeros, "motion": motion, "still": still, "name": np.array("cup")})
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        info = {i.filename: i for i in archive.infolist()}
-    assert info["zeros.npy"].compress_size < 0.01 * zeros.nbytes
-    assert info["motion.npy"].compress_type == zipfile.ZIP_STORED
-    assert info["still.npy"].compress_size < 0.5 * still.nbytes
-    there = arrays_of(data)
-    for name, value in {"zeros": zeros, "motion": motion, "still": still}.items():
-        np.testing.assert_array_equal(there[name], value)
-        assert there[name].dtype == value.dtype
-    assert str(there["name"]) == "cup"
 
 
 def test_columns_of_smplh():

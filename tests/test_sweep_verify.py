@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.io.npz import npz_bytes
+from halfphysics.io.npz_bytes import npz_bytes
 from halfphysics.scenarios import load
 from halfphysics.sweep.comparing import contents_differ, files_differ
 from halfphysics.sweep.plan import Plan

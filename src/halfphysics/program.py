@@ -6,11 +6,12 @@ import hashlib
 from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
 
-#: What numbers come from: code, the native core, the default body and what else is read.
-_KINDS = frozenset({".py", ".so", ".pyd", ".dylib", ".npz", ".json", ".yaml", ".xml"})
+#: What numbers come from beside the native core: code, the default body and what else is read.
+_KINDS = frozenset({".py", ".npz", ".json", ".yaml", ".xml"})
 #: Packages whose version decides numbers; the last one is optional and cuts meshes into pieces.
 _ENGINES = ("mujoco", "numpy", "scipy", "trimesh", "coacd")
 
@@ -33,9 +34,19 @@ def program() -> str:
     """SHA-256 of the package's files and of the versions of what it computes with."""
     digest = hashlib.sha256()
     folder = Path(__file__).parent
-    for path in sorted(p for p in folder.rglob("*") if p.suffix in _KINDS):
+    files = {
+        path.relative_to(folder).as_posix(): path
+        for path in folder.rglob("*")
+        if path.suffix in _KINDS
+    }
+    # The one that is used: there may be others beside it, and in an editable install it is
+    # somewhere else.
+    native = find_spec("halfphysics._native")
+    if native is not None and native.origin is not None:
+        files["_native"] = Path(native.origin)
+    for name, path in sorted(files.items()):
         content = hashlib.sha256(path.read_bytes()).hexdigest()
-        digest.update(f"{path.relative_to(folder).as_posix()} {content}\n".encode())
+        digest.update(f"{name} {content}\n".encode())
     for name, which in engines().items():
         digest.update(f"{name} {which}\n".encode())
     return digest.hexdigest()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import lzma
 import math
 import os
@@ -25,8 +24,6 @@ MAX_BYTES = 8 * 2**30
 MAX_MEMBERS = 100_000
 # Motion packs to a fifth or so. Only what is made to fill the memory packs to less than this.
 MAX_RATIO, SUSPICIOUS_BYTES = 200, 2**30
-# With more than this share of numbers other than zero an array hardly packs.
-DENSE = 0.75
 #: How reading a damaged archive can fail.
 DAMAGE = (
     zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, NotImplementedError,
@@ -154,24 +151,6 @@ def write_npz(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) 
             info = _entry(key)
             with archive.open(info, "w", force_zip64=True) as stream:
                 np.lib.format.write_array(stream, np.asanyarray(array), allow_pickle=False)
-
-
-def npz_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """An `.npz` in memory, packed where that is cheap: the same arrays give the same bytes.
-
-    What is mostly zeros (labels) is packed at the quickest level, which already makes it small.
-    Numbers of a motion are stored as they are: to pack them takes 60 times as long and saves a
-    fourteenth.
-    """
-    whole = io.BytesIO()
-    with zipfile.ZipFile(whole, "w") as archive:
-        for key, given in arrays.items():
-            array, stream, info = np.asanyarray(given), io.BytesIO(), _entry(key)
-            np.lib.format.write_array(stream, array, allow_pickle=False)
-            if array.dtype.kind in "biuf" and np.count_nonzero(array) > DENSE * array.size:
-                info.compress_type = zipfile.ZIP_STORED
-            archive.writestr(info, stream.getbuffer(), compresslevel=1)
-    return whole.getvalue()
 
 
 def _entry(key: str) -> zipfile.ZipInfo:

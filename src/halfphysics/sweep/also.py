@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from halfphysics.io.npz import npz_bytes
+from halfphysics.io.npz_bytes import npz_bytes
 
 if TYPE_CHECKING:
     from halfphysics.labels import ContactLabels

@@ -152,7 +152,7 @@ def card_of(
         "scene": variant.scene.name,
         "factors": plain(variant.factors),
         "settings": plain(ready.settings),
-        "sources": [_source(source, plan.base) for source in ready.sources],
+        "sources": [_source(source, variant, plan.base) for source in ready.sources],
         "versions": versions(),
         # Whether it went well.
         "success": not found.failed,
@@ -202,13 +202,24 @@ def _travel(result: Result, name: str) -> dict[str, float | None]:
     }
 
 
-def _source(source: Mapping[str, str], base: Path) -> dict[str, str]:
+def _source(source: Mapping[str, str], variant: Variant, base: Path) -> dict[str, str]:
     """A file that was read: its path as the plan has it, or its name where the plan has none."""
-    path = Path(source["path"])
-    if path.is_absolute():
-        path, root = Path(os.path.abspath(path)), os.path.abspath(base)
-        path = path.relative_to(root) if path.is_relative_to(root) else Path(path.name)
-    return {"path": path.as_posix(), "sha256": source["sha256"]}
+    path = os.path.abspath(os.path.join(base, source["path"]))
+    said = {
+        os.path.abspath(where): name
+        for where, name in (
+            (variant.input.path, variant.input.name),
+            (variant.scene.path, variant.scene.file),
+            (variant.body.path, variant.body.model),
+        )
+        if where is not None and name is not None
+    }
+    name = said.get(path, os.path.basename(path))
+    # The folder may be a link, and a path may have been followed to where it is.
+    for root in (os.path.abspath(base), os.path.realpath(base)):
+        if path not in said and Path(path).is_relative_to(root):
+            name = Path(path).relative_to(root).as_posix()
+    return {"path": name, "sha256": source["sha256"]}
 
 
 def plain(value: Any) -> Any:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import FileError, MissingDependencyError
-from halfphysics.io.npz import DENSE
+from halfphysics.io.npz_bytes import mostly_zeros
 from halfphysics.sweep.documents import text_of
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def _put(group: h5py.Group, key: str, array: NDArray[Any]) -> None:
     options: dict[str, Any] = {}
     if array.dtype.kind == "U":  # the library has no text of four bytes a letter
         array, options = array.astype(object), {"dtype": _h5py().string_dtype()}
-    elif array.nbytes >= _PACKED and np.count_nonzero(array) <= DENSE * array.size:
+    elif array.nbytes >= _PACKED and mostly_zeros(array):
         rows = max(1, _CHUNK * len(array) // array.nbytes)
         options = {
             "chunks": (min(rows, len(array)), *array.shape[1:]),

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
-from halfphysics.io.npz import npz_bytes
+from halfphysics.io.npz_bytes import npz_bytes
 from halfphysics.skeleton import SMPLH_JOINTS
 from halfphysics.sweep.documents import text_of
 

@@ -11,6 +11,7 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -230,8 +231,12 @@ def _serve(pipe: connection.Connection, function: Callable[[Any], Any], memory: 
                 answer = function(item)
             except MemoryError:
                 pipe.send((Death(FULL), 0))
-                return
+                break
             pipe.send((answer, resident()))
+    # At once: there is nothing to put in order, and no library has the last word.
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0)
 
 
 def _end_with(sentinel: int) -> None:

@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweep_shards import make, make_batch, plan_of, record_of, run, sample, tree, write_tar
 
-from halfphysics.errors import FileError, HalfPhysicsError, InputError
+from halfphysics.errors import FileError, HalfPhysicsError, InputError, MissingDependencyError
 from halfphysics.sweep import documents, tar
 from halfphysics.sweep.sources import Sources
 from halfphysics.sweep.store import Store
@@ -406,6 +406,13 @@ def test_one_driver_at_a_time(tmp_path):
     second.close()
     for end in (read, write, done, finish):
         os.close(end)
+
+
+def test_what_is_missing_is_said_at_once(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(MissingDependencyError, match=r"halfphysics\[hdf5\]"):
+        Store(tmp_path / "out", plan_of(tmp_path, formats=BOTH)).begin()
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_folder_that_cannot_be_written(tmp_path):

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.program import program as this_program
-from halfphysics.sweep import documents, manifest, sealing
+from halfphysics.sweep import documents, hdf5, manifest, sealing
 from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fixed_inputs import check_inputs
 from halfphysics.sweep.fragments import Fragments, Sample
@@ -81,11 +81,14 @@ class Store:
             InputError: The folder holds another plan or other things, its inputs are not what they
                 were, or another sweep works in it.
             FileError: It cannot be written.
+            MissingDependencyError: The plan wants HDF5 and h5py is not installed.
         """
         if self.folder.exists() and not self.folder.is_dir():
             raise FileError(
                 f"{self.folder}: this is a file, expected a folder. Give another (--out)"
             )
+        if "hdf5" in self.plan.outputs.formats:
+            hdf5.check()
         if self.folder.is_dir() and not (self.folder / "plan.yaml").exists():
             self._check_empty()
         self._lock.take()

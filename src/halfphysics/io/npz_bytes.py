@@ -1,8 +1,8 @@
 """An `.npz` in memory, for many small files that are mostly zeros: as quick as it goes.
 
 The bytes depend on the arrays only. What hardly packs (a motion: packing it takes 60 times as long
-as storing it, and saves a fourteenth) is stored as it is. What packs is packed in blocks; a block of
-zeros (labels of contact) is known beforehand, and so is an array that was packed before (a mesh).
+as storing it, and saves a fourteenth) is stored as it is. What packs is packed in blocks; a block
+of zeros (labels of contact) is known beforehand, and so is an array packed before (a mesh).
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def _npy(array: NDArray[Any]) -> tuple[bytes, memoryview]:
         return header.getvalue(), memoryview(b"")
     described = {"descr": array.dtype.str, "fortran_order": False, "shape": array.shape}
     np.lib.format.write_array_header_1_0(header, described)
-    return header.getvalue(), memoryview(array.reshape(-1).view(np.uint8))
+    return header.getvalue(), array.reshape(-1).view(np.uint8).data
 
 
 def _deflated(header: bytes, content: memoryview) -> list[bytes]:

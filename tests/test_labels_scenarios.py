@@ -1,0 +1,29 @@
+"""Contact labels of every scenario against geometry, judged by other libraries.
+
+A few vertices of each are asked of; `labels_campaign.py` asks of many, and measures.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from labels_judge import ROUNDING, judge
+
+import halfphysics as hp
+from halfphysics.labels import contact_labels
+
+
+@pytest.mark.parametrize("name", hp.scenarios.names())
+def test_labels_agree_with_geometry_and_no_impulse_is_without(name):
+    told = hp.scenarios.load(name)
+    motions, bodies = list(told.motions), list(told.bodies)
+    result = hp.simulate(motions, told.scene, body=bodies, settings=told.settings)
+    labels = contact_labels(result)
+    verdict = judge(result, labels, most=20)
+    if name != "reach_past_monitor":  # whose story is that nothing is touched
+        assert verdict.impulses > 0
+        assert verdict.vertices + verdict.points + (len(result.people) > 1) > 0
+    assert verdict.farthest <= result.settings.clearance + 1e-3 + ROUNDING
+    assert verdict.unlabelled == 0
+    assert verdict.bare == 0
+    assert np.isfinite(labels.contacts.distance).mean() > 0.5

@@ -48,7 +48,7 @@ def undisturbed(plan, tmp_path_factory):
 def test_what_is_in_the_folder(undisturbed):
     shards = [f"shards/00000/{k:09d}{s}" for k in range(4) for s in (".h5", ".json", ".tar")]
     notes = ["card.json", "card.md", "failures.jsonl", "inputs.txt", "manifest.jsonl", "plan.yaml"]
-    assert sorted(undisturbed) == sorted(shards + notes)
+    assert sorted(undisturbed) == sorted([*shards, *notes, "program.json"])
 
 
 def test_a_shard_is_what_tarfile_writes_in_one_go(undisturbed, tmp_path):
@@ -304,12 +304,31 @@ def test_another_program_makes_it_again(plan, tmp_path):
         for batch in store.batches(1):
             make_batch(store, batch)
         store.seal(1)
-    with Store(tmp_path / "out", plan, "new") as store:
+    with pytest.raises(InputError, match=r"another program: the program \(old.*--remake"):
+        Store(tmp_path / "out", plan, "new").begin()
+    assert Store(tmp_path / "out", plan, "old").done(1), "nothing is lost"
+    with Store(tmp_path / "out", plan, "new", remake=True) as store:
         assert not store.done(1)
         assert store.left(0) == [0, 1, 2]
         assert store.left(1) == [3, 4, 5]
         make(store)
     assert tree(tmp_path / "out") == _made(tmp_path / "other", plan, "new")
+
+
+def test_which_program_it_was_is_not_needed_to_see_that_it_was_another(plan, tmp_path):
+    run(tmp_path / "out", plan, "old")
+    (tmp_path / "out/program.json").unlink()
+    with pytest.raises(InputError, match="not known"):
+        Store(tmp_path / "out", plan, "new").begin()
+    run(tmp_path / "out", plan, "old")
+    assert (tmp_path / "out/program.json").exists()
+
+
+def test_a_worker_with_another_program_is_refused(plan, tmp_path):
+    with Store(tmp_path / "out", plan, "this"):
+        Store(tmp_path / "out", plan, "this").join()
+        with pytest.raises(InputError, match="a worker has another program"):
+            Store(tmp_path / "out", plan, "other").join()
 
 
 def _made(folder, plan, program):
@@ -346,7 +365,7 @@ def test_another_plan_in_the_folder(tmp_path):
         Store(tmp_path / "out", plan_of(tmp_path, seed=3)).begin()
     assert tree(tmp_path / "out") == before
     # Where results go is no part of what they are.
-    Store(tmp_path / "out", plan_of(tmp_path)).begin()
+    Store(tmp_path / "out", plan_of(tmp_path), "this").begin()
 
 
 @pytest.mark.parametrize(
@@ -361,7 +380,7 @@ def test_other_inputs(tmp_path, change, said):
     plan = plan_of(tmp_path)
     run(tmp_path / "out", plan)
     change(tmp_path)
-    store = Store(tmp_path / "out", plan)
+    store = Store(tmp_path / "out", plan, "this")
     with pytest.raises(InputError, match=f"inputs are not those.*{said}.*put them back"):
         store.begin()
     # The folder is not left locked.

@@ -181,11 +181,11 @@ def full():
 
 @posix
 @pytest.mark.parametrize(
-    ("what", "code", "formats"),
-    [(lambda: os._exit(9), 9, BOTH), (full, 3, BOTH[:1])],
+    ("what", "code", "formats", "every"),
+    [(lambda: os._exit(9), 9, BOTH, 1), (full, 3, BOTH[:1], 2)],
     ids=["killed", "full"],
 )
-def test_disturbed_at_every_operation(tmp_path, what, code, formats):
+def test_disturbed_at_every_operation(tmp_path, what, code, formats, every):
     """Killed, or without room, before any one thing done to a file: the same bytes in the end."""
     if "hdf5" in formats:
         pytest.importorskip("h5py")
@@ -194,11 +194,12 @@ def test_disturbed_at_every_operation(tmp_path, what, code, formats):
     expected = tree(tmp_path / "whole")
     codes = []
     while 0 not in codes:
-        folder = tmp_path / f"out{len(codes)}"
-        codes.append(disturbed(folder, lambda f=folder: run(f, plan), len(codes) + 1, what))
+        at = 1 + every * len(codes)
+        folder = tmp_path / f"out{at}"
+        codes.append(disturbed(folder, lambda f=folder: run(f, plan), at, what))
         run(folder, plan)
-        assert tree(folder) == expected, f"operation {len(codes)}"
-    assert len(codes) > 40
+        assert tree(folder) == expected, f"operation {at}"
+    assert at > 40
     # What is only tidying up may fail without a word.
     assert set(codes[:-1]) <= {code, 2}
     assert codes.count(2) < 5
@@ -575,13 +576,13 @@ def test_disturbed_while_failures_are_tried_again(tmp_path):
 
     codes = []
     while 0 not in codes:
-        folder = tmp_path / f"out{len(codes)}"
+        at = 1 + 2 * len(codes)
+        folder = tmp_path / f"out{at}"
         shutil.copytree(tmp_path / "failed", folder)
-        at = len(codes) + 1
         codes.append(disturbed(folder, lambda f=folder: reopen(f), at, lambda: os._exit(9)))
         reopen(folder, make)
         assert tree(folder) == expected, f"operation {at}"
-    assert len(codes) > 20
+    assert at > 20
 
 
 def test_failures_of_open_shards_can_be_tried_again(plan, tmp_path):

@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweep_shards import make, make_batch, plan_of, record_of, run, sample, tree, write_tar
 
-from halfphysics.errors import FileError, HalfPhysicsError, InputError
+from halfphysics.errors import FileError, HalfPhysicsError, InputError, MissingDependencyError
 from halfphysics.sweep import documents, tar
 from halfphysics.sweep.sources import Sources
 from halfphysics.sweep.store import Store
@@ -47,7 +47,7 @@ def undisturbed(plan, tmp_path_factory):
 def test_what_is_in_the_folder(undisturbed):
     shards = [f"shards/00000/{k:09d}{s}" for k in range(4) for s in (".h5", ".json", ".tar")]
     notes = ["card.json", "card.md", "failures.jsonl", "inputs.txt", "manifest.jsonl", "plan.yaml"]
-    assert sorted(undisturbed) == sorted(shards + notes)
+    assert sorted(undisturbed) == sorted([*shards, *notes, "program.json"])
 
 
 def test_a_shard_is_what_tarfile_writes_in_one_go(undisturbed, tmp_path):
@@ -303,12 +303,31 @@ def test_another_program_makes_it_again(plan, tmp_path):
         for batch in store.batches(1):
             make_batch(store, batch)
         store.seal(1)
-    with Store(tmp_path / "out", plan, "new") as store:
+    with pytest.raises(InputError, match=r"another program: the program \(old.*--remake"):
+        Store(tmp_path / "out", plan, "new").begin()
+    assert Store(tmp_path / "out", plan, "old").done(1), "nothing is lost"
+    with Store(tmp_path / "out", plan, "new", remake=True) as store:
         assert not store.done(1)
         assert store.left(0) == [0, 1, 2]
         assert store.left(1) == [3, 4, 5]
         make(store)
     assert tree(tmp_path / "out") == _made(tmp_path / "other", plan, "new")
+
+
+def test_which_program_it_was_is_not_needed_to_see_that_it_was_another(plan, tmp_path):
+    run(tmp_path / "out", plan, "old")
+    (tmp_path / "out/program.json").unlink()
+    with pytest.raises(InputError, match="not known"):
+        Store(tmp_path / "out", plan, "new").begin()
+    run(tmp_path / "out", plan, "old")
+    assert (tmp_path / "out/program.json").exists()
+
+
+def test_a_worker_with_another_program_is_refused(plan, tmp_path):
+    with Store(tmp_path / "out", plan, "this"):
+        Store(tmp_path / "out", plan, "this").join()
+        with pytest.raises(InputError, match="a worker has another program"):
+            Store(tmp_path / "out", plan, "other").join()
 
 
 def _made(folder, plan, program):
@@ -345,7 +364,7 @@ def test_another_plan_in_the_folder(tmp_path):
         Store(tmp_path / "out", plan_of(tmp_path, seed=3)).begin()
     assert tree(tmp_path / "out") == before
     # Where results go is no part of what they are.
-    Store(tmp_path / "out", plan_of(tmp_path)).begin()
+    Store(tmp_path / "out", plan_of(tmp_path), "this").begin()
 
 
 @pytest.mark.parametrize(
@@ -360,7 +379,7 @@ def test_other_inputs(tmp_path, change, said):
     plan = plan_of(tmp_path)
     run(tmp_path / "out", plan)
     change(tmp_path)
-    store = Store(tmp_path / "out", plan)
+    store = Store(tmp_path / "out", plan, "this")
     with pytest.raises(InputError, match=f"inputs are not those.*{said}.*put them back"):
         store.begin()
     # The folder is not left locked.
@@ -406,6 +425,13 @@ def test_one_driver_at_a_time(tmp_path):
     second.close()
     for end in (read, write, done, finish):
         os.close(end)
+
+
+def test_what_is_missing_is_said_at_once(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(MissingDependencyError, match=r"halfphysics\[hdf5\]"):
+        Store(tmp_path / "out", plan_of(tmp_path, formats=BOTH)).begin()
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_folder_that_cannot_be_written(tmp_path):

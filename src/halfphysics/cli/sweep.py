@@ -76,6 +76,8 @@ class Command:
     say how many."""
     retry_failed: bool = False
     """Try the variants that failed again."""
+    remake: bool = False
+    """Make again what another version of the program made; without it such a folder is refused."""
 
     def run(self) -> None:
         """Show the plan, do it, say what it came to."""
@@ -137,7 +139,7 @@ class Command:
         progress = Progress()
         with contextlib.ExitStack() as stack:
             stack.enter_context(_ended_like_by_ctrl_c())
-            store = stack.enter_context(Store(folder, plan))
+            store = stack.enter_context(Store(folder, plan, remake=self.remake))
             if self.retry_failed:
                 print(f"{store.drop_failed()} variants failed and are tried again")
             engine = self._engine(folder)
@@ -176,6 +178,8 @@ class Command:
             value: Any = getattr(self, name)
             if value is not None and (name == "out" or "--verify" not in more):
                 words += [f"--{name}", str(value)]
+        if self.remake and "--verify" not in more:
+            words += ["--remake"]
         if self.engine != "local" and "--verify" not in more:
             words += ["--engine", self.engine]
         return shlex.join([*words, *more])

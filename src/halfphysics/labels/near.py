@@ -144,8 +144,7 @@ class _Some:
     @staticmethod
     def of(body: Body, balls: PartBalls, parts: NDArray[np.bool_]) -> _Some:
         mine = parts[balls.part]
-        vertex = np.flatnonzero(mine).astype(np.int32)
-        vertex = vertex[np.argsort(balls.part[vertex], kind="stable")]
+        vertex = balls.order[mine[balls.order]].astype(np.int32)
         first = np.searchsorted(balls.part[vertex], np.arange(len(parts) + 1)).astype(np.int32)
         place = np.zeros(len(mine), dtype=np.int32)
         place[vertex] = np.arange(len(vertex))

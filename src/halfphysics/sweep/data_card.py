@@ -154,8 +154,8 @@ class DataCard:
         if not isinstance(other, Mapping) or other.get("version") != VERSION:
             found = other.get("version") if isinstance(other, Mapping) else None
             raise InputError(
-                f"data card: found counts of version {found}, expected {VERSION}. Start the sweep "
-                "again: what another version made is made again"
+                f"data card: found counts of version {found}, expected {VERSION}. Have it made "
+                "again (halfphysics sweep PLAN --remake), or use the version that made it"
             )
         for name, number in other["numbers"].items():
             self._numbers[name] += number

@@ -41,9 +41,9 @@ def told() -> dict[str, str]:
     }
 
 
-def changed(stored: dict[str, str | None]) -> list[str]:
-    """In words, what of the versions in a card is not this program's."""
-    here = versions()
+def changed(stored: dict[str, str | None], program: str | None = None) -> list[str]:
+    """In words, what of the versions in a card is not this program's (or that of `program`)."""
+    here = versions() if program is None else {**versions(), "program": program}
     words = []
     for name in sorted({*stored, *here} - {"program"}):
         if stored.get(name) != here.get(name):

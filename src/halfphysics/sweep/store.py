@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.program import program as this_program
-from halfphysics.sweep import documents, manifest, sealing
+from halfphysics.sweep import documents, hdf5, manifest, sealing
 from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fixed_inputs import check_inputs
+from halfphysics.sweep.fixed_program import check_program, check_same
 from halfphysics.sweep.fragments import Fragments, Sample
 from halfphysics.sweep.layout import Layout
 from halfphysics.sweep.locking import Lock
@@ -41,12 +42,21 @@ class Store:
         folder: Where it is or will be.
         plan: What is made.
         program: Of which program the data is; None: this one.
+        remake: Whether what another program made is made again, instead of refused.
     """
 
-    def __init__(self, folder: str | os.PathLike[str], plan: Plan, program: str | None = None):
+    def __init__(
+        self,
+        folder: str | os.PathLike[str],
+        plan: Plan,
+        program: str | None = None,
+        *,
+        remake: bool = False,
+    ) -> None:
         self.folder = Path(folder)
         self.plan = plan
-        program = this_program() if program is None else program
+        self._remake = remake
+        self._program = program = this_program() if program is None else program
         self.identity = hashlib.sha256(f"{plan.identity} {program}".encode()).hexdigest()
         self._lock = Lock(self.folder / "work" / "driver.lock")
 
@@ -78,14 +88,17 @@ class Store:
         """Make or open the folder, keep others out, and remove what a killed run left.
 
         Raises:
-            InputError: The folder holds another plan or other things, its inputs are not what they
-                were, or another sweep works in it.
+            InputError: The folder holds another plan or other things, or what another program has
+                made; its inputs are not what they were; or another sweep works in it.
             FileError: It cannot be written.
+            MissingDependencyError: The plan wants HDF5 and h5py is not installed.
         """
         if self.folder.exists() and not self.folder.is_dir():
             raise FileError(
                 f"{self.folder}: this is a file, expected a folder. Give another (--out)"
             )
+        if "hdf5" in self.plan.outputs.formats:
+            hdf5.check()
         if self.folder.is_dir() and not (self.folder / "plan.yaml").exists():
             self._check_empty()
         self._lock.take()
@@ -102,6 +115,7 @@ class Store:
         self._check_plan()
         check_inputs(self.folder / "inputs.txt", resolve_inputs(self.plan))
         layout = self.layout
+        check_program(layout, self._program, self.identity, remake=self._remake)
         for folder in (layout.shard_folder, layout.work):
             with reported(folder):
                 folder.mkdir(exist_ok=True)
@@ -109,6 +123,14 @@ class Store:
             for folder in sorted(p for p in parent.iterdir() if p.is_dir()):
                 self._clean(folder)
         self._remove_sealed()
+
+    def join(self) -> None:
+        """What a worker calls instead of `begin`.
+
+        Raises:
+            InputError: The sweep was begun by another program than this.
+        """
+        check_same(self.layout, self._program)
 
     def close(self) -> None:
         """Let others in."""

@@ -113,7 +113,9 @@ def opened(folder: str) -> tuple[Store, Maker]:
 
     plan = Plan.load(Path(folder) / "plan.yaml")
     variants = Variants(plan, InputList(Path(folder) / "inputs.txt"))
-    return Store(folder, plan), Maker(plan, variants)
+    store = Store(folder, plan)
+    store.join()
+    return store, Maker(plan, variants)
 
 
 def _batch(

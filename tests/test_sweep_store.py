@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweep_shards import make, make_batch, plan_of, record_of, run, sample, tree, write_tar
 
-from halfphysics.errors import FileError, InputError, MissingDependencyError
+from halfphysics.errors import FileError, HalfPhysicsWarning, InputError, MissingDependencyError
 from halfphysics.sweep import documents, tar
 from halfphysics.sweep.sources import Sources
 from halfphysics.sweep.store import Store
@@ -370,7 +370,15 @@ def test_changed_inputs_make_it_again(swept, tmp_path):
     (tmp_path / "mesh.obj").write_bytes(b"v 0 0 1")
     with swept() as store:
         assert not store.done(0)
-        assert store.left(0) == [0, 1, 2]
+        with pytest.warns(HalfPhysicsWarning, match=r"^mesh\.obj: has changed .* again") as said:
+            left = [store.left(0), store.left(1)]
+        assert left == [[0, 1, 2], [3, 4, 5]]
+        assert len(said) == 1
+
+
+def test_a_changed_input_of_what_is_not_sealed_is_said(swept, tmp_path):
+    (tmp_path / "mesh.obj").write_bytes(b"v 0 0 1")
+    with swept() as store, pytest.warns(HalfPhysicsWarning, match=r"mesh\.obj: has changed"):
         assert store.left(1) == [3, 4, 5]
 
 

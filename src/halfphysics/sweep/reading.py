@@ -79,7 +79,14 @@ def _of_folder(folder: Path, parts: Collection[str] | None) -> Iterator[dict[str
 def _of_records(records: list[Path], parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
     for record in records:
         shard = record.with_suffix(".tar")
-        yield from read(shard if shard.exists() else record.with_suffix(".h5"), parts)
+        if not shard.exists():
+            shard = record.with_suffix(".h5")
+        if not shard.exists():
+            raise FileError(
+                f"{record.with_suffix('')}: neither .tar nor .h5 is there, expected what "
+                f"{record.name} tells of. Run the sweep again in its folder: it is made again"
+            )
+        yield from read(shard, parts)
 
 
 def _of_tar(path: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
@@ -103,8 +110,8 @@ def _of_tar(path: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any
         _check_end(path, end)
     except _DAMAGE as error:
         raise FileError(
-            f"{path}: damaged, or no shard of a sweep ({error}). Run the sweep again in its "
-            "folder: what is missing is made again"
+            f"{path}: damaged, or no shard of a sweep ({error}). Delete it and run the sweep "
+            "again in its folder: what is missing is made again"
         ) from None
     if sample:
         yield sample

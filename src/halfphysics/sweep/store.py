@@ -211,17 +211,24 @@ class Store:
         record = self.record(shard)
         if record is None or not sealing.sizes_fit(self.layout, record):
             return False
-        stats = documents.read(self.layout.stats(shard)) or {}
-        return self._sources.changed(record["inputs"], stats) is None
+        return self._sources.changed(record["inputs"], self._stats(shard)) is None
+
+    def _stats(self, shard: int) -> dict[str, Any]:
+        return documents.read(self.layout.stats(shard)) or {}
 
     def left(self, shard: int) -> list[int]:
         """The batches of a shard that have to be made, in order.
+
+        Warns where that is because a file has changed.
 
         Raises:
             InputError: A file that a fragment was made from has gone.
         """
         if self.done(shard):
             return []
+        record = self.record(shard)
+        if record is not None:
+            self._sources.warn(record["inputs"], self._stats(shard))
         if not self.layout.open_shard(shard).is_dir():
             return list(self.batches(shard))  # one look instead of one for each batch
         return [b for b in self.batches(shard) if not self._fragments.current(b)]

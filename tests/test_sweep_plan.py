@@ -15,8 +15,8 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from halfphysics.cli.options import MotionOptions
 from halfphysics.errors import FileError, InputError
+from halfphysics.io.asked import MotionOptions
 from halfphysics.sweep import Plan, Variants
 from halfphysics.sweep.choices import BodyChoice, SceneChoice
 from halfphysics.sweep.inputs import Inputs, resolve

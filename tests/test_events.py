@@ -293,6 +293,13 @@ def test_they_are_plain_values_for_a_file():
     assert found["drops"][0]["people"] == ["person"]
 
 
+def test_a_result_from_a_file_has_the_same(tmp_path):
+    for case in (fallen()[0], slid()):
+        result = case.result()
+        result.save(tmp_path / "r.npz")
+        assert events(hp.Result.load(tmp_path / "r.npz")) == events(result)
+
+
 def test_what_is_no_result_and_what_are_no_limits():
     with pytest.raises(InputError, match="result: expected"):
         events(None)

@@ -117,12 +117,19 @@ def test_nothing_is_unpickled(tmp_path):
         list(read(bad))
 
 
-@pytest.mark.parametrize("damage", ["cut", "other", "text", "name"])
+@pytest.mark.parametrize("damage", ["cut", "between", "header", "other", "text", "name"])
 def test_damaged_shards(folder, tmp_path, damage):
     shard = tmp_path / "a.tar"
     data = (folder / "shards/00000/000000000.tar").read_bytes()
     if damage == "cut":
         shard.write_bytes(data[: len(data) // 2 + 7])
+    elif damage == "between":  # after a whole member, as tarfile would not notice
+        with tarfile.open(folder / "shards/00000/000000000.tar") as archive:
+            shard.write_bytes(data[: archive.getmembers()[5].offset])
+    elif damage == "header":
+        with tarfile.open(folder / "shards/00000/000000000.tar") as archive:
+            at = archive.getmembers()[5].offset
+        shard.write_bytes(data[:at] + bytes([255]) * 512 + data[at + 512 :])
     elif damage == "other":
         shard.write_bytes(bytes(range(256)) * 40)
     elif damage == "text":

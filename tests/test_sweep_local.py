@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from sweep_case import PLAN, Here, Told, data, deadly, planned
@@ -55,6 +58,22 @@ def test_variants_that_kill_their_process_or_eat_the_memory(tmp_path):
     assert (report.samples, report.skipped, report.failures) == (11, 1, 0)
     swept(whole, plan, Here(whole))
     assert data(out) == data(whole)
+
+
+def test_the_document_s_script_runs(tmp_path):
+    document = (Path(__file__).parent.parent / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    section = document.split("## Running")[1].split("\n## ")[0]
+    planned(tmp_path, PLAN.replace("[0.5, 1, 2]", "[1]"))
+    (tmp_path / "script.py").write_text(section.split("```python\n")[1].split("```")[0])
+    done = subprocess.run(
+        [sys.executable, "script.py"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stdout) == (0, "4 samples, 0 failures\n"), done.stderr
+    assert "leaked" not in done.stderr
 
 
 def test_how_many_processes_and_what_each_may_have(monkeypatch):

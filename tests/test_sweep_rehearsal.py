@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from halfphysics.cli import MISTAKE, main
 from halfphysics.errors import InputError
 from halfphysics.sweep.plan import Inputs, Outputs, Plan
 from halfphysics.sweep.rehearsal import PARTS, Play, rehearse
@@ -87,6 +88,22 @@ def test_the_report_says_what_was_measured():
     assert "1,000 variants, 250 batches, 10 shards" in text
     for line in ("driver", "memory", "written", "takes"):
         assert f"\n{line} " in text
+
+
+def test_from_the_command_line(tmp_path, capsys):
+    """Simulates nothing, and leaves nothing beside the plan."""
+    plan = tmp_path / "plan.yaml"
+    plan.write_text("inputs: {scenarios: [kick_ball]}\nfactors: {objects.friction: [0.3, 0.6]}\n")
+    assert main(["sweep", str(plan), "--rehearse", "3", "--cores", "5"]) == 0
+    assert "3 machines of 5 cores" in capsys.readouterr().out
+    assert list(tmp_path.iterdir()) == [plan]
+    for arguments, said in (
+        (("--cores", "5"), "--cores: is for --rehearse"),
+        (("--rehearse", "0"), "--rehearse: found 0, expected at least 1"),
+        (("--rehearse", "2", "--cores", "0"), "--cores: found 0, expected at least 1"),
+    ):
+        assert main(["sweep", str(plan), *arguments]) == MISTAKE
+        assert said in capsys.readouterr().err
 
 
 def test_what_cannot_be_is_said(tmp_path):

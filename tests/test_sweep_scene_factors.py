@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import trimesh
 
 import halfphysics as hp
 from halfphysics import scenarios
@@ -160,25 +161,30 @@ def test_a_moving_thing_keeps_its_trajectory_in_its_own_frame():
 
 
 def test_pieces_are_scaled_not_cut_again(monkeypatch):
-    scene = scenarios.load("grasp_glass", shape="wine").scene
-    was = scene.objects["glass"]
+    post, beam = trimesh.creation.box((0.1, 0.1, 0.4)), trimesh.creation.box((0.5, 0.1, 0.1))
+    beam.apply_translation((0.1, 0.0, 0.3))
+    scene = hp.Scene()
+    shape = trimesh.util.concatenate([post, beam])
+    scene.add_object("gibbet", shape, mass=2.0, position=(0.0, 0.0, 0.2))
+    was = scene.objects["gibbet"]
 
     def never(*args):
         raise AssertionError("pieces were cut again")
 
-    monkeypatch.setattr("halfphysics.object_pieces.decompose", never)
-    made = varied(scene, objects__scale=1.25).objects["glass"]
-    assert len(made.pieces) == len(was.pieces) > 1
+    for name in ("decompose", "judged", "touching"):
+        monkeypatch.setattr(f"halfphysics.object_pieces.{name}", never)
+    made = varied(scene, objects__scale=1.25).objects["gibbet"]
+    assert len(made.pieces) == len(was.pieces) == 2
     for small, large in zip(was.pieces, made.pieces, strict=True):
         assert np.array_equal(large.vertices, 1.25 * small.vertices)
     assert made.decomposition.outside_mm == 1.25 * was.decomposition.outside_mm
+    assert made.cut.threshold == 1.25 * was.cut.threshold
     assert np.allclose(made.inertia, 1.25**2 * was.inertia, rtol=1e-12)
     assert np.allclose(made.com, 1.25 * was.com, rtol=1e-12, atol=1e-15)
+    assert made.position == pytest.approx([0.0, 0.0, 0.25])
 
 
 def test_meshes_are_named_by_file_hash_and_scale(tmp_path):
-    import trimesh
-
     path = tmp_path / "stone.ply"
     trimesh.creation.icosphere(subdivisions=1, radius=0.1).export(path)
     scene = hp.Scene()

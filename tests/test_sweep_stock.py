@@ -1,8 +1,12 @@
 """What variants are made from: read once, kept a little, named by content."""
 
 import hashlib
+from pathlib import Path
 
+import numpy as np
 import pytest
+import test_grab as grab
+import trimesh
 from model_files import fields, write_npz
 from sweep_variants import clip, scenario, workshop
 
@@ -42,8 +46,6 @@ def walk(tmp_path):
 @pytest.fixture
 def room(tmp_path):
     """A scene file with a mesh, an object of the same mesh and a box."""
-    import trimesh
-
     mesh = tmp_path / "block.ply"
     trimesh.creation.box((0.4, 0.4, 0.8)).export(mesh)
     scene = hp.Scene()
@@ -115,3 +117,46 @@ def test_a_folder_is_named_by_what_is_in_it(tmp_path):
 
 def test_scenarios_read_nothing():
     assert workshop().make(scenario("kick_ball")).sources == ()
+
+
+@pytest.fixture
+def recorded(tmp_path, monkeypatch):
+    """A clip of a data set with a cup, a table, a subject's template and a body model."""
+    content = grab.fields()
+    path = grab.written(tmp_path, content)
+    tools = path.parents[2] / "tools"
+    for name in (content["object"]["object_mesh"], content["table"]["table_mesh"]):
+        (tools.parent / name).parent.mkdir(parents=True, exist_ok=True)
+        trimesh.creation.box((0.1, 0.1, 0.1)).export(tools.parent / name)
+    template = tools.parent / content["body"]["vtemp"]
+    template.parent.mkdir(parents=True)
+    shape = trimesh.Trimesh(grab.template(), fields("smplx")["f"], process=False)
+    shape.export(template)
+    models = tmp_path / "models"
+    write_npz(models / "smplx" / "SMPLX_MALE.npz", fields("smplx"))
+    monkeypatch.setenv("HALFPHYSICS_MODELS", str(models))
+    return path
+
+
+@pytest.mark.filterwarnings("ignore:.*what 'cup' weighs")
+def test_all_that_a_data_set_s_clip_is_read_from_is_named(recorded):
+    sources = workshop().make(clip(recorded, ground=False)).sources
+    names = [Path(source["path"]).name for source in sources]
+    assert names[0] == "cup_lift.npz"
+    assert sorted(names) == ["SMPLX_MALE.npz", "cup.ply", "cup_lift.npz", "s1.ply", "table.ply"]
+    for source in sources:
+        content = Path(source["path"]).read_bytes()
+        assert source["sha256"] == hashlib.sha256(content).hexdigest()
+
+
+@pytest.mark.filterwarnings("ignore:.*what 'cup' weighs")
+def test_the_subject_s_body_keeps_its_template(recorded):
+    shop = workshop()
+    own = shop.make(clip(recorded, ground=False)).bodies[0]
+    said = {"body.betas.1": 0.5}
+    other = shop.make(clip(recorded, ground=False, factors=said)).bodies[0]
+    assert (other.template_source, other.source) == (own.template_source, own.source)
+    assert other.betas[1] == 0.5
+    assert not np.array_equal(other.rest_vertices, own.rest_vertices)
+    short = shop.make(clip(recorded, ground=False, factors={"body.stature": 1.6})).bodies[0]
+    assert (short.model, short.stature) == ("free", pytest.approx(1.6))

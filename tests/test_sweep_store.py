@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import shutil
 import signal
 import sys
 import tarfile
@@ -17,7 +18,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweep_shards import make, make_batch, plan_of, record_of, run, sample, tree, write_tar
 
-from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
+from halfphysics.errors import (
+    FileError,
+    HalfPhysicsError,
+    HalfPhysicsWarning,
+    InputError,
+    MissingDependencyError,
+)
 from halfphysics.sweep import documents, tar
 from halfphysics.sweep.sources import Sources
 from halfphysics.sweep.store import Store
@@ -180,11 +187,11 @@ def full():
 
 @posix
 @pytest.mark.parametrize(
-    ("what", "code", "formats"),
-    [(lambda: os._exit(9), 9, BOTH), (full, 3, BOTH[:1])],
+    ("what", "code", "formats", "every"),
+    [(lambda: os._exit(9), 9, BOTH, 1), (full, 3, BOTH[:1], 2)],
     ids=["killed", "full"],
 )
-def test_disturbed_at_every_operation(tmp_path, what, code, formats):
+def test_disturbed_at_every_operation(tmp_path, what, code, formats, every):
     """Killed, or without room, before any one thing done to a file: the same bytes in the end."""
     if "hdf5" in formats:
         pytest.importorskip("h5py")
@@ -193,11 +200,12 @@ def test_disturbed_at_every_operation(tmp_path, what, code, formats):
     expected = tree(tmp_path / "whole")
     codes = []
     while 0 not in codes:
-        folder = tmp_path / f"out{len(codes)}"
-        codes.append(disturbed(folder, lambda f=folder: run(f, plan), len(codes) + 1, what))
+        at = 1 + every * len(codes)
+        folder = tmp_path / f"out{at}"
+        codes.append(disturbed(folder, lambda f=folder: run(f, plan), at, what))
         run(folder, plan)
-        assert tree(folder) == expected, f"operation {len(codes)}"
-    assert len(codes) > 40
+        assert tree(folder) == expected, f"operation {at}"
+    assert at > 40
     # What is only tidying up may fail without a word.
     assert set(codes[:-1]) <= {code, 2}
     assert codes.count(2) < 5
@@ -427,6 +435,13 @@ def test_one_driver_at_a_time(tmp_path):
         os.close(end)
 
 
+def test_what_is_missing_is_said_at_once(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(MissingDependencyError, match=r"halfphysics\[hdf5\]"):
+        Store(tmp_path / "out", plan_of(tmp_path, formats=BOTH)).begin()
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_folder_that_cannot_be_written(tmp_path):
     plan = plan_of(tmp_path)
     (tmp_path / "file").write_bytes(b"")
@@ -489,6 +504,17 @@ def test_a_changed_input_of_what_is_not_sealed_is_said(swept, tmp_path):
         assert store.left(1) == [3, 4, 5]
 
 
+def test_changed_inputs_are_not_kept_for_failures(tmp_path):
+    with Store(tmp_path / "out", plan_of(tmp_path), "this") as store:
+        inputs = {str(tmp_path / "a.npz"): digest(tmp_path / "a.npz")}
+        make(store, failed=(1,), inputs=inputs)
+    (tmp_path / "a.npz").write_bytes(b"other")
+    with Store(tmp_path / "out", plan_of(tmp_path), "this") as store:
+        assert store.drop_failed() == 1
+        with pytest.warns(HalfPhysicsWarning, match=r"a\.npz: has changed"):
+            assert store.left(0) == [0, 1, 2]
+
+
 def test_inputs_that_are_gone(swept, tmp_path):
     (tmp_path / "mesh.obj").unlink()
     with swept() as store, pytest.raises(InputError, match=r"mesh\.obj: cannot be reached.*back"):
@@ -527,8 +553,51 @@ def test_failures_are_listed_and_can_be_tried_again(plan, undisturbed, tmp_path)
     with Store(tmp_path / "out", plan, "this") as store:
         assert store.drop_failed() == 2
         assert [store.done(k) for k in range(4)] == [False, True, False, True]
+        # Nothing but the batches of 1 and 13 is made again.
+        assert [store.left(k) for k in range(4)] == [[0], [], [6], []]
         make(store)
     assert tree(tmp_path / "out") == undisturbed
+
+
+def test_failures_without_a_tar_make_the_shard_again(tmp_path):
+    with Store(tmp_path / "out", plan_of(tmp_path, formats=("hdf5",)), "this") as store:
+        make(store, failed=(1,))
+        assert store.drop_failed() == 1
+        assert store.left(0) == [0, 1, 2]
+
+
+def test_damaged_shards_are_not_reopened(plan, tmp_path):
+    with Store(tmp_path / "out", plan, "this") as store:
+        make(store, failed=(1,))
+        tar = tmp_path / "out/shards/00000/000000000.tar"
+        data = tar.read_bytes()
+        tar.write_bytes(data[:20_000] + bytes([255]) * (len(data) - 20_000))
+        with pytest.raises(FileError, match=r"000000000\.tar: damaged.*Remove it"):
+            store.drop_failed()
+
+
+@posix
+def test_disturbed_while_failures_are_tried_again(tmp_path):
+    plan = plan_of(tmp_path, variants=2, batch=1, per_shard=4)  # batch 3 has no samples
+    run(tmp_path / "whole", plan)
+    expected = tree(tmp_path / "whole")
+    with Store(tmp_path / "failed", plan, "this") as store:
+        make(store, failed=(1,))
+
+    def reopen(folder, then=lambda store: None):
+        with Store(folder, plan, "this") as store:
+            store.drop_failed()
+            then(store)
+
+    codes = []
+    while 0 not in codes:
+        at = 1 + 2 * len(codes)
+        folder = tmp_path / f"out{at}"
+        shutil.copytree(tmp_path / "failed", folder)
+        codes.append(disturbed(folder, lambda f=folder: reopen(f), at, lambda: os._exit(9)))
+        reopen(folder, make)
+        assert tree(folder) == expected, f"operation {at}"
+    assert at > 20
 
 
 def test_failures_of_open_shards_can_be_tried_again(plan, tmp_path):

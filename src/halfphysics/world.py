@@ -428,22 +428,11 @@ def _mesh_tree(static: Static, rotation: Array, position: Array) -> Any:
 
     tree = _trees.get(static)
     if tree is None:
-        tree = next((t for other, t in _trees.items() if _same_place(static, other)), None)
-    if tree is None:
         mesh = cast("Mesh", static.shape)
         vertices = np.ascontiguousarray(mesh.vertices @ rotation.T + position)
         tree = _native.MeshTree(vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32))
-    _trees[static] = tree
+        _trees[static] = tree
     return tree
-
-
-def _same_place(a: Static, b: Static) -> bool:
-    """Are these one mesh at one pose, whatever their friction?"""
-    return (
-        a.shape is b.shape
-        and np.array_equal(a.position, b.position)
-        and np.array_equal(a.quaternion, b.quaternion)
-    )
 
 
 def armature_of(stiffness: Array) -> Array:

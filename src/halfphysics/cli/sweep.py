@@ -69,6 +69,8 @@ class Command:
     """Only show what would be done."""
     rehearse: Annotated[int | None, tyro.conf.arg(metavar="MACHINES")] = None
     """Simulate nothing: play the sweep on so many machines and measure what drives them."""
+    cores: int | None = None
+    """Of --rehearse: cores of each machine; 16 if not said."""
     verify: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Make so many samples of a finished sweep again and compare them bit by bit; 10 if it does not
     say how many."""
@@ -92,9 +94,10 @@ class Command:
         shown = replace(plan, outputs=replace(plan.outputs, folder=str(folder.absolute())))
         print(describe(shown, Variants(plan, resolve_inputs(plan))))
         if self.rehearse is not None:
-            from halfphysics.sweep.rehearsal import Play, rehearse
+            from halfphysics.sweep.rehearsal import CORES, Play, rehearse
 
-            print(f"\n{rehearse(plan, Play(machines=self.rehearse), self.out)}")
+            play = Play(machines=self.rehearse, cores=self.cores or CORES)
+            print(f"\n{rehearse(plan, play, self.out)}")
         elif not self.dry_run:
             sys.stdout.flush()
             self._sweep(plan, folder)
@@ -109,9 +112,16 @@ class Command:
         chosen = [name for name, given in modes.items() if given]
         if len(chosen) > 1:
             raise InputError(f"{' and '.join(chosen)}: expected one of these at a time")
+        if self.cores is not None and self.rehearse is None:
+            raise InputError("--cores: is for --rehearse, which is not there")
         if self.address is not None and self.engine != "ray":
             raise InputError("--address: is for --engine ray, found --engine local")
-        for name, number in (("jobs", self.jobs), ("verify", self.verify)):
+        for name, number in (
+            ("jobs", self.jobs),
+            ("verify", self.verify),
+            ("rehearse", self.rehearse),
+            ("cores", self.cores),
+        ):
             if number is not None and number < 1:
                 raise InputError(f"--{name}: found {number}, expected at least 1")
 

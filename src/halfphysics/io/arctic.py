@@ -19,7 +19,7 @@ from halfphysics.errors import FileError
 from halfphysics.io import stored
 from halfphysics.io.arctic_object import PARTS as OBJECT_PARTS
 from halfphysics.io.arctic_object import add_hinged
-from halfphysics.io.assets import ends, find, seek
+from halfphysics.io.assets import ends, find, note, seek
 from halfphysics.io.atomic import atomic_write
 from halfphysics.io.building import (
     file_parameters,
@@ -164,7 +164,7 @@ def _object(source: Source, options: Options) -> tuple[str, Array]:
             f"{source.path}: its object is in {path.name} beside it, which is not there. Copy it "
             "there, or read the motion alone with Motion.load"
         )
-    npy = Npy(path)
+    npy = Npy(note(path))
     array: Any = stored.read(path) if npy.dtype.hasobject else npy.array
     record = Record(path, {"array": array})
     total = len(Record(source.path, source.data).raw("transl"))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 from halfphysics.errors import FileError
@@ -14,6 +16,7 @@ VARIABLE = "HALFPHYSICS_MODELS"
 # A clip lies a few folders under the root of its data set (GRAB: grab/s1/cup_lift.npz), whose own
 # folder is the first of these.
 _PARENTS = 3
+_noted: ContextVar[list[Path] | None] = ContextVar("noted", default=None)
 
 
 def folders(source: Source, options: Options) -> Iterator[Path]:
@@ -39,6 +42,25 @@ def ends(path: str) -> tuple[str, ...]:
     return tuple("/".join(parts[start:]) for start in range(len(parts)))
 
 
+@contextmanager
+def noted() -> Iterator[list[Path]]:
+    """The other files that clips are read from while this lasts, in the order they are found."""
+    files: list[Path] = []
+    before = _noted.set(files)
+    try:
+        yield files
+    finally:
+        _noted.reset(before)
+
+
+def note(path: Path) -> Path:
+    """Say that a file besides the clip's own is read."""
+    files = _noted.get()
+    if files is not None:
+        files.append(path)
+    return path
+
+
 def seek(source: Source, options: Options, names: Iterable[str]) -> Path | None:
     """As `find`, for what need not be there."""
     names = list(names)
@@ -46,7 +68,7 @@ def seek(source: Source, options: Options, names: Iterable[str]) -> Path | None:
         for name in names:
             path = folder / name
             if path.is_file():
-                return path
+                return note(path)
     return None
 
 

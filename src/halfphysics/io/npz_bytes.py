@@ -1,8 +1,8 @@
 """An `.npz` in memory, for many small files that are mostly zeros: as quick as it goes.
 
 The bytes depend on the arrays only. What hardly packs (a motion: packing it takes 60 times as long
-as storing it, and saves a fourteenth) is stored as it is. What packs is packed in blocks; a block of
-zeros (labels of contact) is known beforehand, and so is an array that was packed before (a mesh).
+as storing it, and saves a fourteenth) is stored as it is. What packs is packed in blocks; a block
+of zeros (labels of contact) is known beforehand, and so is an array packed before (a mesh).
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
 
-#: With more than this share of numbers other than zero an array may not pack.
-DENSE = 0.75
+# With more than this share of numbers other than zero an array may not pack.
+_DENSE = 0.75
 _BLOCK = 1 << 16
 # So much of the middle of a dense array is packed to see whether it shrinks to `_WORTH` [bytes].
 _PROBE, _WORTH = 4096, 0.6
@@ -71,20 +71,27 @@ def npz_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:
     return b"".join([*pieces, directory, end])
 
 
-def mostly_zeros(array: NDArray[Any]) -> bool:
-    """Whether so many numbers are zero that an array packs well."""
-    return bool(np.count_nonzero(array) <= DENSE * array.size)
+def packs(array: NDArray[Any]) -> bool:
+    """Whether an array packs well enough to be worth the time."""
+    if array.dtype.kind not in "biuf" or array.size == 0:
+        return False
+    if _mostly_zeros(array):
+        return True
+    count = _PROBE // array.itemsize
+    middle = array.reshape(-1)[array.size // 2 :][:count].tobytes()
+    return len(zlib.compress(middle, 1)) <= _WORTH * len(middle)
+
+
+def _mostly_zeros(array: NDArray[Any]) -> bool:
+    return bool(np.count_nonzero(array) <= _DENSE * array.size)
 
 
 def _packed(array: NDArray[Any], header: bytes, content: memoryview) -> list[bytes] | None:
     """The array's bytes, packed; None where that is not worth its time."""
-    if array.dtype.kind not in "biuf" or array.size == 0:
+    if not packs(array):
         return None
-    if mostly_zeros(array):
+    if _mostly_zeros(array):
         return _deflated(header, content)
-    middle = content[len(content) // 2 :][:_PROBE]
-    if len(zlib.compress(middle, 1)) > _WORTH * len(middle):
-        return None
     raw = header + content
     known = _before.pop(raw, None) or b"".join(_deflated(header, content))
     _before[raw] = known
@@ -101,7 +108,7 @@ def _npy(array: NDArray[Any]) -> tuple[bytes, memoryview]:
         return header.getvalue(), memoryview(b"")
     described = {"descr": array.dtype.str, "fortran_order": False, "shape": array.shape}
     np.lib.format.write_array_header_1_0(header, described)
-    return header.getvalue(), memoryview(array.reshape(-1).view(np.uint8))
+    return header.getvalue(), array.reshape(-1).view(np.uint8).data
 
 
 def _deflated(header: bytes, content: memoryview) -> list[bytes]:

@@ -115,18 +115,20 @@ def _close(target: Target, centres: Array, radii: Array) -> NDArray[np.bool_]:
     thing, reach = target.thing, target.reach
     if target.surface is not None:
         reach += target.surface.off
+    there = radii > -np.inf
+    around = np.where(there, radii, 0.0) + reach
     close = np.zeros(radii.shape, dtype=bool)
     # A ball around each solid first: it is a few operations, whatever the shape.
     for solid in thing.solids:
         middle, radius = solid.ball
         place = thing.turn @ middle + thing.position
         apart = centres - place[:, None]
-        close |= np.einsum("tpi,tpi->tp", apart, apart) <= (radii + (radius + reach)) ** 2
-    close &= thing.parts & (radii > -np.inf)
+        close |= np.einsum("tpi,tpi->tp", apart, apart) <= (around + radius) ** 2
+    close &= thing.parts & there
     frame, part = np.nonzero(close)
     if len(frame):
         distance = thing.distance(thing.local(centres[frame, part], frame))
-        close[frame, part] = distance <= radii[frame, part] + reach
+        close[frame, part] = distance <= around[frame, part]
     return close
 
 
@@ -142,8 +144,7 @@ class _Some:
     @staticmethod
     def of(body: Body, balls: PartBalls, parts: NDArray[np.bool_]) -> _Some:
         mine = parts[balls.part]
-        vertex = np.flatnonzero(mine).astype(np.int32)
-        vertex = vertex[np.argsort(balls.part[vertex], kind="stable")]
+        vertex = balls.order[mine[balls.order]].astype(np.int32)
         first = np.searchsorted(balls.part[vertex], np.arange(len(parts) + 1)).astype(np.int32)
         place = np.zeros(len(mine), dtype=np.int32)
         place[vertex] = np.arange(len(vertex))

@@ -30,6 +30,7 @@ class PartBalls:
 
     Attributes:
         part: Of every vertex, the joint with its largest weight (V,).
+        order: The vertices part by part, ascending in each (V,).
         pairs: Of every joint the parts of which it carries some vertices (k,), and the ball around
             these in its frame at rest: centre (k, 3) and radius (k,) [m].
         bulge: How far pose blend shapes move a part's vertices for every unit by which a joint's
@@ -37,6 +38,7 @@ class PartBalls:
     """
 
     part: Whole
+    order: Whole
     pairs: tuple[tuple[Whole, Array, Array], ...]
     bulge: Array | None
 
@@ -92,6 +94,7 @@ def _made(body: Body) -> PartBalls:
             carried[joint].append((p, centre, radius))
     return PartBalls(
         part=part,
+        order=np.argsort(part, kind="stable"),
         pairs=tuple(
             (
                 np.array([p for p, _, _ in some], dtype=np.int64),

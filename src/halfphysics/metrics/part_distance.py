@@ -35,11 +35,6 @@ class Triangles:
 
     corners: Array
 
-    @cached_property
-    def boxes(self) -> tuple[Array, Array]:
-        """Smallest and largest coordinates (F, 3) of every triangle."""
-        return self.corners.min(axis=1), self.corners.max(axis=1)
-
 
 #: What stands or moves is made of: half-spaces (normal (3,), offset), hulls and triangles.
 Solid = tuple[Array, float] | ConvexCollider | Triangles
@@ -59,24 +54,43 @@ class Poses:
         0 or less where they meet; inf beyond `RANGE`.
         """
         contacts, found = self.result.contacts, np.full(len(rows), np.inf)
-        plain = (contacts.part[rows] >= 0) & (contacts.other_part[rows] < 0)
-        rest = np.flatnonzero(~plain)
-        found[rest] = self._one_by_one(rows[rest], at[rest])
-        for who, person in enumerate(self.result.people):
-            for other in np.unique(contacts.other[rows[plain]]):
-                mine = plain & (contacts.person[rows] == who) & (contacts.other[rows] == other)
-                some, name = np.flatnonzero(mine), self.result.names[other]
-                found[some] = part_gaps(
-                    person.body,
-                    self.motions[who],
-                    self._is_skin,
-                    self._gap_thing(name),
-                    None if name in self._statics else self.tracks[name],
-                    contacts.part[rows[some]],
-                    at[some],
-                    RANGE,
-                )
+        thing = contacts.other_part[rows] < 0
+        rest = np.flatnonzero(~thing)
+        found[rest] = self._between_people(rows[rest], at[rest])
+        # What touches what: a person or, past them, an object; and a thing.
+        subject, first = contacts.subject[rows], len(self.result.names)
+        mine = np.where(subject >= 0, subject, first + contacts.person[rows])
+        for who, other in {*zip(mine[thing].tolist(), contacts.other[rows[thing]], strict=True)}:
+            some = np.flatnonzero(thing & (mine == who) & (contacts.other[rows] == other))
+            name = self.result.names[other]
+            if who < first:
+                found[some] = self._between(self.result.names[who], name, at[some])
+                continue
+            found[some] = part_gaps(
+                self.result.people[who - first].body,
+                self.motions[who - first],
+                self._is_skin,
+                self._gap_thing(name),
+                None if name in self._statics else self.tracks[name],
+                contacts.part[rows[some]],
+                at[some],
+                RANGE,
+            )
         return found
+
+    def _between(self, name: str, other: str, at: NDArray[np.intp]) -> Array:
+        """Distances (n,) of an object from a static, an object or a link in poses `at` (n,)."""
+        mine, its = self._places(name, at), self._places(other, at)
+        gap = self._gap_thing(name).between(*mine, self._gap_thing(other), *its, RANGE)
+        return np.asarray(gap)
+
+    def _places(self, name: str, at: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Positions (n, 3) and turns (n, 3, 3) of a thing; of what stands the world's."""
+        if name in self._statics:
+            return np.zeros((len(at), 3)), np.tile(np.eye(3), (len(at), 1, 1))
+        track = self.tracks[name]
+        turn = rot.to_matrix(rot.normalize(track.quaternion[at]))
+        return np.ascontiguousarray(track.position[at]), np.ascontiguousarray(turn)
 
     def _gap_thing(self, name: str) -> Any:
         """What touches of a static, an object or a link, for the core; worked out once."""
@@ -96,32 +110,21 @@ class Poses:
             self._gap_things[name] = thing
         return self._gap_things[name]
 
-    def _one_by_one(self, rows: NDArray[np.intp], at: NDArray[np.intp]) -> Array:
-        """The same of whatever two sides, hull by hull."""
+    def _between_people(self, rows: NDArray[np.intp], at: NDArray[np.intp]) -> Array:
+        """Distances (n,) of parts from parts, their own person's or another's, hull by hull."""
         contacts, found = self.result.contacts, np.full(len(rows), np.inf)
         order = np.argsort(at, kind="stable")
         frames, first = np.unique(at[order], return_index=True)
         ends = np.append(first[1:], len(order))
         for i in range(0, len(frames), _CHUNK):
             chunk = frames[i : i + _CHUNK]
-            here = rows[order[first[i] : ends[min(i + _CHUNK, len(frames)) - 1]]]
-            of_people = (contacts.part[here] >= 0) | (contacts.other_part[here] >= 0)
-            skins = self._skins(chunk) if of_people.any() else []
-            for k, frame in enumerate(chunk):
+            skins = self._skins(chunk)
+            for k in range(len(chunk)):
                 for place in order[first[i + k] : ends[i + k]]:
                     row = rows[place]
-                    part, other_part = int(contacts.part[row]), int(contacts.other_part[row])
-                    mine = (
-                        self._person(skins, k, int(contacts.person[row]), part)
-                        if part >= 0
-                        else self._object(self.result.names[contacts.subject[row]], int(frame))
-                    )
-                    other = int(contacts.other[row])
-                    its = (
-                        self._person(skins, k, other - self._first_person, other_part)
-                        if other_part >= 0
-                        else self._thing(self.result.names[other], int(frame))
-                    )
+                    other = int(contacts.other[row]) - self._first_person
+                    mine = self._person(skins, k, int(contacts.person[row]), contacts.part[row])
+                    its = self._person(skins, k, other, contacts.other_part[row])
                     found[place] = min((_distance(a, b) for a in mine for b in its), default=np.inf)
         return found
 
@@ -160,33 +163,15 @@ class Poses:
         ]
         return [_hull(skins[who][k][piece]) for piece in pieces]
 
-    def _thing(self, name: str, frame: int) -> Sequence[Solid]:
-        """What touches of a static, an object or a link, at a frame."""
-        return [self._statics[name]] if name in self._statics else self._object(name, frame)
-
-    def _object(self, name: str, frame: int) -> list[ConvexCollider]:
-        """What touches of an object or a link, at a frame."""
-        turn = rot.to_matrix(rot.normalize(self.tracks[name].quaternion[frame]))
-        position = self.tracks[name].position[frame]
-        return [collider.moved(turn, position) for collider in self._colliders(name)]
-
     def _colliders(self, name: str) -> list[ConvexCollider]:
-        """The convex pieces of an object or a link, in its frame; worked out once."""
-        if name not in self._known:
-            scene = self.result.scene
-            if name in scene.objects:
-                pieces = [convex_collider(piece) for piece in scene.objects[name].pieces]
-            else:
-                pieces = [geom.collider() for geom in links_of(scene)[name][1].geoms]
-            self._known[name] = pieces
-        return self._known[name]
+        """The convex pieces of an object or a link, in its frame."""
+        scene = self.result.scene
+        if name in scene.objects:
+            return [convex_collider(piece) for piece in scene.objects[name].pieces]
+        return [geom.collider() for geom in links_of(scene)[name][1].geoms]
 
     @cached_property
     def _gap_things(self) -> dict[str, Any]:
-        return {}
-
-    @cached_property
-    def _known(self) -> dict[str, list[ConvexCollider]]:
         return {}
 
     @cached_property
@@ -209,27 +194,9 @@ def _hull(vertices: Array) -> ConvexCollider:
     return ConvexCollider(vertices=np.ascontiguousarray(vertices), normals=_NONE)
 
 
-def _distance(a: ConvexCollider, b: Solid) -> float:
-    """Distance of a hull from anything [m], inf beyond `RANGE`."""
+def _distance(a: ConvexCollider, b: ConvexCollider) -> float:
+    """Distance of two hulls [m], inf beyond `RANGE`."""
     from halfphysics import _native
 
-    if isinstance(b, ConvexCollider):
-        distance = float(_native.convex_distance(*a.arrays, *b.arrays)[0])
-    elif isinstance(b, Triangles):
-        low, high = a.vertices.min(axis=0), a.vertices.max(axis=0)
-        reach = RANGE + a.radius + float(np.linalg.norm(a.rim))
-        lows, highs = b.boxes
-        near = ((lows <= high + reach) & (highs >= low - reach)).all(axis=1)
-        if not near.any():
-            return float("inf")
-        corners = np.ascontiguousarray(b.corners[near].reshape(-1, 3))
-        faces = np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
-        distance = float(
-            _native.triangle_planes(corners, faces, a.vertices, a.radius, a.rim, RANGE)[1]
-        )
-    else:
-        normal, offset = b
-        across = float(a.rim @ a.rim - (a.rim @ normal) ** 2)
-        lowest = (a.vertices @ normal).min() - a.radius - np.sqrt(max(across, 0.0))
-        distance = float(lowest - offset)
+    distance = float(_native.convex_distance(*a.arrays, *b.arrays)[0])
     return distance if distance < RANGE else float("inf")

@@ -21,6 +21,34 @@ void bind_gaps(nb::module_& m) {
              t.meshes.push_back(TriangleTree::shared(vertices.data(), (int)vertices.shape(0),
                                                      faces.data(), (int)faces.shape(0)));
            })
+      // Of its hulls from another thing, both at their poses of every row.
+      .def(
+          "between",
+          [](const GapThing& t, Rows3 position, f64<nb::shape<-1, 3, 3>> turn,
+             const GapThing& other, Rows3 other_position, f64<nb::shape<-1, 3, 3>> other_turn,
+             double range) {
+            const size_t rows = position.shape(0);
+            need(turn.shape(0) == rows && other_position.shape(0) == rows &&
+                     other_turn.shape(0) == rows,
+                 "positions and turns: expected one of every row");
+            const auto matrix = [](const double* from) {
+              Mat3 R;
+              std::copy(from, from + 9, R.m);
+              return R;
+            };
+            std::vector<double> out(rows, std::numeric_limits<double>::infinity());
+            Placed placed;
+            for (size_t i = 0; i < rows; i++) {
+              const Mat3 R = matrix(other_turn.data() + 9 * i);
+              const Vec3 at = load3(other_position.data() + 3 * i);
+              for (const Convex& c : t.hulls) {
+                placed.place(c, matrix(turn.data() + 9 * i), load3(position.data() + 3 * i));
+                out[i] = std::min(out[i], other.gap(placed, R, at, range));
+              }
+              if (!(out[i] < range)) out[i] = std::numeric_limits<double>::infinity();
+            }
+            return array(out);
+          })
       .def(
           "gaps",
           [](const GapThing& t, f64<nb::shape<-1, -1, 3>> posed, Ints frame, Ints first, Ints last,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 AHEAD = 2  # so many tasks for each slot are handed over
 TARGET = 2.0  # a task should take so long [s],
-RATE = 200.0  # and longer where more than so many tasks would end in a second: one process drives
+RATE = 400.0  # and longer where more than so many tasks would end in a second: one process drives
 _ENDING = 3  # what is left is shared out in so many tasks for each slot
 _LEARNING = 0.3  # the weight of the latest task in what a batch is said to take
 _TRIES = 2  # a batch, or a variant alone, whose process died runs so often in all

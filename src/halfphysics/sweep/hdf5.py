@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import FileError, MissingDependencyError
-from halfphysics.io.npz_bytes import mostly_zeros
+from halfphysics.io.npz_bytes import packs
 from halfphysics.sweep.documents import text_of
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def _put(group: h5py.Group, key: str, array: NDArray[Any]) -> None:
     options: dict[str, Any] = {}
     if array.dtype.kind == "U":  # the library has no text of four bytes a letter
         array, options = array.astype(object), {"dtype": _h5py().string_dtype()}
-    elif array.nbytes >= _PACKED and mostly_zeros(array):
+    elif array.nbytes >= _PACKED and packs(array):
         rows = max(1, _CHUNK * len(array) // array.nbytes)
         options = {
             "chunks": (min(rows, len(array)), *array.shape[1:]),
@@ -173,6 +173,15 @@ def _array(dataset: h5py.Dataset) -> NDArray[Any]:
     if dataset.dtype.kind == "O":
         return np.array(dataset.asstr()[()], dtype=np.str_)
     return np.asarray(dataset[()])
+
+
+def check() -> None:
+    """Say at once what would be missing when the first shard is sealed.
+
+    Raises:
+        MissingDependencyError: h5py is not installed.
+    """
+    _h5py()
 
 
 def _h5py() -> Any:

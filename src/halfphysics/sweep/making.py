@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import traceback
 import warnings
 from collections.abc import Mapping
@@ -60,10 +61,11 @@ class Maker:
         except MemoryError:
             raise
         except HalfPhysicsError as error:
-            return failure(number, variant, str(error))
+            return failure(number, variant, self._cause(error))
         except Exception as error:
             traceback.print_exc()
-            return failure(number, variant, f"{type(error).__name__}: {error} {BUG}")
+            cause = f"{type(error).__name__}: {self._cause(error)} {BUG}"
+            return failure(number, variant, cause)
 
     def lost(self, number: int, cause: str) -> dict[str, Any]:
         """The failure of a variant that is not made, as it kills its process."""
@@ -71,6 +73,11 @@ class Maker:
             return failure(number, self._variants[number], cause)
         except HalfPhysicsError:
             return failure(number, None, cause)
+
+    def _cause(self, error: Exception) -> str:
+        """What an error says, the same wherever the plan and its files lie together."""
+        base = self._plan.base
+        return str(error).replace(f"{base}{os.sep}", "") if base.parts else str(error)
 
     def _made(self, variant: Variant) -> Sample:
         from halfphysics.labels import contact_labels

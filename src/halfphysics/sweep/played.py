@@ -35,9 +35,12 @@ if TYPE_CHECKING:
     from halfphysics.sweep.plan import Plan
     from halfphysics.sweep.variants import Variant, Variants
 
+#: Of a machine, if nothing else is said.
+CORES = 16
+
 CAUSE = "played: this variant cannot be simulated"
 
-_SLOW = 10.0  # who straggles takes so many times as long
+_SLOW = 3.0  # who straggles takes so many times as long
 _SHAPE = 4.0  # of the gamma distribution of times: half and twice the average are common
 _NOTHING = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"  # its SHA-256
 
@@ -53,7 +56,7 @@ class Play:
         failing: The part of the variants that fail.
         killing: The part of the variants that always kill their process.
         dying: The part of the tasks whose process dies for no reason of theirs.
-        straggling: The part of the tasks that take ten times as long.
+        straggling: The part of the tasks that take three times as long.
         seed: Of all that is drawn.
 
     Raises:
@@ -61,7 +64,7 @@ class Play:
     """
 
     machines: int
-    cores: int = 16
+    cores: int = CORES
     seconds: float = 0.5
     sealing: float = 0.5
     failing: float = 1e-3

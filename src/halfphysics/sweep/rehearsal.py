@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from halfphysics.errors import InputError
 from halfphysics.machine import resident
 from halfphysics.sweep.driver import Driver
-from halfphysics.sweep.played import Play, PlayedEngine
+from halfphysics.sweep.played import CORES, Play, PlayedEngine
 from halfphysics.sweep.progress import bytes_text, time_text
 from halfphysics.sweep.store import Store
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from halfphysics.sweep.work import Done, Task
     from halfphysics.workers import Death
 
-__all__ = ["PARTS", "Play", "Rehearsal", "rehearse"]
+__all__ = ["CORES", "PARTS", "Play", "Rehearsal", "rehearse"]
 
 #: A sweep is cut into so many equal parts, to see whether the last costs what the first did.
 PARTS = 8

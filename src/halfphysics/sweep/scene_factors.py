@@ -43,7 +43,7 @@ class SceneFactors:
 
     def __init__(self) -> None:
         # With the thing or scene they were made from: the keys are their ids.
-        self._sizes: Kept[tuple[Thing, Thing]] = Kept(32)
+        self._sizes: Kept[tuple[Thing, Thing, float]] = Kept(32)
         self._supports: Kept[tuple[Scene, Mapping[str, Support]]] = Kept(4)
 
     def varied(self, scene: Scene, factors: Mapping[str, Value]) -> Scene:
@@ -69,9 +69,8 @@ class SceneFactors:
         shift = np.array([said.get(key, 0.0) for key in _OFFSETS])
         if factor != 1.0:
             # What stood on something still does: its lowest point stays at its height.
-            foot = lowest(thing)
+            thing, foot = self._sized(thing, factor)
             shift[2] += foot - factor * foot
-            thing = self._sized(thing, factor)
         if "friction" in said or "restitution" in said:
             thing = replace(
                 thing,
@@ -87,13 +86,15 @@ class SceneFactors:
             thing = turned(thing, np.radians(said["yaw"]))
         return moved(thing, shift) if shift.any() else thing
 
-    def _sized(self, thing: Thing, factor: float) -> Thing:
-        def make() -> tuple[Thing, Thing]:
-            if isinstance(thing, Static):
-                return thing, scaled_static(thing, factor)
-            return thing, scaled_object(thing, factor)
+    def _sized(self, thing: Thing, factor: float) -> tuple[Thing, float]:
+        """A thing in another size, and how far its lowest point was above its origin [m]."""
 
-        return self._sizes.get((id(thing), factor), make)[1]
+        def make() -> tuple[Thing, Thing, float]:
+            if isinstance(thing, Static):
+                return thing, scaled_static(thing, factor), lowest(thing)
+            return thing, scaled_object(thing, factor), lowest(thing)
+
+        return self._sizes.get((id(thing), factor), make)[1:]
 
     def _carried(
         self,

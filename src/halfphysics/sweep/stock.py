@@ -16,15 +16,18 @@ import numpy as np
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.asked import betas_for, furnished, model_for
+from halfphysics.io.assets import noted
 from halfphysics.sweep.kept import Kept
 from halfphysics.sweep.motion_factors import recorded_in_step, retimed
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
+    from halfphysics.mesh import MeshSource
     from halfphysics.motion import Motion
     from halfphysics.scene import Scene
     from halfphysics.sequence import Sequence as Clip
     from halfphysics.shape_space import ShapeSpace
+    from halfphysics.shape_space import Source as ModelSource
     from halfphysics.sweep.choices import BodyChoice, SceneChoice
     from halfphysics.sweep.inputs import Input
 
@@ -110,6 +113,8 @@ class Stock:
             return own
         betas = {int(k.removeprefix("betas.")): v for k, v in shape.items() if k != "stature"}
         stature = shape.get("stature", choice.stature)
+        if choice.model is None and own is not None and own.source and stature is None:
+            return self._reshaped(own, own.source, betas)
         if choice.model is None:
             key: Hashable = ("default", _key(betas), stature)
             return self._bodies.get(key, lambda: _default(betas, stature))
@@ -119,6 +124,22 @@ class Stock:
                 "whose shape comes from betas. Leave it out, or vary body.betas.K"
             )
         return self._modelled(choice, motion, betas)
+
+    def _reshaped(self, own: Body, source: ModelSource, betas: Mapping[int, float]) -> Body:
+        """A body that a data set brings, with other shape numbers on its subject's template."""
+        from halfphysics.body import Body
+
+        template = own.template_source
+
+        def make() -> Body:
+            return Body.load(
+                source.path,
+                betas=_with_betas(own.betas, betas, "subject's body"),
+                gender=own.gender,
+                v_template=None if template is None else template.path,
+            )
+
+        return self._bodies.get((source, template, own.betas.tobytes(), _key(betas)), make)
 
     def _modelled(
         self, choice: BodyChoice, motion: Motion | None, betas: Mapping[int, float]
@@ -182,23 +203,21 @@ class Stock:
 
     def _read(self, input: Input) -> Loaded:
         options, path = input.motion_options, Path(input.path or input.name)
-        clip = options.sequence(path)
-        model = Path(options.model) if options.model is not None else path
-        files = [path] if model == path or not model.is_file() else [path, model]
-        return Loaded(clip, self._sources(files))
+        with noted() as others:
+            clip = options.sequence(path)
+        if options.model is not None and Path(options.model).is_file():
+            others.append(Path(options.model))
+        # Meshes are named by the scene.
+        meshes = {Path(source.path) for source in _sources_in(clip.scene)}
+        left = [other for other in dict.fromkeys(others) if other.resolve() not in meshes]
+        return Loaded(clip, self._sources([path, *left]))
 
     def _sources_of(self, scene: Scene, choice: SceneChoice) -> tuple[Source, ...]:
         """The scene's file and those of its meshes and articulated things."""
         file = choice.path or choice.file
-        things: Iterable[Any] = (
-            *scene.statics.values(),
-            *scene.objects.values(),
-            *scene.articulated.values(),
-        )
-        read = (thing.source for thing in things if thing.source is not None)
         return (
             *self._sources([] if file is None else [Path(file)]),
-            *({"path": source.path, "sha256": source.sha256} for source in read),
+            *({"path": source.path, "sha256": source.sha256} for source in _sources_in(scene)),
         )
 
     def _sources(self, paths: Iterable[Path]) -> tuple[Source, ...]:
@@ -221,6 +240,16 @@ class Stock:
             return self._digests.get((str(file), look.st_size, look.st_mtime_ns), make)
         except OSError as error:
             raise FileError(f"{file}: cannot be read: {error.strerror}") from None
+
+
+def _sources_in(scene: Scene) -> Iterable[MeshSource]:
+    """Where the meshes and articulated things of a scene came from."""
+    things: Iterable[Any] = (
+        *scene.statics.values(),
+        *scene.objects.values(),
+        *scene.articulated.values(),
+    )
+    return (thing.source for thing in things if thing.source is not None)
 
 
 def _default(betas: Mapping[int, float], stature: float | None) -> Body:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.program import program as this_program
-from halfphysics.sweep import documents, manifest, sealing
+from halfphysics.sweep import documents, hdf5, manifest, reopening, sealing
 from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fixed_inputs import check_inputs
 from halfphysics.sweep.fixed_program import check_program, check_same
@@ -91,11 +91,14 @@ class Store:
             InputError: The folder holds another plan or other things, or what another program has
                 made; its inputs are not what they were; or another sweep works in it.
             FileError: It cannot be written.
+            MissingDependencyError: The plan wants HDF5 and h5py is not installed.
         """
         if self.folder.exists() and not self.folder.is_dir():
             raise FileError(
                 f"{self.folder}: this is a file, expected a folder. Give another (--out)"
             )
+        if "hdf5" in self.plan.outputs.formats:
+            hdf5.check()
         if self.folder.is_dir() and not (self.folder / "plan.yaml").exists():
             self._check_empty()
         self._lock.take()
@@ -274,7 +277,9 @@ class Store:
     def drop_failed(self) -> int:
         """Make all batches with failures count as not there; says how many variants failed.
 
-        A sealed shard is made again as a whole.
+        Raises:
+            InputError: A file that a shard was made from has gone.
+            FileError: A shard is damaged, or something cannot be written.
         """
         count = 0
         for shard in range(self.layout.shards):
@@ -282,7 +287,9 @@ class Store:
             if record is not None:
                 if record["failures"]:
                     count += len(record["failures"])
-                    self._unlink(self.layout.shard_file(shard, ".json"))
+                    if not self.done(shard):
+                        continue  # all of it is made again anyway
+                    reopening.reopen(self.layout, self._fragments, record)
                 continue
             if self.layout.open_shard(shard).is_dir():
                 for batch in self.layout.batches_of(shard):
@@ -291,10 +298,6 @@ class Store:
                         count += len(fragment["failures"])
                         self._fragments.forget(batch)
         return count
-
-    def _unlink(self, path: Path) -> None:
-        with reported(path):
-            path.unlink(missing_ok=True)
 
     def finish(self) -> dict[str, Any]:
         """Write manifest, data card and list of failures of all that is sealed.

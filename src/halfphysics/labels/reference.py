@@ -1,0 +1,87 @@
+"""What `near` says, slowly, in plain numpy: every vertex against every solid and triangle.
+
+Equation by equation, nothing left out: `tests/test_labels_reference.py` holds both equal.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.labels.near import Near, Target
+from halfphysics.labels.part_balls import part_balls
+from halfphysics.labels.solids import Solid, Thing
+from halfphysics.mesh_queries import closest_reference, winding_reference
+from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+
+if TYPE_CHECKING:
+    from halfphysics.body import Body
+    from halfphysics.motion import Motion
+
+Array = NDArray[np.float64]
+
+
+def solid_distance(solid: Solid, points: Array) -> Array:
+    """Distances (n,) [m] of points (n, 3) in the thing's frame from a solid, 0 inside it."""
+    p, shape = (points - solid.position) @ solid.turn, solid.shape
+    if isinstance(shape, Plane):
+        return np.maximum(p @ np.asarray(shape.normal) - shape.offset, 0.0)
+    if isinstance(shape, Box):
+        return np.linalg.norm(np.maximum(np.abs(p) - 0.5 * np.asarray(shape.size), 0.0), axis=1)
+    if isinstance(shape, Sphere):
+        return np.maximum(np.linalg.norm(p, axis=1) - shape.radius, 0.0)
+    if isinstance(shape, Capsule):
+        half = 0.5 * shape.length
+        axis = np.zeros_like(p)
+        axis[:, 2] = np.clip(p[:, 2], -half, half)
+        return np.maximum(np.linalg.norm(p - axis, axis=1) - shape.radius, 0.0)
+    if isinstance(shape, Cylinder):
+        side = np.maximum(np.hypot(p[:, 0], p[:, 1]) - shape.radius, 0.0)
+        return np.hypot(side, np.maximum(np.abs(p[:, 2]) - 0.5 * shape.length, 0.0))
+    if not isinstance(shape, Mesh):
+        raise TypeError(f"no distance from a {type(shape).__name__}")
+    mesh = shape if solid.surface else shape.hull
+    distance = closest_reference(p, mesh.vertices, mesh.faces)[0]
+    if solid.surface:
+        return distance
+    return np.where(winding_reference(p, mesh.vertices, mesh.faces) > 0.5, 0.0, distance)
+
+
+def near_reference(body: Body, motion: Motion, target: Target) -> tuple[Near, Near]:
+    """As `near` of one target."""
+    skin, surface = [], []
+    for frame, posed in enumerate(body.vertices(motion)):
+        of_skin, of_surface = _in_frame(body, posed, target, frame)
+        skin.append(of_skin)
+        surface.append(of_surface)
+    return Near.joined(skin), Near.joined(surface)
+
+
+def _in_frame(body: Body, posed: Array, target: Target, frame: int) -> tuple[Near, Near]:
+    thing, part = target.thing, part_balls(body).part
+    local = _local(thing, posed, frame)
+    distance = np.min([solid_distance(solid, local) for solid in thing.solids], axis=0)
+    vertex = np.flatnonzero((distance <= target.reach) & thing.parts[part])
+    skin = Near(np.full(len(vertex), frame, np.int32), vertex.astype(np.int32), distance[vertex])
+    if target.surface is None:
+        return skin, Near.joined([])
+    faces = body.faces[thing.parts[part[body.faces]].all(axis=1)]
+    distance, face, point = closest_reference(target.surface.vertices, local, faces)
+    vertex = np.flatnonzero(distance <= target.reach)
+    corners = faces[face[vertex]]
+    apart = np.linalg.norm(local[corners] - point[vertex, None], axis=2).argmin(axis=1)
+    at = min(frame, len(thing.position) - 1)
+    return skin, Near(
+        np.full(len(vertex), frame, np.int32),
+        vertex.astype(np.int32),
+        distance[vertex],
+        corners[np.arange(len(vertex)), apart].astype(np.int32),
+        point[vertex] @ thing.turn[at].T + thing.position[at],
+    )
+
+
+def _local(thing: Thing, points: Array, frame: int) -> Array:
+    at = min(frame, len(thing.position) - 1)
+    return (points - thing.position[at]) @ thing.turn[at]

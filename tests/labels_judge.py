@@ -134,7 +134,11 @@ def _judge_points(rng, verdict, result, labels, index, item, most):
     ids = labels.object_ids(index, item)
     frame, vertex = _some(rng, *np.nonzero(ids), most)
     chosen = np.unique(frame)
-    chosen = rng.choice(chosen, min(3, len(chosen)), replace=False) if len(chosen) else chosen
+    chosen = (
+        rng.choice(chosen, min(max(3, most // 20), len(chosen)), replace=False)
+        if len(chosen)
+        else chosen
+    )
     for t in chosen:
         vertex = rng.permutation(np.flatnonzero(ids[t]))[:most]
         bare = rng.permutation(np.flatnonzero(ids[t] == 0))[: most // 2]

@@ -10,7 +10,8 @@ from functools import cache
 import numpy as np
 
 from halfphysics.io.npz_bytes import npz_bytes
-from halfphysics.sweep.data_card import DataCard
+from halfphysics.sweep.card import CHECKS
+from halfphysics.sweep.data_card import SPREADS, SUMMED, DataCard
 from halfphysics.sweep.plan import Plan
 from halfphysics.sweep.store import Store
 
@@ -20,7 +21,21 @@ FRAMES = 30
 @cache
 def sample(number):
     """Key and files of a sample, all from its number."""
-    return sample_with_card(number, {"number": number, "factors": {"mass": 0.5}})
+    return sample_with_card(number, card_of(number))
+
+
+def card_of(number):
+    """A card with all that a data card counts."""
+    return {
+        "number": number,
+        "input": "a.npz" if number < 11 else "b.npz",
+        "factors": {"mass": 0.5},
+        "versions": {"halfphysics": "0"},
+        "success": number % 5 != 0,
+        "checks": dict.fromkeys(CHECKS, number % 5 != 0),
+        **dict.fromkeys(SUMMED, number),
+        **dict.fromkeys(SPREADS, 0.1 * number),
+    }
 
 
 def sample_with_card(number, card):
@@ -90,14 +105,17 @@ def plan_of(base, *, variants=11, batch=2, per_shard=6, formats=("webdataset",),
 
 def record_of(store, batch, failed=()):
     """What a worker knows of a batch in which variants 3 and 8 fell to a filter."""
-    numbers = store.layout.variants_of(batch)
+    numbers, card = store.layout.variants_of(batch), DataCard()
     cause = {"input": "a.npz", "factors": {}, "cause": "InputError: the clip is broken"}
-    return {
-        "skipped": sum(number in (3, 8) for number in numbers),
-        "failures": [{"number": n, **cause} for n in numbers if n in failed],
-        "sums": DataCard().sums(),
-        "inputs": {},
-    }
+    failures = [{"number": n, **cause} for n in numbers if n in failed]
+    skipped = sum(number in (3, 8) for number in numbers)
+    for number in numbers:
+        if number not in (3, 8, *failed):
+            card.sample(card_of(number))
+    for failure in failures:
+        card.failure(failure)
+    card.skip(skipped)
+    return {"skipped": skipped, "failures": failures, "sums": card.sums(), "inputs": {}}
 
 
 def make_batch(store, batch, failed=(), **more):

@@ -192,6 +192,7 @@ def test_stopped_it_says_how_to_go_on_and_leaves_nobody_behind(plan, tmp_path, s
     assert time.monotonic() - begin < 20.0  # seconds, and a machine that is busy
     assert f"of 12 variants are done. To go on: halfphysics {' '.join(arguments)}" in err
     assert "Traceback" not in err
+    assert "leaked" not in err, "nothing stays behind in the system"
     deadline = time.monotonic() + 10.0  # what multiprocessing starts for itself ends a little later
     while list(_alive_in(process.pid)) and time.monotonic() < deadline:
         time.sleep(0.02)

@@ -147,7 +147,7 @@ def test_a_part_that_passes_through_is_not_labelled():
 
 @pytest.mark.parametrize("shapes", [False, True])
 def test_every_face_that_reaches_into_a_part_is_in_its_ball(shapes):
-    body, motion = hp.Body.default(), _wavy()
+    body, motion = _arm(), _wavy()
     if shapes:
         rng = np.random.default_rng(2)
         posedirs = 0.01 * rng.normal(size=(len(body.rest_vertices), 3, 486))

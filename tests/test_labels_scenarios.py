@@ -12,14 +12,25 @@ from labels_judge import ROUNDING, judge
 import halfphysics as hp
 from halfphysics.labels import contact_labels
 
+#: Where the long ones end here: all that is touched is touched by then.
+END = {
+    "climb_onto_bed": 100,
+    "fly_with_ball": 80,
+    "grasp_glass": 110,
+    "lift_suitcase": 100,
+    "meet": 80,
+    "place_glass": 110,
+    "shake_hands": 110,
+}
+
 
 @pytest.mark.parametrize("name", hp.scenarios.names())
 def test_labels_agree_with_geometry_and_no_impulse_is_without(name):
     told = hp.scenarios.load(name)
-    motions, bodies = list(told.motions), list(told.bodies)
+    motions, bodies = [motion[: END.get(name)] for motion in told.motions], list(told.bodies)
     result = hp.simulate(motions, told.scene, body=bodies, settings=told.settings)
     labels = contact_labels(result)
-    verdict = judge(result, labels, most=20)
+    verdict = judge(result, labels, most=15)
     if name != "reach_past_monitor":  # whose story is that nothing is touched
         assert verdict.impulses > 0
         assert verdict.vertices + verdict.points + (len(result.people) > 1) > 0

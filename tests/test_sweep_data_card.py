@@ -206,3 +206,10 @@ def test_of_nothing_there_is_a_card_too():
     assert card.document()["samples"] == 0
     assert card.document()["spreads"]["seconds"]["p50"] is None
     assert "Made with nothing yet" in card.markdown()
+    assert "There is no sample." in card.markdown()
+    assert "Every sample is a success" not in card.markdown()
+
+
+def test_what_is_only_rounding_is_zero_on_the_page():
+    text = whole([counted([sample(0, travel_max=7e-17), sample(1, travel_max=7e-17)])]).markdown()
+    assert "| travel_max [m] | 2 | 0 | 0 |" in text

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import glob
 import io
 import json
 import re
 import runpy
+import shutil
 import tarfile
 import zipfile
 from pathlib import Path
@@ -16,6 +18,7 @@ from sweep_shards import plan_of, run, sample, write_tar
 
 import halfphysics.sweep
 from halfphysics.errors import FileError, InputError
+from halfphysics.sweep.data_card import DataCard
 from halfphysics.sweep.reading import read
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -114,12 +117,19 @@ def test_nothing_is_unpickled(tmp_path):
         list(read(bad))
 
 
-@pytest.mark.parametrize("damage", ["cut", "other", "text", "name"])
+@pytest.mark.parametrize("damage", ["cut", "between", "header", "other", "text", "name"])
 def test_damaged_shards(folder, tmp_path, damage):
     shard = tmp_path / "a.tar"
     data = (folder / "shards/00000/000000000.tar").read_bytes()
     if damage == "cut":
         shard.write_bytes(data[: len(data) // 2 + 7])
+    elif damage == "between":  # after a whole member, as tarfile would not notice
+        with tarfile.open(folder / "shards/00000/000000000.tar") as archive:
+            shard.write_bytes(data[: archive.getmembers()[5].offset])
+    elif damage == "header":
+        with tarfile.open(folder / "shards/00000/000000000.tar") as archive:
+            at = archive.getmembers()[5].offset
+        shard.write_bytes(data[:at] + bytes([255]) * 512 + data[at + 512 :])
     elif damage == "other":
         shard.write_bytes(bytes(range(256)) * 40)
     elif damage == "text":
@@ -128,6 +138,24 @@ def test_damaged_shards(folder, tmp_path, damage):
         write_tar(shard, [("no", {"": b""})])
     with pytest.raises(FileError, match=r"a\.tar: damaged, or no shard of a sweep"):
         list(read(shard))
+
+
+def test_a_shard_that_was_deleted(folder, tmp_path):
+    shutil.copytree(folder / "shards", tmp_path / "shards")
+    for suffix in (".tar", ".h5"):
+        (tmp_path / "shards/00000/000000000").with_suffix(suffix).unlink(missing_ok=True)
+    with pytest.raises(FileError, match=r"000000000: neither .* it is made again"):
+        list(read(tmp_path))
+
+
+def test_the_page_of_a_data_set_says_how_webdataset_reads_it(folder, monkeypatch):
+    webdataset = pytest.importorskip("webdataset")
+    code = DataCard().markdown().partition("as well: `WebDataset(")[2].partition(")`. ")[0]
+    monkeypatch.chdir(folder)
+    assert code == 'sorted(glob.glob("shards/*/*.tar"))'
+    shards = sorted(glob.glob("shards/*/*.tar"))
+    samples = webdataset.WebDataset(shards, shardshuffle=False, empty_check=False)
+    assert len(list(samples)) == len(NUMBERS)
 
 
 def test_wrong_paths(tmp_path):

@@ -73,6 +73,7 @@ def test_the_document_s_script_runs(tmp_path):
         text=True,
     )
     assert (done.returncode, done.stdout) == (0, "4 samples, 0 failures\n"), done.stderr
+    assert "leaked" not in done.stderr
 
 
 def test_how_many_processes_and_what_each_may_have(monkeypatch):

@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweep_shards import make, make_batch, plan_of, record_of, run, sample, tree, write_tar
 
-from halfphysics.errors import FileError, HalfPhysicsError, InputError, MissingDependencyError
+from halfphysics.errors import FileError, HalfPhysicsWarning, InputError, MissingDependencyError
 from halfphysics.sweep import documents, tar
 from halfphysics.sweep.sources import Sources
 from halfphysics.sweep.store import Store
@@ -131,120 +131,6 @@ def test_samples_in_order_and_of_the_batch(tmp_path, numbers):
 
 
 # -- never lose work -----------------------------------------------------------------------
-
-
-def changes_something(event, arguments, folder):
-    """Whether an event of the interpreter is one of writing in a folder."""
-    path = arguments[0] if arguments else None
-    if not isinstance(path, str | os.PathLike) or not str(path).startswith(str(folder)):
-        return False
-    if event == "open":
-        return bool(arguments[2] & (os.O_WRONLY | os.O_RDWR))
-    if event == "os.mkdir":
-        return not os.path.exists(path)
-    there = {"os.rename", "os.remove", "os.rmdir", "os.chmod", "os.truncate"}
-    return event in there and os.path.exists(path)
-
-
-def disturbed(folder, work, at, what):
-    """Do work in another process, in which `what()` happens before operation `at` on `folder`.
-
-    Returns its exit code: 0 where there are no such many operations, 2 where it came to its end
-    all the same, 3 after an error of ours that names the folder.
-    """
-    child = os.fork()
-    if child:
-        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    count = 0
-
-    def hook(event, arguments):
-        nonlocal count
-        if changes_something(event, arguments, folder):
-            count += 1
-            if count == at:
-                what()
-
-    sys.addaudithook(hook)
-    try:
-        work()
-    except HalfPhysicsError as error:
-        os._exit(3 if str(folder) in str(error) else 4)
-    except BaseException:
-        os._exit(5)
-    os._exit(2 if count >= at else 0)
-
-
-def full():
-    raise OSError(28, "No space left on device")
-
-
-@posix
-@pytest.mark.parametrize(
-    ("what", "code", "formats"),
-    [(lambda: os._exit(9), 9, BOTH), (full, 3, BOTH[:1])],
-    ids=["killed", "full"],
-)
-def test_disturbed_at_every_operation(tmp_path, what, code, formats):
-    """Killed, or without room, before any one thing done to a file: the same bytes in the end."""
-    if "hdf5" in formats:
-        pytest.importorskip("h5py")
-    plan = plan_of(tmp_path, variants=1, formats=formats)
-    run(tmp_path / "whole", plan)
-    expected = tree(tmp_path / "whole")
-    codes = []
-    while 0 not in codes:
-        folder = tmp_path / f"out{len(codes)}"
-        codes.append(disturbed(folder, lambda f=folder: run(f, plan), len(codes) + 1, what))
-        run(folder, plan)
-        assert tree(folder) == expected, f"operation {len(codes)}"
-    assert len(codes) > 40
-    # What is only tidying up may fail without a word.
-    assert set(codes[:-1]) <= {code, 2}
-    assert codes.count(2) < 5
-
-
-@posix
-def test_killed_at_random(plan, undisturbed, tmp_path):
-    rng = np.random.default_rng(5)
-    killed = 0
-    while True:
-        child = os.fork()
-        if not child:
-            run(tmp_path / "out", plan)
-            os._exit(0)
-        time.sleep(rng.uniform(0.0, 0.01 * (killed + 4)))
-        os.kill(child, signal.SIGKILL)
-        if os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0:
-            break
-        killed += 1
-    assert killed >= 3
-    assert tree(tmp_path / "out") == undisturbed
-
-
-@posix
-@pytest.mark.parametrize("limit", [100, 20_000, 100_000])
-def test_a_full_disk(plan, undisturbed, tmp_path, limit):
-    """The limit of a file's size stops writing in the middle of a file."""
-    import resource
-
-    read, write = os.pipe()
-    child = os.fork()
-    if not child:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
-        try:
-            run(tmp_path / "out", plan)
-        except FileError as error:
-            os.write(write, str(error).encode())
-        os._exit(0)
-    os.close(write)
-    os.waitpid(child, 0)
-    with open(read) as pipe:
-        said = pipe.read()
-    assert str(tmp_path / "out") in said
-    assert "Make room on the disk" in said
-    assert not list((tmp_path / "out").rglob(".*.part"))
-    run(tmp_path / "out", plan)
-    assert tree(tmp_path / "out") == undisturbed
 
 
 def test_leftovers_of_a_kill_go(plan, undisturbed, tmp_path):
@@ -484,8 +370,26 @@ def test_changed_inputs_make_it_again(swept, tmp_path):
     (tmp_path / "mesh.obj").write_bytes(b"v 0 0 1")
     with swept() as store:
         assert not store.done(0)
-        assert store.left(0) == [0, 1, 2]
+        with pytest.warns(HalfPhysicsWarning, match=r"^mesh\.obj: has changed .* again") as said:
+            left = [store.left(0), store.left(1)]
+        assert left == [[0, 1, 2], [3, 4, 5]]
+        assert len(said) == 1
+
+
+def test_a_changed_input_of_what_is_not_sealed_is_said(swept, tmp_path):
+    (tmp_path / "mesh.obj").write_bytes(b"v 0 0 1")
+    with swept() as store, pytest.warns(HalfPhysicsWarning, match=r"mesh\.obj: has changed"):
         assert store.left(1) == [3, 4, 5]
+
+
+def test_changed_inputs_are_not_kept_for_failures(tmp_path):
+    with Store(tmp_path / "out", plan_of(tmp_path), "this") as store:
+        inputs = {str(tmp_path / "a.npz"): digest(tmp_path / "a.npz")}
+        make(store, failed=(1,), inputs=inputs)
+    (tmp_path / "a.npz").write_bytes(b"other")
+    with Store(tmp_path / "out", plan_of(tmp_path), "this") as store:
+        assert store.drop_failed() == 1
+        assert store.left(0) == [0, 1, 2]
 
 
 def test_inputs_that_are_gone(swept, tmp_path):
@@ -526,8 +430,27 @@ def test_failures_are_listed_and_can_be_tried_again(plan, undisturbed, tmp_path)
     with Store(tmp_path / "out", plan, "this") as store:
         assert store.drop_failed() == 2
         assert [store.done(k) for k in range(4)] == [False, True, False, True]
+        # Nothing but the batches of 1 and 13 is made again.
+        assert [store.left(k) for k in range(4)] == [[0], [], [6], []]
         make(store)
     assert tree(tmp_path / "out") == undisturbed
+
+
+def test_failures_without_a_tar_make_the_shard_again(tmp_path):
+    with Store(tmp_path / "out", plan_of(tmp_path, formats=("hdf5",)), "this") as store:
+        make(store, failed=(1,))
+        assert store.drop_failed() == 1
+        assert store.left(0) == [0, 1, 2]
+
+
+def test_damaged_shards_are_not_reopened(plan, tmp_path):
+    with Store(tmp_path / "out", plan, "this") as store:
+        make(store, failed=(1,))
+        tar = tmp_path / "out/shards/00000/000000000.tar"
+        data = tar.read_bytes()
+        tar.write_bytes(data[:20_000] + bytes([255]) * (len(data) - 20_000))
+        with pytest.raises(FileError, match=r"000000000\.tar: damaged.*Remove it"):
+            store.drop_failed()
 
 
 def test_failures_of_open_shards_can_be_tried_again(plan, tmp_path):

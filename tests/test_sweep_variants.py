@@ -165,6 +165,12 @@ def test_too_many_to_number() -> None:
     factors = {f"body.betas.{k}": {"from": 0, "to": 1, "count": 100_000} for k in range(4)}
     with pytest.raises(InputError, match=r"found 3.* variants, expected at most"):
         Variants(a_plan(factors=factors), FILES)
+    # Nine digits, or keys would not sort as numbers do.
+    million = {f"body.betas.{k}": {"from": 0, "to": 1, "count": 1000} for k in range(3)}
+    each = Variants(a_plan(factors=million), FILES[:1])
+    assert each[len(each) - 1].key == "999999999"
+    with pytest.raises(InputError, match=r"found 2,000,000,000 variants, .* 1,000,000,000;"):
+        Variants(a_plan(factors=million), FILES[:2])
     with pytest.raises(InputError, match="inputs: found none"):
         Variants(a_plan(), [])
 

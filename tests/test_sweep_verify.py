@@ -18,7 +18,7 @@ from halfphysics.scenarios import load
 from halfphysics.sweep.comparing import contents_differ, files_differ
 from halfphysics.sweep.plan import Plan
 from halfphysics.sweep.store import Store
-from halfphysics.sweep.verify import verify
+from halfphysics.sweep.verify import Report, verify
 from halfphysics.sweep.work import Task, do, opened
 
 #: Two clips of 12 frames with a ball of four masses, one of which is filtered out before it is
@@ -234,11 +234,13 @@ def test_a_sweep_that_is_not_finished_can_be_verified(tmp_path):
     text = differences(out)
     assert "000000000: human.npz: trans[4, 1] is " in text
     assert f"{h5}: is not what was written" in text
+    assert "delete it and run the sweep" in text
 
 
 def test_where_there_is_nothing_to_verify(tmp_path, sweep):
     with pytest.raises(FileError, match=r"no plan\.yaml"):
         verify(tmp_path / "none")
+    assert str(Report(0, 0, (), ())) == "no sample to compare: none is there"
     shutil.rmtree(sweep / "shards")
     with pytest.raises(InputError, match="nothing to compare yet"):
         verify(sweep)

@@ -6,6 +6,7 @@ import io
 import json
 import shutil
 import tarfile
+import time
 
 import numpy as np
 import pytest
@@ -127,6 +128,22 @@ def test_what_kills_its_process_is_recorded_and_not_made(tmp_path, monkeypatch):
     assert (failure["number"], failure["input"]) == (5, "kick_ball")
     assert failure["factors"]["objects.mass_factor"] == 1
     assert record["sums"]["numbers"] == {"samples": 1, "skipped": 0, "failed": 1, "success": 1}
+
+
+def test_what_a_process_needs_to_begin_is_not_the_tasks(tmp_path, monkeypatch):
+    """Or the first task would say that the whole takes ten times as long as it does."""
+    begun(tmp_path / "out", planned(tmp_path))
+    before, naps = making.Maker.sample, [1.0]
+
+    def sample(self, number):
+        if naps:
+            time.sleep(naps.pop())
+        return before(self, number)
+
+    monkeypatch.setattr(making.Maker, "sample", sample)
+    assert do(str(tmp_path / "out"), Task("batches", 0, 0, 2)).seconds < 1.0
+    naps.append(1.0)
+    assert do(str(tmp_path / "out"), Task("batches", 0, 2, 2)).seconds > 1.0
 
 
 def test_to_try_a_variant_leaves_nothing(tmp_path):

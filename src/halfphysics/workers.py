@@ -219,6 +219,7 @@ def _serve(pipe: connection.Connection, function: Callable[[Any], Any], memory: 
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+    _lock_bars_here()
     offer_to_the_killer()
     if memory is not None:
         limit_memory(memory)
@@ -237,6 +238,14 @@ def _serve(pipe: connection.Connection, function: Callable[[Any], Any], memory: 
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)
+
+
+def _lock_bars_here() -> None:
+    """A progress bar, even one that is not shown, makes a lock for all processes, which one that
+    is killed leaves behind in the system: a lock for its threads is all that it needs here."""
+    from tqdm import tqdm
+
+    tqdm.set_lock(threading.RLock())
 
 
 def _end_with(sentinel: int) -> None:

@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 #: What each data set calls contact [m].
 BEHAVE, OMOMO, CHOIS, ARCTIC = 0.02, 0.05, 0.05, 0.003
+#: How far ARCTIC's distances are told here [m]: well past its contact, and quick.
+FIELD = 0.02
 
 
 def behave(
@@ -116,35 +118,37 @@ def arctic(
     person: int = 0,
     item: int = 0,
     threshold: float = ARCTIC,
+    most: float = FIELD,
     hands: Mapping[str, ArrayLike] | None = None,
 ) -> dict[str, NDArray[Any]]:
     """As ARCTIC's interaction field: distances between each hand and the object, and contact.
 
     Args:
         labels, person, item, threshold: As of `behave`.
+        most: Distances are known up to this [m], and this where there is more.
         hands: "left" and "right": vertices of the skin in the order of the hand model, such as
             SMPL-X's MANO correspondence; None: the vertices of wrist and fingers, ascending.
 
     Returns:
         Of r, the right hand, l, the left, and o, the object: "dist.ro", "dist.lo" (T, Vh) from
         every vertex of a hand to the object and "dist.or", "dist.ol" (T, Vo) back [m], float32,
-        at most `ContactLabels.reach`; "contact.ro" and so on, 1 where that is under `threshold`;
+        at most `most`; "contact.ro" and so on, 1 where that is under `threshold`;
         "vertices.r", "vertices.l" (Vh,), which vertices of the skin those are; "threshold_m".
 
     Raises:
-        InputError: No such person or object, or vertices that the skin does not have.
+        InputError: No such person or object, vertices that the skin does not have, a threshold
+            beyond `most`, or that beyond `ContactLabels.reach`.
     """
-    threshold = number(threshold, "threshold", least=0.0, most=labels.reach, unit="m")
+    threshold = number(threshold, "threshold", least=0.0, most=most, unit="m")
+    surface = labels.object_near(most, person, item)
+    skin = labels.skin_near(most, person, item)
     part = labels.people[person].vertex_part
-    reach = labels.reach
-    skin = labels.skin_near(reach, person, item)
-    surface = labels.object_near(reach, person, item)
     found: dict[str, NDArray[Any]] = {"threshold_m": np.array(threshold)}
     for letter, side, parts in (("r", "right", RIGHT_HAND), ("l", "left", LEFT_HAND)):
         vertices = _hand(hands, side, len(part)) if hands else np.flatnonzero(np.isin(part, parts))
-        to = np.full((len(labels), len(part)), reach)
+        to = np.full((len(labels), len(part)), most)
         to[skin.frame, skin.vertex] = skin.distance
-        back = np.full((len(labels), len(labels.objects[item].vertices)), reach)
+        back = np.full((len(labels), len(labels.objects[item].vertices)), most)
         mine = np.isin(part[surface.nearest], parts)
         back[surface.frame[mine], surface.vertex[mine]] = surface.distance[mine]
         for key, distance in ((f"{letter}o", to[:, vertices]), (f"o{letter}", back)):

@@ -151,7 +151,9 @@ class ContactLabels:
         Raises:
             InputError: Farther than `reach`, or no such person or object.
         """
-        return self._near(within, person, item)[0].within(within)
+        if (within, True) in self._found:  # what is asked of the object finds the skin too
+            return self._near(within, person, item, True)[0].within(within)
+        return self._near(within, person, item, False)[0].within(within)
 
     def object_near(self, within: float, person: int = 0, item: int = 0) -> Near:
         """Vertices of an object at most `within` from a person's skin, with their distances [m].
@@ -159,7 +161,7 @@ class ContactLabels:
         Raises:
             InputError: Farther than `reach`, or no such person or object.
         """
-        return self._near(within, person, item)[1].within(within)
+        return self._near(within, person, item, True)[1].within(within)
 
     def arrays(self, *, scene: bool = False) -> dict[str, NDArray[Any]]:
         """What goes into a contact.npz: docs/labels.md has every key.
@@ -211,7 +213,8 @@ class ContactLabels:
                 f"{len(self.people)} people and of {len(self.objects)} objects"
             )
 
-    def _near(self, within: float, person: int, item: int) -> tuple[Near, Near]:
+    def _near(self, within: float, person: int, item: int, both: bool) -> tuple[Near, Near]:
+        """Vertices near each other, of the skin alone or of `both`; kept for the next to ask."""
         self.check(person, item)
         if number(within, "within", least=0.0, unit="m") <= self.threshold_m:
             who = self.people[person]
@@ -221,14 +224,17 @@ class ContactLabels:
                 f"within: found {within:g} m, expected at most {self.reach:g} m. Ask for more when "
                 f"the labels are made: contact_labels(result, reach={within:g})"
             )
-        return self._far[person][item]
+        if (within, both) not in self._found:
+            result = self.result
+            things = {thing.name: thing for thing in things_of(result.scene, result.objects)}
+            targets = [Target(things[o.name], within, o if both else None) for o in self.objects]
+            people = [near(who.body, who.motion, targets) for who in result.people]
+            self._found[within, both] = people
+        return self._found[within, both][person][item]
 
     @cached_property
-    def _far(self) -> list[list[tuple[Near, Near]]]:
-        """What is near as far as `reach`, per person and object; worked out when asked for."""
-        things = {thing.name: thing for thing in things_of(self.result.scene, self.result.objects)}
-        targets = [Target(things[o.name], self.reach, o) for o in self.objects]
-        return [near(p.body, p.motion, targets) for p in self.result.people]
+    def _found(self) -> dict[tuple[float, bool], list[list[tuple[Near, Near]]]]:
+        return {}
 
 
 def _key(key: str, name: str, index: int) -> str:

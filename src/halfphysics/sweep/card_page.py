@@ -10,6 +10,8 @@ from halfphysics.sweep.data_card import COUNTED
 #: Of more rows than these for a factor, neighbours are taken together: bins, and numbers that were
 #: drawn, of which each has fewer samples than the other.
 _ROWS, _FEW = 12, 10
+#: Of metres, seconds, newtons: less is rounding.
+_NOTHING = 1e-12
 _LOADING = """\
 ```python
 import halfphysics.sweep
@@ -19,7 +21,7 @@ for sample in halfphysics.sweep.read("."):   # this folder, one shard (.tar) or 
     sample["human"]["poses"]                 # (T, 156); sample["object"], sample["contact"]
 ```
 
-The shards are WebDataset archives as well: `webdataset.WebDataset("shards/00000/*.tar")`. Take the
+A `.tar` is a WebDataset archive as well: `WebDataset(sorted(glob.glob("shards/*/*.tar")))`. Take the
 samples whose card says `"success": true`, or look at its `checks`."""
 _LICENCES = """\
 Motions, body models, meshes and scenes are the user's: their licences hold for this data set too.
@@ -87,7 +89,8 @@ def _contents(card: Mapping[str, Any]) -> Iterable[tuple[str, ...]]:
         ("drops", "drops"),
     ):
         number, within = card["totals"][name], card["samples_with"][name]
-        yield words, f"{number:,} in {_share(within, total)} of the samples"
+        where = f", in {_share(within, total)} of the samples" if number else ""
+        yield words, f"{number:,}{where}"
 
 
 def _outcome(card: Mapping[str, Any]) -> str:
@@ -98,6 +101,8 @@ def _outcome(card: Mapping[str, Any]) -> str:
         if number
     ]
     text = "\n".join(lines) or "Every sample is a success: whole, finite, clear and in time."
+    if not total:
+        text = "There is no sample."
     if not card["failed"]:
         return text
     causes = card["failures"]
@@ -114,8 +119,13 @@ def _spreads(card: Mapping[str, Any]) -> Iterable[tuple[str, ...]]:
         yield (
             f"{name} [{its['unit']}]",
             f"{its['number']:,}",
-            *("" if its[key] is None else f"{its[key]:.4g}" for key in keys),
+            *("" if its[key] is None else _number(its[key]) for key in keys),
         )
+
+
+def _number(value: float) -> str:
+    """Four digits; what is nothing but rounding is zero."""
+    return f"{value if abs(value) > _NOTHING else 0.0:.4g}"
 
 
 def _factors(card: Mapping[str, Any]) -> Iterable[str]:

@@ -85,13 +85,15 @@ class Fragments:
     def current(self, batch: int) -> bool:
         """Whether a fragment is there and made from the files as they are now.
 
+        Warns where they have changed.
+
         Raises:
             InputError: A file that it was made from has gone.
         """
         record = self.read(batch)
         if record is None:
             return False
-        return self._sources.changed(record["inputs"], record["stats"]) is None
+        return not self._sources.warn(record["inputs"], record["stats"])
 
     def forget(self, batch: int) -> None:
         """Make a fragment count as not there."""

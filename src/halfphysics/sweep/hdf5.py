@@ -154,8 +154,8 @@ def _opened(path: Path) -> Iterator[h5py.File]:
             yield file
     except (OSError, KeyError, RuntimeError, ValueError) as error:
         raise FileError(
-            f"{path}: damaged, or no shard of a sweep ({error}). Run the sweep again in its "
-            "folder: what is missing is made again"
+            f"{path}: damaged, or no shard of a sweep ({error}). Delete it and run the sweep "
+            "again in its folder: what is missing is made again"
         ) from None
 
 

@@ -93,7 +93,10 @@ class Piece:
                 words.append(f"{path}: cannot be read ({error.strerror})")
                 continue
             if found != expected:
-                words.append(f"{path}: is not what was written (SHA-256 {found[:12]}...)")
+                words.append(
+                    f"{path}: is not what was written (SHA-256 {found[:12]}...). To have it made "
+                    "again, delete it and run the sweep"
+                )
         return words
 
     def __contains__(self, number: object) -> bool:
@@ -149,8 +152,8 @@ class Piece:
                     places.setdefault(key, []).append((name, member.offset_data, member.size))
         except (tarfile.TarError, OSError) as error:
             raise FileError(
-                f"{self._path}: damaged ({error}). Run the sweep again in its folder: what is "
-                "missing is made again"
+                f"{self._path}: damaged ({error}). Delete it and run the sweep again in its "
+                "folder: what is missing is made again"
             ) from None
         return places
 

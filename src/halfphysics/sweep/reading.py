@@ -79,14 +79,23 @@ def _of_folder(folder: Path, parts: Collection[str] | None) -> Iterator[dict[str
 def _of_records(records: list[Path], parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
     for record in records:
         shard = record.with_suffix(".tar")
-        yield from read(shard if shard.exists() else record.with_suffix(".h5"), parts)
+        if not shard.exists():
+            shard = record.with_suffix(".h5")
+        if not shard.exists():
+            raise FileError(
+                f"{record.with_suffix('')}: neither .tar nor .h5 is there, expected what "
+                f"{record.name} tells of. Run the sweep again in its folder: it is made again"
+            )
+        yield from read(shard, parts)
 
 
 def _of_tar(path: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
     sample: dict[str, Any] = {}
+    end = 0
     try:
         with tarfile.open(path, "r|") as archive:
             for member in archive:
+                end = member.offset_data + member.size
                 key, _, name = member.name.partition(".")
                 if not member.isreg() or not name:
                     raise ValueError(f"found {member.name!r} in it, expected NUMBER.human.npz")
@@ -98,13 +107,23 @@ def _of_tar(path: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any
                 handle = archive.extractfile(member)
                 if handle is not None and (parts is None or part in parts):
                     sample[part] = _content(handle, ending)
+        _check_end(path, end)
     except _DAMAGE as error:
         raise FileError(
-            f"{path}: damaged, or no shard of a sweep ({error}). Run the sweep again in its "
-            "folder: what is missing is made again"
+            f"{path}: damaged, or no shard of a sweep ({error}). Delete it and run the sweep "
+            "again in its folder: what is missing is made again"
         ) from None
     if sample:
         yield sample
+
+
+def _check_end(path: Path, end: int) -> None:
+    """Refuse a tar that does not end as it should: `tarfile` takes damage for the end."""
+    with path.open("rb") as handle:
+        handle.seek(end)
+        rest = handle.read(2 * tarfile.RECORDSIZE)
+    if len(rest) < 2 * tarfile.BLOCKSIZE or rest.strip(b"\0"):
+        raise ValueError(f"no end of an archive after {end} bytes")
 
 
 def _content(handle: IO[bytes], ending: str) -> Any:

@@ -9,12 +9,13 @@ from __future__ import annotations
 import hashlib
 import os
 import stat
+import warnings
 from collections import OrderedDict
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
-from halfphysics.errors import FileError, InputError
+from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 
 T = TypeVar("T")
 
@@ -37,6 +38,7 @@ class Sources:
         self._real = os.path.realpath(base)
         self._since = since
         self._seen: OrderedDict[str, list[int]] = OrderedDict()
+        self._warned: set[str] = set()
         self._hashes: OrderedDict[str, str] = OrderedDict()
 
     def named(self, inputs: Mapping[str, str]) -> dict[str, str]:
@@ -81,6 +83,18 @@ class Sources:
             if self._look(name) != stats.get(name) and self._hash(name) != digest:
                 return name
         return None
+
+    def warn(self, inputs: Mapping[str, str], stats: Stats) -> bool:
+        """Whether a file is not what it was, with a warning, one for each file; see `changed`."""
+        name = self.changed(inputs, stats)
+        if name is not None and name not in self._warned:
+            self._warned.add(name)
+            warnings.warn(
+                f"{name}: has changed since; what was made from it is made again",
+                HalfPhysicsWarning,
+                stacklevel=3,
+            )
+        return name is not None
 
     def _look(self, name: str) -> list[int]:
         known = self._seen.get(name)

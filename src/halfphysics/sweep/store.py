@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.program import program as this_program
-from halfphysics.sweep import documents, hdf5, manifest, sealing
+from halfphysics.sweep import documents, hdf5, manifest, reopening, sealing
 from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fixed_inputs import check_inputs
 from halfphysics.sweep.fixed_program import check_program, check_same
@@ -211,17 +211,24 @@ class Store:
         record = self.record(shard)
         if record is None or not sealing.sizes_fit(self.layout, record):
             return False
-        stats = documents.read(self.layout.stats(shard)) or {}
-        return self._sources.changed(record["inputs"], stats) is None
+        return self._sources.changed(record["inputs"], self._stats(shard)) is None
+
+    def _stats(self, shard: int) -> dict[str, Any]:
+        return documents.read(self.layout.stats(shard)) or {}
 
     def left(self, shard: int) -> list[int]:
         """The batches of a shard that have to be made, in order.
+
+        Warns where that is because a file has changed.
 
         Raises:
             InputError: A file that a fragment was made from has gone.
         """
         if self.done(shard):
             return []
+        record = self.record(shard)
+        if record is not None:
+            self._sources.warn(record["inputs"], self._stats(shard))
         if not self.layout.open_shard(shard).is_dir():
             return list(self.batches(shard))  # one look instead of one for each batch
         return [b for b in self.batches(shard) if not self._fragments.current(b)]
@@ -270,7 +277,9 @@ class Store:
     def drop_failed(self) -> int:
         """Make all batches with failures count as not there; says how many variants failed.
 
-        A sealed shard is made again as a whole.
+        Raises:
+            InputError: A file that a shard was made from has gone.
+            FileError: A shard is damaged, or something cannot be written.
         """
         count = 0
         for shard in range(self.layout.shards):
@@ -278,7 +287,9 @@ class Store:
             if record is not None:
                 if record["failures"]:
                     count += len(record["failures"])
-                    self._unlink(self.layout.shard_file(shard, ".json"))
+                    if not self.done(shard):
+                        continue  # all of it is made again anyway
+                    reopening.reopen(self.layout, self._fragments, record)
                 continue
             if self.layout.open_shard(shard).is_dir():
                 for batch in self.layout.batches_of(shard):
@@ -287,10 +298,6 @@ class Store:
                         count += len(fragment["failures"])
                         self._fragments.forget(batch)
         return count
-
-    def _unlink(self, path: Path) -> None:
-        with reported(path):
-            path.unlink(missing_ok=True)
 
     def finish(self) -> dict[str, Any]:
         """Write manifest, data card and list of failures of all that is sealed.

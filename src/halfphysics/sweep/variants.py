@@ -8,7 +8,6 @@ clip, body and scene. What is drawn is a hash of seed, number and name (`sweep.d
 from __future__ import annotations
 
 import operator
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -20,6 +19,9 @@ from halfphysics.sweep.draws import Stream
 from halfphysics.sweep.inputs import Input, read_line
 from halfphysics.sweep.plan import Plan
 from halfphysics.sweep.values import Value
+
+#: How many variants a sweep may have: keys in shards have nine digits, and sort as numbers do.
+MOST = 10**9
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -87,9 +89,9 @@ class Variants(Sequence[Variant]):
         self._length = len(inputs) * len(self._bodies) * len(self._scenes) * plan.samples
         for _, _, count in self._axes:
             self._length *= count
-        if self._length > sys.maxsize:
+        if self._length > MOST:
             raise InputError(
-                f"factors: found {self._length} variants, expected at most {sys.maxsize}; draw "
+                f"factors: found {self._length:,} variants, expected at most {MOST:,}; draw "
                 "some factors from distributions instead of combining all values"
             )
         self._keep = plan.expressions("keep")

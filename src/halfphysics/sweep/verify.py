@@ -42,6 +42,8 @@ class Report:
 
     def __str__(self) -> str:
         """As lines of text."""
+        if not (self.equal or self.out or self.differences):
+            return "\n".join(["no sample to compare: none is there", *self.notes])
         lines = [f"{self.equal} sample(s) made again are equal bit by bit"]
         if self.out:
             lines.append(f"{self.out} variant(s) without a sample again have none")

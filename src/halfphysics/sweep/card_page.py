@@ -21,8 +21,8 @@ for sample in halfphysics.sweep.read("."):   # this folder, one shard (.tar) or 
     sample["human"]["poses"]                 # (T, 156); sample["object"], sample["contact"]
 ```
 
-A `.tar` is a WebDataset archive as well: `WebDataset(sorted(glob.glob("shards/*/*.tar")))`. Take the
-samples whose card says `"success": true`, or look at its `checks`."""
+A `.tar` is a WebDataset archive as well: `WebDataset(sorted(glob.glob("shards/*/*.tar")))`. Take
+the samples whose card says `"success": true`, or look at its `checks`."""
 _LICENCES = """\
 Motions, body models, meshes and scenes are the user's: their licences hold for this data set too.
 Body models and meshes are named in the cards by path and SHA-256, their content is not in it;

@@ -6,31 +6,15 @@ for sample in halfphysics.sweep.read("out"):
 
 from __future__ import annotations
 
-import io
-import json
 import os
 import tarfile
-import zipfile
-import zlib
 from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import IO, Any
-
-import numpy as np
+from typing import Any
 
 from halfphysics.errors import FileError, InputError
+from halfphysics.sweep.contents import DAMAGE, contents
 from halfphysics.validation import file_path
-
-#: How reading a damaged shard can fail.
-_DAMAGE = (
-    tarfile.TarError,
-    zipfile.BadZipFile,
-    zlib.error,
-    EOFError,
-    ValueError,
-    KeyError,
-    OSError,
-)
 
 
 def read(
@@ -103,12 +87,12 @@ def _of_tar(path: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any
                     yield sample
                     sample = {}
                 sample.setdefault("key", key)
-                part, _, ending = name.rpartition(".")
+                part = name.rpartition(".")[0]
                 handle = archive.extractfile(member)
                 if handle is not None and (parts is None or part in parts):
-                    sample[part] = _content(handle, ending)
+                    sample[part] = contents(name, handle.read())
         _check_end(path, end)
-    except _DAMAGE as error:
+    except DAMAGE as error:
         raise FileError(
             f"{path}: damaged, or no shard of a sweep ({error}). Delete it and run the sweep "
             "again in its folder: what is missing is made again"
@@ -124,11 +108,3 @@ def _check_end(path: Path, end: int) -> None:
         rest = handle.read(2 * tarfile.RECORDSIZE)
     if len(rest) < 2 * tarfile.BLOCKSIZE or rest.strip(b"\0"):
         raise ValueError(f"no end of an archive after {end} bytes")
-
-
-def _content(handle: IO[bytes], ending: str) -> Any:
-    data = handle.read()
-    if ending == "json":
-        return json.loads(data)
-    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-        return dict(arrays)

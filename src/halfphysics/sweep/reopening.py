@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import tarfile
 from collections.abc import Iterator, Mapping
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from halfphysics.errors import FileError
+from halfphysics.io.digests import sha256_of
 from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fragments import Fragments
 from halfphysics.sweep.layout import Layout
@@ -63,8 +63,7 @@ def _record(
 def _check(path: Path, expected: str) -> None:
     """Refuse a tar that is not what was written: reading one ends where it is damaged, unsaid."""
     try:
-        with path.open("rb") as handle:
-            found = hashlib.file_digest(handle, "sha256").hexdigest()
+        found = sha256_of(path)
     except OSError as error:
         raise FileError(f"{path}: cannot read: {error.strerror}") from None
     if found != expected:

@@ -7,12 +7,12 @@ for sample in halfphysics.sweep.read("out"):
 from __future__ import annotations
 
 import os
-import tarfile
 from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any
 
 from halfphysics.errors import FileError, InputError
+from halfphysics.sweep import tar
 from halfphysics.sweep.contents import DAMAGE, contents
 from halfphysics.validation import file_path
 
@@ -74,37 +74,19 @@ def _of_records(records: list[Path], parts: Collection[str] | None) -> Iterator[
 
 
 def _of_tar(path: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
-    sample: dict[str, Any] = {}
-    end = 0
+    def wanted(name: str) -> bool:
+        return parts is None or _part(name) in parts
+
     try:
-        with tarfile.open(path, "r|") as archive:
-            for member in archive:
-                end = member.offset_data + member.size
-                key, _, name = member.name.partition(".")
-                if not member.isreg() or not name:
-                    raise ValueError(f"found {member.name!r} in it, expected NUMBER.human.npz")
-                if sample and key != sample["key"]:
-                    yield sample
-                    sample = {}
-                sample.setdefault("key", key)
-                part = name.rpartition(".")[0]
-                handle = archive.extractfile(member)
-                if handle is not None and (parts is None or part in parts):
-                    sample[part] = contents(name, handle.read())
-        _check_end(path, end)
+        for key, files in tar.samples(path, wanted):
+            yield {"key": key} | {_part(name): contents(name, files[name]) for name in files}
     except DAMAGE as error:
         raise FileError(
             f"{path}: damaged, or no shard of a sweep ({error}). Delete it and run the sweep "
             "again in its folder: what is missing is made again"
         ) from None
-    if sample:
-        yield sample
 
 
-def _check_end(path: Path, end: int) -> None:
-    """Refuse a tar that does not end as it should: `tarfile` takes damage for the end."""
-    with path.open("rb") as handle:
-        handle.seek(end)
-        rest = handle.read(2 * tarfile.RECORDSIZE)
-    if len(rest) < 2 * tarfile.BLOCKSIZE or rest.strip(b"\0"):
-        raise ValueError(f"no end of an archive after {end} bytes")
+def _part(name: str) -> str:
+    """What a file of a sample is called in what is read: "human" of human.npz."""
+    return name.rpartition(".")[0]

@@ -111,6 +111,16 @@ def test_a_poisoned_clip_costs_its_variants_and_is_said(tmp_path, capsys, here):
     assert "1 sample" in capsys.readouterr().out
 
 
+def test_a_sweep_of_nothing_but_failures_is_no_success(tmp_path, capsys, here):
+    text = BAD.replace("  - scenarios: [kick_ball]\n", "")
+    (tmp_path / "plan.yaml").write_text(text)
+    (tmp_path / "bad.npz").write_bytes(b"no clip")
+    assert main(["sweep", str(tmp_path / "plan.yaml")]) == MISTAKE
+    out, err = capsys.readouterr()
+    assert "1 variants: 0 samples, 1 failed" in out
+    assert re.search(r"no sample came of it, 1 variants failed\. .*failures\.jsonl", err)
+
+
 def test_a_full_disk_is_one_message_that_says_how_to_go_on(
     plan, tmp_path, monkeypatch, capsys, here
 ):

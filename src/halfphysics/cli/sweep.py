@@ -156,6 +156,11 @@ class Command:
             except SweepError as error:
                 raise SweepError(f"{error}\n{self._how_far(progress)}") from None
         print(summary(report))
+        if report.failures and not report.samples:
+            raise SweepError(
+                f"{folder}: no sample came of it, {report.failures} variants failed. See "
+                f"{folder / 'failures.jsonl'}, and --retry-failed once that is mended"
+            )
         print(f"next     {self._again('--verify')}")
 
     def _engine(self, folder: Path) -> Engine:

@@ -39,7 +39,6 @@ def main(names):
         share = 100.0 * (end - middle) / (middle - start)
         frames = len(result.people[0].motion)
         each, whole = 1e3 * (end - middle) / frames, 1e3 * (middle - start) / frames
-        each, whole = 1e3 * (end - middle) / frames, 1e3 * (middle - start) / frames
         print(
             f"{name:24} {row[0]:5} {row[1]:6} {1e3 * v.farthest:8.4f} {row[2]:3}; {row[3]:5} "
             f"{row[4]:3} {row[5]:5} ({100.0 * row[5] / max(row[3] - row[6], 1):5.1f} %); "

@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import sys
+import tempfile
 import threading
 import time
 from concurrent.futures import Future
@@ -54,7 +55,7 @@ def ended(engine, tasks):
 
 
 @needs_ray
-def test_tasks_end_as_they_do_in_local_processes(tmp_path, capfd):
+def test_tasks_end_as_they_do_in_local_processes(tmp_path, capfd, monkeypatch):
     """Dies, runs out of memory, stops, alone or not: one Ray serves all of it."""
 
     def act(folder, task):
@@ -72,7 +73,10 @@ def test_tasks_end_as_they_do_in_local_processes(tmp_path, capfd):
         return Done(float(os.getpid()), kept=task.first)
 
     before = signal.getsignal(signal.SIGTERM)
-    engine = RayEngine(tmp_path, 2, 2.0, address="local", function=act)
+    scratch = tempfile.mkdtemp(dir="/tmp")
+    with monkeypatch.context() as patch:
+        patch.setattr(tempfile, "tempdir", scratch)
+        engine = RayEngine(tmp_path, 2, 2.0, address="local", function=act)
     try:
         assert engine.slots == 2
         found = ended(engine, [task(i) for i in range(8)])
@@ -90,6 +94,7 @@ def test_tasks_end_as_they_do_in_local_processes(tmp_path, capfd):
     finally:
         engine.close()
     assert not ray.is_initialized()
+    Path(scratch).rmdir()  # nothing is left in it
     assert signal.getsignal(signal.SIGTERM) is before
     said = capfd.readouterr()
     assert said.out == ""

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from workers_case import MIB, act
 
-from halfphysics import machine, workers
+from halfphysics import workers
 from halfphysics.workers import DIED, FULL, Death, Pool, StartError
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="tells what processes hold and refuses")
@@ -137,29 +137,3 @@ def test_nobody_is_left_behind(tmp_path, sign):
     assert gone(pids)
     if sign == signal.SIGINT:
         assert errors.count("Traceback") == 1, "the parent's alone"
-
-
-@linux
-def test_what_the_machine_lets_us_use():
-    assert 1 <= machine.cores() <= os.cpu_count()
-    total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    assert 64 * MIB < machine.memory() <= total
-    before = machine.resident()
-    held = bytearray(b"x") * (64 * MIB)
-    assert 60 * MIB < machine.resident() - before < 70 * MIB
-    del held
-
-
-@linux
-def test_limits_of_control_groups(tmp_path, monkeypatch):
-    """Of all groups around us the tightest counts."""
-    own = Path("/proc/self/cgroup").read_text().splitlines()
-    path = next((line.removeprefix("0::/") for line in own if line.startswith("0::/")), "")
-    monkeypatch.setattr(machine, "_GROUPS", tmp_path)
-    (tmp_path / path).mkdir(parents=True, exist_ok=True)
-    assert machine.cores() == len(os.sched_getaffinity(0))
-    (tmp_path / path / "memory.max").write_text("max\n")
-    (tmp_path / "memory.max").write_text("123456789\n")
-    (tmp_path / path / "cpu.max").write_text("100000 100000\n")
-    assert machine.memory() == 123456789
-    assert machine.cores() == 1

@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, cast
-from weakref import WeakKeyDictionary
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from halfphysics.colliders import convex_collider
 from halfphysics.errors import InputError
 from halfphysics.fingerprint import fingerprint
 from halfphysics.joint_groups import stiffness_array
+from halfphysics.mesh_trees import mesh_tree
 from halfphysics.modes import FORCED
 from halfphysics.person_model import addresses, principal
 from halfphysics.person_movers import add_person_movers
@@ -31,10 +31,9 @@ from halfphysics.strength import limits_of
 if TYPE_CHECKING:
     from halfphysics.body import Body
     from halfphysics.holding import Hold
-    from halfphysics.mesh import Mesh
     from halfphysics.motion import Motion
     from halfphysics.pose import Pose
-    from halfphysics.scene import Scene, Static
+    from halfphysics.scene import Scene
     from halfphysics.settings import Settings
 
 Array = NDArray[np.float64]
@@ -279,7 +278,7 @@ class World:
                 normal = rotation @ np.asarray(shape.normal, dtype=np.float64)
                 self.stepper.add_half_space(index, normal, shape.offset + float(normal @ position))
             elif isinstance(shape, Mesh):
-                self.stepper.add_mesh(index, _mesh_tree(static, rotation, position))
+                self.stepper.add_mesh(index, mesh_tree(static, rotation, position))
             else:
                 collider = convex_collider(shape).moved(rotation, position)
                 self.stepper.add_hull(index, *collider.arrays)
@@ -416,23 +415,6 @@ class World:
             ],
             axis=1,
         )
-
-
-#: The trees of static meshes, for as long as their scenes are there.
-_trees: WeakKeyDictionary[Static, Any] = WeakKeyDictionary()
-
-
-def _mesh_tree(static: Static, rotation: Array, position: Array) -> Any:
-    """The tree of a static mesh in the world; other statics of the same triangles share it."""
-    from halfphysics import _native
-
-    tree = _trees.get(static)
-    if tree is None:
-        mesh = cast("Mesh", static.shape)
-        vertices = np.ascontiguousarray(mesh.vertices @ rotation.T + position)
-        tree = _native.MeshTree(vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32))
-        _trees[static] = tree
-    return tree
 
 
 def armature_of(stiffness: Array) -> Array:

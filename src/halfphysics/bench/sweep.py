@@ -19,7 +19,7 @@ from halfphysics.bench.record import Options, Record
 from halfphysics.bench.timing import in_turns
 from halfphysics.errors import InputError
 from halfphysics.sweep.data_card import DataCard
-from halfphysics.sweep.driver import run
+from halfphysics.sweep.driver import Report, run
 from halfphysics.sweep.inputs import Inputs
 from halfphysics.sweep.local import LocalEngine
 from halfphysics.sweep.making import Maker, Sample
@@ -212,13 +212,28 @@ def _clocked(plan: Plan, jobs: int, progress: Progress) -> tuple[float, int]:
             report = run(store, engine, progress)
         finally:
             engine.close()
-        return time.perf_counter() - start, report.samples
+        return time.perf_counter() - start, _whole(report)
 
 
 def _here(plan: Plan) -> int:
     """A sweep in this process; says how many samples it made."""
     with tempfile.TemporaryDirectory() as folder, Store(folder, plan) as store:
-        return run(store, Here(Path(folder)), Progress(bar=False, say=lambda line: None)).samples
+        report = run(store, Here(Path(folder)), Progress(bar=False, say=lambda line: None))
+        return _whole(report)
+
+
+def _whole(report: Report) -> int:
+    """The samples of a sweep: figures of one whose variants failed would be of nothing.
+
+    Raises:
+        InputError: Variants failed.
+    """
+    if report.failures:
+        raise InputError(
+            f"bench: {report.failures} of {report.variants} variants of {SCENARIO} failed, expected"
+            " none: their traceback is above"
+        )
+    return report.samples
 
 
 def _made(maker: Maker, count: int) -> list[Sample]:

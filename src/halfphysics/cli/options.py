@@ -5,11 +5,12 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import tyro
 
 from halfphysics.errors import FileError, InputError
+from halfphysics.io import asked
 from halfphysics.io.asked import betas_for, furnished, model_for
 from halfphysics.validation import file_path
 
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from halfphysics.body import Body
     from halfphysics.motion import Motion
     from halfphysics.scene import Scene
-    from halfphysics.sequence import Sequence
 
 #: A file that may be left out, and things that are said once each.
 File = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
@@ -32,71 +32,13 @@ def progress() -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MotionOptions:
+class MotionOptions(asked.MotionOptions):
     """What a motion file cannot say itself."""
 
-    fps: float | None = None
-    """Frames per second of the motion file, where it does not say."""
-    up: Literal["y", "z"] | None = None
-    """The axis that is up in the motion file, where it is not what its format prescribes."""
-    hands: Literal["flat", "mean"] | None = None
-    """What zero fingers mean in the motion file: a flat hand, or the model's relaxed one."""
-    model: str | None = None
-    """smplx, smplh or smpl, where the file does not say; or a model file (for mean hands)."""
-    gender: Literal["neutral", "male", "female"] | None = None
-    """Gender of the motion's shape, where the file does not say."""
-    frames: str | None = None
-    """Frames to read, START:STOP (counted from 0, STOP left out); either may be missing."""
-
-    clip: str | None = None
-    """Name of the clip to read, where the file holds several."""
     assets: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()
     """Folder of the data set's other files (object meshes, templates); may be said repeatedly."""
 
-    objects: Literal["free", "replayed", "none"] = "free"
-    """Objects that the data set recorded: free from their first pose on, moved as recorded, or left
-    out with the scene around them."""
-
-    def load(self, path: Path) -> Motion:
-        """The motion in a file."""
-        from halfphysics.io import load_motion
-
-        return load_motion(path, **self._said())
-
-    def sequence(self, path: Path) -> Sequence:
-        """The motion in a file with the objects and the scene that were recorded around it."""
-        from halfphysics.io import load_sequence
-        from halfphysics.scene import Scene
-        from halfphysics.sequence import Sequence
-
-        if self.objects == "none":
-            return Sequence(self.load(path), Scene())
-        return load_sequence(path, objects=self.objects, **self._said())
-
-    def _said(self) -> dict[str, Any]:
-        return {
-            "fps": self.fps,
-            "up": self.up,
-            "hands": self.hands,
-            "model": self.model,
-            "gender": self.gender,
-            "frames": self.frame_range(),
-            "clip": self.clip,
-            "assets": self.assets,
-        }
-
-    def frame_range(self) -> tuple[int | None, int | None] | None:
-        """The first frame to read and the one after the last; raises `InputError`."""
-        if self.frames is None:
-            return None
-        ends = self.frames.split(":")
-        try:
-            start, stop = (int(end) if end.strip() else None for end in ends)
-        except ValueError:
-            raise InputError(
-                f"--frames: found {self.frames!r}, expected START:STOP, such as 0:90 or 30:"
-            ) from None
-        return start, stop
+    FRAMES: ClassVar[str] = "--frames"
 
 
 @dataclass(frozen=True, kw_only=True)

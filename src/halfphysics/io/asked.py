@@ -1,10 +1,12 @@
-"""The body and the scene that somebody asked for: what a command line and a sweep share."""
+"""The motion, body and scene that somebody asked for: what a command line and a sweep share."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from halfphysics.errors import InputError
 from halfphysics.validation import file_path
@@ -12,10 +14,82 @@ from halfphysics.validation import file_path
 if TYPE_CHECKING:
     from halfphysics.motion import Motion
     from halfphysics.scene import Scene
+    from halfphysics.sequence import Sequence
     from halfphysics.shape_space import ShapeSpace
 
 #: The static that is added as a floor.
 GROUND = "ground"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionOptions:
+    """What a motion file cannot say itself."""
+
+    fps: float | None = None
+    """Frames per second of the motion file, where it does not say."""
+    up: Literal["y", "z"] | None = None
+    """The axis that is up in the motion file, where it is not what its format prescribes."""
+    hands: Literal["flat", "mean"] | None = None
+    """What zero fingers mean in the motion file: a flat hand, or the model's relaxed one."""
+    model: str | None = None
+    """smplx, smplh or smpl, where the file does not say; or a model file (for mean hands)."""
+    gender: Literal["neutral", "male", "female"] | None = None
+    """Gender of the motion's shape, where the file does not say."""
+    frames: str | None = None
+    """Frames to read, START:STOP (counted from 0, STOP left out); either may be missing."""
+
+    clip: str | None = None
+    """Name of the clip to read, where the file holds several."""
+    assets: tuple[Path, ...] = ()
+    """Folder of the data set's other files (object meshes, templates); may be said repeatedly."""
+
+    objects: Literal["free", "replayed", "none"] = "free"
+    """Objects that the data set recorded: free from their first pose on, moved as recorded, or left
+    out with the scene around them."""
+
+    #: How `frames` was asked for.
+    FRAMES: ClassVar[str] = "frames"
+
+    def load(self, path: Path) -> Motion:
+        """The motion in a file."""
+        from halfphysics.io import load_motion
+
+        return load_motion(path, **self._said())
+
+    def sequence(self, path: Path) -> Sequence:
+        """The motion in a file with the objects and the scene that were recorded around it."""
+        from halfphysics.io import load_sequence
+        from halfphysics.scene import Scene
+        from halfphysics.sequence import Sequence
+
+        if self.objects == "none":
+            return Sequence(self.load(path), Scene())
+        return load_sequence(path, objects=self.objects, **self._said())
+
+    def _said(self) -> dict[str, Any]:
+        return {
+            "fps": self.fps,
+            "up": self.up,
+            "hands": self.hands,
+            "model": self.model,
+            "gender": self.gender,
+            "frames": self.frame_range(),
+            "clip": self.clip,
+            "assets": self.assets,
+        }
+
+    def frame_range(self) -> tuple[int | None, int | None] | None:
+        """The first frame to read and the one after the last; raises `InputError`."""
+        if self.frames is None:
+            return None
+        ends = self.frames.split(":")
+        try:
+            start, stop = (int(end) if end.strip() else None for end in ends)
+        except ValueError:
+            raise InputError(
+                f"{self.FRAMES}: found {self.frames!r}, expected START:STOP, such as 0:90 or 30:"
+            ) from None
+        return start, stop
 
 
 def model_for(
@@ -51,8 +125,8 @@ def is_furnished(scene: Scene) -> bool:
 def furnished(
     base: Scene | None,
     file: str | os.PathLike[str] | None,
-    statics: Sequence[str],
-    objects: Sequence[str],
+    statics: Iterable[str],
+    objects: Iterable[str],
     ground: bool,
     *,
     words: tuple[str, str, str] = ("--scene", "--objects none", "--no-ground"),

@@ -83,7 +83,7 @@ def _triangles(scene: Scene, name: str) -> Triangles:
     return np.concatenate(vertices), np.concatenate(faces)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def covered(shape: Shape, spacing: float = SPACING) -> Triangles:
     """Vertices (V, 3) [m] and outward faces (F, 3) all over a primitive, read-only.
 

@@ -116,9 +116,10 @@ class Bins:
 
     def edges(self) -> list[tuple[float, float, Counts]]:
         """From where to where each bin goes, and its counts, in order."""
-        return [(self._edge(k), self._edge(k + 1), v) for k, v in sorted(self.rows.items())]
+        return [(self.edge(k), self.edge(k + 1), v) for k, v in sorted(self.rows.items())]
 
-    def _edge(self, place: int) -> float:
+    def edge(self, place: int) -> float:
+        """Where a bin begins."""
         most = sys.float_info.max
         exact = place * Fraction(2) ** self.width
         return float(min(max(exact, Fraction(-most)), Fraction(most)))
@@ -191,8 +192,8 @@ class Spread:
             return None
         # Whole numbers: no rounding decides.
         wanted = -(-self.number * percent // 100)
-        for low, _, (count,) in self.bins.edges():
+        for place, (count,) in sorted(self.bins.rows.items()):
             wanted -= count
             if wanted <= 0:
-                return max(low, self.least)
+                return max(self.bins.edge(place), self.least)
         return self.most

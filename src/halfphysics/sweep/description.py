@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from halfphysics.sweep.choices import OWN
+from halfphysics.sweep.layout import Layout
 from halfphysics.sweep.plan import Plan
 from halfphysics.sweep.values import (
     Choice,
@@ -49,7 +50,7 @@ def describe(plan: Plan, variants: Variants) -> str:
 
 def _totals(plan: Plan, variants: Variants) -> list[tuple[str, ...]]:
     outputs = plan.outputs
-    shards = outputs.shards(len(variants))
+    layout = Layout(plan.folder, len(variants), outputs.batch, outputs.variants_per_shard)
     rows: list[tuple[str, ...]] = []
     if plan.drawn:
         rows.append(("draws", f"{plan.samples:,} of each combination, seed {plan.seed}"))
@@ -66,7 +67,8 @@ def _totals(plan: Plan, variants: Variants) -> list[tuple[str, ...]]:
     if plan.settings:
         rows.append(("settings", ", ".join(f"{k} {v}" for k, v in sorted(plan.settings.items()))))
     formats = " and ".join(outputs.formats)
-    rows.append(("shards", f"{shards:,} of up to {outputs.per_shard:,} variants, {formats}"))
+    full = layout.batch * layout.batches_per_shard
+    rows.append(("shards", f"{layout.shards:,} of up to {full:,} variants, {formats}"))
     rows.append(("folder", str(plan.folder)))
     return rows
 

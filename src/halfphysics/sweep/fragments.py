@@ -14,7 +14,7 @@ from typing import Any
 from halfphysics.errors import InputError
 from halfphysics.sweep import documents, tar
 from halfphysics.sweep.documents import reported
-from halfphysics.sweep.layout import DIGITS, Layout
+from halfphysics.sweep.layout import Layout, key_of
 from halfphysics.sweep.sources import Sources
 
 #: A sample: its key, and its files by name.
@@ -40,7 +40,7 @@ class Fragments:
     ) -> dict[str, Any]:
         """Write a batch; see `Store.write_fragment`."""
         path = self._layout.fragment(batch)
-        keys = [f"{number:0{DIGITS}d}" for number in self._layout.variants_of(batch)]
+        keys = [key_of(number) for number in self._layout.variants_of(batch)]
         digest, size, count, last = hashlib.sha256(), 0, 0, ""
         # A record must not vouch for another fragment than the one it was written for.
         self.forget(batch)

@@ -13,17 +13,15 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args, get_type_hints
+from typing import Any, Literal, get_args, get_type_hints
 
 import numpy as np
 
 from halfphysics.errors import FileError, InputError
+from halfphysics.io.asked import MotionOptions
 from halfphysics.motion import MODELS
 from halfphysics.sweep.factors import NOT_PLAIN
 from halfphysics.validation import file_path, frame_rate, shown
-
-if TYPE_CHECKING:
-    from halfphysics.cli.options import MotionOptions
 
 _CHUNK = 1 << 20
 
@@ -36,7 +34,7 @@ class Inputs:
         files: Patterns (*, ?, [...], ** for any folders between), relative to the plan's folder;
             one that ends in a slash is of folders, for data sets that keep a clip in a folder.
         scenarios: Names of scenarios; these or files.
-        options: For files the fields of `cli.options.MotionOptions` (fps, up, hands, model, gender,
+        options: For files the fields of `io.asked.MotionOptions` (fps, up, hands, model, gender,
             frames, clip, assets, objects), for scenarios their own options.
         ground: A floor at z = 0 where the scene brings no plane.
     """
@@ -77,7 +75,7 @@ class Input:
         kind: "file" or "scenario".
         name: The file's path as in the list of inputs (with /), or the scenario's name.
         path: Where the file is; None of a scenario.
-        options: Of a file the fields of `cli.options.MotionOptions` that were said, paths among
+        options: Of a file the fields of `io.asked.MotionOptions` that were said, paths among
             them as they can be opened; of a scenario its own options.
         ground: A floor at z = 0 where the scene brings no plane.
     """
@@ -91,15 +89,11 @@ class Input:
     @property
     def motion_options(self) -> MotionOptions:
         """How to read the file."""
-        from halfphysics.cli.options import MotionOptions
-
         return MotionOptions(**self.options)
 
 
 def file_options() -> tuple[str, ...]:
     """The options that an entry of files can have."""
-    from halfphysics.cli.options import MotionOptions
-
     return tuple(option.name for option in fields(MotionOptions))
 
 
@@ -239,8 +233,6 @@ def _matches(pattern: str, base: Path, outputs: str) -> Iterator[str]:
 
 def _motion_options(options: dict[str, Any]) -> dict[str, Any]:
     """Options of files, checked by making a `MotionOptions` and reading its frames."""
-    from halfphysics.cli.options import MotionOptions
-
     known = file_options()
     for name in options:
         if name not in known:
@@ -260,10 +252,7 @@ def _motion_options(options: dict[str, Any]) -> dict[str, Any]:
     if "fps" in options:
         frame_rate(options["fps"])
     if "frames" in options:
-        try:
-            MotionOptions(frames=options["frames"]).frame_range()
-        except InputError as error:
-            raise InputError(str(error).removeprefix("--")) from None
+        MotionOptions(frames=options["frames"]).frame_range()
     return options
 
 

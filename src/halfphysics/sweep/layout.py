@@ -9,6 +9,13 @@ from pathlib import Path
 PER_FOLDER = 1000
 #: How many digits numbers have in names, so that names sort as numbers do.
 DIGITS = 9
+#: In the folder of a sweep: the plan, and the inputs that it came to.
+PLAN, INPUTS = "plan.yaml", "inputs.txt"
+
+
+def key_of(number: int) -> str:
+    """A number in names: of a sample in its shard, of a shard."""
+    return f"{number:0{DIGITS}d}"
 
 
 @dataclass(frozen=True)
@@ -31,6 +38,7 @@ class Layout:
 
     @property
     def batches_per_shard(self) -> int:
+        """Number of batches in a shard."""
         return -(-self.per_shard // self.batch)
 
     @property
@@ -55,14 +63,6 @@ class Layout:
     # -- files ---------------------------------------------------------------------------
 
     @property
-    def plan(self) -> Path:
-        return self.folder / "plan.yaml"
-
-    @property
-    def inputs(self) -> Path:
-        return self.folder / "inputs.txt"
-
-    @property
     def work(self) -> Path:
         """What is not sealed yet, and notes that are no part of the data."""
         return self.folder / "work"
@@ -74,11 +74,11 @@ class Layout:
     def shard_file(self, shard: int, suffix: str) -> Path:
         """`suffix`: ".tar", ".h5", or ".json" for the record that says it is done."""
         folder = self.shard_folder / f"{shard // PER_FOLDER:05d}"
-        return folder / f"{shard:0{DIGITS}d}{suffix}"
+        return folder / f"{key_of(shard)}{suffix}"
 
     def open_shard(self, shard: int) -> Path:
         """The folder of fragments of a shard that is not sealed yet."""
-        return self.work / f"{shard:0{DIGITS}d}"
+        return self.work / key_of(shard)
 
     def fragment(self, batch: int) -> Path:
         return self.open_shard(self.shard_of(batch)) / f"{batch:08d}.fragment"
@@ -88,4 +88,4 @@ class Layout:
 
     def stats(self, shard: int) -> Path:
         """What the input files of a sealed shard looked like when they were read."""
-        return self.work / "stats" / f"{shard:0{DIGITS}d}.json"
+        return self.work / "stats" / f"{key_of(shard)}.json"

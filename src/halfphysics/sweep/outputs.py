@@ -68,20 +68,6 @@ class Outputs:
         if not isinstance(self.results, bool):
             raise InputError(f"results: found {shown(self.results)}, expected true or false")
 
-    @property
-    def batches_per_shard(self) -> int:
-        """Batches in a shard."""
-        return -(-self.variants_per_shard // self.batch)
-
-    @property
-    def per_shard(self) -> int:
-        """Variants in a full shard: whole batches."""
-        return self.batches_per_shard * self.batch
-
-    def shards(self, variants: int) -> int:
-        """Shards that so many variants fill."""
-        return -(-variants // self.per_shard)
-
     def document(self) -> dict[str, Any]:
         """As plain data."""
         return {

@@ -14,7 +14,7 @@ from typing import Any
 from halfphysics.errors import FileError
 from halfphysics.sweep import documents
 from halfphysics.sweep.comparing import contents, contents_differ, files_differ
-from halfphysics.sweep.layout import Layout
+from halfphysics.sweep.layout import Layout, key_of
 
 #: Files of a shard from which samples are read, the better first.
 _SUFFIXES = (".tar", ".h5")
@@ -100,7 +100,7 @@ class Piece:
         return words
 
     def __contains__(self, number: object) -> bool:
-        return f"{number:09d}" in self._places if isinstance(number, int) else False
+        return key_of(number) in self._places if isinstance(number, int) else False
 
     def card(self, number: int) -> Mapping[str, Any]:
         """The card of a sample; raises one of `comparing.DAMAGE`."""
@@ -160,7 +160,7 @@ class Piece:
     def _bytes(self, number: int) -> dict[str, bytes]:
         found = {}
         with self._path.open("rb") as handle:
-            for name, offset, size in self._places[f"{number:09d}"]:
+            for name, offset, size in self._places[key_of(number)]:
                 handle.seek(offset)
                 found[name] = handle.read(size)
         return found
@@ -168,6 +168,6 @@ class Piece:
     def _sample(self, number: int) -> dict[str, Any]:
         from halfphysics.sweep.hdf5 import sample
 
-        found = sample(self._path, f"{number:09d}")
+        found = sample(self._path, key_of(number))
         del found["key"]
         return found

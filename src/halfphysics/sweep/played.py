@@ -23,7 +23,7 @@ from halfphysics.machine import resident
 from halfphysics.sweep.card import CHECKS
 from halfphysics.sweep.data_card import SPREADS, SUMMED, counted
 from halfphysics.sweep.fragments import Fragments
-from halfphysics.sweep.layout import Layout
+from halfphysics.sweep.layout import INPUTS, Layout
 from halfphysics.sweep.making import failure
 from halfphysics.sweep.provenance import versions
 from halfphysics.sweep.sources import Sources
@@ -233,7 +233,7 @@ class _PlayedStore(Store):
         from halfphysics.sweep.plan import InputList
         from halfphysics.sweep.variants import Variants
 
-        return Variants(self.plan, InputList(self.layout.inputs))
+        return Variants(self.plan, InputList(self.folder / INPUTS))
 
     @cached_property
     def _fragments(self) -> Fragments:

@@ -4,12 +4,11 @@ The bytes of a sample depend on the package itself (its code, native core and de
 the packages that `halfphysics.program` lists: mujoco compiles masses and shapes, numpy, scipy and
 trimesh compute, coacd cuts meshes. Where one of them differs, what is stored counts as another
 program's and is made again. Everything else (Python, the operating system, h5py) cannot change a
-number; it is told where that helps to find out why two machines differ, and is in no file.
+number, and is in no file.
 """
 
 from __future__ import annotations
 
-import platform
 from functools import cache
 
 from halfphysics.program import engines, program
@@ -30,15 +29,6 @@ def versions() -> dict[str, str | None]:
     optional package that is not installed.
     """
     return dict(_versions())
-
-
-def told() -> dict[str, str]:
-    """What decides no number and is in no file: Python and the machine's kind."""
-    return {
-        "python": platform.python_version(),
-        "system": platform.system(),
-        "machine": platform.machine(),
-    }
 
 
 def changed(stored: dict[str, str | None], program: str | None = None) -> list[str]:

@@ -14,9 +14,11 @@ import io
 import logging
 import os
 import queue
+import shutil
 import signal
 import socket
 import sys
+import tempfile
 import threading
 import time
 from collections import deque
@@ -42,6 +44,7 @@ LOST = "its machine was lost, again and again"
 _MOVES = 5  # so many machines may be lost under one task
 _REFRESH = 5.0  # how often the size of the cluster is asked for [s]
 _PATIENCE = 10.0  # for a cluster to answer at all [s]
+_LONGEST = 20  # letters of the folder of temporary files
 _FRESH = 1000  # after so many tasks a process is replaced: no leak grows for days
 _STORE = (
     80_000_000  # Ray's object store where we start it, hardly its least [bytes]: it stays empty
@@ -100,8 +103,11 @@ class RayEngine:
         self._under_way: dict[Any, tuple[Task, int]] = {}
         self._ended: queue.SimpleQueue[tuple[Any, Future[_Answer]]] = queue.SimpleQueue()
         self._started = not self._ray.is_initialized()
+        self._scratch: Path | None = None
         if self._started:
-            _connect(self._ray, address or os.environ.get("RAY_ADDRESS") or "local", jobs)
+            address = address or os.environ.get("RAY_ADDRESS") or "local"
+            self._scratch = _scratch() if address == "local" else None
+            _connect(self._ray, address, jobs, self._scratch)
         self.slots, self._asked = 1, 0.0
         self._refresh()
         share = None if memory is None else int(GIB * memory / self.slots)
@@ -140,6 +146,8 @@ class RayEngine:
         self._queue.clear()
         if self._started:
             self._ray.shutdown()
+            if self._scratch is not None:
+                shutil.rmtree(self._scratch, ignore_errors=True)
         else:
             for reference in self._under_way:
                 self._ray.cancel(reference, force=True)
@@ -249,7 +257,19 @@ def _ray() -> Any:
     return ray
 
 
-def _connect(ray: Any, address: str, jobs: int | None) -> None:
+def _scratch() -> Path | None:
+    """A folder for sockets and logs that goes with the sweep; None: where Ray always has them.
+
+    Ray makes sockets some 65 letters further down, and paths of sockets are short: 107 letters on
+    Linux, 103 on macOS.
+    """
+    folder = Path(tempfile.gettempdir()).absolute()
+    if len(str(folder)) > _LONGEST:
+        return None
+    return Path(tempfile.mkdtemp(prefix="hp-ray-", dir=folder))
+
+
+def _connect(ray: Any, address: str, jobs: int | None, scratch: Path | None) -> None:
     """Start Ray on this machine, or connect to a cluster."""
     options: dict[str, Any] = {"log_to_driver": False, "logging_level": logging.ERROR}
     if address == "local":
@@ -258,11 +278,15 @@ def _connect(ray: Any, address: str, jobs: int | None) -> None:
             "include_dashboard": False,
             "object_store_memory": _STORE,
         }
+    if scratch is not None:
+        options["_temp_dir"] = str(scratch)
     try:
         _reach(address)
         with _signals_kept():
             ray.init(address, **options)
     except (OSError, RuntimeError, ValueError) as error:
+        if scratch is not None:
+            shutil.rmtree(scratch, ignore_errors=True)
         raise ClusterError(
             f"ray: cannot use {address}: {_last_line(error)}. `ray start --head` starts a cluster, "
             "`ray status` says whether there is one"

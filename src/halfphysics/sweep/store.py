@@ -21,7 +21,7 @@ from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fixed_inputs import check_inputs
 from halfphysics.sweep.fixed_program import check_program, check_same
 from halfphysics.sweep.fragments import Fragments, Sample
-from halfphysics.sweep.layout import Layout
+from halfphysics.sweep.layout import INPUTS, PLAN, Layout
 from halfphysics.sweep.locking import Lock
 from halfphysics.sweep.sources import Sources
 
@@ -69,7 +69,7 @@ class Store:
         from halfphysics.sweep.variants import Variants
 
         outputs = self.plan.outputs
-        variants = len(Variants(self.plan, InputList(self.folder / "inputs.txt")))
+        variants = len(Variants(self.plan, InputList(self.folder / INPUTS)))
         return Layout(self.folder, variants, outputs.batch, outputs.variants_per_shard)
 
     @cached_property
@@ -99,7 +99,7 @@ class Store:
             )
         if "hdf5" in self.plan.outputs.formats:
             hdf5.check()
-        if self.folder.is_dir() and not (self.folder / "plan.yaml").exists():
+        if self.folder.is_dir() and not (self.folder / PLAN).exists():
             self._check_empty()
         self._lock.take()
         try:
@@ -113,7 +113,7 @@ class Store:
 
         self._clean(self.folder)
         self._check_plan()
-        check_inputs(self.folder / "inputs.txt", resolve_inputs(self.plan))
+        check_inputs(self.folder / INPUTS, resolve_inputs(self.plan))
         layout = self.layout
         check_program(layout, self._program, self.identity, remake=self._remake)
         for folder in (layout.shard_folder, layout.work):
@@ -147,7 +147,7 @@ class Store:
         others = sorted(
             p.name
             for p in self.folder.iterdir()
-            if p.name not in ("work", "inputs.txt") and not p.name.endswith(".part")
+            if p.name not in ("work", INPUTS) and not p.name.endswith(".part")
         )
         if others:
             raise InputError(
@@ -158,7 +158,7 @@ class Store:
     def _check_plan(self) -> None:
         from halfphysics.sweep.plan import Plan
 
-        path = self.folder / "plan.yaml"
+        path = self.folder / PLAN
         if path.exists():
             try:
                 there = Plan.load(path)

@@ -17,11 +17,12 @@ from halfphysics.errors import InputError
 from halfphysics.sweep.choices import BodyChoice, SceneChoice
 from halfphysics.sweep.draws import Stream
 from halfphysics.sweep.inputs import Input, read_line
+from halfphysics.sweep.layout import DIGITS, key_of
 from halfphysics.sweep.plan import Plan
 from halfphysics.sweep.values import Value
 
-#: How many variants a sweep may have: keys in shards have nine digits, and sort as numbers do.
-MOST = 10**9
+#: How many variants a sweep may have: keys in shards sort as numbers do.
+MOST = 10**DIGITS
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -45,7 +46,7 @@ class Variant:
     @property
     def key(self) -> str:
         """Its name in the shards: the number in nine digits."""
-        return f"{self.number:09d}"
+        return key_of(self.number)
 
     def values(self) -> dict[str, Value]:
         """What expressions know of it."""

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.sweep.comparing import DAMAGE
+from halfphysics.sweep.layout import INPUTS, PLAN, key_of
 from halfphysics.sweep.making import Maker, Sample
 from halfphysics.sweep.pieces import Piece, ranges_made
 from halfphysics.sweep.provenance import changed
@@ -93,14 +94,13 @@ class _Verifier:
         from halfphysics.sweep.store import Store
         from halfphysics.sweep.variants import Variants
 
-        if not (folder / "plan.yaml").is_file():
+        if not (folder / PLAN).is_file():
             raise FileError(
-                f"{folder}: no plan.yaml in it, expected the folder that `halfphysics sweep` "
-                "wrote to"
+                f"{folder}: no {PLAN} in it, expected the folder that `halfphysics sweep` wrote to"
             )
-        plan = Plan.load(folder / "plan.yaml")
+        plan = Plan.load(folder / PLAN)
         self._folder = folder
-        self._variants = Variants(plan, InputList(folder / "inputs.txt"))
+        self._variants = Variants(plan, InputList(folder / INPUTS))
         # Its own: what the workers of this process have read may have changed since.
         self._maker = Maker(plan, self._variants)
         self._layout = Store(folder, plan).layout
@@ -147,16 +147,15 @@ class _Verifier:
         if self._out < most:
             made = self._maker.sample(number)
             if not isinstance(made, Sample) or made.files:
-                self._differences.append(f"{number:09d}: has no sample there, and is made now")
+                self._differences.append(f"{key_of(number)}: has no sample there, and is made now")
             self._out += 1
 
     def _compare(self, piece: Piece, number: int) -> None:
         """Make a sample again, and say where it differs."""
-        key = f"{number:09d}"
         made = self._maker.sample(number)
         if not isinstance(made, Sample) or not made.files:
             why = f"fails: {made['cause']}" if isinstance(made, dict) else "is left out"
-            self._differences.append(f"{key}: has a sample there, and {why} now")
+            self._differences.append(f"{key_of(number)}: has a sample there, and {why} now")
             return
         changes = [
             f"{name} is not the file any more that samples were made from (SHA-256)"
@@ -174,5 +173,5 @@ class _Verifier:
             differ = piece.differ(number, made.files, ("versions",) if others else ())
         except DAMAGE as error:
             differ = [f"cannot be read ({error})"]
-        self._differences += [f"{key}: {text}" for text in differ]
+        self._differences += [f"{key_of(number)}: {text}" for text in differ]
         self._equal += not differ

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from halfphysics.errors import HalfPhysicsError
+from halfphysics.sweep.layout import INPUTS, PLAN, key_of
 
 if TYPE_CHECKING:
     from halfphysics.sweep.making import Maker
@@ -111,8 +112,8 @@ def opened(folder: str) -> tuple[Store, Maker]:
     from halfphysics.sweep.store import Store
     from halfphysics.sweep.variants import Variants
 
-    plan = Plan.load(Path(folder) / "plan.yaml")
-    variants = Variants(plan, InputList(Path(folder) / "inputs.txt"))
+    plan = Plan.load(Path(folder) / PLAN)
+    variants = Variants(plan, InputList(Path(folder) / INPUTS))
     store = Store(folder, plan)
     store.join()
     return store, Maker(plan, variants)
@@ -138,7 +139,7 @@ def _batch(
                 record["inputs"].update(made.inputs)
             if isinstance(made, Sample) and made.files:
                 card.sample(made.card)
-                yield f"{number:09d}", made.files
+                yield key_of(number), made.files
             elif isinstance(made, dict):
                 card.failure(made)
                 record["failures"].append(made)

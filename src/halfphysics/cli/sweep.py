@@ -88,7 +88,7 @@ class Command:
         plan = Plan.load(self.plan)
         folder = plan.folder if self.out is None else self.out
         if self.verify is not None:
-            self._verify(folder, self.verify)
+            self._verify(plan, folder, self.verify)
             return
         # No byte of the data depends on --out: only what is shown says where it goes.
         shown = replace(plan, outputs=replace(plan.outputs, folder=str(folder.absolute())))
@@ -125,9 +125,11 @@ class Command:
             if number is not None and number < 1:
                 raise InputError(f"--{name}: found {number}, expected at least 1")
 
-    def _verify(self, folder: Path, count: int) -> None:
+    def _verify(self, plan: Plan, folder: Path, count: int) -> None:
+        from halfphysics.sweep.fixed_plan import check_plan
         from halfphysics.sweep.verify import verify
 
+        check_plan(folder, plan)
         print(verify(folder, count))
 
     def _sweep(self, plan: Plan, folder: Path) -> None:

@@ -110,7 +110,9 @@ def test_what_fails_is_kept_with_its_cause_and_the_rest_goes_on(tmp_path, monkey
     done = do(str(tmp_path / "out"), Task("batches", 0, 0))
     assert done.kept == 0
     assert "KeyError: 'nothing' (a bug" in done.causes[1]
-    assert "Traceback" in capfd.readouterr().err
+    assert capfd.readouterr().err.count("Traceback") == 1
+    assert "a bug" in do(str(tmp_path / "out"), Task("batches", 0, 0)).causes[1]
+    assert capfd.readouterr().err == "", "the same one is not told again"
 
 
 def test_what_kills_its_process_is_recorded_and_not_made(tmp_path, monkeypatch):

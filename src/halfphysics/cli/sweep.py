@@ -91,7 +91,7 @@ class Command:
         plan = Plan.load(self.plan)
         folder = plan.folder if self.out is None else self.out
         if self.verify is not None:
-            self._verify(folder, self.verify)
+            self._verify(plan, folder, self.verify)
             return
         # No byte of the data depends on --out: only what is shown says where it goes.
         shown = replace(plan, outputs=replace(plan.outputs, folder=str(folder.absolute())))
@@ -133,9 +133,11 @@ class Command:
             number(self.limit, "--limit", above=0.0, unit="s")
             check_possible()
 
-    def _verify(self, folder: Path, count: int) -> None:
+    def _verify(self, plan: Plan, folder: Path, count: int) -> None:
+        from halfphysics.sweep.fixed_plan import check_plan
         from halfphysics.sweep.verify import verify
 
+        check_plan(folder, plan)
         print(verify(folder, count))
 
     def _sweep(self, plan: Plan, folder: Path) -> None:
@@ -164,6 +166,11 @@ class Command:
             except SweepError as error:
                 raise SweepError(f"{error}\n{self._how_far(progress)}") from None
         print(summary(report))
+        if report.failures and not report.samples:
+            raise SweepError(
+                f"{folder}: no sample came of it, {report.failures} variants failed. See "
+                f"{folder / 'failures.jsonl'}, and --retry-failed once that is mended"
+            )
         print(f"next     {self._again('--verify')}")
 
     def _engine(self, folder: Path) -> Engine:

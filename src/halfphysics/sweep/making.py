@@ -42,6 +42,7 @@ class Maker:
     def __init__(self, plan: Plan, variants: Variants) -> None:
         self._plan, self._variants = plan, variants
         self._workshop = Workshop(plan)
+        self._told: set[tuple[str, str, int | None]] = set()
         self._keep_after = plan.expressions("keep_after")
 
     def sample(self, number: int, limit: float | None = None) -> Sample | dict[str, Any] | None:
@@ -49,7 +50,7 @@ class Maker:
 
         One that takes longer than `limit` [s] is a failure.
         What a variant raises is its failure. The traceback of what is no error of the input, a
-        bug, goes to stderr. Nothing is raised but `MemoryError`.
+        bug, goes to stderr, once. Nothing is raised but `MemoryError`.
         """
         variant: Variant | None = None
         try:
@@ -69,9 +70,17 @@ class Maker:
         except HalfPhysicsError as error:
             return failure(number, variant, self._cause(error))
         except Exception as error:
-            traceback.print_exc()
+            self._tell(error)
             cause = f"{type(error).__name__}: {self._cause(error)} {BUG}"
             return failure(number, variant, cause)
+
+    def _tell(self, error: Exception) -> None:
+        """The traceback of a bug, once for each place: a million variants may meet the same."""
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        place = (type(error).__name__, last.filename, last.lineno)
+        if place not in self._told:
+            self._told.add(place)
+            traceback.print_exception(error)
 
     def lost(self, number: int, cause: str) -> dict[str, Any]:
         """The failure of a variant that is not made, as it kills its process."""

@@ -111,6 +111,31 @@ def test_a_poisoned_clip_costs_its_variants_and_is_said(tmp_path, capsys, here):
     assert "1 sample" in capsys.readouterr().out
 
 
+def test_what_is_verified_is_the_plan_that_is_given(plan, tmp_path, capsys, here):
+    out = str(tmp_path / "out")
+    assert main(["sweep", plan, "--out", out]) == 0
+    Path(plan).write_text(PLAN.replace("0.8]", "0.9]"))
+    capsys.readouterr()
+    assert main(["sweep", plan, "--out", out, "--verify", "1"]) == MISTAKE
+    err = capsys.readouterr().err
+    assert "holds another plan: factors.objects.friction" in err
+    # The way out that it names is one.
+    (command,) = re.findall(r"\(halfphysics (.*?)\)", err)
+    assert main([*command.split(), "--verify", "1"]) == 0
+    assert main(command.split()) == 0
+    assert "12 variants: 11 samples" in capsys.readouterr().out
+
+
+def test_a_sweep_of_nothing_but_failures_is_no_success(tmp_path, capsys, here):
+    text = BAD.replace("  - scenarios: [kick_ball]\n", "")
+    (tmp_path / "plan.yaml").write_text(text)
+    (tmp_path / "bad.npz").write_bytes(b"no clip")
+    assert main(["sweep", str(tmp_path / "plan.yaml")]) == MISTAKE
+    out, err = capsys.readouterr()
+    assert "1 variants: 0 samples, 1 failed" in out
+    assert re.search(r"no sample came of it, 1 variants failed\. .*failures\.jsonl", err)
+
+
 def test_a_full_disk_is_one_message_that_says_how_to_go_on(
     plan, tmp_path, monkeypatch, capsys, here
 ):

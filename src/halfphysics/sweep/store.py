@@ -7,7 +7,6 @@ any moment leaves files that count and files that do not; the next start removes
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
@@ -19,6 +18,7 @@ from halfphysics.program import program as this_program
 from halfphysics.sweep import documents, hdf5, manifest, reopening, sealing
 from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fixed_inputs import check_inputs
+from halfphysics.sweep.fixed_plan import check_plan
 from halfphysics.sweep.fixed_program import check_program, check_same
 from halfphysics.sweep.fragments import Fragments, Sample
 from halfphysics.sweep.layout import INPUTS, PLAN, Layout
@@ -112,7 +112,9 @@ class Store:
         from halfphysics.sweep.plan import resolve_inputs
 
         self._clean(self.folder)
-        self._check_plan()
+        there = check_plan(self.folder, self.plan)
+        if there is None or there.base.resolve() != self.plan.base.resolve():
+            self.plan.save(self.folder / PLAN)
         check_inputs(self.folder / INPUTS, resolve_inputs(self.plan))
         layout = self.layout
         check_program(layout, self._program, self.identity, remake=self._remake)
@@ -154,27 +156,6 @@ class Store:
                 f"{self.folder}: found {', '.join(others[:5])}{', ...' * (len(others) > 5)} and no "
                 "plan.yaml, expected an empty folder or that of a sweep. Give another (--out)"
             )
-
-    def _check_plan(self) -> None:
-        from halfphysics.sweep.plan import Plan
-
-        path = self.folder / PLAN
-        if path.exists():
-            try:
-                there = Plan.load(path)
-            except FileError as error:
-                raise FileError(
-                    f"{error}. Put the plan of this folder back, or give another folder (--out)"
-                ) from None
-            if there.identity != self.plan.identity:
-                here, other = self.plan.document(), there.document()
-                raise InputError(
-                    f"{self.folder}: holds another plan: {_difference(other, here)}. Run that "
-                    f"plan ({path}), or give another folder (--out)"
-                )
-            if there.base.resolve() == self.plan.base.resolve():
-                return
-        self.plan.save(path)
 
     @staticmethod
     def _clean(folder: Path) -> None:
@@ -307,14 +288,3 @@ class Store:
         """
         self._remove_sealed()
         return manifest.write(self.plan, self.layout, self.records())
-
-
-def _difference(there: Any, here: Any, where: str = "") -> str:
-    """The first place where two documents differ, in words."""
-    if isinstance(there, dict) and isinstance(here, dict):
-        for key in sorted({*there, *here}, key=str):
-            if there.get(key) != here.get(key) and f"{where}.{key}" != "outputs.folder":
-                return _difference(there.get(key), here.get(key), f"{where}.{key}".lstrip("."))
-    texts = [json.dumps(value, ensure_ascii=False, default=str) for value in (there, here)]
-    short = [text if len(text) <= 60 else f"{text[:57]}..." for text in texts]
-    return f"{where or 'plan'} is {short[0]} there and {short[1]} now"

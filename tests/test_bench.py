@@ -45,7 +45,7 @@ SETTINGS = {
     "doorway": 2,
     "metrics": 4,
     "viewer": 3,
-    "sweep": 3,
+    "sweep": 4,
     "sweep-parts": 6,
     "sweep-memory": 2,
     "skinning": 1,

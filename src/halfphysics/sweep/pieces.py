@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from halfphysics.errors import FileError
-from halfphysics.sweep import documents
+from halfphysics.sweep import documents, sealing
 from halfphysics.sweep.comparing import contents, contents_differ, files_differ
 from halfphysics.sweep.layout import Layout, key_of
 
@@ -55,7 +55,7 @@ class Piece:
         shard = layout.shard_of(batch)
         path = layout.shard_file(shard, ".json")
         record = documents.read(path)
-        if record is not None:
+        if record is not None and sealing.whole(record):
             known = record["files"]
             files = {
                 layout.shard_file(shard, suffix): known[suffix]["sha256"]

@@ -90,12 +90,12 @@ def deadly(folder, task):
     """Variant 5 kills its process, variant 9 asks for more memory than there is."""
     before = making.Maker.sample
 
-    def sample(self, number):
+    def sample(self, number, limit=None):
         if number == 5:
             os.kill(os.getpid(), signal.SIGKILL)
         if number == 9:
             bytearray(8 * 2**30)
-        return before(self, number)
+        return before(self, number, limit)
 
     making.Maker.sample = sample
     try:

@@ -120,7 +120,9 @@ def test_what_kills_its_process_is_recorded_and_not_made(tmp_path, monkeypatch):
     out, made = str(tmp_path / "out"), []
     before = making.Maker.sample
     monkeypatch.setattr(
-        making.Maker, "sample", lambda self, number: made.append(number) or before(self, number)
+        making.Maker,
+        "sample",
+        lambda self, number, limit: made.append(number) or before(self, number, limit),
     )
     done = do(out, Task("batches", 0, 2, dead=((5, "it died"),)))
     assert done.causes == ("it died",)
@@ -137,10 +139,10 @@ def test_what_a_process_needs_to_begin_is_not_the_tasks(tmp_path, monkeypatch):
     begun(tmp_path / "out", planned(tmp_path))
     before, naps = making.Maker.sample, [1.0]
 
-    def sample(self, number):
+    def sample(self, number, limit=None):
         if naps:
             time.sleep(naps.pop())
-        return before(self, number)
+        return before(self, number, limit)
 
     monkeypatch.setattr(making.Maker, "sample", sample)
     assert do(str(tmp_path / "out"), Task("batches", 0, 0, 2)).seconds < 1.0

@@ -10,6 +10,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
 
+from halfphysics.io.digests import sha256_of
+
 #: What numbers come from beside the native core: code, the default body and what else is read.
 _KINDS = frozenset({".py", ".npz", ".json", ".yaml", ".xml"})
 #: Packages whose version decides numbers; the last one is optional and cuts meshes into pieces.
@@ -45,7 +47,7 @@ def program() -> str:
     if native is not None and native.origin is not None:
         files["_native"] = Path(native.origin)
     for name, path in sorted(files.items()):
-        content = hashlib.sha256(path.read_bytes()).hexdigest()
+        content = sha256_of(path)
         digest.update(f"{name} {content}\n".encode())
     for name, which in engines().items():
         digest.update(f"{name} {which}\n".encode())

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
+from halfphysics.io.digests import sha256_of
 
 if TYPE_CHECKING:
     from halfphysics.body import Body
@@ -153,7 +154,7 @@ class BodyRecord:
         path = Path(source["path"])
         if not path.is_file():
             raise FileError(f"{self.origin}: the {kind} {path} is not there. {_MEND_BODY}")
-        found = hashlib.sha256(path.read_bytes()).hexdigest()
+        found = sha256_of(path)
         if found != source["sha256"]:
             raise FileError(
                 f"{self.origin}: the {kind} {path} has changed: found SHA-256 {found[:12]}..., "

@@ -16,6 +16,7 @@ import tyro
 
 from halfphysics.cli.parsing import Exit, parse
 from halfphysics.errors import HalfPhysicsError, InputError
+from halfphysics.validation import number
 
 if TYPE_CHECKING:
     from halfphysics.sweep.engines import Engine
@@ -63,6 +64,8 @@ class Command:
     """Processes to work in; one per core if not said. No byte depends on it."""
     memory: Annotated[float | None, tyro.conf.arg(metavar="GIB")] = None
     """Memory for all processes together [GiB]; 80 % of the machine's if not said."""
+    limit: Annotated[float | None, tyro.conf.arg(metavar="SECONDS")] = None
+    """What a variant may take; one that takes longer fails. As long as it takes if not said."""
     address: Annotated[str | None, tyro.conf.arg(metavar="RAY")] = None
     """Of --engine ray: the cluster (auto, HOST:PORT or ray://HOST:PORT)."""
     dry_run: bool = False
@@ -116,14 +119,19 @@ class Command:
             raise InputError("--cores: is for --rehearse, which is not there")
         if self.address is not None and self.engine != "ray":
             raise InputError("--address: is for --engine ray, found --engine local")
-        for name, number in (
+        for name, count in (
             ("jobs", self.jobs),
             ("verify", self.verify),
             ("rehearse", self.rehearse),
             ("cores", self.cores),
         ):
-            if number is not None and number < 1:
-                raise InputError(f"--{name}: found {number}, expected at least 1")
+            if count is not None and count < 1:
+                raise InputError(f"--{name}: found {count}, expected at least 1")
+        if self.limit is not None:
+            from halfphysics.sweep.time_limit import check_possible
+
+            number(self.limit, "--limit", above=0.0, unit="s")
+            check_possible()
 
     def _verify(self, plan: Plan, folder: Path, count: int) -> None:
         from halfphysics.sweep.fixed_plan import check_plan
@@ -148,7 +156,7 @@ class Command:
             stack.callback(progress.close)
             stack.callback(engine.close)
             try:
-                report = run(store, engine, progress)
+                report = run(store, engine, progress, limit=self.limit)
             except KeyboardInterrupt:
                 engine.close()
                 progress.close()
@@ -181,7 +189,7 @@ class Command:
 
     def _again(self, *more: str) -> str:
         words = ["halfphysics", "sweep", str(self.plan)]
-        for name in ("out", "jobs", "memory", "address"):
+        for name in ("out", "jobs", "memory", "limit", "address"):
             value: Any = getattr(self, name)
             if value is not None and (name == "out" or "--verify" not in more):
                 words += [f"--{name}", str(value)]

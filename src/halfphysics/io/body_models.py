@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 from collections.abc import Mapping
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.io import restricted_pickle
+from halfphysics.io.digests import sha256_of
 from halfphysics.io.npz_objects import NpzObjects
 from halfphysics.shape_space import ShapeSpace, Source
 from halfphysics.skeleton import (
@@ -269,8 +269,7 @@ class _Fields:
 
 
 def _source(path: Path) -> Source:
-    with path.open("rb") as handle:
-        return Source(str(path), hashlib.file_digest(handle, "sha256").hexdigest())
+    return Source(str(path), sha256_of(path))
 
 
 def _locked(array: Any) -> Any:

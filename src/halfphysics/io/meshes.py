@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import FileError, InputError, MissingDependencyError
+from halfphysics.io.digests import sha256_of
 from halfphysics.mesh import Mesh, MeshSource
 from halfphysics.validation import file_path
 
@@ -55,7 +55,7 @@ def load_mesh(
     if up is None:
         up = "y" if path.suffix.lower() in Y_UP_SUFFIXES else "z"
     try:
-        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+        digest = sha256_of(path)
         scene = trimesh.load(str(path), force="scene", process=False)
     except Exception as error:  # readers of many formats, each with errors of its own
         reason = str(error).strip() or type(error).__name__

@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-import io
 import json
-import tarfile
-import zipfile
-import zlib
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-#: How reading a damaged file can fail.
-DAMAGE = (
-    tarfile.TarError,
-    zipfile.BadZipFile,
-    zlib.error,
-    EOFError,
-    ValueError,
-    KeyError,
-    OSError,
-)
+from halfphysics.sweep.contents import DAMAGE, contents
+
 _SHOWN = 40
 
 
@@ -51,14 +39,6 @@ def files_differ(
             found = [f"{name}: the bytes differ, what is in it is the same"]
         words += found
     return words
-
-
-def contents(name: str, data: bytes) -> Any:
-    """The values of a JSON file, or the arrays of an npz file by name."""
-    if name.endswith(".json"):
-        return json.loads(data)
-    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-        return dict(arrays)
 
 
 def contents_differ(name: str, there: Any, here: Any, ignored: Collection[str] = ()) -> list[str]:

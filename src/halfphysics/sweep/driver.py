@@ -88,18 +88,19 @@ class Progress(Protocol):
         """A process has died."""
 
 
-def run(store: Store, engine: Engine, progress: Progress) -> Report:
+def run(store: Store, engine: Engine, progress: Progress, *, limit: float | None = None) -> Report:
     """Do all that is left of a sweep.
 
     Args:
         store: Its folder, begun.
         engine: What works; the caller closes it.
         progress: Who is told.
+        limit: How long a variant may take [s]; None: as long as it takes.
 
     Raises:
         SweepError: It cannot go on. What is done stays done; the same sweep continues.
     """
-    Driver(store, engine, progress).run()
+    Driver(store, engine, progress, limit).run()
     return Report(store.folder, **store.finish())
 
 
@@ -114,8 +115,11 @@ class _Suspect:
 class Driver:
     """The state of a sweep that runs."""
 
-    def __init__(self, store: Shards, engine: Engine, progress: Progress) -> None:
+    def __init__(
+        self, store: Shards, engine: Engine, progress: Progress, limit: float | None = None
+    ) -> None:
         self.store, self.engine, self.progress = store, engine, progress
+        self._limit = limit
         self._under_way = 0
         self._first = deque[Task]()  # what goes before new batches
         self._shard = -1  # the shard that batches are taken from
@@ -139,7 +143,7 @@ class Driver:
                 task = self._next()
                 if task is None:
                     break
-                self.engine.submit(task)
+                self.engine.submit(replace(task, limit=self._limit))
                 self._under_way += 1
             if not self._under_way:
                 return

@@ -14,6 +14,7 @@ from halfphysics.sweep.also import other_labels
 from halfphysics.sweep.card import card_of, plain
 from halfphysics.sweep.plan import OF_RESULT
 from halfphysics.sweep.sample import files_of
+from halfphysics.sweep.time_limit import OutOfTimeError, time_limit
 from halfphysics.sweep.vary import Workshop
 
 if TYPE_CHECKING:
@@ -44,9 +45,10 @@ class Maker:
         self._told: set[tuple[str, str, int | None]] = set()
         self._keep_after = plan.expressions("keep_after")
 
-    def sample(self, number: int) -> Sample | dict[str, Any] | None:
+    def sample(self, number: int, limit: float | None = None) -> Sample | dict[str, Any] | None:
         """A sample, a failure (plain values: number, input, factors, cause), or None: left out.
 
+        One that takes longer than `limit` [s] is a failure.
         What a variant raises is its failure. The traceback of what is no error of the input, a
         bug, goes to stderr, once. Nothing is raised but `MemoryError`.
         """
@@ -55,12 +57,16 @@ class Maker:
             variant = self._variants[number]
             if not self._variants.keeps(variant):
                 return None
-            with warnings.catch_warnings():
+            with time_limit(limit), warnings.catch_warnings():
                 # What is worth knowing of a simulation is in its card.
                 warnings.simplefilter("ignore", HalfPhysicsWarning)
                 return self._made(variant)
         except MemoryError:
             raise
+        except OutOfTimeError:
+            # What it was at may be half done: nothing of it is used again.
+            self._workshop = Workshop(self._plan)
+            return failure(number, variant, f"it took longer than {limit:g} s (--limit)")
         except HalfPhysicsError as error:
             return failure(number, variant, self._cause(error))
         except Exception as error:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import tarfile
 from collections.abc import Collection, Iterator, Mapping
@@ -12,8 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from halfphysics.errors import FileError
+from halfphysics.io.digests import sha256_of
 from halfphysics.sweep import documents, sealing
-from halfphysics.sweep.comparing import contents, contents_differ, files_differ
+from halfphysics.sweep.comparing import contents_differ, files_differ
+from halfphysics.sweep.contents import contents
 from halfphysics.sweep.layout import Layout, key_of
 
 #: Files of a shard from which samples are read, the better first.
@@ -87,8 +88,7 @@ class Piece:
         words = []
         for path, expected in self.files.items():
             try:
-                with path.open("rb") as handle:
-                    found = hashlib.file_digest(handle, "sha256").hexdigest()
+                found = sha256_of(path)
             except OSError as error:
                 words.append(f"{path}: cannot be read ({error.strerror})")
                 continue
@@ -103,7 +103,7 @@ class Piece:
         return key_of(number) in self._places if isinstance(number, int) else False
 
     def card(self, number: int) -> Mapping[str, Any]:
-        """The card of a sample; raises one of `comparing.DAMAGE`."""
+        """The card of a sample; raises one of `contents.DAMAGE`."""
         if self._h5:
             card: Mapping[str, Any] = self._sample(number)["card"]
             return card
@@ -113,7 +113,7 @@ class Piece:
     def differ(
         self, number: int, files: Mapping[str, bytes], ignored: Collection[str]
     ) -> list[str]:
-        """Where a sample differs from these files; raises one of `comparing.DAMAGE`.
+        """Where a sample differs from these files; raises one of `contents.DAMAGE`.
 
         In HDF5 there are no files: what would be in them is compared.
         """

@@ -6,31 +6,15 @@ for sample in halfphysics.sweep.read("out"):
 
 from __future__ import annotations
 
-import io
-import json
 import os
-import tarfile
-import zipfile
-import zlib
 from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import IO, Any
-
-import numpy as np
+from typing import Any
 
 from halfphysics.errors import FileError, InputError
+from halfphysics.sweep import tar
+from halfphysics.sweep.contents import DAMAGE, contents
 from halfphysics.validation import file_path
-
-#: How reading a damaged shard can fail.
-_DAMAGE = (
-    tarfile.TarError,
-    zipfile.BadZipFile,
-    zlib.error,
-    EOFError,
-    ValueError,
-    KeyError,
-    OSError,
-)
 
 
 def read(
@@ -90,45 +74,19 @@ def _of_records(records: list[Path], parts: Collection[str] | None) -> Iterator[
 
 
 def _of_tar(path: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
-    sample: dict[str, Any] = {}
-    end = 0
+    def wanted(name: str) -> bool:
+        return parts is None or _part(name) in parts
+
     try:
-        with tarfile.open(path, "r|") as archive:
-            for member in archive:
-                end = member.offset_data + member.size
-                key, _, name = member.name.partition(".")
-                if not member.isreg() or not name:
-                    raise ValueError(f"found {member.name!r} in it, expected NUMBER.human.npz")
-                if sample and key != sample["key"]:
-                    yield sample
-                    sample = {}
-                sample.setdefault("key", key)
-                part, _, ending = name.rpartition(".")
-                handle = archive.extractfile(member)
-                if handle is not None and (parts is None or part in parts):
-                    sample[part] = _content(handle, ending)
-        _check_end(path, end)
-    except _DAMAGE as error:
+        for key, files in tar.samples(path, wanted):
+            yield {"key": key} | {_part(name): contents(name, files[name]) for name in files}
+    except DAMAGE as error:
         raise FileError(
             f"{path}: damaged, or no shard of a sweep ({error}). Delete it and run the sweep "
             "again in its folder: what is missing is made again"
         ) from None
-    if sample:
-        yield sample
 
 
-def _check_end(path: Path, end: int) -> None:
-    """Refuse a tar that does not end as it should: `tarfile` takes damage for the end."""
-    with path.open("rb") as handle:
-        handle.seek(end)
-        rest = handle.read(2 * tarfile.RECORDSIZE)
-    if len(rest) < 2 * tarfile.BLOCKSIZE or rest.strip(b"\0"):
-        raise ValueError(f"no end of an archive after {end} bytes")
-
-
-def _content(handle: IO[bytes], ending: str) -> Any:
-    data = handle.read()
-    if ending == "json":
-        return json.loads(data)
-    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-        return dict(arrays)
+def _part(name: str) -> str:
+    """What a file of a sample is called in what is read: "human" of human.npz."""
+    return name.rpartition(".")[0]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
-import tarfile
 from collections.abc import Iterator, Mapping
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from halfphysics.errors import FileError
+from halfphysics.io.digests import sha256_of
+from halfphysics.sweep import tar
+from halfphysics.sweep.contents import DAMAGE
 from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fragments import Fragments
 from halfphysics.sweep.layout import Layout
@@ -30,9 +31,9 @@ def reopen(layout: Layout, fragments: Fragments, record: Mapping[str, Any]) -> N
     shard = record["shard"]
     if ".tar" in record["files"]:
         failed = {failure["number"] // layout.batch for failure in record["failures"]}
-        tar = layout.shard_file(shard, ".tar")
-        _check(tar, record["files"][".tar"]["sha256"])
-        there = groupby(_samples(tar), key=lambda sample: int(sample[0]) // layout.batch)
+        path = layout.shard_file(shard, ".tar")
+        _check(path, record["files"][".tar"]["sha256"])
+        there = groupby(_samples(path), key=lambda sample: int(sample[0]) // layout.batch)
         batch, samples = next(there, (None, None))
         for wanted in layout.batches_of(shard):
             kept = list(samples or ()) if batch == wanted else []
@@ -63,8 +64,7 @@ def _record(
 def _check(path: Path, expected: str) -> None:
     """Refuse a tar that is not what was written: reading one ends where it is damaged, unsaid."""
     try:
-        with path.open("rb") as handle:
-            found = hashlib.file_digest(handle, "sha256").hexdigest()
+        found = sha256_of(path)
     except OSError as error:
         raise FileError(f"{path}: cannot read: {error.strerror}") from None
     if found != expected:
@@ -76,11 +76,7 @@ def _check(path: Path, expected: str) -> None:
 
 def _samples(path: Path) -> Iterator[tuple[str, Files]]:
     """Key and files of each sample of a tar."""
-    with reported(path), tarfile.open(path, "r|") as archive:
-        for key, members in groupby(archive, key=lambda member: member.name.partition(".")[0]):
-            files = {}
-            for member in members:
-                handle = archive.extractfile(member)
-                name = member.name.partition(".")[2]
-                files[name] = b"" if handle is None else handle.read()
-            yield key, files
+    try:
+        yield from tar.samples(path)
+    except DAMAGE as error:
+        raise FileError(f"{path}: cannot be read ({error})") from None

@@ -14,6 +14,7 @@ from typing import Any
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.atomic import atomic_path
+from halfphysics.io.digests import sha256_of
 from halfphysics.sweep import documents, tar
 from halfphysics.sweep.documents import reported
 from halfphysics.sweep.fragments import Fragments
@@ -103,8 +104,10 @@ def _write_files(
                 convert(tar_path, temporary)
                 with temporary.open("rb+") as handle:
                     os.fsync(handle.fileno())
-                    digest = hashlib.file_digest(handle, "sha256").hexdigest()
-                files[".h5"] = {"bytes": temporary.stat().st_size, "sha256": digest}
+                files[".h5"] = {
+                    "bytes": temporary.stat().st_size,
+                    "sha256": sha256_of(temporary),
+                }
     return files
 
 

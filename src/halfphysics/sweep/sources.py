@@ -6,7 +6,6 @@ the file looked like then (size, date). A file that still looks so is not read a
 
 from __future__ import annotations
 
-import hashlib
 import os
 import stat
 import warnings
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
+from halfphysics.io.digests import sha256_of
 
 T = TypeVar("T")
 
@@ -115,8 +115,7 @@ class Sources:
         if known is None:
             path = self._path(name)
             try:
-                with path.open("rb") as handle:
-                    known = hashlib.file_digest(handle, "sha256").hexdigest()
+                known = sha256_of(path)
             except OSError as error:
                 raise FileError(f"{path}: cannot read: {error.strerror}") from None
             _remember(self._hashes, name, known)

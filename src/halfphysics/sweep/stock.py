@@ -6,7 +6,6 @@ from its key alone: what was asked for before changes nothing.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ import numpy as np
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.asked import betas_for, furnished, model_for
 from halfphysics.io.assets import noted
+from halfphysics.io.digests import sha256_of
 from halfphysics.sweep.kept import Kept
 from halfphysics.sweep.motion_factors import recorded_in_step, retimed
 
@@ -231,13 +231,10 @@ class Stock:
     def _digest(self, file: Path) -> str:
         """SHA-256 (hex) of a file, read again where it looks otherwise than before."""
 
-        def make() -> str:
-            with file.open("rb") as handle:
-                return hashlib.file_digest(handle, "sha256").hexdigest()
-
         try:
             look = file.stat()
-            return self._digests.get((str(file), look.st_size, look.st_mtime_ns), make)
+            key = (str(file), look.st_size, look.st_mtime_ns)
+            return self._digests.get(key, lambda: sha256_of(file))
         except OSError as error:
             raise FileError(f"{file}: cannot be read: {error.strerror}") from None
 

@@ -1,4 +1,4 @@
-"""Tar archives in pieces: members alone, and the end that makes them an archive.
+"""Tar archives in pieces: members alone, the end that makes them an archive, and samples in it.
 
 Pieces in a row followed by the end are, byte for byte, what `tarfile` writes in one go (USTAR).
 The bytes depend on names and content only: no dates, owners or rights of the machine.
@@ -7,6 +7,8 @@ The bytes depend on names and content only: no dates, owners or rights of the ma
 from __future__ import annotations
 
 import tarfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 from halfphysics.errors import InputError
 
@@ -33,3 +35,42 @@ def ending(size: int) -> bytes:
     """What closes an archive whose members take `size` bytes: two empty blocks, a full record."""
     empty = 2 * tarfile.BLOCKSIZE
     return bytes(empty + -(size + empty) % tarfile.RECORDSIZE)
+
+
+def samples(
+    path: Path, wanted: Callable[[str], bool] | None = None
+) -> Iterator[tuple[str, dict[str, bytes]]]:
+    """Key and files (name -> content) of each sample of a shard, one at a time.
+
+    Args:
+        path: The shard.
+        wanted: Which files to read, by name; None: all.
+
+    Raises one of `contents.DAMAGE` where it is no shard, or not a whole one.
+    """
+    key, files, end = "", dict[str, bytes](), 0
+    with tarfile.open(path, "r|") as archive:
+        for member in archive:
+            end = member.offset_data + member.size
+            own, _, name = member.name.partition(".")
+            handle = archive.extractfile(member) if member.isreg() and own and name else None
+            if handle is None:
+                raise ValueError(f"found {member.name!r} in it, expected NUMBER.human.npz")
+            if key and own != key:
+                yield key, files
+                files = {}
+            key = own
+            if wanted is None or wanted(name):
+                files[name] = handle.read()
+    _check_end(path, end)
+    if key:
+        yield key, files
+
+
+def _check_end(path: Path, end: int) -> None:
+    """Refuse a tar that does not end as it should: `tarfile` takes damage for the end."""
+    with path.open("rb") as handle:
+        handle.seek(end)
+        rest = handle.read(2 * tarfile.RECORDSIZE)
+    if len(rest) < 2 * tarfile.BLOCKSIZE or rest.strip(b"\0"):
+        raise ValueError(f"no end of an archive after {end} bytes")

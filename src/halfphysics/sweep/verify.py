@@ -11,7 +11,7 @@ from itertools import accumulate
 from pathlib import Path
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.sweep.comparing import DAMAGE
+from halfphysics.sweep.contents import DAMAGE
 from halfphysics.sweep.layout import INPUTS, PLAN, key_of
 from halfphysics.sweep.making import Maker, Sample
 from halfphysics.sweep.pieces import Piece, ranges_made

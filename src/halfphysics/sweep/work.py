@@ -25,7 +25,8 @@ class Task:
     Kinds: "batches" makes `count` batches of a shard from batch `first` on, "seal" makes a shard of
     its batches, "variants" simulates `count` variants from number `first` on and keeps nothing: to
     see whether the process survives them. `dead`: number and cause of the variants in these
-    batches that are known to kill their process: they are not made, but failures.
+    batches that are known to kill their process: they are not made, but failures. `limit`: a
+    variant that takes longer [s] is a failure too.
     """
 
     kind: Literal["batches", "seal", "variants"]
@@ -33,6 +34,7 @@ class Task:
     first: int = 0
     count: int = 1
     dead: tuple[tuple[int, str], ...] = ()
+    limit: float | None = None
 
 
 @dataclass(frozen=True)
@@ -76,11 +78,10 @@ def do(folder: str, task: Task) -> Done:
             store.seal(task.shard)
         elif task.kind == "variants":
             for number in range(task.first, last):
-                maker.sample(number)
+                maker.sample(number, task.limit)
         else:
-            dead = dict(task.dead)
             for batch in range(task.first, last):
-                records.append(_batch(store, maker, batch, dead, took))
+                records.append(_batch(store, maker, batch, task, took))
             if fresh and len(took) > 1:
                 # What a process needs to begin is not the task's.
                 rest = sum(took[1:]) / len(took[1:])
@@ -120,20 +121,21 @@ def opened(folder: str) -> tuple[Store, Maker]:
 
 
 def _batch(
-    store: Store, maker: Maker, batch: int, dead: Mapping[int, str], took: list[float]
+    store: Store, maker: Maker, batch: int, task: Task, took: list[float]
 ) -> Mapping[str, Any]:
-    """Make a batch; its samples are written as they come. `took`: adds seconds of each variant."""
+    """Make a batch of a task; its samples are written as they come. `took`: adds seconds of each
+    variant."""
     from halfphysics.sweep.data_card import DataCard
     from halfphysics.sweep.making import Sample
 
-    card = DataCard()
+    card, dead = DataCard(), dict(task.dead)
     record: dict[str, Any] = {"skipped": 0, "failures": [], "inputs": {}}
 
     def samples() -> Iterator[tuple[str, Mapping[str, bytes]]]:
         for number in store.layout.variants_of(batch):
             known = dead.get(number)
             start = time.perf_counter()
-            made = maker.sample(number) if known is None else maker.lost(number, known)
+            made = maker.sample(number, task.limit) if known is None else maker.lost(number, known)
             took.append(time.perf_counter() - start)
             if isinstance(made, Sample):
                 record["inputs"].update(made.inputs)

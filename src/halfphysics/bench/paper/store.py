@@ -18,6 +18,7 @@ from typing import Any
 from halfphysics.bench.paper.evidence import Outcome, Task, plain
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.atomic import atomic_write
+from halfphysics.io.digests import sha256_of
 from halfphysics.program import program
 
 _NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_. -]*")
@@ -104,8 +105,7 @@ def _file_sum(path: str) -> str:
     if os.path.isdir(path):
         return _sum(sorted(_entries(path)))
     try:
-        with open(path, "rb") as handle:
-            return hashlib.file_digest(handle, "sha256").hexdigest()
+        return sha256_of(path)
     except OSError:
         return ""  # the task itself says what is wrong with it
 

@@ -78,6 +78,12 @@ def sample_with_card(number, card):
     return f"{number:09d}", files
 
 
+def arrays_of(data):
+    """The arrays of an npz file by name."""
+    with np.load(io.BytesIO(data), allow_pickle=False) as npz:
+        return dict(npz)
+
+
 def write_tar(path, samples):
     """A shard as a sweep leaves it, written by the standard library in one go."""
     with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as archive:

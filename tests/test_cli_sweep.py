@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from processes import group_ends, needs_proc
 from sweep_case import PLAN, Here, data
 
 from halfphysics.cli import INTERRUPTED, MISTAKE, main
@@ -192,7 +193,7 @@ def stores_plan(path):
     return Plan.load(path)
 
 
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="counts processes in /proc")
+@needs_proc
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
 def test_stopped_it_says_how_to_go_on_and_leaves_nobody_behind(plan, tmp_path, sign):
     out = tmp_path / "out"
@@ -218,18 +219,5 @@ def test_stopped_it_says_how_to_go_on_and_leaves_nobody_behind(plan, tmp_path, s
     assert f"of 12 variants are done. To go on: halfphysics {' '.join(arguments)}" in err
     assert "Traceback" not in err
     assert "leaked" not in err, "nothing stays behind in the system"
-    deadline = time.monotonic() + 10.0  # what multiprocessing starts for itself ends a little later
-    while list(_alive_in(process.pid)) and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert not list(_alive_in(process.pid))
-
-
-def _alive_in(group):
-    """Processes of a process group."""
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = stat.read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        if int(fields[2]) == group and fields[0] != "Z":
-            yield int(stat.parent.name)
+    # What multiprocessing starts for itself ends a little later.
+    assert group_ends(process.pid, 10.0)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from evidence_case import tasks as case
+from processes import of_group
 
 from halfphysics.bench import paper
 from halfphysics.bench.paper import document, evidence, runner
@@ -373,7 +374,7 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(tmp_path, with_sections, s
     time.sleep(1.0)
     assert done_in(tmp_path) == early, "the workers have ended with their parent"
     if sign == signal.SIGKILL:
-        assert not any(_alive_in(process.pid))
+        assert not of_group(process.pid)
     with_sections(squares(tmp_path, 9, nap=0.25))
     paper.make(tmp_path / "out", workers=1)
     again = done_in(tmp_path)
@@ -382,17 +383,6 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(tmp_path, with_sections, s
     paper.make(tmp_path / "whole", workers=1)
     name = paper.JSON
     assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
-
-
-def _alive_in(group):
-    """Processes of a process group, where the system tells."""
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = stat.read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        if int(fields[2]) == group and fields[0] != "Z":
-            yield int(stat.parent.name)
 
 
 # -- the command ---------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ import tempfile
 import time
 from pathlib import Path
 
-import pytest
+from processes import group_ends, needs_proc, of_group
 from sweep_case import PLAN, Here, Told, data
 
 from halfphysics.sweep.driver import run
@@ -40,23 +40,8 @@ def undisturbed(plan, out):
 
 
 def workers_of(pid):
-    """The processes of a sweep that is under way, its own first."""
-    found = [pid]
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = stat.read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        if int(fields[2]) == pid and fields[0] != "Z" and int(stat.parent.name) != pid:
-            found.append(int(stat.parent.name))
-    return found
-
-
-def gone(group, seconds=30.0):
-    deadline = time.monotonic() + seconds
-    while len(workers_of(group)) > 1 and time.monotonic() < deadline:
-        time.sleep(0.02)
-    return len(workers_of(group)) == 1
+    """The workers of a sweep that is under way."""
+    return [other for other in of_group(pid) if other != pid]
 
 
 def progress_of(out):
@@ -75,16 +60,13 @@ def killed(plan, out, kills, chance):
         time.sleep(chance.uniform(0.0, 0.3))
         process.kill()
         process.communicate()
-        assert gone(process.pid), "the workers have ended with their parent"
+        assert group_ends(process.pid, 30.0), "the workers have ended with their parent"
 
 
 def ended(plan, out):
     process = started(plan, out)
     err = process.communicate(timeout=600.0)[1].decode()
     assert process.returncode == 0, err
-
-
-needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
 
 
 @needs_proc
@@ -95,9 +77,9 @@ def test_killed_at_any_moment_it_finishes_with_the_same_bytes(tmp_path):
     # And its workers, one after the other, which it gets over.
     process = started(plan, tmp_path / "out")
     deadline = time.monotonic() + 120.0
-    while len(workers_of(process.pid)) < 3 and time.monotonic() < deadline:
+    while len(workers_of(process.pid)) < 2 and time.monotonic() < deadline:
         time.sleep(0.01)
-    for worker in workers_of(process.pid)[1:]:
+    for worker in workers_of(process.pid):
         os.kill(worker, signal.SIGKILL)
     err = process.communicate(timeout=600.0)[1].decode()
     assert process.returncode == 0, err

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweep_shards import plan_of, run, sample, write_tar
+from sweep_shards import arrays_of, plan_of, run, sample, write_tar
 
 import halfphysics.sweep
 from halfphysics.errors import FileError, InputError
@@ -32,11 +32,6 @@ def folder(tmp_path_factory):
     base = tmp_path_factory.mktemp("library")
     run(base / "out", plan_of(base, formats=("webdataset", "hdf5")))
     return base / "out"
-
-
-def arrays_of(data):
-    with np.load(io.BytesIO(data), allow_pickle=False) as npz:
-        return dict(npz)
 
 
 def check(one, number):

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import io
 import json
 import time
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from sweep_shards import arrays_of
 
 import halfphysics as hp
 from halfphysics import rotations as rot
 from halfphysics.skeleton import JOINT_INDEX, SMPLH_JOINTS
 from halfphysics.sweep.sample import files_of
-
-
-def arrays_of(data):
-    with np.load(io.BytesIO(data), allow_pickle=False) as npz:
-        return dict(npz)
 
 
 def labels(frames, vertices):

@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-import io
 import json
 import os
 import signal
 import sys
 import tarfile
-import time
-import tracemalloc
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from sweep_shards import make, make_batch, plan_of, record_of, run, sample, tree, write_tar
 
-from halfphysics.errors import (
-    FileError,
-    HalfPhysicsWarning,
-    InputError,
-    MissingDependencyError,
-)
-from halfphysics.sweep import documents, tar
-from halfphysics.sweep.sources import Sources
+from halfphysics.errors import FileError, InputError, MissingDependencyError
 from halfphysics.sweep.store import Store
 
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
@@ -59,24 +47,6 @@ def test_a_shard_is_what_tarfile_writes_in_one_go(undisturbed, tmp_path):
     kept = [sample(n) for n in range(6) if n != 3]
     whole = write_tar(tmp_path / "a.tar", kept).read_bytes()
     assert undisturbed["shards/00000/000000000.tar"] == whole
-
-
-@settings(max_examples=60, deadline=None)
-@given(st.lists(st.tuples(st.text("ab.é_", min_size=1, max_size=40), st.binary(max_size=3000))))
-def test_members_and_end_are_an_archive(files):
-    pieces = b"".join(b"".join(tar.member(name, data)) for name, data in files)
-    whole = io.BytesIO()
-    with tarfile.open(fileobj=whole, mode="w", format=tarfile.USTAR_FORMAT) as archive:
-        for name, data in files:
-            info = tarfile.TarInfo(name)
-            info.size = len(data)
-            archive.addfile(info, io.BytesIO(data))
-    assert pieces + tar.ending(len(pieces)) == whole.getvalue()
-
-
-def test_a_name_that_does_not_fit():
-    with pytest.raises(InputError, match="does not fit an archive"):
-        tar.member("a" * 300, b"")
 
 
 def test_manifest_says_what_the_files_are(undisturbed):
@@ -345,97 +315,7 @@ def test_a_folder_that_cannot_be_written(tmp_path):
         Store(tmp_path / "file" / "out", plan).begin()
 
 
-# -- inputs that change --------------------------------------------------------------------
-
-
-def digest(path):
-    import hashlib
-
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-@pytest.fixture
-def swept(tmp_path, monkeypatch):
-    """A folder made from a file that had not changed for long; gives a new store for it."""
-    monkeypatch.setattr("halfphysics.sweep.store._CLOCKS", -60_000_000_000)
-    plan = plan_of(tmp_path)
-    (tmp_path / "mesh.obj").write_bytes(b"v 0 0 0")
-    (tmp_path / "big.npz.txt").write_bytes(b"a" * 1000)
-    with Store(tmp_path / "out", plan, "this") as store:
-        inputs = {str(p): digest(p) for p in (tmp_path / "mesh.obj", tmp_path / "big.npz.txt")}
-        for batch in store.batches(0):
-            make_batch(store, batch, inputs=inputs)
-        store.seal(0)
-        make_batch(store, 3, inputs=inputs)
-    return lambda: Store(tmp_path / "out", plan, "this")
-
-
-def test_unchanged_inputs_are_not_read_again(swept, monkeypatch):
-    with swept() as store:
-        monkeypatch.setattr("hashlib.file_digest", None)
-        assert store.done(0)
-        assert store.left(1) == [4, 5]
-
-
-def test_touched_inputs_are_read_again(swept, tmp_path):
-    os.utime(tmp_path / "mesh.obj", (1, 1))
-    with swept() as store:
-        assert store.done(0)
-        assert store.left(1) == [4, 5]
-
-
-def test_changed_inputs_make_it_again(swept, tmp_path):
-    (tmp_path / "mesh.obj").write_bytes(b"v 0 0 1")
-    with swept() as store:
-        assert not store.done(0)
-        with pytest.warns(HalfPhysicsWarning, match=r"^mesh\.obj: has changed .* again") as said:
-            left = [store.left(0), store.left(1)]
-        assert left == [[0, 1, 2], [3, 4, 5]]
-        assert len(said) == 1
-
-
-def test_a_changed_input_of_what_is_not_sealed_is_said(swept, tmp_path):
-    (tmp_path / "mesh.obj").write_bytes(b"v 0 0 1")
-    with swept() as store, pytest.warns(HalfPhysicsWarning, match=r"mesh\.obj: has changed"):
-        assert store.left(1) == [3, 4, 5]
-
-
-def test_changed_inputs_are_not_kept_for_failures(tmp_path):
-    with Store(tmp_path / "out", plan_of(tmp_path), "this") as store:
-        inputs = {str(tmp_path / "a.npz"): digest(tmp_path / "a.npz")}
-        make(store, failed=(1,), inputs=inputs)
-    (tmp_path / "a.npz").write_bytes(b"other")
-    with Store(tmp_path / "out", plan_of(tmp_path), "this") as store:
-        assert store.drop_failed() == 1
-        with pytest.warns(HalfPhysicsWarning, match=r"a\.npz: has changed"):
-            assert store.left(0) == [0, 1, 2]
-
-
-def test_inputs_that_are_gone(swept, tmp_path):
-    (tmp_path / "mesh.obj").unlink()
-    with swept() as store, pytest.raises(InputError, match=r"mesh\.obj: cannot be reached.*back"):
-        store.done(0)
-
-
-def test_what_changed_since_the_run_began_is_not_trusted(tmp_path):
-    path = tmp_path / "clip.npz"
-    path.write_bytes(b"new")
-    changed = path.stat().st_ctime_ns
-    assert Sources(changed, tmp_path).stats({"clip.npz": "old"}) == {}
-    assert Sources(changed + 1, tmp_path).stats({"clip.npz": "old"}) != {}
-
-
-def test_inputs_that_change_while_they_are_read(tmp_path):
-    plan = plan_of(tmp_path)
-    with Store(tmp_path / "out", plan) as store:
-        for batch, sha in zip(store.batches(0), ("1" * 64, "1" * 64, "2" * 64), strict=True):
-            make_batch(store, batch, inputs={str(tmp_path / "a.npz"): sha})
-        with pytest.raises(InputError, match=r"a\.npz: changed while the sweep read it"):
-            store.seal(0)
-        assert store.left(0) == [0, 1, 2]
-
-
-# -- failures, manifest --------------------------------------------------------------------
+# -- failures ------------------------------------------------------------------------------
 
 
 def test_failures_are_listed_and_can_be_tried_again(plan, undisturbed, tmp_path):
@@ -478,36 +358,3 @@ def test_failures_of_open_shards_can_be_tried_again(plan, tmp_path):
             make_batch(store, batch, failed=(2,))
         assert store.drop_failed() == 1
         assert store.left(0) == [1]
-
-
-def test_what_there_is_of_an_interrupted_run(plan, tmp_path):
-    with Store(tmp_path / "out", plan, "this") as store:
-        for batch in store.batches(2):
-            make_batch(store, batch)
-        store.seal(2)
-        assert store.finish() == {"shards": 1, "samples": 6, "skipped": 0, "failures": 0}
-        assert [record["shard"] for record in store.records()] == [2]
-    assert json.loads((tmp_path / "out/manifest.jsonl").read_text())["first"] == 12
-
-
-def test_manifest_of_many_shards(tmp_path):
-    """Quick, and in no more memory than that of few: records are looked at one at a time."""
-    peaks = []
-    for shards in (50, 500):
-        plan = plan_of(tmp_path, variants=shards, batch=2, per_shard=2)
-        with Store(tmp_path / str(shards), plan, "this") as store:
-            make_batch(store, 0)
-            store.seal(0)
-            record = store.record(0)
-            for shard in range(1, shards):
-                path = store.layout.shard_file(shard, ".json")
-                documents.write(path, record | {"shard": shard, "first": 2 * shard})
-            start = time.process_time()
-            assert store.finish()["shards"] == shards
-            took = time.process_time() - start
-            tracemalloc.start()
-            store.finish()
-            peaks.append(tracemalloc.get_traced_memory()[1])
-            tracemalloc.stop()
-    assert took < 0.5  # 10,000 in 10 s
-    assert peaks[1] < peaks[0] + 100_000

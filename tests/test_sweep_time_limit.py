@@ -47,6 +47,25 @@ def test_it_ends_and_the_clock_is_put_back():
         assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_what_is_lost_in_a_destructor_is_raised_again():
+    class Slow:
+        def __del__(self):
+            while time.perf_counter() < start + 0.3:
+                sum(range(1000))
+
+    def work():
+        with time_limit(0.05):
+            Slow()
+            while time.perf_counter() < start + 20.0:
+                sum(range(1000))
+
+    start = time.perf_counter()
+    with pytest.raises(OutOfTimeError):
+        work()
+    assert time.perf_counter() - start < 10.0
+
+
 def test_a_thread_cannot_have_one():
     found = []
 
@@ -90,7 +109,7 @@ def test_the_command_lists_them_and_tries_them_again(tmp_path, capsys, monkeypat
     arguments = ["sweep", str(tmp_path / "plan.yaml")]
     assert main([*arguments, "--out", str(tmp_path / "whole")]) == 0
     out = [*arguments, "--out", str(tmp_path / "cut")]
-    assert main([*out, "--limit", "1e-4"]) == 0
+    assert main([*out, "--limit", "1e-4"]) == MISTAKE  # nothing but failures
     assert "2 failed" in capsys.readouterr().out
     lines = (tmp_path / "cut/failures.jsonl").read_text().splitlines()
     assert {json.loads(line)["cause"] for line in lines} == {

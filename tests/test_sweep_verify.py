@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sweep_shards import arrays_of
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.io.npz_bytes import npz_bytes
@@ -94,11 +95,6 @@ def honest(tar: Path) -> None:
     tar.with_suffix(".json").write_text(json.dumps(record))
 
 
-def arrays(data):
-    with np.load(io.BytesIO(data)) as found:
-        return dict(found)
-
-
 SHARD = Path("shards/00000/000000000.tar")
 
 
@@ -132,7 +128,7 @@ def test_as_many_as_asked_and_others_with_another_seed(finished, monkeypatch):
 
 def test_one_bit_of_one_number_is_found(sweep):
     def change(data):
-        fields = arrays(data)
+        fields = arrays_of(data)
         fields["poses"][7, 3] = np.nextafter(fields["poses"][7, 3], 9.0)
         return npz_bytes(fields)
 

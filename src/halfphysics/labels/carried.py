@@ -132,6 +132,16 @@ def frames_in(seconds: float, fps: float) -> int:
     return int(np.floor(seconds * fps + 1e-6))
 
 
+def lasts(first: int, last: int, seconds: float, fps: float) -> bool:
+    """Whether what is seen in frames `first` to `last`, inclusive, takes so long [s].
+
+    One moment can be in two frames, just before the end of one and just after: at a low frame rate
+    these two are long, and what they show is a kick all the same. Three are not one moment.
+    """
+    frames = last - first + 1
+    return frames >= seconds * fps - 1e-6 and (frames > 2 or seconds == 0.0)
+
+
 def holds_and_drops(loads: Loads, limits: Limits) -> Iterator[tuple[Hold, Drop | None]]:
     """Every hold of an object, and the drop that it ended in."""
     result, fps = loads.result, loads.result.fps
@@ -141,7 +151,7 @@ def holds_and_drops(loads: Loads, limits: Limits) -> Iterator[tuple[Hold, Drop |
     held = [
         (first, last)
         for first, last in intervals(carried, frames_in(limits.gap, fps))
-        if last - first + 1 >= limits.hold * fps - 1e-6
+        if lasts(first, last, limits.hold, fps)
     ]
     for k, (first, last) in enumerate(held):
         again = held[k + 1][0] if k + 1 < len(held) else len(result)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
-from halfphysics.labels.carried import Loads, frames_in, intervals, summed
+from halfphysics.labels.carried import Loads, frames_in, intervals, lasts, summed
 from halfphysics.labels.events import Limits, Slip
 from halfphysics.result import PersonResult
 from halfphysics.skeleton import JOINT_NAMES
@@ -30,7 +30,7 @@ def slips_of(loads: Loads, limits: Limits) -> Iterator[Slip]:
         carry = (total[frame] >= limits.load) & (share >= limits.load * total[frame])
         rows, share, frame = rows[carry], share[carry], frame[carry]
         # A kick is over sooner than any slip.
-        if not len(rows) or not _long(int(frame[0]), int(frame[-1]), limits, result.fps):
+        if not len(rows) or not lasts(int(frame[0]), int(frame[-1]), limits.slide_time, result.fps):
             continue
         step = _steps(loads, person, rows)
         slides = step * result.fps >= limits.slide_speed
@@ -38,10 +38,6 @@ def slips_of(loads: Loads, limits: Limits) -> Iterator[Slip]:
         yield from _grouped(
             loads, limits, person.name, rows[slides], share[slides], step[slides], lift
         )
-
-
-def _long(first: int, last: int, limits: Limits, fps: float) -> bool:
-    return last - first + 1 >= limits.slide_time * fps - 1e-6
 
 
 def _steps(loads: Loads, person: PersonResult, rows: Frames) -> Array:
@@ -97,7 +93,7 @@ def _grouped(
     way = np.divide(way, sums, out=np.zeros(len(result)), where=sums > 0.0)
     for first, last in intervals(way > 0.0, frames_in(limits.gap, result.fps)):
         distance = float(way[first : last + 1].sum())
-        long = _long(first, last, limits, result.fps)
+        long = lasts(first, last, limits.slide_time, result.fps)
         bears = float(lift[first : last + 1].mean()) >= limits.slide_load
         if not (long and bears) or distance < limits.slide:
             continue

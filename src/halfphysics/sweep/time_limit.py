@@ -9,6 +9,8 @@ from contextlib import contextmanager
 
 from halfphysics.errors import InputError
 
+_AGAIN = 1.0  # whoever goes on nevertheless is told again after so long [s]
+
 
 class OutOfTimeError(BaseException):
     """It took too long. No `Exception`: nothing on the way may take it for its own failure."""
@@ -30,7 +32,8 @@ def time_limit(seconds: float | None) -> Iterator[None]:
         raise OutOfTimeError
 
     before = signal.signal(signal.SIGALRM, late)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    # Again and again: Python drops what is raised in a destructor.
+    signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)
     try:
         yield
     finally:

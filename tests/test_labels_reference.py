@@ -153,7 +153,7 @@ def test_every_face_that_reaches_into_a_part_is_in_its_ball(shapes):
         posedirs = 0.01 * rng.normal(size=(len(body.rest_vertices), 3, 486))
         body = dataclasses.replace(body, posedirs=posedirs)
     balls = part_balls(body)
-    centres, radii = balls.at(body, motion)
+    centres, radii = balls.at(motion, *body.joint_frames(motion))
     posed = body.vertices(motion)
     part = balls.part[body.faces]
     for corner in range(3):

@@ -130,6 +130,20 @@ def test_nothing_to_do(skin: skinning.Skin) -> None:
     assert run(skin, make_rotations(2), indices=np.array([], dtype=int)).shape == (2, 0, 3)
 
 
+def test_what_is_wanted_of_groups_is_the_same(skin: skinning.Skin) -> None:
+    turns = make_rotations(19)
+    frames = skinning.kinematics(turns, np.zeros((19, 3)), skin.rest_joints)
+    vertex = np.arange(0, VERTICES, 2)
+    first = np.array([0, 3, 3, len(vertex) // 2, len(vertex)], dtype=np.int32)
+    wanted = np.random.default_rng(3).random((19, 4)) < 0.3
+    wanted[8:16, 2] = False  # a whole block of frames
+    found = skinning.skin(skin, turns, *frames, indices=vertex, wanted=(first, wanted))
+    every = skinning.skin(skin, turns, *frames, indices=vertex)
+    there = np.repeat(wanted, np.diff(first), axis=1)
+    assert 0 < there.sum() < there.size
+    np.testing.assert_array_equal(found[there], every[there])
+
+
 @pytest.mark.parametrize("indices", [[VERTICES], [-1], [0.5], [[1, 2]], [True]])
 def test_indices_are_checked(indices: list[int], skin: skinning.Skin) -> None:
     with pytest.raises(InputError, match="indices"):
@@ -167,6 +181,16 @@ def test_native_core_refuses_what_would_read_foreign_memory() -> None:
     good[10], good[9] = False, np.array([VERTICES], np.int32)
     with pytest.raises(ValueError, match="out of range"):
         _native.skin(*good)
+    good[9] = np.arange(5, dtype=np.int32)
+    good[12] = np.empty((2, 5, 3))
+    first, wanted = np.array([0, 2, 5], np.int32), np.ones((2, 2), np.uint8)
+    _native.skin(*good, first, wanted)
+    for group_first, mask in (
+        (first, None), (first, wanted[:1]), (first[:2], wanted), (first + 1, wanted),
+        (np.array([0, 6, 5], np.int32), wanted), (np.array([0, 2, 6], np.int32), wanted),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match="skinning"):
+            _native.skin(*good, group_first, mask)
     out = np.empty((2, 55, 3)), np.empty((2, 55, 4))
     for parents in (np.roll(PARENTS, 1), np.full(55, -1, np.int32), np.arange(55, dtype=np.int32)):
         with pytest.raises(ValueError, match="parents"):

@@ -137,6 +137,8 @@ def test_damaged_shards(folder, tmp_path, damage):
 
 def test_a_shard_that_was_deleted(folder, tmp_path):
     shutil.copytree(folder / "shards", tmp_path / "shards")
+    (tmp_path / "shards/notes.json").write_text("{}")
+    assert len(list(read(tmp_path))) == len(NUMBERS), "what is no record is passed over"
     for suffix in (".tar", ".h5"):
         (tmp_path / "shards/00000/000000000").with_suffix(suffix).unlink(missing_ok=True)
     with pytest.raises(FileError, match=r"000000000: neither .* it is made again"):

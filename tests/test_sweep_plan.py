@@ -78,6 +78,12 @@ def load(folder: Path, text: str, name: str = "plan.yaml") -> Plan:
     return Plan.load(path)
 
 
+def test_a_scene_for_scenarios_is_refused() -> None:
+    scenes = (SceneChoice(file="room.yaml"),)
+    with pytest.raises(InputError, match=r"scenes: found room\.yaml with the scenario kick_ball"):
+        Plan(inputs=Inputs(scenarios="kick_ball"), scenes=scenes)
+
+
 def test_a_whole_file(folder: Path) -> None:
     plan = load(folder, WHOLE)
     made = Plan(

@@ -206,6 +206,19 @@ def test_a_shard_whose_file_is_gone_is_not_done(plan, undisturbed, tmp_path, suf
     assert tree(tmp_path / "out") == undisturbed
 
 
+@pytest.mark.parametrize("key", ["files", "inputs", "sums", "failures"])
+def test_a_record_that_somebody_edited_does_not_count(plan, undisturbed, tmp_path, key):
+    run(tmp_path / "out", plan)
+    path = tmp_path / "out/shards/00000/000000001.json"
+    record = json.loads(path.read_text())
+    del record[key]
+    path.write_text(json.dumps(record))
+    with Store(tmp_path / "out", plan, "this") as store:
+        assert [store.done(k) for k in range(4)] == [True, False, True, True]
+        make(store)
+    assert tree(tmp_path / "out") == undisturbed
+
+
 def test_sealing_twice_changes_nothing(plan, undisturbed, tmp_path):
     run(tmp_path / "out", plan)
     tar = tmp_path / "out/shards/00000/000000001.tar"

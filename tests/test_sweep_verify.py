@@ -237,6 +237,12 @@ def test_where_there_is_nothing_to_verify(tmp_path, sweep):
     with pytest.raises(FileError, match=r"no plan\.yaml"):
         verify(tmp_path / "none")
     assert str(Report(0, 0, (), ())) == "no sample to compare: none is there"
+    for record in sweep.glob("shards/*/*.json"):
+        edited = json.loads(record.read_text())
+        del edited["files"]
+        record.write_text(json.dumps(edited))
+    with pytest.raises(FileError, match="expected the record of a shard"):
+        verify(sweep)
     shutil.rmtree(sweep / "shards")
     with pytest.raises(InputError, match="nothing to compare yet"):
         verify(sweep)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import zlib
 from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -20,7 +21,7 @@ _ENGINES = ("mujoco", "numpy", "scipy", "trimesh", "coacd")
 
 @cache
 def engines() -> Mapping[str, str | None]:
-    """Versions of the packages that numbers depend on; None: not installed."""
+    """Versions of what numbers and bytes depend on; None: a package that is not installed."""
 
     def known(name: str) -> str | None:
         try:
@@ -28,7 +29,9 @@ def engines() -> Mapping[str, str | None]:
         except PackageNotFoundError:
             return None
 
-    return MappingProxyType({name: known(name) for name in _ENGINES})
+    # Builds of zlib pack the same numbers into different bytes.
+    packs = {"zlib": zlib.ZLIB_RUNTIME_VERSION}
+    return MappingProxyType({name: known(name) for name in _ENGINES} | packs)
 
 
 @cache

@@ -81,6 +81,7 @@ def skin(
     quaternions: Array,
     *,
     indices: Ints | None = None,
+    wanted: tuple[Ints, NDArray[np.bool_]] | None = None,
     threads: int = 1,
 ) -> Array:
     """Posed vertices.
@@ -91,6 +92,8 @@ def skin(
         positions: Joints in the world [m], shape (T, 55, 3), as `kinematics` returns them.
         quaternions: World from joint, shape (T, 55, 4), as is this.
         indices: The vertices to compute, shape (n,); None: all of them.
+        wanted: Of vertices that come in groups: where each group starts, (g + 1,) int32, and in
+            which frames it is wanted (T, g). Where it is not, what comes out means nothing.
         threads: How many threads share the work. The result is the same to the last bit.
 
     Returns:
@@ -116,6 +119,7 @@ def skin(
         indices is None,
         int(threads),
         out,
+        *(() if wanted is None else (wanted[0], wanted[1].view(np.uint8))),
     )
     return out
 

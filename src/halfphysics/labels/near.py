@@ -1,7 +1,7 @@
 """Which vertices are near what: of the skin to the things of a scene, of an object to the skin.
 
-Parts whose ball is far from a thing are not looked at, frames in which nothing is near are not
-skinned. `reference.py` says the same slowly; the tests hold both equal.
+Parts whose ball is far from a thing are not looked at, those far from everything not skinned.
+`reference.py` says the same slowly; the tests hold both equal.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics import skinning
 from halfphysics.labels.part_balls import PartBalls, part_balls
 from halfphysics.labels.sampling import ObjectSurface
 from halfphysics.labels.solids import Thing
@@ -94,14 +95,23 @@ def near(body: Body, motion: Motion, targets: Sequence[Target]) -> list[tuple[Ne
     if not targets:
         return []
     balls = part_balls(body)
-    centres, radii = balls.at(body, motion)
+    positions, quaternions = body.joint_frames(motion)
+    centres, radii = balls.at(motion, positions, quaternions)
     close = [_close(target, centres, radii) for target in targets]
-    busy = np.flatnonzero(np.any([c.any(axis=1) for c in close], axis=0))
+    wanted = np.any(close, axis=0)
+    busy = np.flatnonzero(wanted.any(axis=1))
+    some = _Some.of(body, balls, wanted.any(axis=0))
     found: list[tuple[list[Near], list[Near]]] = [([], []) for _ in targets]
     for first in range(0, len(busy), _CHUNK):
         frames = busy[first : first + _CHUNK]
-        some = _Some.of(body, balls, np.any([c[frames].any(axis=0) for c in close], axis=0))
-        posed = body.vertices(motion, frames, indices=some.vertex)
+        posed = skinning.skin(
+            body.skin,
+            motion.rotations[frames],
+            positions[frames],
+            quaternions[frames],
+            indices=some.vertex,
+            wanted=(some.first, wanted[frames]),
+        )
         for target, c, out in zip(targets, close, found, strict=True):
             if c[frames].any():
                 skin, surface = _asked(target, some, posed, frames, c[frames])

@@ -9,7 +9,6 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
 from halfphysics.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
+Ints = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,39 +31,36 @@ class PartBalls:
     Attributes:
         part: Of every vertex, the joint with its largest weight (V,).
         order: The vertices part by part, ascending in each (V,).
-        pairs: Of every joint the parts of which it carries some vertices (k,), and the ball around
-            these in its frame at rest: centre (k, 3) and radius (k,) [m].
+        joint, of: Which joint carries some vertices of which part (k,), joint by joint.
+        centre, radius: Of the ball around these in the joint's frame at rest (k, 3), (k,) [m].
         bulge: How far pose blend shapes move a part's vertices for every unit by which a joint's
             rotation differs from none (55, 54) [m], or None.
     """
 
     part: Whole
     order: Whole
-    pairs: tuple[tuple[Whole, Array, Array], ...]
+    joint: Ints
+    of: Ints
+    centre: Array
+    radius: Array
     bulge: Array | None
 
-    def at(self, body: Body, motion: Motion) -> tuple[Array, Array]:
-        """Centres (T, 55, 3) and radii (T, 55) [m] in every frame; -inf: a part without skin."""
-        positions, quaternions = body.joint_frames(motion)
-        turns = rot.to_matrix(quaternions)
-        carried = [
-            np.matmul(centre, turns[:, joint].transpose(0, 2, 1)) + positions[:, joint, None]
-            for joint, (_, centre, _) in enumerate(self.pairs)
-        ]
-        low, high = np.full(positions.shape, np.inf), np.full(positions.shape, -np.inf)
-        for at, (parts, _, _) in zip(carried, self.pairs, strict=True):
-            low[:, parts] = np.minimum(low[:, parts], at)
-            high[:, parts] = np.maximum(high[:, parts], at)
-        with np.errstate(invalid="ignore"):  # of a part without skin
-            centres = 0.5 * (low + high)
-        radii = np.full(positions.shape[:2], -np.inf)
-        for at, (parts, _, radius) in zip(carried, self.pairs, strict=True):
-            apart = at - centres[:, parts]
-            reach = np.sqrt(np.einsum("tki,tki->tk", apart, apart)) + radius
-            radii[:, parts] = np.maximum(radii[:, parts], reach)
+    def at(self, motion: Motion, positions: Array, quaternions: Array) -> tuple[Array, Array]:
+        """Centres (T, 55, 3) and radii (T, 55) [m] in every frame; -inf: a part without skin.
+
+        Args:
+            motion: How the body moves.
+            positions, quaternions: Of its joints, as `Body.joint_frames` says.
+        """
+        from halfphysics import _native
+
+        centres, radii = _native.part_balls(
+            positions, quaternions, self.joint, self.of, self.centre, self.radius
+        )
         if self.bulge is not None:
-            local = rot.rotvec_to_matrix(motion.rotations[:, 1:]) - np.eye(3)
-            radii += np.linalg.norm(local, axis=(2, 3)) @ self.bulge.T
+            # A rotation matrix differs by this from none (Frobenius norm).
+            angle = np.linalg.norm(motion.rotations[:, 1:], axis=2)
+            radii += (np.sqrt(8.0) * np.abs(np.sin(0.5 * angle))) @ self.bulge.T
         return centres, radii
 
 
@@ -82,7 +79,7 @@ def _made(body: Body) -> PartBalls:
     rest, weights = body.rest_vertices, body.weights
     part = np.asarray(weights.argmax(axis=1))
     of_face = part[body.faces]
-    carried: list[list[tuple[int, Array, float]]] = [[] for _ in range(N_JOINTS)]
+    carried: list[tuple[int, int, Array, float]] = []
     for p in range(N_JOINTS):
         reaching = body.faces[(of_face == p).any(axis=1)]
         mine = np.union1d(np.flatnonzero(part == p), reaching)
@@ -91,18 +88,15 @@ def _made(body: Body) -> PartBalls:
             centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
             # Rounding of the skinning itself is far below this.
             radius = float(np.linalg.norm(points - centre, axis=1).max()) + 1e-9
-            carried[joint].append((p, centre, radius))
+            carried.append((int(joint), p, centre, radius))
+    joints, parts, centres, radii = zip(*sorted(carried, key=lambda one: one[:2]), strict=True)
     return PartBalls(
         part=part,
         order=np.argsort(part, kind="stable"),
-        pairs=tuple(
-            (
-                np.array([p for p, _, _ in some], dtype=np.int64),
-                np.array([centre for _, centre, _ in some]).reshape(-1, 3),
-                np.array([radius for _, _, radius in some]),
-            )
-            for some in carried
-        ),
+        joint=np.array(joints, dtype=np.int32),
+        of=np.array(parts, dtype=np.int32),
+        centre=np.array(centres),
+        radius=np.array(radii),
         bulge=_bulge(body, of_face),
     )
 

@@ -9,4 +9,5 @@ NB_MODULE(_native, m) {
   bind_raster(m);
   bind_touching(m);
   bind_gaps(m);
+  bind_part_balls(m);
 }

@@ -17,3 +17,4 @@ void bind_winding(nb::module_& m);
 void bind_raster(nb::module_& m);
 void bind_touching(nb::module_& m);
 void bind_gaps(nb::module_& m);
+void bind_part_balls(nb::module_& m);

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <nanobind/stl/optional.h>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -97,13 +99,19 @@ struct Skin {
   const double *rest, *joints, *weights, *posedirs;
   const int *first, *joint, *subset;
   size_t n_joints, n_out, n_features;
+  // Groups of the vertices that come out: where each starts, and in which frames it is wanted.
+  const int* group_first;
+  const unsigned char* wanted;
+  size_t n_groups;
 };
+
+constexpr size_t kAffine = 16;  // numbers of a transform: four columns of three, and one to spare
 
 // What a block of up to kLanes frames shares: rigid transforms, and the blend-shape coefficients
 // of the joints that are turned in any of its frames (the others would add exact zeros).
 struct Block {
   size_t start = 0, frames = 0;
-  std::vector<double> affine;     // frames x joints x (3x4): R | x - x_root - R j
+  std::vector<double> affine;     // frames x joints x columns of R | x - x_root - R j
   std::vector<double> features;   // turned joints x 9 x lanes
   std::vector<int> turned;        // column of each turned joint in posedirs
   int lanes = 1;
@@ -115,17 +123,20 @@ Block make_block(const Skin& s, size_t start, size_t frames, const double* rotat
   b.start = start;
   b.frames = frames;
   b.lanes = frames > 4 ? 8 : frames > 2 ? 4 : frames > 1 ? 2 : 1;
-  b.affine.resize(frames * s.n_joints * 12);
+  b.affine.resize(frames * s.n_joints * kAffine);
   for (size_t f = 0; f < frames; ++f) {
     const double* x = positions + (start + f) * s.n_joints * 3;
     const double* q = quaternions + (start + f) * s.n_joints * 4;
     for (size_t j = 0; j < s.n_joints; ++j) {
-      double* a = &b.affine[(f * s.n_joints + j) * 12];
+      double* a = &b.affine[(f * s.n_joints + j) * kAffine];
       const double* rest = s.joints + 3 * j;
-      matrix(q + 4 * j, a, 4);
-      for (int i = 0; i < 3; ++i)
-        a[4 * i + 3] = (x[3 * j + i] - x[i]) - (a[4 * i] * rest[0] + a[4 * i + 1] * rest[1] +
-                                                 a[4 * i + 2] * rest[2]);
+      double m[9];
+      matrix(q + 4 * j, m, 3);
+      for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) a[4 * k + i] = m[3 * i + k];
+        a[12 + i] = (x[3 * j + i] - x[i]) -
+                    (m[3 * i] * rest[0] + m[3 * i + 1] * rest[1] + m[3 * i + 2] * rest[2]);
+      }
     }
   }
   if (!s.posedirs) return b;
@@ -162,6 +173,10 @@ struct Lanes4 {
   }
   friend Lanes4 operator*(double a, const Lanes4& b) {
     return {{a * b.v[0], a * b.v[1], a * b.v[2], a * b.v[3]}};
+  }
+  friend Lanes4 operator+(Lanes4 a, const Lanes4& b) {
+    a += b;
+    return a;
   }
 };
 #define HP_INLINE inline
@@ -202,18 +217,44 @@ __attribute__((target("avx2"))) void blend8_avx2(const Skin& s, const Block& b, 
 }
 #endif
 
-void blend8(const Skin& s, const Block& b, size_t vertex, double* offset) {
-#if defined(__x86_64__) && defined(__GNUC__)
-  static const bool wide = __builtin_cpu_supports("avx2");
-  if (wide) return blend8_avx2(s, b, vertex, offset);
-#endif
-  blend<Lanes4, 2>(s, b, vertex, offset);
+// One vertex in one frame: transforms blended column by column, three rows side by side.
+HP_INLINE void carry(const Skin& s, const double* affine, size_t v, const double* root,
+                     const double* x, double* y) {
+  Lanes4 m[4] = {};
+  for (int e = s.first[v]; e < s.first[v + 1]; ++e) {
+    const double w = s.weights[e];
+    const double* a = affine + size_t(s.joint[e]) * kAffine;
+    for (int k = 0; k < 4; ++k) {
+      Lanes4 column;
+      std::memcpy(&column, a + 4 * k, sizeof(column));
+      m[k] += w * column;
+    }
+  }
+  const Lanes4 turned = x[0] * m[0] + x[1] * m[1] + x[2] * m[2];
+  const Lanes4 moved = m[3] + turned;
+  double out[4];
+  std::memcpy(out, &moved, sizeof(out));
+  for (int c = 0; c < 3; ++c) y[c] = root[c] + out[c];
 }
 
-void skin_range(const Skin& s, const Block& b, size_t from, size_t to, const double* positions,
-                double* out) {
+template <typename Blend8>
+HP_INLINE void range(const Skin& s, const Block& b, size_t from, size_t to,
+                     const double* positions, double* out, const Blend8& blend8) {
   double offset[3 * kLanes] = {};
+  size_t group = 0;
   for (size_t i = from; i < to; ++i) {
+    bool wanted[kLanes];
+    bool any = true;
+    if (s.wanted) {
+      while (i >= size_t(s.group_first[group + 1])) ++group;
+      any = false;
+      for (size_t f = 0; f < b.frames; ++f)
+        any |= wanted[f] = s.wanted[(b.start + f) * s.n_groups + group] != 0;
+      if (!any) {
+        i = size_t(s.group_first[group + 1]) - 1;
+        continue;
+      }
+    }
     const size_t v = s.subset ? size_t(s.subset[i]) : i;
     if (s.posedirs) {
       switch (b.lanes) {
@@ -225,28 +266,41 @@ void skin_range(const Skin& s, const Block& b, size_t from, size_t to, const dou
     }
     const double* rest = s.rest + 3 * v;
     for (size_t f = 0; f < b.frames; ++f) {
-      double m[12] = {};
-      for (int e = s.first[v]; e < s.first[v + 1]; ++e) {
-        const double w = s.weights[e];
-        const double* a = &b.affine[(f * s.n_joints + size_t(s.joint[e])) * 12];
-        for (int k = 0; k < 12; ++k) m[k] += w * a[k];
-      }
+      if (s.wanted && !wanted[f]) continue;
       double x[3];
       for (int c = 0; c < 3; ++c) x[c] = rest[c] + offset[size_t(c * b.lanes) + f];
-      const double* root = positions + (b.start + f) * s.n_joints * 3;
-      double* y = out + ((b.start + f) * s.n_out + i) * 3;
-      for (int c = 0; c < 3; ++c)
-        y[c] = root[c] +
-               (m[4 * c + 3] + (m[4 * c] * x[0] + m[4 * c + 1] * x[1] + m[4 * c + 2] * x[2]));
+      carry(s, &b.affine[f * s.n_joints * kAffine], v,
+            positions + (b.start + f) * s.n_joints * 3, x,
+            out + ((b.start + f) * s.n_out + i) * 3);
     }
   }
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+// The same operations, four lanes in one instruction.
+__attribute__((target("avx2"))) void range_avx2(const Skin& s, const Block& b, size_t from,
+                                                size_t to, const double* positions, double* out) {
+  range(s, b, from, to, positions, out, blend8_avx2);
+}
+#endif
+
+void skin_range(const Skin& s, const Block& b, size_t from, size_t to, const double* positions,
+                double* out) {
+#if defined(__x86_64__) && defined(__GNUC__)
+  static const bool wide = __builtin_cpu_supports("avx2");
+  if (wide) return range_avx2(s, b, from, to, positions, out);
+#endif
+  range(s, b, from, to, positions, out, blend<Lanes4, 2>);
 }
 
 void skin(f64<nb::shape<-1, 3>> rest_vertices, f64<nb::shape<-1, 3>> rest_joints,
           i32<nb::shape<-1>> first, i32<nb::shape<-1>> joint, f64<nb::shape<-1>> weights,
           f64<nb::shape<-1, 3, -1>> posedirs, f64<nb::shape<-1, -1, 3>> rotations,
           f64<nb::shape<-1, -1, 3>> positions, f64<nb::shape<-1, -1, 4>> quaternions,
-          i32<nb::shape<-1>> subset, bool all, int threads, out64 out) {
+          i32<nb::shape<-1>> subset, bool all, int threads, out64 out,
+          std::optional<i32<nb::shape<-1>>> group_first,
+          std::optional<nb::ndarray<const uint8_t, nb::c_contig, nb::device::cpu,
+                                    nb::shape<-1, -1>>> wanted) {
   Skin s{};
   const size_t vertices = rest_vertices.shape(0), frames = rotations.shape(0);
   s.n_joints = rest_joints.shape(0);
@@ -278,6 +332,17 @@ void skin(f64<nb::shape<-1, 3>> rest_vertices, f64<nb::shape<-1, 3>> rest_joints
   for (size_t i = 0; s.subset && i < s.n_out; ++i)
     require(s.subset[i] >= 0 && size_t(s.subset[i]) < vertices, "a vertex index is out of range");
   require(out.size() == frames * s.n_out * 3, "wrong size of the output");
+  require(group_first.has_value() == wanted.has_value(), "group_first and wanted go together");
+  if (wanted) {
+    s.n_groups = wanted->shape(1);
+    s.group_first = group_first->data();
+    s.wanted = wanted->data();
+    require(wanted->shape(0) == frames && group_first->shape(0) == s.n_groups + 1 &&
+                s.group_first[0] == 0 && size_t(s.group_first[s.n_groups]) == s.n_out,
+            "group_first and wanted do not fit the vertices and frames");
+    for (size_t g = 0; g < s.n_groups; ++g)
+      require(s.group_first[g] <= s.group_first[g + 1], "group_first is out of order");
+  }
   if (!frames || !s.n_out) return;
   const double *turn = rotations.data(), *x = positions.data(), *q = quaternions.data();
   double* y = out.data();
@@ -323,6 +388,8 @@ void bind_skinning(nb::module_& m) {
   m.def("skin", &skin, nb::arg("rest_vertices"), nb::arg("rest_joints"), nb::arg("first"),
         nb::arg("joint"), nb::arg("weights"), nb::arg("posedirs"), nb::arg("rotations"),
         nb::arg("positions"), nb::arg("quaternions"), nb::arg("subset"), nb::arg("all"),
-        nb::arg("threads"), nb::arg("out"),
-        "Skinned vertices (T, n, 3) into `out`; `posedirs` of zero rows: no pose blend shapes.");
+        nb::arg("threads"), nb::arg("out"), nb::arg("group_first") = nb::none(),
+        nb::arg("wanted") = nb::none(),
+        "Skinned vertices (T, n, 3) into `out`; `posedirs` of zero rows: no pose blend shapes. Of "
+        "vertices in groups only those in frames where their group is `wanted` (T, groups).");
 }

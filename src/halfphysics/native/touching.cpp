@@ -109,6 +109,13 @@ void find_near(const TouchingThing& thing, const PosedSkin& skin, const Placing&
   std::vector<Best> best(points ? points->points().size() : 0, Best{inf, -1, {}});
   std::vector<int> touched;
   std::vector<std::pair<double, int>> near;
+  // Faces by the group of their first corner: those of what is far are not looked at one by one.
+  std::vector<std::vector<int>> of_group(points ? skin.groups : 0);
+  if (points)
+    for (int f = 0; f < n_faces; f++) {
+      const int* end = std::upper_bound(skin.first, skin.first + skin.groups, faces[3 * f]);
+      of_group[end - skin.first - 1].push_back(f);
+    }
   for (int k = 0; k < skin.frames; k++) {
     const size_t place = placing.one ? 0 : k;
     const Vec3 position = load3(placing.position + 3 * place);
@@ -135,16 +142,19 @@ void find_near(const TouchingThing& thing, const PosedSkin& skin, const Placing&
     if (!points || !any) continue;
     // A point of a face lies no farther from its nearest corner than the longest edge by root 3.
     near.clear();
-    for (int f = 0; f < n_faces; f++) {
-      const int a = faces[3 * f], b = faces[3 * f + 1], c = faces[3 * f + 2];
-      const double d = std::min({far[a], far[b], far[c], limit});
-      if (d < 0) continue;
-      if (d > most) {
-        const double edge2 =
-            std::max({norm2(at[a] - at[b]), norm2(at[b] - at[c]), norm2(at[c] - at[a])});
-        if (3 * (d - most) * (d - most) > edge2) continue;
+    for (int g = 0; g < skin.groups; g++) {
+      if (!skin.close[(size_t)k * skin.groups + g]) continue;
+      for (const int f : of_group[g]) {
+        const int a = faces[3 * f], b = faces[3 * f + 1], c = faces[3 * f + 2];
+        const double d = std::min({far[a], far[b], far[c], limit});
+        if (d < 0) continue;
+        if (d > most) {
+          const double edge2 =
+              std::max({norm2(at[a] - at[b]), norm2(at[b] - at[c]), norm2(at[c] - at[a])});
+          if (3 * (d - most) * (d - most) > edge2) continue;
+        }
+        near.emplace_back(d, f);
       }
-      near.emplace_back(d, f);
     }
     // Nearest first: what is found early spares the rest.
     std::sort(near.begin(), near.end());

@@ -12,7 +12,7 @@ from typing import Any
 
 from halfphysics.errors import FileError
 from halfphysics.io.digests import sha256_of
-from halfphysics.sweep import documents
+from halfphysics.sweep import documents, sealing
 from halfphysics.sweep.comparing import contents_differ, files_differ
 from halfphysics.sweep.contents import contents
 from halfphysics.sweep.layout import Layout, key_of
@@ -56,7 +56,7 @@ class Piece:
         shard = layout.shard_of(batch)
         path = layout.shard_file(shard, ".json")
         record = documents.read(path)
-        if record is not None:
+        if record is not None and sealing.whole(record):
             known = record["files"]
             files = {
                 layout.shard_file(shard, suffix): known[suffix]["sha256"]

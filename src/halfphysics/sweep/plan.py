@@ -120,6 +120,7 @@ class Plan:
         for name in ("factors", "settings"):
             if not isinstance(getattr(self, name), Mapping):
                 raise InputError(f"{name}: found {shown(getattr(self, name))}, expected a mapping")
+        self._check_scenes()
         set_(self, "settings", dict(self.settings))
         check_settings(self.settings)
         set_(self, "factors", _specs(self.factors))
@@ -128,6 +129,16 @@ class Plan:
             set_(self, name, _expressions(getattr(self, name), name))
             self.expressions(name)
         set_(self, "base", Path(self.base))
+
+    def _check_scenes(self) -> None:
+        """A scenario is a scene, which no other can stand in for: all its variants would fail."""
+        others = [scene.name for scene in self.scenes if scene.file is not None]
+        names = [name for given in self.inputs for name in given.scenarios]
+        if others and names:
+            raise InputError(
+                f"scenes: found {others[0]} with the scenario {names[0]}, which brings a scene of "
+                "its own; expected own. Sweep motion files through it in a plan of their own"
+            )
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Plan:

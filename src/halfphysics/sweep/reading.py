@@ -52,7 +52,7 @@ def read(
 def _of_folder(folder: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
     root = folder / "shards" if (folder / "shards").is_dir() else folder
     # A shard counts once its record is there.
-    records = sorted(root.rglob("*.json"))
+    records = sorted(path for path in root.rglob("*.json") if path.stem.isdecimal())
     if not records and root == folder:
         raise FileError(
             f"{folder}: no shards here, expected the folder that `halfphysics sweep` wrote to"

@@ -24,6 +24,9 @@ _PIECE = 1 << 20
 #: The files that a plan can ask for: name of the format -> suffix.
 SUFFIXES = {"webdataset": ".tar", "hdf5": ".h5"}
 
+# What a record has.
+_KEYS = {"files", "inputs", "first", "variants", "samples", "skipped", "failures", "sums"}
+
 
 def seal(
     layout: Layout, fragments: Fragments, identity: str, formats: Iterable[str], shard: int
@@ -170,6 +173,11 @@ def _merged(records: list[dict[str, Any]]) -> dict[str, Any]:
         "failures": [failure for record in records for failure in record.get("failures", ())],
         "sums": card.sums(),
     }
+
+
+def whole(record: Mapping[str, Any]) -> bool:
+    """Whether a record has all that records have: somebody may have edited it."""
+    return record.keys() >= _KEYS and bool(record["files"])
 
 
 def sizes_fit(layout: Layout, record: Mapping[str, Any]) -> bool:

@@ -181,7 +181,7 @@ class Store:
         record = documents.read(self.layout.shard_file(shard, ".json"))
         if record is None or record.get("of") != self.identity or record.get("shard") != shard:
             return None
-        return record
+        return record if sealing.whole(record) else None
 
     def done(self, shard: int) -> bool:
         """Whether a shard is sealed, its files have their size, and its inputs are what they were.

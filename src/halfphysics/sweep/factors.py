@@ -54,7 +54,9 @@ class Bounds:
 
 
 _ANY, _POSITIVE = Bounds(), Bounds(above=0.0)
-_PLACE = {"offset_x": _ANY, "offset_y": _ANY, "offset_z": _ANY, "yaw": _ANY}
+#: Where something is moved to, axis by axis [m].
+OFFSETS = ("offset_x", "offset_y", "offset_z")
+_PLACE = {name: _ANY for name in (*OFFSETS, "yaw")}
 
 MOTION: Mapping[str, Bounds] = {"speed": _POSITIVE, "fps": _POSITIVE, **_PLACE}
 STATIC: Mapping[str, Bounds] = {

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from halfphysics import rotations as rot
 from halfphysics.moving import Moving, start_velocity
-from halfphysics.sweep.factors import FactorName
+from halfphysics.sweep.factors import OFFSETS, FactorName
 from halfphysics.sweep.values import Value
 from halfphysics.things import fixed
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from halfphysics.scene import Scene
 
 Array = NDArray[np.float64]
-_OFFSETS = ("offset_x", "offset_y", "offset_z")
 
 
 def said_of_motion(factors: Mapping[str, Value]) -> dict[str, float]:
@@ -58,7 +57,7 @@ def placed(
 ) -> tuple[Motion, ...]:
     """The motions turned about the vertical through the first pelvis' first place, then moved."""
     angle = np.radians(said.get("yaw", 0.0))
-    offset = np.array([said.get(key, 0.0) for key in _OFFSETS])
+    offset = np.array([said.get(key, 0.0) for key in OFFSETS])
     if angle == 0.0 and not offset.any():
         return tuple(motions)
     pelvises = [m.axes @ b.rest_joints[0] for m, b in zip(motions, bodies, strict=True)]

@@ -31,13 +31,12 @@ from urllib.parse import urlsplit
 from halfphysics import __version__, machine
 from halfphysics.errors import HalfPhysicsError, InputError, MissingDependencyError
 from halfphysics.program import program
+from halfphysics.sweep.local import GIB
 from halfphysics.sweep.work import Done, Task, do
 from halfphysics.workers import DIED, FULL, THREADS, Death
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
-
-GIB = 2**30
 
 LOST = "its machine was lost, again and again"
 

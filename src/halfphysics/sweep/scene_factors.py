@@ -20,7 +20,7 @@ from halfphysics.errors import InputError
 from halfphysics.moving import Moving, start_velocity
 from halfphysics.scene import Scene
 from halfphysics.shapes import Plane
-from halfphysics.sweep.factors import FactorName
+from halfphysics.sweep.factors import OFFSETS, FactorName
 from halfphysics.sweep.kept import Kept
 from halfphysics.sweep.scaled import lowest, scaled_object, scaled_static, weighing
 from halfphysics.sweep.standing import Support, supports
@@ -29,7 +29,6 @@ from halfphysics.things import Object, Static, fixed
 
 Array = NDArray[np.float64]
 Thing: TypeAlias = Static | Object
-_OFFSETS = ("offset_x", "offset_y", "offset_z")
 _WEIGHTS = ("mass", "mass_factor")
 #: Groups of factors: of all things of a kind, then of one, which comes before.
 _GROUPS = (("objects", "statics"), ("object", "static"))
@@ -66,7 +65,7 @@ class SceneFactors:
     def _changed(self, thing: Thing, said: Said) -> Thing:
         """A thing as it is said to be, not yet raised by what it stands on."""
         factor = said.get("scale", 1.0)
-        shift = np.array([said.get(key, 0.0) for key in _OFFSETS])
+        shift = np.array([said.get(key, 0.0) for key in OFFSETS])
         if factor != 1.0:
             # What stood on something still does: its lowest point stays at its height.
             thing, foot = self._sized(thing, factor)

@@ -1,10 +1,10 @@
 """What a sample says of the program that made it.
 
 The bytes of a sample depend on the package itself (its code, native core and default body) and on
-the packages that `halfphysics.program` lists: mujoco compiles masses and shapes, numpy, scipy and
-trimesh compute, coacd cuts meshes, zlib packs. Where one differs, what is stored is another
-program's and is not taken for its own. Everything else (Python, the operating system, h5py) cannot
-change a number, and is in no file.
+what `halfphysics.program` lists: mujoco compiles masses and shapes, numpy, scipy and trimesh
+compute, coacd cuts meshes, zlib packs. Where one differs, what is stored is another program's and
+is not taken for its own. Everything else (Python, the operating system, h5py) cannot change a
+number, and is in no file.
 """
 
 from __future__ import annotations

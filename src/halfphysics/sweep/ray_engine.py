@@ -217,8 +217,8 @@ def _answer(
     if program() != ours:
         stop = (
             f"{place}: halfphysics {__version__} there, or what it computes with (mujoco, numpy, "
-            "scipy, trimesh, coacd, zlib), is not what is installed here. Install the same versions "
-            "on all machines"
+            "scipy, trimesh, coacd, zlib), is not what is installed here. Install the same "
+            "versions on all machines"
         )
         return _Answer(Done(0.0, stop=stop))
     if memory is not None:

@@ -153,6 +153,8 @@ def things_of(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[Thing, .
 
 
 def _touched(scene: Scene, owner: str) -> NDArray[np.bool_]:
+    if not any(owner in pair for pair in scene.ignored_pairs):
+        return np.ones(N_JOINTS, dtype=bool)
     if scene.ignores(owner, PERSON):
         return np.zeros(N_JOINTS, dtype=bool)
     return np.array([not scene.ignores(owner, f"{PERSON}/{joint}") for joint in JOINT_NAMES])

@@ -37,6 +37,7 @@ class PointGrid {
  public:
   explicit PointGrid(std::vector<Vec3> points);
   const std::vector<Vec3>& points() const { return points_; }
+  double cell_size() const { return size_; }
   // Calls tell(i) for the points in cells that a box meets: all in the box, and more.
   template <typename Tell>
   void in_box(const Box3& box, const Tell& tell) const {
@@ -52,12 +53,12 @@ class PointGrid {
 
  private:
   int cell(double x, int k) const {
-    const double c = (x - box_.lo[k]) / size_;
+    const double c = (x - box_.lo[k]) * per_length_;
     return c <= 0 ? 0 : c >= count_[k] ? count_[k] - 1 : (int)c;
   }
   std::vector<Vec3> points_;
   Box3 box_;
-  double size_ = 1;
+  double size_ = 1, per_length_ = 1;
   int count_[3] = {1, 1, 1};
   std::vector<int> first_, order_;
 };

@@ -136,20 +136,9 @@ def _close(
     thing, reach = target.thing, target.reach
     if target.surface is not None:
         reach += target.surface.off
-    frame, group = np.nonzero(asked)
-    around = radii[frame, group] + reach
-    middle = thing.local(centres[frame, group], frame if frames is None else frames[frame])
-    # A ball around each solid first: it is a few operations, whatever the shape.
-    far = np.ones(len(frame), dtype=bool)
-    for solid in thing.solids:
-        centre, radius = solid.ball
-        apart = middle - centre
-        far &= np.einsum("ni,ni->n", apart, apart) > (around + radius) ** 2
-    near = np.flatnonzero(~far)
-    near = near[thing.distance(middle[near]) <= around[near]]
-    close = np.zeros(asked.shape, dtype=bool)
-    close[frame[near], group[near]] = True
-    return close
+    close = np.array(asked, dtype=np.uint8, order="C")
+    thing.native.close(centres, radii, close, *thing.at(frames), reach)
+    return close.view(np.bool_)
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,15 +172,13 @@ def _asked(
     """What is near a thing of some parts, posed (t, n, 3) at some frames (t,) in their close
     clusters (t, c)."""
     thing, surface = target.thing, target.surface
-    stands = len(thing.position) == 1
-    position = thing.position if stands else thing.position[frames]
-    turn = thing.turn if stands else thing.turn[frames]
+    position, turn = thing.at(frames)
     skin, points = thing.native.near(
         posed,
         some.first,
         np.ascontiguousarray(close, dtype=np.uint8),
-        np.ascontiguousarray(position),
-        np.ascontiguousarray(turn),
+        position,
+        turn,
         target.reach,
         None if surface is None else surface.grid,
         0.0 if surface is None else surface.off,
@@ -201,7 +188,7 @@ def _asked(
     order = np.lexsort((vertex, frame))
     of_skin = Near(frame[order], vertex[order], skin[2][order])
     k, vertex, distance, nearest, point = points
-    at = np.zeros_like(k) if stands else k
+    at = np.zeros_like(k) if thing.still else k
     world = np.einsum("nij,nj->ni", turn[at], point) + position[at]
     of_points = Near(frames[k].astype(np.int32), vertex, distance, some.vertex[nearest], world)
     return of_skin, of_points

@@ -77,6 +77,15 @@ void TouchingThing::distances(const Vec3* points, int n, double limit, double* o
   for (const TouchingShape& s : shapes) s.lower(points, n, limit, out);
 }
 
+bool TouchingThing::within(Vec3 point, double reach) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const TouchingShape& s : shapes) {
+    s.lower(&point, 1, reach, &least);
+    if (least <= reach) return true;
+  }
+  return false;
+}
+
 PointGrid::PointGrid(std::vector<Vec3> points) : points_(std::move(points)) {
   if (points_.empty()) return;
   for (Vec3 p : points_) box_.add(p);

@@ -30,6 +30,8 @@ struct TouchingShape {
 struct TouchingThing {
   std::vector<TouchingShape> shapes;
   void distances(const Vec3* points, int n, double limit, double* out) const;
+  // Whether a point in the thing's frame is at most so far away.
+  bool within(Vec3 point, double reach) const;
 };
 
 // Points in cells of a box, to ask for those in a part of it.

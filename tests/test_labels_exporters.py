@@ -73,7 +73,7 @@ def test_chois_has_hands_and_feet_near_the_object():
     part = labels.people[0].vertex_part
     for frame in range(0, len(result.motion), 10):
         skin = _frame(result, frame)[0]
-        local = glass.local(skin, np.full(len(skin), frame))
+        local = (skin - glass.position[frame]) @ glass.turn[frame]
         near = solid_distance(glass.solids[0], local) <= 0.02
         left = near & np.isin(part, [20, *range(25, 40)])
         right = near & np.isin(part, [21, *range(40, 55)])

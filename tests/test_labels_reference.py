@@ -146,23 +146,31 @@ def test_a_part_that_passes_through_is_not_labelled():
 
 
 @pytest.mark.parametrize("shapes", [False, True])
-def test_every_face_that_reaches_into_a_part_is_in_its_ball(shapes):
+@pytest.mark.parametrize("kind", ["parts", "clusters"])
+def test_every_face_that_reaches_into_a_group_is_in_its_ball(kind, shapes):
     body, motion = _arm(), _wavy()
     if shapes:
         rng = np.random.default_rng(2)
         posedirs = 0.01 * rng.normal(size=(len(body.rest_vertices), 3, 486))
         body = dataclasses.replace(body, posedirs=posedirs)
     balls = part_balls(body)
-    centres, radii = balls.at(motion, *body.joint_frames(motion))
+    group, some = (balls.part, balls.parts) if kind == "parts" else (balls.cluster, balls.clusters)
+    assert np.array_equal(balls.of[balls.cluster], balls.part)
+    moved = motion.rotations, *body.joint_frames(motion)
+    centres, radii = some.at(*moved)
     posed = body.vertices(motion)
-    part = balls.part[body.faces]
+    whose = group[body.faces]
     for corner in range(3):
         for other in range(3):
-            place = posed[:, body.faces[:, other]]
-            whose = part[:, corner]
-            apart = np.linalg.norm(place - centres[:, whose], axis=2)
-            assert (apart <= radii[:, whose]).all()
-    apart = np.linalg.norm(posed - centres[:, balls.part], axis=2)
-    if not shapes:  # and no ball is much larger than the part
-        for p in np.unique(balls.part):
-            assert (radii[:, p] < apart[:, balls.part == p].max(axis=1) + 0.15).all()
+            place, its = posed[:, body.faces[:, other]], whose[:, corner]
+            apart = np.linalg.norm(place - centres[:, its], axis=2)
+            assert (apart <= radii[:, its]).all()
+    apart = np.linalg.norm(posed - centres[:, group], axis=2)
+    if not shapes:  # and no ball is much larger than the group
+        for g in np.unique(group):
+            assert (radii[:, g] < apart[:, group == g].max(axis=1) + 0.15).all()
+    wanted = np.random.default_rng(3).random(radii.shape) < 0.5
+    few = some.at(*moved, wanted)
+    assert np.array_equal(few[0][wanted], centres[wanted])
+    assert np.array_equal(few[1][wanted], radii[wanted])
+    assert (few[1][~wanted] == -np.inf).all()

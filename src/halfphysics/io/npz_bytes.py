@@ -12,6 +12,7 @@ import struct
 import zlib
 from collections import OrderedDict
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,7 @@ def npz_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:
         header, content = _npy(array)
         packed = _packed(array, header, content)
         data = [header, content] if packed is None else packed
-        crc = zlib.crc32(content, zlib.crc32(header))
+        crc = _crc(content, zlib.crc32(header))
         whole, size = len(header) + len(content), sum(map(len, data))
         # Names with letters beyond ASCII say that they are UTF-8.
         flags = 0 if name.isascii() else 0x800
@@ -102,28 +103,71 @@ def _packed(array: NDArray[Any], header: bytes, content: memoryview) -> list[byt
 
 def _npy(array: NDArray[Any]) -> tuple[bytes, memoryview]:
     """What `numpy.save` writes: its head, and the numbers."""
-    header = io.BytesIO()
     if array.dtype.hasobject or not array.flags.c_contiguous:
-        np.lib.format.write_array(header, array, allow_pickle=False)
-        return header.getvalue(), memoryview(b"")
-    described = {"descr": array.dtype.str, "fortran_order": False, "shape": array.shape}
+        whole = io.BytesIO()
+        np.lib.format.write_array(whole, array, allow_pickle=False)
+        return whole.getvalue(), memoryview(b"")
+    return _header(array.dtype.str, array.shape), array.reshape(-1).view(np.uint8).data
+
+
+@lru_cache(maxsize=256)
+def _header(kind: str, shape: tuple[int, ...]) -> bytes:
+    header = io.BytesIO()
+    described = {"descr": kind, "fortran_order": False, "shape": shape}
     np.lib.format.write_array_header_1_0(header, described)
-    return header.getvalue(), array.reshape(-1).view(np.uint8).data
+    return header.getvalue()
 
 
 def _deflated(header: bytes, content: memoryview) -> list[bytes]:
     """A stream of blocks that are packed each for itself."""
-    pieces = [_flushed(header)]
+    pieces = [_flushed_header(header)]
     for at in range(0, len(content), _BLOCK):
-        block = bytes(content[at : at + _BLOCK])
-        pieces.append(_PACKED_ZEROS if block == _ZEROS else _flushed(block))
+        block = content[at : at + _BLOCK]
+        pieces.append(_PACKED_ZEROS if _is_zeros(block) else _flushed(block))
     return [*pieces, b"\x03\x00"]  # and one that is the last, and empty
 
 
-def _flushed(block: bytes) -> bytes:
+def _crc(content: memoryview, start: int) -> int:
+    """`zlib.crc32`; what a block of zeros makes of a checksum is known beforehand."""
+    if len(content) < _BLOCK:
+        return zlib.crc32(content, start)
+    for at in range(0, len(content), _BLOCK):
+        block = content[at : at + _BLOCK]
+        start = _after_zeros(start) if _is_zeros(block) else zlib.crc32(block, start)
+    return start
+
+
+def _is_zeros(block: memoryview) -> bool:
+    """Whether it is a whole block, and of zeros."""
+    return len(block) == _BLOCK and not np.frombuffer(block, np.uint64).any()
+
+
+def _after_zeros(crc: int) -> int:
+    """The checksum of what had one, with a block of zeros after it."""
+    first, second, third, fourth = _tables()
+    return first[crc & 255] ^ second[crc >> 8 & 255] ^ third[crc >> 16 & 255] ^ fourth[crc >> 24]
+
+
+@lru_cache(maxsize=1)
+def _tables() -> list[list[int]]:
+    """Of every byte of a checksum, what a block of zeros makes of it: it is linear but for 0's."""
+    zeros = bytes(_BLOCK)
+    nothing = zlib.crc32(zeros)
+    tables = []
+    for byte in range(4):
+        table = [0]
+        for bit in range(8):
+            change = zlib.crc32(zeros, 1 << (8 * byte + bit)) ^ nothing
+            table += [known ^ change for known in table]
+        tables.append(table)
+    tables[0] = [known ^ nothing for known in tables[0]]
+    return tables
+
+
+def _flushed(block: bytes | memoryview) -> bytes:
     packer = zlib.compressobj(1, zlib.DEFLATED, -zlib.MAX_WBITS)
     return packer.compress(block) + packer.flush(zlib.Z_FULL_FLUSH)
 
 
-_ZEROS = bytes(_BLOCK)
-_PACKED_ZEROS = _flushed(_ZEROS)
+_flushed_header = lru_cache(maxsize=256)(_flushed)
+_PACKED_ZEROS = _flushed(bytes(_BLOCK))

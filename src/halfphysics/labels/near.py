@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-_CHUNK = 64  # frames skinned at a time
+_CHUNK = 128  # frames skinned at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,56 +96,55 @@ def near(body: Body, motion: Motion, targets: Sequence[Target]) -> list[tuple[Ne
         return []
     balls = part_balls(body)
     positions, quaternions = body.joint_frames(motion)
-    centres, radii = balls.at(motion, positions, quaternions)
-    close = [_close(target, centres, radii) for target in targets]
-    wanted = np.any(close, axis=0)
+    centres, radii = balls.parts.at(motion.rotations, positions, quaternions)
+    there = radii > -np.inf
+    parts = [_close(t, there & t.thing.parts, centres, radii) for t in targets]
+    wanted = np.any(parts, axis=0)
     busy = np.flatnonzero(wanted.any(axis=1))
     some = _Some.of(body, balls, wanted.any(axis=0))
     found: list[tuple[list[Near], list[Near]]] = [([], []) for _ in targets]
     for first in range(0, len(busy), _CHUNK):
         frames = busy[first : first + _CHUNK]
+        now = motion.rotations[frames], positions[frames], quaternions[frames]
+        centres, radii = balls.clusters.at(*now, wanted[frames][:, balls.of])
+        close = [
+            _close(target, c[frames][:, balls.of], centres, radii, frames)
+            for target, c in zip(targets, parts, strict=True)
+        ]
         posed = skinning.skin(
             body.skin,
-            motion.rotations[frames],
-            positions[frames],
-            quaternions[frames],
+            *now,
             indices=some.vertex,
-            wanted=(some.first, wanted[frames]),
+            wanted=(some.first, np.any(close, axis=0)),
         )
         for target, c, out in zip(targets, close, found, strict=True):
-            if c[frames].any():
-                skin, surface = _asked(target, some, posed, frames, c[frames])
+            if c.any():
+                skin, surface = _asked(target, some, posed, frames, c)
                 out[0].append(skin)
                 out[1].append(surface)
     return [(Near.joined(a), Near.joined(b)) for a, b in found]
 
 
-def _close(target: Target, centres: Array, radii: Array) -> NDArray[np.bool_]:
-    """In which frames (T,) which parts of the skin (55,) may be so near a thing."""
+def _close(
+    target: Target,
+    asked: NDArray[np.bool_],
+    centres: Array,
+    radii: Array,
+    frames: NDArray[np.intp] | None = None,
+) -> NDArray[np.bool_]:
+    """Which of the groups asked about (t, g) may be so near a thing, at some frames (t,)."""
     thing, reach = target.thing, target.reach
     if target.surface is not None:
         reach += target.surface.off
-    there = radii > -np.inf
-    around = np.where(there, radii, 0.0) + reach
-    close = np.zeros(radii.shape, dtype=bool)
-    # A ball around each solid first: it is a few operations, whatever the shape.
-    for solid in thing.solids:
-        middle, radius = solid.ball
-        place = thing.turn @ middle + thing.position
-        apart = centres - place[:, None]
-        close |= np.einsum("tpi,tpi->tp", apart, apart) <= (around + radius) ** 2
-    close &= thing.parts & there
-    frame, part = np.nonzero(close)
-    if len(frame):
-        distance = thing.distance(thing.local(centres[frame, part], frame))
-        close[frame, part] = distance <= around[frame, part]
-    return close
+    close = np.array(asked, dtype=np.uint8, order="C")
+    thing.native.close(centres, radii, close, *thing.at(frames), reach)
+    return close.view(np.bool_)
 
 
 @dataclass(frozen=True, eq=False)
 class _Some:
-    """Some parts of a skin: their vertices (n,), part by part, where each starts (56,), and the
-    faces (f, 3) of these vertices, by their place."""
+    """Some parts of a skin: their vertices (n,), cluster by cluster, where each cluster starts,
+    and the faces (f, 3) of these vertices, by their place."""
 
     vertex: Ints
     first: Ints
@@ -153,12 +152,13 @@ class _Some:
 
     @staticmethod
     def of(body: Body, balls: PartBalls, parts: NDArray[np.bool_]) -> _Some:
-        mine = parts[balls.part]
-        vertex = balls.order[mine[balls.order]].astype(np.int32)
-        first = np.searchsorted(balls.part[vertex], np.arange(len(parts) + 1)).astype(np.int32)
-        place = np.zeros(len(mine), dtype=np.int32)
+        mine = parts[balls.of]
+        vertex = balls.order[mine[balls.cluster[balls.order]]].astype(np.int32)
+        first = np.searchsorted(balls.cluster[vertex], np.arange(len(mine) + 1)).astype(np.int32)
+        place = np.zeros(len(balls.part), dtype=np.int32)
         place[vertex] = np.arange(len(vertex))
-        faces = place[body.faces[mine[body.faces].all(axis=1)]]
+        a, b, c = mine[balls.corners]
+        faces = place[body.faces[a & b & c]]
         return _Some(vertex, first, np.ascontiguousarray(faces))
 
 
@@ -169,17 +169,16 @@ def _asked(
     frames: NDArray[np.intp],
     close: NDArray[np.bool_],
 ) -> tuple[Near, Near]:
-    """What is near a thing of some parts, posed (t, n, 3) at some frames (t,)."""
+    """What is near a thing of some parts, posed (t, n, 3) at some frames (t,) in their close
+    clusters (t, c)."""
     thing, surface = target.thing, target.surface
-    stands = len(thing.position) == 1
-    position = thing.position if stands else thing.position[frames]
-    turn = thing.turn if stands else thing.turn[frames]
+    position, turn = thing.at(frames)
     skin, points = thing.native.near(
         posed,
         some.first,
         np.ascontiguousarray(close, dtype=np.uint8),
-        np.ascontiguousarray(position),
-        np.ascontiguousarray(turn),
+        position,
+        turn,
         target.reach,
         None if surface is None else surface.grid,
         0.0 if surface is None else surface.off,
@@ -189,7 +188,7 @@ def _asked(
     order = np.lexsort((vertex, frame))
     of_skin = Near(frame[order], vertex[order], skin[2][order])
     k, vertex, distance, nearest, point = points
-    at = np.zeros_like(k) if stands else k
+    at = np.zeros_like(k) if thing.still else k
     world = np.einsum("nij,nj->ni", turn[at], point) + position[at]
     of_points = Near(frames[k].astype(np.int32), vertex, distance, some.vertex[nearest], world)
     return of_skin, of_points

@@ -62,23 +62,6 @@ class Solid:
         else:
             raise InputError(f"labels: found a {type(shape).__name__}, expected a known shape")
 
-    @cached_property
-    def ball(self) -> tuple[Array, float]:
-        """Centre (3,) in the thing's frame and radius [m] of a ball around it; inf: a plane."""
-        if isinstance(self.shape, Plane):
-            return self.position, np.inf
-        if isinstance(self.shape, Sphere):
-            return self.position, self.shape.radius
-        if isinstance(self.shape, Capsule):
-            return self.position, self.shape.radius + 0.5 * self.shape.length
-        if isinstance(self.shape, Cylinder):
-            return self.position, float(np.hypot(self.shape.radius, 0.5 * self.shape.length))
-        corners = self.shape.triangles()[0]
-        low, high = corners.min(axis=0), corners.max(axis=0)
-        centre = 0.5 * (low + high)
-        radius = float(np.linalg.norm(corners - centre, axis=1).max())
-        return self.turn @ centre + self.position, radius
-
 
 @dataclass(frozen=True, eq=False)
 class Thing:
@@ -100,11 +83,15 @@ class Thing:
     stands: bool
     parts: NDArray[np.bool_]
 
-    def local(self, points: Array, frame: NDArray[np.integer]) -> Array:
-        """World points (n, 3) of frames (n,) in the thing's frame."""
-        if len(self.position) == 1:
-            return (points - self.position[0]) @ self.turn[0]
-        return np.einsum("nij,ni->nj", self.turn[frame], points - self.position[frame])
+    @property
+    def still(self) -> bool:
+        """Whether it has one place for all frames."""
+        return len(self.position) == 1
+
+    def at(self, frames: NDArray[np.integer] | None = None) -> tuple[Array, Array]:
+        """Position (t, 3) and turn (t, 3, 3) at some frames, None: all; of what is still one."""
+        some = slice(None) if self.still or frames is None else frames
+        return np.ascontiguousarray(self.position[some]), np.ascontiguousarray(self.turn[some])
 
     @cached_property
     def native(self) -> Any:
@@ -153,6 +140,8 @@ def things_of(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[Thing, .
 
 
 def _touched(scene: Scene, owner: str) -> NDArray[np.bool_]:
+    if not any(owner in pair for pair in scene.ignored_pairs):
+        return np.ones(N_JOINTS, dtype=bool)
     if scene.ignores(owner, PERSON):
         return np.zeros(N_JOINTS, dtype=bool)
     return np.array([not scene.ignores(owner, f"{PERSON}/{joint}") for joint in JOINT_NAMES])

@@ -73,16 +73,17 @@ void bind_gaps(nb::module_& m) {
             std::vector<double> out(rows, std::numeric_limits<double>::infinity());
             {
               nb::gil_scoped_release release;
+              Convex c;
+              Placed placed;
               for (size_t i = 0; i < rows; i++) {
                 const size_t k = frame.data()[i];
                 Mat3 R;
                 std::copy(turn.data() + 9 * k, turn.data() + 9 * k + 9, R.m);
                 for (int h = first.data()[i]; h < last.data()[i]; h++) {
-                  Convex c;
+                  c.vertices.clear();
                   for (int v = hull_first.data()[h]; v < hull_first.data()[h + 1]; v++)
                     c.vertices.push_back(load3(posed.data() + 3 * (k * n + hull_vertex.data()[v])));
-                  c.finish();
-                  Placed placed;
+                  c.lay_out();
                   placed.place(c, {}, {});
                   const double d = t.gap(placed, R, load3(position.data() + 3 * k), range);
                   out[i] = std::min(out[i], d);

@@ -97,6 +97,34 @@ void bind_touching(nb::module_& m) {
              return array(out);
            })
       .def(
+          "close",
+          [](const TouchingThing& t, f64<nb::shape<-1, -1, 3>> centres, Square radii,
+             nb::ndarray<uint8_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu> asked,
+             Rows3 position, f64<nb::shape<-1, 3, 3>> turn, double reach) {
+            const size_t frames = centres.shape(0), groups = centres.shape(1);
+            const size_t places = position.shape(0);
+            need(radii.shape(0) == frames && radii.shape(1) == groups &&
+                     asked.shape(0) == frames && asked.shape(1) == groups,
+                 "centres, radii and asked: expected one of every frame and group");
+            need(turn.shape(0) == places && (places == 1 || places == frames),
+                 "position and turn: expected one, or one of every frame");
+            nb::gil_scoped_release release;
+            for (size_t k = 0; k < frames; k++) {
+              const size_t place = places == 1 ? 0 : k;
+              const Vec3 origin = load3(position.data() + 3 * place);
+              Mat3 R;
+              std::copy(turn.data() + 9 * place, turn.data() + 9 * place + 9, R.m);
+              for (size_t i = k * groups; i < (k + 1) * groups; i++)
+                if (asked.data()[i])
+                  asked.data()[i] = t.within(mul_t(R, load3(centres.data() + 3 * i) - origin),
+                                             radii.data()[i] + reach);
+            }
+          },
+          nb::arg("centres"), nb::arg("radii"), nb::arg("asked").noconvert(), nb::arg("position"),
+          nb::arg("turn"), nb::arg("reach"),
+          "Which balls (t, g) of those asked about are at most `reach` from the thing: into "
+          "`asked`.")
+      .def(
           "near",
           [](const TouchingThing& t, f64<nb::shape<-1, -1, 3>> posed, Ints first,
              nb::ndarray<const uint8_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu> close,

@@ -16,19 +16,23 @@ constexpr double kProved = 1e-9;        // [m]
 
 int Points::support(Vec3 d) const { return farthest(x, y, z, n, d.x, d.y, d.z); }
 
-void Convex::finish() {
+void Convex::lay_out() {
   Box3 box;
   for (Vec3 v : vertices) box.add(v);
   center = 0.5 * (box.lo + box.hi);
+  xyz.clear();
+  for (int k = 0; k < 3; k++)
+    for (Vec3 v : vertices) xyz.push_back(v[k]);
+}
+
+void Convex::finish() {
+  lay_out();
   bound = 0;
   for (Vec3 v : vertices) {
     double along = dot(axis, v - center), across = norm(v - center - along * axis);
     bound = std::max(bound, std::hypot(along, across + rim));
   }
   bound += radius;
-  xyz.clear();
-  for (int k = 0; k < 3; k++)
-    for (Vec3 v : vertices) xyz.push_back(v[k]);
 }
 
 void Placed::place(const Convex& c, const Mat3& rot, Vec3 pos) {

@@ -49,7 +49,8 @@ struct Convex {
 
   std::vector<double> xyz;  // the vertices, one coordinate after the other
 
-  void finish();  // fills center, bound and xyz
+  void finish();   // fills center, bound and xyz
+  void lay_out();  // fills center and xyz: all that distances need
 };
 
 // The shape at one pose.

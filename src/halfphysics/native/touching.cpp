@@ -77,11 +77,21 @@ void TouchingThing::distances(const Vec3* points, int n, double limit, double* o
   for (const TouchingShape& s : shapes) s.lower(points, n, limit, out);
 }
 
+bool TouchingThing::within(Vec3 point, double reach) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const TouchingShape& s : shapes) {
+    s.lower(&point, 1, reach, &least);
+    if (least <= reach) return true;
+  }
+  return false;
+}
+
 PointGrid::PointGrid(std::vector<Vec3> points) : points_(std::move(points)) {
   if (points_.empty()) return;
   for (Vec3 p : points_) box_.add(p);
   const Vec3 extent = box_.hi - box_.lo;
   size_ = std::max({extent.x, extent.y, extent.z, 1e-9}) / kCells;
+  per_length_ = 1 / size_;
   for (int k = 0; k < 3; k++) count_[k] = std::min(kCells, (int)(extent[k] / size_) + 1);
   const auto index = [&](Vec3 p) {
     return (cell(p.x, 0) * count_[1] + cell(p.y, 1)) * count_[2] + cell(p.z, 2);
@@ -156,8 +166,8 @@ void find_near(const TouchingThing& thing, const PosedSkin& skin, const Placing&
         near.emplace_back(d, f);
       }
     }
-    // Nearest first: what is found early spares the rest.
-    std::sort(near.begin(), near.end());
+    // Nearest first: what is found early spares the rest, where points have many faces in reach.
+    if (points->cell_size() < reach) std::sort(near.begin(), near.end());
     for (const auto& [d, f] : near) {
       const Vec3 a = at[faces[3 * f]], b = at[faces[3 * f + 1]], c = at[faces[3 * f + 2]];
       Box3 box;

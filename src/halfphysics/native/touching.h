@@ -30,6 +30,8 @@ struct TouchingShape {
 struct TouchingThing {
   std::vector<TouchingShape> shapes;
   void distances(const Vec3* points, int n, double limit, double* out) const;
+  // Whether a point in the thing's frame is at most so far away.
+  bool within(Vec3 point, double reach) const;
 };
 
 // Points in cells of a box, to ask for those in a part of it.
@@ -37,6 +39,7 @@ class PointGrid {
  public:
   explicit PointGrid(std::vector<Vec3> points);
   const std::vector<Vec3>& points() const { return points_; }
+  double cell_size() const { return size_; }
   // Calls tell(i) for the points in cells that a box meets: all in the box, and more.
   template <typename Tell>
   void in_box(const Box3& box, const Tell& tell) const {
@@ -52,12 +55,12 @@ class PointGrid {
 
  private:
   int cell(double x, int k) const {
-    const double c = (x - box_.lo[k]) / size_;
+    const double c = (x - box_.lo[k]) * per_length_;
     return c <= 0 ? 0 : c >= count_[k] ? count_[k] - 1 : (int)c;
   }
   std::vector<Vec3> points_;
   Box3 box_;
-  double size_ = 1;
+  double size_ = 1, per_length_ = 1;
   int count_[3] = {1, 1, 1};
   std::vector<int> first_, order_;
 };

@@ -49,15 +49,24 @@ def part_gaps(
     for first in range(0, len(frames), _CHUNK):
         chunk = frames[first : first + _CHUNK]
         here = np.flatnonzero((at >= chunk[0]) & (at <= chunk[-1]))
-        parts = np.unique(part[here])
-        posed, of_part, starts, corner = (_skin if skin else _rigid)(body, motion, chunk, parts)
+        parts, its = np.unique(part[here], return_inverse=True)
+        pose = np.searchsorted(chunk, at[here]).astype(np.int32)
+        x, q = _joints(body, motion, chunk)
+        if skin:
+            wanted = np.zeros((len(chunk), len(parts)), dtype=bool)
+            wanted[pose, its] = True
+            posed, of_part, starts, corner = _skin(
+                body, (motion.rotations[chunk], x, q), parts, wanted
+            )
+        else:
+            posed, of_part, starts, corner = _rigid(body, x, q, parts)
         position, turn = np.zeros((len(chunk), 3)), np.tile(np.eye(3), (len(chunk), 1, 1))
         if track is not None:
             position = np.ascontiguousarray(track.position[chunk])
             turn = rot.to_matrix(rot.normalize(track.quaternion[chunk]))
         found[here] = thing.gaps(
             posed,
-            np.searchsorted(chunk, at[here]).astype(np.int32),
+            pose,
             np.searchsorted(of_part, part[here], side="left").astype(np.int32),
             np.searchsorted(of_part, part[here], side="right").astype(np.int32),
             starts,
@@ -74,23 +83,39 @@ def part_gaps(
 Posed = tuple[Array, Whole, NDArray[np.int32], NDArray[np.int32]]
 
 
-def _skin(body: Body, motion: Motion, frames: Whole, parts: Whole) -> Posed:
-    hulls = body.skin_hulls
-    some = np.flatnonzero(np.isin(hulls.part, parts))
-    pieces = [hulls.vertex[hulls.first[h] : hulls.first[h + 1]] for h in some]
-    vertex = np.unique(np.concatenate([np.zeros(0, dtype=np.int32), *pieces]))
-    posed = body.vertices(motion, frames, indices=vertex)
-    corners = [np.searchsorted(vertex, piece) for piece in pieces]
-    return posed, hulls.part[some], *_listed(corners)
-
-
-def _rigid(body: Body, motion: Motion, frames: Whole, parts: Whole) -> Posed:
+def _joints(body: Body, motion: Motion, frames: Whole) -> tuple[Array, Array]:
     root = motion.translation[frames] + motion.axes @ body.rest_joints[0]
-    x, q = skinning.kinematics(motion.rotations[frames], root, body.rest_joints)
+    return skinning.kinematics(motion.rotations[frames], root, body.rest_joints)
+
+
+def _skin(
+    body: Body, moved: tuple[Array, Array, Array], parts: Whole, wanted: NDArray[np.bool_]
+) -> Posed:
+    """The skin's hulls of parts; points mean something where their part is wanted (t, parts)."""
+    hulls = body.skin_hulls
+    vertices, of_part, corners, first = [], [], [], [0]
+    for part in parts:
+        some = np.flatnonzero(hulls.part == part)
+        pieces = [hulls.vertex[hulls.first[h] : hulls.first[h + 1]] for h in some]
+        vertex = np.unique(np.concatenate([np.zeros(0, dtype=np.int32), *pieces]))
+        corners += [first[-1] + np.searchsorted(vertex, piece) for piece in pieces]
+        of_part.append(hulls.part[some])
+        vertices.append(vertex)
+        first.append(first[-1] + len(vertex))
+    posed = skinning.skin(
+        body.skin,
+        *moved,
+        indices=np.concatenate(vertices),
+        wanted=(np.array(first, dtype=np.int32), wanted),
+    )
+    return posed, np.concatenate(of_part), *_listed(corners)
+
+
+def _rigid(body: Body, x: Array, q: Array, parts: Whole) -> Posed:
     corner: Mapping[int, Array] = {int(p): body.variant.parts[p].vertices for p in parts}
     some = [p for p, vertices in corner.items() if len(vertices)]
     placed = [rot.rotate(q[:, p, None], corner[p]) + x[:, p, None] for p in some]
-    posed = np.concatenate([np.zeros((len(frames), 0, 3)), *placed], axis=1)
+    posed = np.concatenate([np.zeros((len(x), 0, 3)), *placed], axis=1)
     ends = np.cumsum([0, *(len(corner[p]) for p in some)])
     corners = [np.arange(a, b) for a, b in itertools.pairwise(ends)]
     return posed, np.array(some, dtype=np.int64), *_listed(corners)

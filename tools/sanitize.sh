@@ -48,8 +48,9 @@ grep -q __asan_init "$site"/halfphysics/_native*.so ||
   die "the module in $site is not instrumented"
 
 if [ $# -eq 0 ]; then
-  set -- tests/test_{tree,convex,mesh_tree,reference,simulator,objects,fuzz}.py \
-    tests/test_{skinning,mesh_queries,metrics,drawing,render,strip}.py
+  set -- tests/test_{tree,convex,mesh_trees,reference,simulator,objects,fuzz}.py \
+    tests/test_{skinning,mesh_queries,metrics,drawing,render,strip}.py \
+    tests/test_labels_{layout,reference}.py
 fi
 export PYTHONPATH=$site HALFPHYSICS_FUZZ=${HALFPHYSICS_FUZZ:-1}
 export ASAN_OPTIONS=detect_leaks=0:abort_on_error=0 UBSAN_OPTIONS=print_stacktrace=1

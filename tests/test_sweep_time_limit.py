@@ -66,6 +66,22 @@ def test_what_is_lost_in_a_destructor_is_raised_again():
     assert time.perf_counter() - start < 10.0
 
 
+def test_an_alarm_while_the_clock_is_put_back_leaves_none_running(monkeypatch):
+    setitimer = signal.setitimer
+
+    def late(which, seconds, *again):
+        if seconds == 0.0:
+            signal.raise_signal(signal.SIGALRM)
+        return setitimer(which, seconds, *again)
+
+    before = signal.getsignal(signal.SIGALRM)
+    monkeypatch.setattr(signal, "setitimer", late)
+    with time_limit(50.0):
+        pass
+    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0.0
+    assert signal.getsignal(signal.SIGALRM) is before
+
+
 def test_a_thread_cannot_have_one():
     found = []
 

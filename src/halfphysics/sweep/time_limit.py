@@ -28,14 +28,21 @@ def time_limit(seconds: float | None) -> Iterator[None]:
         return
     check_possible()
 
+    inside = True
+
     def late(*_: object) -> None:
-        raise OutOfTimeError
+        if inside:
+            raise OutOfTimeError
 
     before = signal.signal(signal.SIGALRM, late)
     # Again and again: Python drops what is raised in a destructor.
     signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)
     try:
-        yield
+        try:
+            yield
+        finally:
+            # What comes while the clock is put back must not leave it running.
+            inside = False
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)

@@ -1,6 +1,6 @@
 """Forward kinematics and linear blend skinning: the fast path and the readable reference.
 
-`kinematics` and `skin` run in the native core (native/skinning.cpp); `kinematics_reference` and
+`kinematics` and `skin` run in the native core (native/geometry/skinning.cpp); `kinematics_reference` and
 `skin_reference` say the same in numpy, one equation a line. Tests hold them equal.
 
 With R_j, x_j the world rotation and position of joint j, j_j its place at rest, w_vj the skin's

@@ -1,0 +1,13 @@
+// The native core: plain arrays in, plain arrays out; no simulation engine is linked.
+#include "bindings/module.h"
+
+NB_MODULE(_native, m) {
+  m.doc() = "Native core of halfphysics.";
+  bind_physics(m);
+  bind_skinning(m);
+  bind_winding(m);
+  bind_raster(m);
+  bind_touching(m);
+  bind_gaps(m);
+  bind_part_balls(m);
+}

@@ -1,0 +1,259 @@
+// Looks inside the stepper and at its parts on their own: for tests against other engines, judges and
+// measures. Nothing here changes a simulation.
+#include <cstring>
+#include <string>
+
+#include "bindings/arrays.h"
+#include "stepping/stepper.h"
+
+using namespace hp;
+
+namespace {
+
+void pose_of(Stepper& s, const Doubles& qpos, Kinematics& k) {
+  need((int)qpos.shape(0) == s.model.nq, "bad length of qpos");
+  k.resize(s.model);
+  k.update(s.model, qpos.data());
+  k.update_dofs(s.model, qpos.data());
+}
+
+void pose_of(Stepper& s, const Doubles& qpos, Poses& p) {
+  pose_of(s, qpos, p.kin);
+  s.world.start_poses(p);
+}
+
+Inertia inertia_at(Stepper& s, const Doubles& qpos) {
+  Kinematics k;
+  pose_of(s, qpos, k);
+  Inertia inertia;
+  inertia.compose(s.model, k);
+  return inertia;
+}
+
+nb::dict contact_rows(const std::vector<Contact>& contacts) {
+  std::vector<double> n, t, u, imp, curve, dist, target, shift, mu, bounce;
+  for (const Contact& c : contacts) {
+    push(n, c.n);
+    push(t, c.t);
+    push(u, c.s);
+    push(imp, c.impulse);
+    push(curve, c.curve);
+    dist.push_back(c.dist);
+    target.push_back(c.target);
+    shift.push_back(c.shift);
+    mu.push_back(c.friction);
+    bounce.push_back(c.bounce);
+  }
+  size_t k = contacts.size();
+  nb::dict d;
+  d["normal"] = array({k, 3}, n);
+  d["tangent"] = array({k, 3}, t);
+  d["binormal"] = array({k, 3}, u);
+  d["impulse"] = array({k, 3}, imp);
+  d["curve"] = array({k, 3}, curve);
+  d["dist"] = array(dist);
+  d["target"] = array(target);
+  d["shift"] = array(shift);
+  d["friction"] = array(mu);
+  d["bounce"] = array(bounce);
+  // Of both sides: the bodies that carry the point, 0: none more; its place on each, and their weights.
+  for (const bool second : {false, true}) {
+    std::vector<double> body, point, weight;
+    for (const Contact& c : contacts) {
+      const Endpoint& e = second ? c.b : c.a;
+      for (int i = 0; i < Endpoint::kMost; i++) {
+        const bool there = i < e.count;
+        body.push_back(there ? e.body[i] : 0);
+        weight.push_back(there ? e.weight[i] : 0);
+        push(point, there ? e.point[i] : Vec3{});
+      }
+    }
+    const size_t most = Endpoint::kMost;
+    const char* side = second ? "b" : "a";
+    d[(std::string("bodies_") + side).c_str()] = array({k, most}, body);
+    d[(std::string("weights_") + side).c_str()] = array({k, most}, weight);
+    d[(std::string("points_") + side).c_str()] = array({k, most, 3}, point);
+  }
+  return d;
+}
+
+}  // namespace
+
+void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
+  stepper
+      .def("keep_pieces", [](Stepper& s, bool on) { s.keep_pieces = on; })
+      .def("keep_times", [](Stepper& s, bool on) { s.keep_times = on; })
+      .def("solve_times", [](Stepper& s) { return array(s.solve_times); })
+      .def("keep_trace", [](Stepper& s, bool on) { s.keep_trace = on; })
+      .def("trace",
+           [](Stepper& s) {
+             nb::dict d;
+             d["qpos"] = array(s.trace.qpos);
+             d["qvel"] = array(s.trace.qvel);
+             d["v_free"] = array(s.trace.v_free);
+             d["v"] = array(s.trace.v);
+             d["h"] = s.trace.h;
+             d["substep"] = s.trace.k;
+             const size_t nv = s.model.nv;
+             d["overcome"] = array({s.trace.overcome.size() / nv, nv}, s.trace.overcome);
+             d["contacts"] = contact_rows(s.trace.contacts);
+             d["touched"] = array(std::vector<double>(s.trace.touched.begin(), s.trace.touched.end()));
+             return d;
+           })
+      // Kinematics and inertia on their own, for tests against other engines.
+      .def("body_frames",
+           [](Stepper& s, Doubles qpos) {
+             Kinematics k;
+             pose_of(s, qpos, k);
+             std::vector<double> x, q;
+             for (Vec3 p : k.xpos) push(x, p);
+             for (Quat r : k.xquat) q.insert(q.end(), {r.w, r.x, r.y, r.z});
+             size_t n = s.model.nbody;
+             return nb::make_tuple(array({n, 3}, x), array({n, 4}, q));
+           })
+      .def("inertia_matrix",
+           [](Stepper& s, Doubles qpos) {
+             const Model& mod = s.model;
+             const Inertia inertia = inertia_at(s, qpos);
+             size_t n = mod.nv;
+             std::vector<double> M(n * n, 0);
+             for (size_t i = 0; i < n; i++)
+               for (int a = 0; a < mod.row_size[i]; a++) {
+                 int j = mod.chain[mod.row_start[i] + a];
+                 M[i * n + j] = M[j * n + i] = inertia.M[mod.row_start[i] + a];
+               }
+             return array({n, n}, M);
+           })
+      // Forces of gravity, turning axes and so on, of whole trees.
+      .def("bias_forces",
+           [](Stepper& s, Doubles qpos, Doubles qvel) {
+             const Model& mod = s.model;
+             Kinematics k;
+             pose_of(s, qpos, k);
+             std::vector<int> bodies;
+             for (int b = 1; b < mod.nbody; b++) bodies.push_back(b);
+             std::vector<double> out(mod.nv);
+             bias_forces(mod, k, qvel.data(), s.gravity, bodies, out.data());
+             return array(out);
+           })
+      // Vertices of the skin that are a mover's corners; none: it is rigid.
+      .def("mover_vertices",
+           [](Stepper& s, int mover) {
+             const std::vector<int>& v = s.world.movers.at(mover).vertex;
+             return array(std::vector<double>(v.begin(), v.end()));
+           })
+      // Of a mover at a pose: its corners (n, 3), and the Jacobian (3, nv) of one of them.
+      .def("mover_points",
+           [](Stepper& s, Doubles qpos, int mover) {
+             Poses p;
+             pose_of(s, qpos, p);
+             const Points at = s.world.place(p, mover).points();
+             std::vector<double> x;
+             for (int i = 0; i < at.n; i++) push(x, at.at(i));
+             return array({(size_t)at.n, 3}, x);
+           })
+      .def("mover_jacobian",
+           [](Stepper& s, Doubles qpos, int mover, int corner) {
+             Poses p;
+             pose_of(s, qpos, p);
+             const Mover& m = s.world.movers.at(mover);
+             const Placed& at = s.world.place(p, mover);
+             const Endpoint e = p.endpoint(m, at, p.material(m, at, at.points().at(corner)));
+             const size_t n = s.model.nv;
+             std::vector<double> J(3 * n), v(n, 0);
+             std::vector<Twist> twists;
+             for (size_t i = 0; i < n; i++) {
+               v[i] = 1;
+               body_twists(s.model, p.kin, v.data(), twists);
+               const Vec3 x = endpoint_velocity(s.model, p.kin, twists, v.data(), e);
+               for (int k = 0; k < 3; k++) J[k * n + i] = x[k];
+               v[i] = 0;
+             }
+             return array({3, n}, J);
+           })
+      .def("inertia_solve",
+           [](Stepper& s, Doubles qpos, Doubles x) {
+             const Model& mod = s.model;
+             Inertia inertia = inertia_at(s, qpos);
+             inertia.factor(mod, std::vector<double>(mod.nv, 1), std::vector<double>(mod.nv, 0));
+             std::vector<double> y = list<double>(x);
+             inertia.solve(mod, y.data());
+             return array(y);
+           })
+      .def("integrate", [](Stepper& s, Doubles qpos, Doubles qvel, double t) {
+        std::vector<double> q = list<double>(qpos);
+        integrate(s.model, q.data(), qvel.data(), t);
+        return array(q);
+      });
+
+  // Contacts w = beta + A p on their own: impulses, sweeps and steps, what is left of it all and of the
+  // normals alone [m/s].
+  m.def("solve_contacts", [](Square A, Doubles beta, Doubles mu, Ints pairs, Doubles warm,
+                             double tolerance, double fine, int most) {
+    const size_t n = mu.shape(0), n3 = 3 * n;
+    need(A.shape(0) == n3 && A.shape(1) == n3 && beta.shape(0) == n3 && warm.shape(0) == n3 &&
+             pairs.shape(0) == n,
+         "solve_contacts: A (3n, 3n), beta (3n,), mu (n,), pairs (n,), warm (3n,)");
+    ContactProblem problem;
+    problem.clear((int)n);
+    for (size_t i = 0; i < n; i++) {
+      for (size_t j = 0; j <= i; j++)
+        for (size_t r = 0; r < 3; r++)
+          for (size_t c = 0; c < 3; c++) {
+            const double a = A.data()[(3 * i + r) * n3 + 3 * j + c];
+            problem.A((int)i, (int)j)[r * problem.stride() + c] = a;
+            problem.A((int)j, (int)i)[c * problem.stride() + r] = a;
+          }
+      problem.add(beta.data() + 3 * i, warm.data() + 3 * i, mu.data()[i], pairs.data()[i]);
+    }
+    SolveReport report;
+    {
+      nb::gil_scoped_release release;
+      problem.solve(tolerance, fine, most, report);
+    }
+    return nb::make_tuple(array(problem.p), report.sweeps, report.residual, report.normal);
+  });
+  // Impulses of one contact for each row of r (k, 3); `old` says where to look first.
+  m.def("coulomb_contact", [](Square A, double mu, Rows3 r, Rows3 old) {
+    need(A.shape(0) == 3 && A.shape(1) == 3 && old.shape(0) == r.shape(0),
+         "coulomb_contact: A (3, 3), r and old (k, 3)");
+    Mat3 a;
+    std::memcpy(a.m, A.data(), sizeof a.m);
+    LocalContact contact;
+    contact.set(a, mu);
+    std::vector<double> out;
+    for (size_t i = 0; i < r.shape(0); i++)
+      push(out, contact.solve(load3(r.data() + 3 * i), load3(old.data() + 3 * i)));
+    return array({r.shape(0), 3}, out);
+  });
+  // Distance of two convex shapes; normals (may be empty) decide the way out of an overlap.
+  m.def("convex_distance", [](Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b,
+                              Rows3 normals_b, double rb, Doubles rim_b) {
+    Convex A = convex(a, ra, rim_a, vectors(normals_a)), B = convex(b, rb, rim_b, vectors(normals_b));
+    Placed pa, pb;
+    pa.place(A, {}, {});
+    pb.place(B, {}, {});
+    Separation s = separate(pa, pb);
+    std::vector<double> n, x, y;
+    push(n, s.n);
+    push(x, s.pa);
+    push(y, s.pb);
+    return nb::make_tuple(s.dist, array(n), array(x), array(y));
+  });
+  // Planes (normal, offset, distance, triangle) between a convex shape and triangles.
+  m.def("triangle_planes", [](Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
+                              double reach) {
+    TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
+    Convex A = convex(hull, radius, rim);
+    Placed p;
+    p.place(A, {}, {});
+    std::vector<Plane> planes;
+    tree.planes(p, reach, planes);
+    std::vector<double> out;
+    for (const Plane& q : planes) {
+      push(out, q.n);
+      out.insert(out.end(), {q.offset, q.dist, (double)tree.face(q.triangle)});
+    }
+    return nb::make_tuple(array({planes.size(), 6}, out), tree.distance(p, reach));
+  });
+}

@@ -1,0 +1,44 @@
+// One Coulomb contact on its own, solved exactly.
+#pragma once
+#include <cmath>
+
+#include "math/vec.h"
+
+namespace hp {
+
+// With w = r + A p the velocity of the contact and p its impulse, each (n, t, s):
+// 0 <= p_n, w_n >= 0, p_n w_n = 0, |p_t| <= mu p_n, and where it slips p_t = -mu p_n w_t/|w_t|.
+struct LocalContact {
+  Mat3 A, inverse;
+  double mu = 0;
+  double tangent_step = 0;  // 1 / largest eigenvalue of the tangential block
+
+  void set(const Mat3& a, double friction);
+  // The answer to r; `old` only says where to look first for the direction of slip.
+  Vec3 solve(Vec3 r, Vec3 old) const;
+  // How far p is from its answer, as a velocity: normal, and the larger of normal and friction.
+  double normal_residual(const double* p, const double* w) const {
+    return std::fabs(std::min(w[0], p[0] * A.m[0]));
+  }
+  double residual(const double* p, const double* w) const;
+  double squared_residual(const double* p, const double* w) const;
+
+ private:
+  struct Slip {
+    double f, slope;  // zero where slip and friction are parallel; derivative by the angle
+    double normal;    // what one unit of p_n sliding this way gives the normal velocity
+    double along;     // of the slip along the friction: negative where friction opposes it
+  };
+  Slip slip(Vec3 r, double c, double s) const;
+  bool search(Vec3 r, double rounding, double& c, double& s) const;
+};
+
+// Friction back onto its disc.
+inline void clamp_friction(double* p, double mu) {
+  double length = std::sqrt(p[1] * p[1] + p[2] * p[2]), limit = mu * p[0];
+  if (length <= limit) return;
+  double f = limit > 0 ? limit / length : 0;
+  p[1] *= f, p[2] *= f;
+}
+
+}  // namespace hp

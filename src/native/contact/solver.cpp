@@ -1,0 +1,321 @@
+#include "contact/solver.h"
+
+#include <cstring>
+#include <numeric>
+
+#include "math/simd.h"
+
+namespace hp {
+
+namespace {
+
+// Times that violated points join those that take part.
+constexpr int kJoins = 12;
+// Who misses this share of the tolerance joins: a corner that is left out sinks by as much.
+constexpr double kJoin = 1e-3;
+constexpr double kRough = 10;
+constexpr double kFine = 1e-5;
+// An island in which something on a track squeezes others is given up where a contact needs so many times
+// the impulse that gives all that moves the largest velocity asked, or normal velocities miss what is
+// asked of them by so many tolerances.
+constexpr double kCrushing = 50, kUnsolved = 20;
+
+}  // namespace
+
+Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Twist>& twists,
+                       const double* qvel, const Endpoint& e) {
+  Vec3 v;
+  for (int i = 0; i < e.count; i++) {
+    const Twist& t = twists[e.body[i]];
+    v += e.weight[i] * (t.v + cross(t.w, e.point[i] - k.reference(m, e.body[i])));
+  }
+  if (e.bends)
+    for (const Endpoint::Bend& b : *e.bends) v += qvel[b.dof] * b.rate;
+  return v;
+}
+
+// D^-1/2 L^-T S for the six spatial axes S of a body: what a unit wrench on it does, per dof of
+// its chain. Then a row of Y = D^-1/2 L^-T J^T is a combination of six columns.
+void ContactSolver::half_solve(const Model& m, const Kinematics& k, const Inertia& inertia,
+                               int body) {
+  int last = m.last_dof[body];
+  const int* dof = &m.chain[m.row_start[last]];
+  int n = m.row_size[last];
+  body_slot_[body] = (int)body_y_.size();
+  body_y_.resize(body_y_.size() + 6 * (size_t)n);
+  double* y = &body_y_[body_slot_[body]];
+  for (int a = 0; a < n; a++) {
+    store3(y + 6 * a, k.cdof[dof[a]].w);
+    store3(y + 6 * a + 3, k.cdof[dof[a]].v);
+  }
+  for (int a = n - 1; a > 0; a--) {
+    const double* row = &inertia.L[m.row_start[dof[a]]];
+    const double* ya = y + 6 * a;
+    for (int c = 0; c < a; c++)
+      for (int e = 0; e < 6; e++) y[6 * c + e] -= row[c] * ya[e];
+  }
+  for (int a = 0; a < n; a++)
+    for (int e = 0; e < 6; e++) y[6 * a + e] *= inertia.root_D[dof[a]];
+}
+
+// Several bodies of one tree share dofs.
+void ContactSolver::add_to_row(int dof, double n, double t, double s) {
+  int& at = slot_[dof];
+  if (at < 0) {
+    at = (int)dof_.size();
+    dof_.push_back(dof);
+    y_.insert(y_.end(), {n, t, s, 0.0});
+  } else {
+    y_[4 * at] += n, y_[4 * at + 1] += t, y_[4 * at + 2] += s;
+  }
+}
+
+// The same for what blend shapes do: joints anywhere in the tree, so that every row of the factor
+// takes part.
+void ContactSolver::add_bends(const Model& m, const Inertia& inertia, const Endpoint& e, double sign,
+                              const Vec3 axis[3]) {
+  bend_.resize(3 * (size_t)m.nv, 0.0);
+  int last = 0;
+  for (const Endpoint::Bend& b : *e.bends) {
+    for (int q = 0; q < 3; q++) bend_[3 * b.dof + q] = sign * dot(axis[q], b.rate);
+    last = std::max(last, b.dof);
+  }
+  for (int i = last; i >= 0; i--) {
+    double* x = &bend_[3 * (size_t)i];
+    if (x[0] == 0 && x[1] == 0 && x[2] == 0) continue;
+    const int* chain = &m.chain[m.row_start[i]];
+    const double* L = &inertia.L[m.row_start[i]];
+    for (int a = 0; a + 1 < m.row_size[i]; a++)
+      for (int q = 0; q < 3; q++) bend_[3 * (size_t)chain[a] + q] -= L[a] * x[q];
+    const double d = inertia.root_D[i];
+    add_to_row(i, d * x[0], d * x[1], d * x[2]);
+    x[0] = x[1] = x[2] = 0;
+  }
+}
+
+// One more contact takes part: its row of Y, and of A with all rows that there are.
+void ContactSolver::join(const Model& m, const Kinematics& k, const Inertia& inertia,
+                         const Contact& c, int contact) {
+  joined_[contact] = 1;
+  Row row;
+  row.contact = contact;
+  row.first = (int)dof_.size();
+  const Vec3 axis[3] = {c.n, c.t, c.s};
+  for (int side = 0; side < 2; side++) {
+    const Endpoint& e = side == 0 ? c.a : c.b;
+    for (int l = 0; l < e.count; l++) {
+      int b = e.body[l], last = m.pushed_dof(b);
+      if (last < 0) continue;
+      if (body_slot_[b] < 0) half_solve(m, k, inertia, b);
+      Vec3 r = e.point[l] - k.reference(m, b);
+      double weight = side == 0 ? e.weight[l] : -e.weight[l];
+      const double* y = &body_y_[body_slot_[b]];
+      const int* dof = &m.chain[m.row_start[last]];
+      Vec3 moment[3];
+      for (int q = 0; q < 3; q++) moment[q] = weight * cross(r, axis[q]);
+      for (int a = 0; a < m.row_size[last]; a++, y += 6) {
+        Vec3 yw = load3(y), yv = load3(y + 3);
+        double v[3];
+        for (int q = 0; q < 3; q++) v[q] = dot(moment[q], yw) + weight * dot(axis[q], yv);
+        add_to_row(dof[a], v[0], v[1], v[2]);
+      }
+    }
+    if (e.bends) add_bends(m, inertia, e, side == 0 ? 1 : -1, axis);
+  }
+  row.count = (int)dof_.size() - row.first;
+  for (int i = row.first; i < (int)dof_.size(); i++) slot_[dof_[i]] = -1;
+
+  const int n = (int)rows_.size();
+  const size_t stride = problem_.stride();
+  for (int i = row.first; i < row.first + row.count; i++)
+    for (int q = 0; q < 3; q++) scatter_[4 * dof_[i] + q] = y_[4 * i + q];
+  rows_.push_back(row);
+  for (int j = 0; j <= n; j++) {
+    const Row& other = rows_[j];
+    double s[12];
+    meet(scatter_.data(), &dof_[other.first], &y_[4 * (size_t)other.first], other.count, s);
+    for (int p = 0; p < 3; p++)
+      for (int q = 0; q < 3; q++) {
+        problem_.A(n, j)[p * stride + q] = s[4 * p + q];
+        problem_.A(j, n)[q * stride + p] = s[4 * p + q];
+      }
+  }
+  for (int i = row.first; i < row.first + row.count; i++)
+    for (int q = 0; q < 3; q++) scatter_[4 * dof_[i] + q] = 0;
+
+  // What moves with a joint alone has one row; the other two get something regular to divide by.
+  if (c.a.count == 0 && c.b.count == 0)
+    for (int q = 1; q < 3; q++) problem_.A(n, n)[q * stride + q] += problem_.A(n, n)[0];
+  const double warm[3] = {dot(c.n, c.impulse), dot(c.t, c.impulse), dot(c.s, c.impulse)};
+  problem_.add(&demand_[3 * contact], warm, c.friction, c.pair);
+}
+
+// dv = M^-1 J^T p = L^-1 D^-1/2 Y p.
+void ContactSolver::response(const Model& m, const Kinematics& k, const Inertia& inertia) {
+  std::fill(dv_.begin(), dv_.end(), 0.0);
+  for (int i = 0; i < (int)rows_.size(); i++) {
+    const double* p = &problem_.p[3 * i];
+    if (p[0] == 0) continue;
+    for (int e = rows_[i].first; e < rows_[i].first + rows_[i].count; e++)
+      dv_[dof_[e]] += y_[4 * e] * p[0] + y_[4 * e + 1] * p[1] + y_[4 * e + 2] * p[2];
+  }
+  for (int i = 0; i < m.nv; i++) dv_[i] *= inertia.root_D[i];
+  inertia.half_solve_back(m, dv_.data());
+  body_twists(m, k, dv_.data(), response_);
+}
+
+// Is anybody squeezed harder than who has room to give way?
+bool ContactSolver::crushes(const int* ids, int n, double mass) const {
+  double asked = 0, most = 0;
+  for (int l = 0; l < n; l++) asked = std::max(asked, -demand_[3 * ids[l]]);
+  for (size_t i = 0; i < rows_.size(); i++) most = std::max(most, problem_.p[3 * i]);
+  return most > kCrushing * mass * asked;
+}
+
+void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& inertia,
+                           const int* ids, int n, std::vector<Contact>& contacts,
+                           double tolerance, int max_sweeps, double mass, SolveReport& report) {
+  rows_.clear();
+  dof_.clear();
+  y_.clear();
+  problem_.clear(n);
+  // The worst points of every pair, two at most at a time.
+  auto join_worst = [&](auto violation) {
+    worst_.clear();
+    for (int l = 0; l < n; l++) {
+      const int i = ids[l];
+      if (joined_[i]) continue;
+      const double v = violation(i);
+      if (v >= -kJoin * tolerance) continue;
+      int rivals = 0;
+      Waiting* best = nullptr;
+      for (Waiting& w : worst_)
+        if (w.pair == contacts[i].pair) {
+          rivals++;
+          if (!best || w.violation > best->violation) best = &w;  // the least of them
+        }
+      if (rivals < 2)
+        worst_.push_back({i, contacts[i].pair, v});
+      else if (v < best->violation)
+        *best = {i, contacts[i].pair, v};
+    }
+    for (const Waiting& w : worst_) join(m, k, inertia, contacts[w.contact], w.contact);
+    return !worst_.empty();
+  };
+  auto violation = [&](int i) {
+    const Contact& c = contacts[i];
+    return demand_[3 * i] + dot(c.n, endpoint_velocity(m, k, response_, dv_.data(), c.a) -
+                                         endpoint_velocity(m, k, response_, dv_.data(), c.b));
+  };
+  // Those that carried something before, and whatever is violated in spite of them.
+  for (int l = 0; l < n; l++)
+    if (norm2(contacts[ids[l]].impulse) > 0) join(m, k, inertia, contacts[ids[l]], ids[l]);
+  if ((int)rows_.size() < n) {
+    if (rows_.empty()) {
+      join_worst([&](int i) { return demand_[3 * i]; });
+    } else {
+      response(m, k, inertia);
+      join_worst(violation);
+    }
+  }
+  // What rests, things on things, must not creep by what a tolerance allows.
+  bool things = true;
+  for (int l = 0; l < n && things; l++)
+    for (const Endpoint* e : {&contacts[ids[l]].a, &contacts[ids[l]].b})
+      for (int q = 0; q < e->count; q++)
+        things &= m.last_dof[e->body[q]] < 0 || m.row_size[m.last_dof[e->body[q]]] <= 6;
+  const double fine = things ? kFine * tolerance : tolerance;
+  bool squeezed = false;  // by something on a track
+  for (int l = 0; l < n && mass > 0 && !squeezed; l++)
+    for (const Endpoint* e : {&contacts[ids[l]].a, &contacts[ids[l]].b})
+      for (int q = 0; q < e->count; q++) squeezed |= m.held[e->body[q]] != 0;
+  // Roughly while others may join, then properly.
+  SolveReport mine;
+  bool rough = true;
+  for (int round = 0;; round++) {
+    rough = rough && round < kJoins && (int)rows_.size() < n;
+    problem_.solve(rough ? kRough * tolerance : tolerance, rough ? kRough * tolerance : fine,
+                   max_sweeps, mine);
+    if (squeezed && crushes(ids, n, mass)) {
+      report.crushed = true;
+      break;
+    }
+    if (round >= kJoins || (int)rows_.size() == n) break;
+    response(m, k, inertia);
+    if (join_worst(violation)) continue;
+    if (!rough) break;
+    rough = false;
+  }
+  report.crushed |= squeezed && mine.normal > kUnsolved * tolerance;
+  for (int l = 0; l < n; l++) contacts[ids[l]].impulse = {};
+  for (size_t i = 0; i < rows_.size(); i++) {
+    Contact& c = contacts[rows_[i].contact];
+    const double* p = &problem_.p[3 * i];
+    c.impulse = p[0] * c.n + p[1] * c.t + p[2] * c.s;
+  }
+  report.sweeps += mine.sweeps;
+  report.points += (int)rows_.size();
+  report.residual = std::max(report.residual, mine.residual);
+}
+
+SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Inertia& inertia,
+                                 double h, const double* v_free, double* v,
+                                 std::vector<Contact>& contacts, double tolerance,
+                                 int max_sweeps, double mass) {
+  const int n = (int)contacts.size();
+  std::memcpy(v, v_free, sizeof(double) * m.nv);
+  SolveReport report;
+  if (n == 0) return report;
+  body_slot_.assign(m.nbody, -1);
+  body_y_.clear();
+  joined_.assign(n, 0);
+  scatter_.resize(4 * (size_t)m.nv, 0.0);
+  slot_.assign(m.nv, -1);
+  dv_.resize(m.nv);
+  demand_.resize(3 * (size_t)n);
+  body_twists(m, k, v_free, twists_);
+  for (int i = 0; i < n; i++) {
+    const Contact& c = contacts[i];
+    Vec3 u = endpoint_velocity(m, k, twists_, v_free, c.a) -
+             endpoint_velocity(m, k, twists_, v_free, c.b);
+    demand_[3 * i] = dot(c.n, u) - std::max((c.target - c.dist + c.shift) / h, c.bounce);
+    demand_[3 * i + 1] = dot(c.t, u + h * c.curve);
+    demand_[3 * i + 2] = dot(c.s, u + h * c.curve);
+  }
+
+  // Islands: trees that contacts connect.
+  root_island_.resize(m.nbody);
+  std::iota(root_island_.begin(), root_island_.end(), 0);
+  auto find = [&](int b) {
+    while (root_island_[b] != b) b = root_island_[b] = root_island_[root_island_[b]];
+    return b;
+  };
+  auto any_root = [&](const Contact& c) {
+    for (const Endpoint* e : {&c.a, &c.b})
+      for (int l = 0; l < e->count; l++)
+        if (m.pushed_dof(e->body[l]) >= 0) return m.root[e->body[l]];
+    // The end of a joint moves with that alone.
+    return c.a.bends ? m.root[m.dof_body[c.a.bends->front().dof]] : 0;
+  };
+  for (const Contact& c : contacts)
+    for (const Endpoint* e : {&c.a, &c.b})
+      for (int l = 0; l < e->count; l++)
+        if (m.pushed_dof(e->body[l]) >= 0)
+          root_island_[find(m.root[e->body[l]])] = find(any_root(c));
+  order_.resize(n);
+  std::iota(order_.begin(), order_.end(), 0);
+  auto island_of = [&](int i) { return find(any_root(contacts[i])); };
+  std::stable_sort(order_.begin(), order_.end(),
+                   [&](int i, int j) { return island_of(i) < island_of(j); });
+  for (int first = 0; first < n;) {
+    int last = first + 1;
+    while (last < n && island_of(order_[last]) == island_of(order_[first])) last++;
+    island(m, k, inertia, &order_[first], last - first, contacts, tolerance, max_sweeps, mass, report);
+    response(m, k, inertia);
+    for (int i = 0; i < m.nv; i++) v[i] += dv_[i];
+    first = last;
+  }
+  return report;
+}
+
+}  // namespace hp

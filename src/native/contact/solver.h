@@ -1,0 +1,127 @@
+// From contacts between bodies to contact space, A = J M^-1 J^T, and back to velocities.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "contact/contact_problem.h"
+#include "dynamics/kinematic_tree.h"
+
+namespace hp {
+
+// A point that moves with a weighted sum of bodies; a rigid part has one entry, a skinned vertex
+// several.
+struct Endpoint {
+  static constexpr int kMost = 8;
+  // What a joint's velocity does to the point besides: pose blend shapes.
+  struct Bend {
+    int dof;
+    Vec3 rate;  // of the point, world
+  };
+  int count = 0;
+  int body[kMost];
+  double weight[kMost];
+  Vec3 point[kMost];  // world position of the point carried by each body
+  std::shared_ptr<const std::vector<Bend>> bends;  // often none
+
+  static Endpoint rigid(int body, Vec3 p) {
+    Endpoint e;
+    if (body > 0) {
+      e.count = 1;
+      e.body[0] = body, e.weight[0] = 1, e.point[0] = p;
+    }
+    return e;
+  }
+};
+
+// A point of a surface, to be found again at another pose: `local` in its body's frame, or, of a skin,
+// off the vertex that it moves with, before that is posed.
+struct Material {
+  int vertex = -1;
+  Vec3 local;
+};
+
+// `twists` are those that the velocities `qvel` make.
+Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Twist>& twists,
+                       const double* qvel, const Endpoint& e);
+
+// One contact point between a and b: the rows n, t, s of the relative velocity v_a - v_b.
+struct Contact {
+  Endpoint a, b;
+  Vec3 n, t, s;
+  Vec3 position, at_a, at_b;
+  // The points whose gap counts: on the surfaces, or what those are round about.
+  Material gap_a, gap_b;
+  double closing = 0;  // what the gap loses by the growth of what came out of something [m]
+  Vec3 rim;           // on a disc: direction from its centre, unit; else zero
+  double dist = 0;    // gap at the start of the substep [m]
+  double target = 0;  // smallest gap allowed at its end [m]
+  double shift = 0;   // correction of the linear prediction [m]: gap_end = dist + h v_n - shift
+  // Half of how its way curves [m/s^2]; of that what is along the surface counts: way_t = h v_t + h^2
+  // curve_t. (A gap is measured.)
+  Vec3 curve;
+  double friction = 0, restitution = 0;
+  double bounce = -1e300;  // v_n demanded by restitution [m/s], second pass
+  Vec3 impulse;            // world [N s], on a; the warm start on entry
+  int pair = 0;            // index of the candidate it came from
+  int64_t key = 0;         // identity from substep to substep
+  int feature = 0;
+};
+
+class ContactSolver {
+ public:
+  // Smallest dv and impulses with  M dv = J^T p  and for every contact, with g the relative
+  // normal velocity minus what the contact demands:  0 <= p_n, g >= 0, p_n g = 0,
+  // |p_t| <= mu p_n, slip opposed by friction. `v_free` [nv] is the velocity without contact;
+  // `v` receives the velocity with it. Stops at `tolerance` [m/s] or `max_sweeps`.
+  //
+  // Islands (trees that contacts connect) are solved one by one. Within an island only the
+  // points that carry something take part: those that did so in the substep before and the worst
+  // of each pair; whichever else is violated then joins, and A is extended. `mass` [kg] of
+  // all that moves, where something on a track may squeeze others: else 0.
+  SolveReport solve(const Model& m, const Kinematics& k, const Inertia& inertia, double h,
+                    const double* v_free, double* v, std::vector<Contact>& contacts,
+                    double tolerance, int max_sweeps, double mass = 0);
+
+ private:
+  // A contact that takes part: its row of Y = D^-1/2 L^-T J^T, sparse over dofs.
+  struct Row {
+    int contact = 0;
+    int first = 0, count = 0;  // into dof_, y_
+  };
+
+  void half_solve(const Model& m, const Kinematics& k, const Inertia& inertia, int body);
+  void add_bends(const Model& m, const Inertia& inertia, const Endpoint& e, double sign,
+                 const Vec3 axis[3]);
+  void add_to_row(int dof, double n, double t, double s);
+  void island(const Model& m, const Kinematics& k, const Inertia& inertia, const int* ids, int n,
+              std::vector<Contact>& contacts, double tolerance, int max_sweeps, double mass,
+              SolveReport& report);
+  void join(const Model& m, const Kinematics& k, const Inertia& inertia, const Contact& c,
+            int contact);
+  bool crushes(const int* ids, int n, double mass) const;
+  // dv of the island, into dv_, and the bodies' twists that it makes.
+  void response(const Model& m, const Kinematics& k, const Inertia& inertia);
+
+  // of the whole solve
+  std::vector<double> body_y_;  // per body: chain length x 6
+  std::vector<int> body_slot_;  // offset into body_y_, -1: not yet
+  std::vector<Twist> twists_, response_;
+  std::vector<double> dv_, demand_;
+  std::vector<int> root_island_, order_;
+  std::vector<char> joined_;
+  // of the island
+  ContactProblem problem_;
+  std::vector<Row> rows_;
+  std::vector<int> dof_, slot_;  // slot_: where a dof is in the row under way, -1: nowhere
+  std::vector<double> bend_;     // nv x 3, zero between uses
+  std::vector<double> y_;        // three per entry of dof_, and a zero
+  std::vector<double> scatter_;  // nv x 4, zero between uses
+  struct Waiting {
+    int contact, pair;
+    double violation;
+  };
+  std::vector<Waiting> worst_;
+};
+
+}  // namespace hp

@@ -1,0 +1,147 @@
+#include "dynamics/articulation.h"
+
+#include <cmath>
+
+namespace hp {
+
+namespace {
+
+// Joints stop this far from their ends: rounding does not carry them beyond [rad or m].
+constexpr double kMargin = 1e-9;
+
+// Of a force (moment, force) that is carried along by a motion.
+Twist cross_force(Twist v, Twist f) { return {cross(v.w, f.w) + cross(v.v, f.v), cross(v.w, f.v)}; }
+
+}  // namespace
+
+void bias_forces(const Model& m, const Kinematics& k, const double* qvel, Vec3 gravity,
+                 const std::vector<int>& bodies, double* out, const double* qacc,
+                 const std::vector<char>* massive) {
+  std::vector<Twist> velocity(m.nbody), acceleration(m.nbody), force(m.nbody);
+  acceleration[0].v = -gravity;
+  for (int b : bodies) {
+    Twist v = velocity[m.parent[b]], a = acceleration[m.parent[b]];
+    carry(m, k, qvel, b, v, a);
+    const int dof = m.dof_first[b];
+    for (int d = dof; qacc && d < dof + m.dof_count[b]; d++) a = a + scaled(qacc[d], k.cdof[d]);
+    velocity[b] = v, acceleration[b] = a;
+    if (massive && !(*massive)[b]) continue;
+    const Inertia::Composite I = Inertia::of_body(m, k, b);
+    force[b] = I * a + cross_force(v, I * v);
+  }
+  for (size_t i = bodies.size(); i-- > 0;) {
+    const int b = bodies[i];
+    for (int d = m.dof_first[b]; d < m.dof_first[b] + m.dof_count[b]; d++)
+      out[d] = dot(k.cdof[d].w, force[b].w) + dot(k.cdof[d].v, force[b].v);
+    force[m.parent[b]] = force[m.parent[b]] + force[b];
+  }
+}
+
+void Articulations::finish(const Model& m, const std::vector<char>& others) {
+  joints.damping.resize(m.nv, 0.0);
+  joints.stiffness.resize(m.njnt, 0.0);
+  if (joints.spring.empty()) joints.spring = m.qpos0;
+  joints.limited.resize(m.njnt, 0);
+  joints.lower.resize(m.njnt, 0.0);
+  joints.upper.resize(m.njnt, 0.0);
+  bodies_.clear(), dofs_.clear(), joints_.clear(), ends_.clear(), end_joint_.clear();
+  std::vector<char> moves(m.nbody, 0);
+  for (int b = 1; b < m.nbody; b++)
+    if (!others[m.root[b]] && m.dof_count[b] > 0) moves[m.root[b]] = 1;
+  for (int b = 1; b < m.nbody; b++) {
+    if (!moves[m.root[b]]) continue;
+    bodies_.push_back(b);
+    for (int d = m.dof_first[b]; d < m.dof_first[b] + m.dof_count[b]; d++) dofs_.push_back(d);
+    for (int j = m.jnt_first[b]; j < m.jnt_first[b] + m.jnt_count[b]; j++) {
+      joints_.push_back(j);
+      if (!joints.limited[j] || (m.jnt_type[j] != Joint::Hinge && m.jnt_type[j] != Joint::Slide))
+        continue;
+      for (double sign : {1.0, -1.0}) {
+        Contact c;
+        c.n = {1, 0, 0}, c.t = {0, 1, 0}, c.s = {0, 0, 1};
+        c.a.bends = std::make_shared<const std::vector<Endpoint::Bend>>(
+            1, Endpoint::Bend{m.jnt_dof[j], {sign, 0, 0}});
+        ends_.push_back(c);
+        end_joint_.push_back(j);
+      }
+    }
+  }
+}
+
+bool Articulations::any(const Model& m, const std::vector<char>& active) const {
+  for (int d : dofs_)
+    if (active[m.dof_body[d]]) return true;
+  return false;
+}
+
+void Articulations::added_inertia(const Model& m, const std::vector<char>& active, double h,
+                                  std::vector<double>& extra) const {
+  for (int j : joints_) {
+    if (!active[m.jnt_body[j]]) continue;
+    const int count = m.jnt_type[j] == Joint::Free ? 6 : m.jnt_type[j] == Joint::Ball ? 3 : 1;
+    for (int d = m.jnt_dof[j]; d < m.jnt_dof[j] + count; d++)
+      extra[d] = h * joints.damping[d] + (count < 6 ? h * h * joints.stiffness[j] : 0.0);
+  }
+}
+
+void Articulations::impulse(const Model& m, const Kinematics& k, const std::vector<char>& active,
+                            Vec3 gravity, const double* qpos, const double* qvel, double h,
+                            double* out) {
+  moving_.clear();
+  for (int b : bodies_)
+    if (active[b]) moving_.push_back(b);
+  bias_.resize(m.nv);
+  bias_forces(m, k, qvel, gravity, moving_, bias_.data());
+  for (int j : joints_) {
+    if (!active[m.jnt_body[j]]) continue;
+    const int d = m.jnt_dof[j], q = m.jnt_qpos[j];
+    const double K = joints.stiffness[j];
+    auto act = [&](int i, double spring) {
+      out[d + i] =
+          h * (-bias_[d + i] - joints.damping[d + i] * qvel[d + i] + spring - h * K * qvel[d + i]);
+    };
+    switch (m.jnt_type[j]) {
+      case Joint::Free:  // nothing to hold a spring
+        for (int i = 0; i < 6; i++)
+          out[d + i] = h * (-bias_[d + i] - joints.damping[d + i] * qvel[d + i]);
+        break;
+      case Joint::Ball: {
+        const Quat rest = load4(&joints.spring[q]);
+        const Vec3 off = log_quat(normalized(conjugate(rest) * load4(qpos + q)));
+        for (int i = 0; i < 3; i++) act(i, -K * off[i]);
+        break;
+      }
+      default:
+        act(0, -K * (qpos[q] - joints.spring[q]));
+    }
+  }
+}
+
+void Articulations::limits(const Model& m, const std::vector<char>& active, const double* qpos,
+                           std::vector<Contact>& out) const {
+  out.clear();
+  for (size_t i = 0; i < ends_.size(); i++) {
+    const int j = end_joint_[i];
+    if (!active[m.jnt_body[j]]) continue;
+    out.push_back(ends_[i]);
+    Contact& c = out.back();
+    const double q = qpos[m.jnt_qpos[j]];
+    c.dist = limit_sign(c) > 0 ? q - joints.lower[j] : joints.upper[j] - q;
+    c.target = std::min(c.dist, kMargin);
+  }
+}
+
+double Articulations::fastest(const Model& m, const std::vector<char>& active,
+                              const double* qvel) const {
+  double most = 0;
+  for (int j : joints_) {
+    if (!active[m.jnt_body[j]] || m.jnt_type[j] == Joint::Slide) continue;
+    const double* v = qvel + m.jnt_dof[j];
+    most = std::max(most, m.jnt_type[j] == Joint::Hinge  ? std::fabs(v[0])
+                          : m.jnt_type[j] == Joint::Free ? norm(load3(v + 3))
+                                                         : norm(load3(v)));
+  }
+  return most;
+}
+
+}  // namespace hp

@@ -1,0 +1,62 @@
+// Trees that are neither a person nor one free body, such as doors, drawers and robot arms: what moves
+// them without contact, and how far their joints go.
+#pragma once
+#include <vector>
+
+#include "contact/solver.h"
+#include "dynamics/kinematic_tree.h"
+
+namespace hp {
+
+// What acts in joints, in the order of Model. Empty lists: nothing does.
+struct JointForces {
+  std::vector<double> damping;         // per dof
+  std::vector<double> stiffness;       // per joint
+  std::vector<double> spring;          // per coordinate: where the springs rest
+  std::vector<char> limited;           // per joint, of hinges and slides
+  std::vector<double> lower, upper;    // per joint
+};
+
+// Coriolis, centrifugal and gravity forces c of  M dv/dt + c = tau  at the velocity `qvel`, by recursion
+// over `bodies`: whole trees, parents first (Featherstone 2008, ch. 5). Writes those bodies' dofs only.
+// With `qacc` M qacc + c; with `massive` (per body) as if the others had no mass.
+void bias_forces(const Model& m, const Kinematics& k, const double* qvel, Vec3 gravity,
+                 const std::vector<int>& bodies, double* out, const double* qacc = nullptr,
+                 const std::vector<char>* massive = nullptr);
+
+class Articulations {
+ public:
+  JointForces joints;
+
+  // `others`: per body, whether the tree that hangs on it is somebody else's to move.
+  void finish(const Model& m, const std::vector<char>& others);
+  // Does any of them take part?
+  bool any(const Model& m, const std::vector<char>& active) const;
+  const std::vector<int>& dofs() const { return dofs_; }
+  // Damping and springs act with the velocity at the end of the step: h D + h^2 K joins the inertia.
+  void added_inertia(const Model& m, const std::vector<char>& active, double h,
+                     std::vector<double>& extra) const;
+  // h times the force on the dofs of those who take part, into `out`; the others' stay.
+  void impulse(const Model& m, const Kinematics& k, const std::vector<char>& active, Vec3 gravity,
+               const double* qpos, const double* qvel, double h, double* out);
+  // A row for either end of every joint that has ends, in the form of a contact that moves with one dof
+  // and has no friction: `dist` is how far it still goes.
+  void limits(const Model& m, const std::vector<char>& active, const double* qpos,
+              std::vector<Contact>& out) const;
+  // The largest turn [rad/s] of any joint that takes part.
+  double fastest(const Model& m, const std::vector<char>& active, const double* qvel) const;
+
+ private:
+  std::vector<int> bodies_, dofs_, joints_;
+  std::vector<Contact> ends_;  // two per joint that has ends: the lower first
+  std::vector<int> end_joint_;
+  std::vector<int> moving_;
+  std::vector<double> bias_;
+};
+
+// Of a row of `limits`: its dof, and the direction that it leaves its end in.
+inline int limit_dof(const Contact& c) { return c.a.bends->front().dof; }
+inline double limit_sign(const Contact& c) { return c.a.bends->front().rate.x; }
+inline bool is_limit(const Contact& c) { return c.a.count == 0 && c.b.count == 0 && c.a.bends; }
+
+}  // namespace hp

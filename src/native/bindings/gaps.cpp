@@ -37,7 +37,7 @@ void bind_gaps(nb::module_& m) {
               return R;
             };
             std::vector<double> out(rows, std::numeric_limits<double>::infinity());
-            Placed placed;
+            PosedShape placed;
             for (size_t i = 0; i < rows; i++) {
               const Mat3 R = matrix(other_turn.data() + 9 * i);
               const Vec3 at = load3(other_position.data() + 3 * i);
@@ -74,7 +74,7 @@ void bind_gaps(nb::module_& m) {
             {
               nb::gil_scoped_release release;
               Convex c;
-              Placed placed;
+              PosedShape placed;
               for (size_t i = 0; i < rows; i++) {
                 const size_t k = frame.data()[i];
                 Mat3 R;

@@ -57,10 +57,10 @@ void set_stiffness(Stepper& s, const double* lambda) {
     s.person(p).set_stiffness(lambda);
 }
 
-// Columns: mover, other static, other mover, position, normal, impulse.
+// Columns: shape, other static, other shape, position, normal, impulse.
 void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
   for (const Touch& t : touches) {
-    out.insert(out.end(), {(double)t.mover, (double)t.other_static, (double)t.other_mover});
+    out.insert(out.end(), {(double)t.shape, (double)t.other_static, (double)t.other_shape});
     double length = norm(t.normal);
     push(out, t.weight > 0 ? (1 / t.weight) * t.position : t.position);
     push(out, length > 0 ? (1 / length) * t.normal : t.normal);
@@ -70,7 +70,7 @@ void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
 
 void inside_rows(const World& world, std::vector<double>& out) {
   for (const Inside& in : world.inside())
-    out.insert(out.end(), {(double)in.mover, (double)in.other_static, (double)in.other_mover,
+    out.insert(out.end(), {(double)in.shape, (double)in.other_static, (double)in.other_shape,
                            in.depth()});
 }
 
@@ -98,10 +98,10 @@ void bind_physics(nb::module_& m) {
       .def("add_mover",
            [](Stepper& s, int body, int name, int person, int part, Rows3 vertices, Rows3 normals,
               double radius, Doubles rim) {
-             Mover v;
+             CollisionShape v;
              v.body = body, v.name = name, v.person = person, v.part = part;
              v.shape = convex(vertices, radius, rim, vectors(normals));
-             s.world.movers.push_back(std::move(v));
+             s.world.shapes.push_back(std::move(v));
            })
       // Poses (K, 3), (K, 4) of a body, K of them `fps` to the second; see Track.
       .def("add_track",
@@ -115,14 +115,14 @@ void bind_physics(nb::module_& m) {
              s.set_velocity(body, six.data());
            })
       .def("adopt",
-           [](Stepper& s, Stepper& old, Ints body, Ints mover) {
-             s.adopt(old, list<int>(body), list<int>(mover));
+           [](Stepper& s, Stepper& old, Ints body, Ints shape) {
+             s.adopt(old, list<int>(body), list<int>(shape));
            })
       .def("set_slack",
-           // Of the last mover: how far it sticks out of the surface that it stands for [m].
+           // Of the last shape: how far it sticks out of the surface that it stands for [m].
            [](Stepper& s, double slack) {
-             need(!s.world.movers.empty() && slack >= 0, "set_slack: no mover, or less than 0");
-             s.world.movers.back().slack = slack;
+             need(!s.world.shapes.empty() && slack >= 0, "set_slack: no shape, or less than 0");
+             s.world.shapes.back().slack = slack;
            })
       .def("add_skin",
            // bend: (vertices, 3, features), or of no vertices: no pose blend shapes.
@@ -151,7 +151,7 @@ void bind_physics(nb::module_& m) {
            })
       .def("add_skin_mover",
            [](Stepper& s, int skin, int name, int person, int part, Ints vertices) {
-             Mover v;
+             CollisionShape v;
              v.skin = s.skins.at(skin);
              v.name = name, v.person = person, v.part = part;
              v.vertex = list<int>(vertices);
@@ -159,7 +159,7 @@ void bind_physics(nb::module_& m) {
              for (int i : v.vertex)
                need(i >= 0 && (size_t)i < v.skin->rest.size(), "add_skin_mover: no such vertex");
              v.finish();
-             s.world.movers.push_back(std::move(v));
+             s.world.shapes.push_back(std::move(v));
            })
       .def("add_half_space",
            [](Stepper& s, int name, Doubles n, double offset) {
@@ -371,25 +371,25 @@ void bind_physics(nb::module_& m) {
              s.torques(out);
              return array({out.size() / 3, 3}, out);
            })
-      // Pairs (n, 2) of one person's movers that may touch each other, the smaller index first.
+      // Pairs (n, 2) of one person's shapes that may touch each other, the smaller index first.
       .def("set_self_pairs",
            [](Stepper& s, Square pairs) {
-             const int n = (int)s.world.movers.size();
+             const int n = (int)s.world.shapes.size();
              need(pairs.shape(0) == 0 || pairs.shape(1) == 2, "self pairs must be (n, 2)");
              std::vector<std::pair<int, int>> list;
              for (size_t k = 0; k < pairs.shape(0); k++) {
                const int i = (int)pairs.data()[2 * k], j = (int)pairs.data()[2 * k + 1];
-               need(0 <= i && i < j && j < n, "self pairs: no such movers");
-               need(s.model.root[s.world.movers[i].body] == s.model.root[s.world.movers[j].body],
+               need(0 <= i && i < j && j < n, "self pairs: no such shapes");
+               need(s.model.root[s.world.shapes[i].body] == s.model.root[s.world.shapes[j].body],
                     "self pairs: not of one tree");
                list.push_back({i, j});
              }
              s.world.set_self_pairs(list);
            })
-      // Distances (n,) of pairs of movers (n, 2) at a pose [m], negative where they overlap.
+      // Distances (n,) of pairs of shapes (n, 2) at a pose [m], negative where they overlap.
       .def("pair_gaps",
            [](Stepper& s, Doubles qpos, Square pairs) {
-             const size_t n = s.world.movers.size();
+             const size_t n = s.world.shapes.size();
              need((int)qpos.shape(0) == s.model.nq, "pair_gaps: bad length of qpos");
              need(pairs.shape(0) == 0 || pairs.shape(1) == 2, "pair_gaps: pairs must be (n, 2)");
              std::vector<double> gaps;
@@ -399,7 +399,7 @@ void bind_physics(nb::module_& m) {
              s.world.start_poses(p);
              for (size_t k = 0; k < pairs.shape(0); k++) {
                const size_t i = (size_t)pairs.data()[2 * k], j = (size_t)pairs.data()[2 * k + 1];
-               need(i < n && j < n, "pair_gaps: no such movers");
+               need(i < n && j < n, "pair_gaps: no such shapes");
                gaps.push_back(s.world.gap(p, (int)i, (int)j));
              }
              return array(gaps);
@@ -413,10 +413,10 @@ void bind_physics(nb::module_& m) {
              nb::gil_scoped_release release;
              return s.clearance();
            })
-      // Of poses (T, nq): distances (T, movers); `nearest` (T, movers) is filled with statics.
+      // Of poses (T, nq): distances (T, shapes); `nearest` (T, shapes) is filled with statics.
       .def("clearances",
            [](Stepper& s, Square qpos, double range, std::optional<Indices> nearest) {
-             const size_t poses = qpos.shape(0), n = s.world.movers.size();
+             const size_t poses = qpos.shape(0), n = s.world.shapes.size();
              need((int)qpos.shape(1) == s.model.nq, "clearances: bad shape of qpos");
              need(!nearest || (nearest->shape(0) == poses && nearest->shape(1) == n),
                   "clearances: bad shape of nearest");
@@ -449,7 +449,7 @@ void bind_physics(nb::module_& m) {
              out["lost_time"] = d.lost_time;
              return out;
            })
-      // Who started inside something and is not out yet: mover, static, other mover, depth [m].
+      // Who started inside something and is not out yet: shape, static, other shape, depth [m].
       .def("inside",
            [](Stepper& s) {
              std::vector<double> out;

@@ -136,28 +136,28 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
              bias_forces(mod, k, qvel.data(), s.gravity, bodies, out.data());
              return array(out);
            })
-      // Vertices of the skin that are a mover's corners; none: it is rigid.
+      // Vertices of the skin that are a shape's corners; none: it is rigid.
       .def("mover_vertices",
-           [](Stepper& s, int mover) {
-             const std::vector<int>& v = s.world.movers.at(mover).vertex;
+           [](Stepper& s, int shape) {
+             const std::vector<int>& v = s.world.shapes.at(shape).vertex;
              return array(std::vector<double>(v.begin(), v.end()));
            })
-      // Of a mover at a pose: its corners (n, 3), and the Jacobian (3, nv) of one of them.
+      // Of a shape at a pose: its corners (n, 3), and the Jacobian (3, nv) of one of them.
       .def("mover_points",
-           [](Stepper& s, Doubles qpos, int mover) {
+           [](Stepper& s, Doubles qpos, int shape) {
              Poses p;
              pose_of(s, qpos, p);
-             const Points at = s.world.place(p, mover).points();
+             const Points at = s.world.place(p, shape).points();
              std::vector<double> x;
              for (int i = 0; i < at.n; i++) push(x, at.at(i));
              return array({(size_t)at.n, 3}, x);
            })
       .def("mover_jacobian",
-           [](Stepper& s, Doubles qpos, int mover, int corner) {
+           [](Stepper& s, Doubles qpos, int shape, int corner) {
              Poses p;
              pose_of(s, qpos, p);
-             const Mover& m = s.world.movers.at(mover);
-             const Placed& at = s.world.place(p, mover);
+             const CollisionShape& m = s.world.shapes.at(shape);
+             const PosedShape& at = s.world.place(p, shape);
              const Endpoint e = p.endpoint(m, at, p.material(m, at, at.points().at(corner)));
              const size_t n = s.model.nv;
              std::vector<double> J(3 * n), v(n, 0);
@@ -230,7 +230,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
   m.def("convex_distance", [](Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b,
                               Rows3 normals_b, double rb, Doubles rim_b) {
     Convex A = convex(a, ra, rim_a, vectors(normals_a)), B = convex(b, rb, rim_b, vectors(normals_b));
-    Placed pa, pb;
+    PosedShape pa, pb;
     pa.place(A, {}, {});
     pb.place(B, {}, {});
     Separation s = separate(pa, pb);
@@ -245,7 +245,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
                               double reach) {
     TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
     Convex A = convex(hull, radius, rim);
-    Placed p;
+    PosedShape p;
     p.place(A, {}, {});
     std::vector<Plane> planes;
     tree.planes(p, reach, planes);

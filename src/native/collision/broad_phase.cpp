@@ -15,23 +15,23 @@ constexpr double kRounding = 1e-9;
 }  // namespace
 
 void World::forget() {
-  near_.clear();
+  broad_pairs_.clear();
   has_list_ = false;
-  odometer_.assign(movers.size(), 0);
-  listed_.assign(movers.size(), 0);
-  range_.assign(movers.size(), 0);
-  inner_.assign(movers.size(), 0);
+  odometer_.assign(shapes.size(), 0);
+  listed_.assign(shapes.size(), 0);
+  range_.assign(shapes.size(), 0);
+  inner_.assign(shapes.size(), 0);
 }
 
 void World::travel(const std::vector<double>& way, const std::vector<double>& inner) {
-  for (size_t i = 0; i < movers.size(); i++)
-    if (active[movers[i].body]) odometer_[i] += way[i];
+  for (size_t i = 0; i < shapes.size(); i++)
+    if (active[shapes[i].body]) odometer_[i] += way[i];
   for (size_t i = 0; i < inner.size(); i++)
-    if (active[movers[i].body]) inner_[i] += inner[i];
+    if (active[shapes[i].body]) inner_[i] += inner[i];
 }
 
 void World::list(const Model& m, const Poses& p, const std::vector<double>& way) {
-  const int n = (int)movers.size();
+  const int n = (int)shapes.size();
   bool good = has_list_;
   for (int i = 0; i < n && good; i++) good = odometer_[i] - listed_[i] + way[i] <= range_[i];
   if (good) return;
@@ -42,29 +42,29 @@ void World::list(const Model& m, const Poses& p, const std::vector<double>& way)
   std::vector<Box3> tree(m.nbody);
   for (int i = 0; i < n; i++) {
     range_[i] = 2 * way[i] + kMargin;
-    ball[i] = p.ball(movers[i]);
+    ball[i] = p.ball(shapes[i]);
     box[i].add(ball[i].center);
     box[i].grow(ball[i].radius + range_[i]);
-    Box3& t = tree[m.root[movers[i].body]];
+    Box3& t = tree[m.root[shapes[i].body]];
     t.add(box[i].lo), t.add(box[i].hi);
   }
-  std::vector<Near> old;
-  old.swap(near_);
+  std::vector<BroadPhasePair> old;
+  old.swap(broad_pairs_);
   size_t next = 0;
-  auto order = [](const Near& e) {
-    return e.other_static >= 0 ? e.other_static : (1 << 30) + e.other_mover;
+  auto order = [](const BroadPhasePair& e) {
+    return e.other_static >= 0 ? e.other_static : (1 << 30) + e.other_shape;
   };
-  auto add = [&](Near&& e) {
-    while (next < old.size() && (old[next].mover < e.mover ||
-                                 (old[next].mover == e.mover && order(old[next]) < order(e))))
+  auto add = [&](BroadPhasePair&& e) {
+    while (next < old.size() && (old[next].shape < e.shape ||
+                                 (old[next].shape == e.shape && order(old[next]) < order(e))))
       next++;
-    if (next < old.size() && old[next].mover == e.mover && order(old[next]) == order(e))
-      near_.push_back(std::move(old[next++]));
+    if (next < old.size() && old[next].shape == e.shape && order(old[next]) == order(e))
+      broad_pairs_.push_back(std::move(old[next++]));
     else
-      near_.push_back(std::move(e));
+      broad_pairs_.push_back(std::move(e));
   };
   for (int i = 0; i < n; i++) {
-    const Mover& M = movers[i];
+    const CollisionShape& M = shapes[i];
     for (int j = 0; j < (int)statics.size(); j++) {
       const Static& S = statics[j];
       if (is_inside(i, j, -1)) {
@@ -76,18 +76,18 @@ void World::list(const Model& m, const Poses& p, const std::vector<double>& way)
         if (!tree[m.root[M.body]].meets(other) || !box[i].meets(other)) continue;
       }
       if (pairing(M.name, S.name).ignore) continue;
-      Near e;
-      e.mover = i;
+      BroadPhasePair e;
+      e.shape = i;
       e.other_static = j;
       add(std::move(e));
     }
     for (int j = i + 1; j < n; j++) {
-      const bool own = m.root[M.body] == m.root[movers[j].body];
+      const bool own = m.root[M.body] == m.root[shapes[j].body];
       if (own && self_.empty()) continue;
       if (!box[i].meets(box[j]) || !may_touch(m, i, j)) continue;
-      Near e;
-      e.mover = i;
-      e.other_mover = j;
+      BroadPhasePair e;
+      e.shape = i;
+      e.other_shape = j;
       e.own = own;
       add(std::move(e));
     }
@@ -95,16 +95,16 @@ void World::list(const Model& m, const Poses& p, const std::vector<double>& way)
 }
 
 // Does what is known of the other keep it farther than r? The planes hold where they were asked for.
-bool World::behind_planes(const Near& e, const Placed& a, double r) const {
+bool World::behind_planes(const BroadPhasePair& e, const PosedShape& a, double r) const {
   if (e.planes.empty() || way_of(e) - e.way + r > e.reach) return false;
   for (const Plane& p : e.planes)
     if (p.overlaps || a.lowest(p.n) - p.offset <= r + kRounding) return false;
   return true;
 }
 
-// Looks at a pair of a mover and a static properly, up to a distance of r.
-void World::look(Poses& p, Near& e, double r) {
-  const Placed& a = place(p, e.mover);
+// Looks at a pair of a shape and a static properly, up to a distance of r.
+void World::look(Poses& p, BroadPhasePair& e, double r) {
+  const PosedShape& a = place(p, e.shape);
   const Static& S = statics[e.other_static];
   e.way = way_of(e);
   e.reach = r;
@@ -130,37 +130,37 @@ void World::look(Poses& p, Near& e, double r) {
 void World::find_busy(const Model& m, Poses& start, Poses& end, const Sweep& sweep,
                       std::vector<char>& busy) {
   for (const Inside& in : inside_) {
-    busy[m.root[movers[in.mover].body]] = 1;
-    if (in.other_mover >= 0) busy[m.root[movers[in.other_mover].body]] = 1;
+    busy[m.root[shapes[in.shape].body]] = 1;
+    if (in.other_shape >= 0) busy[m.root[shapes[in.other_shape].body]] = 1;
   }
-  for (Near& e : near_) {
-    const Mover& M = movers[e.mover];
+  for (BroadPhasePair& e : broad_pairs_) {
+    const CollisionShape& M = shapes[e.shape];
     const int mine = m.root[M.body];
     const double clear = settings.clearance + kRounding;
-    if (e.other_mover >= 0) {
-      const int its = m.root[movers[e.other_mover].body];
+    if (e.other_shape >= 0) {
+      const int its = m.root[shapes[e.other_shape].body];
       if (busy[mine] && busy[its]) continue;
       if (e.own) {
         busy[mine] = meets_itself(m, start, end, sweep, e);
         continue;
       }
-      double r = sweep.way[e.mover] + sweep.way[e.other_mover] + clear;
+      double r = sweep.way[e.shape] + sweep.way[e.other_shape] + clear;
       if (far(e, r)) continue;
-      e.dist = separate(place(start, e.mover), place(start, e.other_mover), r + kMargin).dist;
+      e.dist = separate(place(start, e.shape), place(start, e.other_shape), r + kMargin).dist;
       e.way = way_of(e);
       if (e.dist <= r) busy[mine] = busy[its] = 1;
       continue;
     }
     if (busy[mine]) continue;
-    double r = sweep.way[e.mover] + clear;
+    double r = sweep.way[e.shape] + clear;
     if (far(e, r)) continue;
     // On the outer side at both ends and nowhere farther from the line between: clear.
     auto passes = [&]() {
       if (e.planes.empty() || way_of(e) - e.way + r > e.reach) return false;
-      double bulge = clear + sweep.bulge[e.mover];
+      double bulge = clear + sweep.bulge[e.shape];
       for (const Plane& p : e.planes)
-        if (p.overlaps || place(start, e.mover).lowest(p.n) - p.offset <= bulge ||
-            place(end, e.mover).lowest(p.n) - p.offset <= bulge)
+        if (p.overlaps || place(start, e.shape).lowest(p.n) - p.offset <= bulge ||
+            place(end, e.shape).lowest(p.n) - p.offset <= bulge)
           return false;
       return true;
     };
@@ -179,9 +179,9 @@ void World::save_near(std::vector<double>& out) const {
     out.insert(out.end(), inner_.begin(), inner_.end());
     out.insert(out.end(), {(double)waited_, depth_});
   }
-  out.push_back((double)near_.size());
-  for (const Near& e : near_) {
-    out.insert(out.end(), {(double)e.mover, (double)e.other_static, (double)e.other_mover, e.dist,
+  out.push_back((double)broad_pairs_.size());
+  for (const BroadPhasePair& e : broad_pairs_) {
+    out.insert(out.end(), {(double)e.shape, (double)e.other_static, (double)e.other_shape, e.dist,
                            e.way, e.reach, e.axis.x, e.axis.y, e.axis.z,
                            (double)e.planes.size()});
     out.push_back(e.hint.n);
@@ -195,29 +195,29 @@ void World::save_near(std::vector<double>& out) const {
 const double* World::load_near(const double* in) {
   has_list_ = *in++ != 0;
   for (auto* v : {&odometer_, &listed_, &range_}) {
-    v->assign(in, in + movers.size());
-    in += movers.size();
+    v->assign(in, in + shapes.size());
+    in += shapes.size();
   }
   if (self_contact()) {
-    inner_.assign(in, in + movers.size());
-    in += movers.size();
+    inner_.assign(in, in + shapes.size());
+    in += shapes.size();
     waited_ = (int)*in++;
     depth_ = *in++;
   }
-  near_.clear();
+  broad_pairs_.clear();
   for (int n = (int)*in++; n > 0; n--) {
-    Near e;
-    e.mover = (int)in[0], e.other_static = (int)in[1], e.other_mover = (int)in[2];
+    BroadPhasePair e;
+    e.shape = (int)in[0], e.other_static = (int)in[1], e.other_shape = (int)in[2];
     e.dist = in[3], e.way = in[4], e.reach = in[5];
     e.axis = load3(in + 6);
-    e.own = self_contact() && e.other_mover >= 0 && self_[e.mover * movers.size() + e.other_mover];
+    e.own = self_contact() && e.other_shape >= 0 && self_[e.shape * shapes.size() + e.other_shape];
     int planes = (int)in[9];
     in += 10;
     e.hint.n = (int)*in++;
     for (int k = 0; k < 3; k++) e.hint.a[k] = (int)*in++, e.hint.b[k] = (int)*in++;
     for (; planes > 0; planes--, in += 7)
       e.planes.push_back({load3(in), in[3], in[4], (int)in[5], in[6] != 0});
-    near_.push_back(std::move(e));
+    broad_pairs_.push_back(std::move(e));
   }
   return in;
 }

@@ -16,7 +16,7 @@ constexpr double kLeastRange = 1e-9;
 double World::clearance(const Model& m, Poses& p, double range) const {
   double best = range;
   auto measure = [&](int i, const Static& S, const std::vector<Plane>& near) {
-    const Poses::Ball ball = p.ball(movers[i]);
+    const Poses::Ball ball = p.ball(shapes[i]);
     if (S.kind == Static::Kind::HalfSpace) {
       if (dot(S.n, ball.center) - ball.radius - S.offset < best)
         best = std::min(best, place(p, i).lowest(S.n) - S.offset);
@@ -33,27 +33,27 @@ double World::clearance(const Model& m, Poses& p, double range) const {
     }
   };
   bool listed = has_list_;
-  for (size_t i = 0; i < movers.size() && listed; i++)
-    listed = movers[i].person < 0 || odometer_[i] - listed_[i] + range <= range_[i];
+  for (size_t i = 0; i < shapes.size() && listed; i++)
+    listed = shapes[i].person < 0 || odometer_[i] - listed_[i] + range <= range_[i];
   if (listed) {
-    for (const Near& e : near_) {
-      if (movers[e.mover].person < 0 || e.other_static < 0 || far(e, best)) continue;
-      if (best >= 0 && behind_planes(e, place(p, e.mover), best)) continue;
-      measure(e.mover, statics[e.other_static], e.planes);
+    for (const BroadPhasePair& e : broad_pairs_) {
+      if (shapes[e.shape].person < 0 || e.other_static < 0 || far(e, best)) continue;
+      if (best >= 0 && behind_planes(e, place(p, e.shape), best)) continue;
+      measure(e.shape, statics[e.other_static], e.planes);
     }
   } else {
-    for (int i = 0; i < (int)movers.size(); i++)
-      if (movers[i].person >= 0)
+    for (int i = 0; i < (int)shapes.size(); i++)
+      if (shapes[i].person >= 0)
         for (const Static& S : statics)
-          if (!pairing(movers[i].name, S.name).ignore) measure(i, S, {});
+          if (!pairing(shapes[i].name, S.name).ignore) measure(i, S, {});
   }
   (void)m;
   return best < range ? best : kFar;
 }
 
 void World::clearances(Poses& p, double range, double* dist, int* nearest) const {
-  for (int i = 0; i < (int)movers.size(); i++) {
-    const Mover& M = movers[i];
+  for (int i = 0; i < (int)shapes.size(); i++) {
+    const CollisionShape& M = shapes[i];
     dist[i] = std::numeric_limits<double>::quiet_NaN();
     nearest[i] = -1;
     if (M.person < 0) continue;
@@ -85,7 +85,7 @@ void Stepper::clearances(const double* qpos, size_t poses, double range, double*
                          int* nearest) const {
   Poses p;  // of its own: the simulation knows nothing of it
   p.kin.resize(model);
-  const size_t n = world.movers.size();
+  const size_t n = world.shapes.size();
   for (size_t t = 0; t < poses; t++) {
     p.kin.update(model, qpos + t * model.nq);
     world.start_poses(p);

@@ -37,7 +37,7 @@ int shares_of(const Skin& s, int v, Share out[Endpoint::kMost]) {
 
 }  // namespace
 
-void Mover::finish() {
+void CollisionShape::finish() {
   if (!skin) {
     shape.finish();
     ties = {{body, 1, shape.center, shape.bound, shape.center}};
@@ -126,9 +126,9 @@ const std::vector<double>& Poses::features(const Skin& s) {
   return bends.back().features;
 }
 
-void Poses::place(const std::vector<Mover>& movers, int i) {
-  const Mover& m = movers[i];
-  Placed& out = placed[i];
+void Poses::place(const std::vector<CollisionShape>& shapes, int i) {
+  const CollisionShape& m = shapes[i];
+  PosedShape& out = placed[i];
   fresh[i] = 1;
   if (!m.skin) {
     out.place(m.shape, kin.xmat[m.body], kin.xpos[m.body]);
@@ -151,8 +151,8 @@ void Poses::place(const std::vector<Mover>& movers, int i) {
       }
   }
   const double* rest = out.rest.empty() ? m.shape.xyz.data() : out.rest.data();
-  for (const Mover::Run& r : m.runs) {
-    const Mover::Tie& t = m.ties[r.tie];
+  for (const CollisionShape::Run& r : m.runs) {
+    const CollisionShape::Tie& t = m.ties[r.tie];
     const Mat3& R = kin.xmat[t.body];
     // The joint's place at rest is the shape's centre less `middle`.
     double shift[3];
@@ -165,20 +165,20 @@ void Poses::place(const std::vector<Mover>& movers, int i) {
   out.box = {load3(lo), load3(hi)};
 }
 
-Poses::Ball Poses::ball(const Mover& m) const {
-  auto middle = [&](const Mover::Tie& t) { return kin.xpos[t.body] + kin.xmat[t.body] * t.middle; };
+Poses::Ball Poses::ball(const CollisionShape& m) const {
+  auto middle = [&](const CollisionShape::Tie& t) { return kin.xpos[t.body] + kin.xmat[t.body] * t.middle; };
   const Vec3 center = middle(m.ties[0]);
   if (!m.skin) return {center, m.shape.bound};
-  return {center, m.shape.bound + m.most_of([&](const Mover::Tie& t) { return norm(middle(t) - center); })};
+  return {center, m.shape.bound + m.most_of([&](const CollisionShape::Tie& t) { return norm(middle(t) - center); })};
 }
 
-const Poses::Ball& Poses::known_ball(const std::vector<Mover>& movers, int i) {
-  if (balls.empty()) balls.assign(movers.size(), {{}, -1});
-  if (balls[i].radius < 0) balls[i] = ball(movers[i]);
+const Poses::Ball& Poses::known_ball(const std::vector<CollisionShape>& shapes, int i) {
+  if (balls.empty()) balls.assign(shapes.size(), {{}, -1});
+  if (balls[i].radius < 0) balls[i] = ball(shapes[i]);
   return balls[i];
 }
 
-Material Poses::material(const Mover& m, const Placed& at, Vec3 x) const {
+Material Poses::material(const CollisionShape& m, const PosedShape& at, Vec3 x) const {
   if (!m.skin) return {-1, mul_t(kin.xmat[m.body], x - kin.xpos[m.body])};
   // Carried like the nearest vertex.
   const Points p = at.points();
@@ -194,7 +194,7 @@ Material Poses::material(const Mover& m, const Placed& at, Vec3 x) const {
   return {v, volume > 0.1 ? solve3(turn, x - p.at(v)) : mul_t(kin.xmat[m.body], x - p.at(v))};
 }
 
-Vec3 Poses::position(const Mover& m, const Placed& at, const Material& point) const {
+Vec3 Poses::position(const CollisionShape& m, const PosedShape& at, const Material& point) const {
   if (point.vertex < 0) return kin.xpos[m.body] + kin.xmat[m.body] * point.local;
   Vec3 x = at.points().at(point.vertex);
   if (norm2(point.local) == 0) return x;
@@ -205,7 +205,7 @@ Vec3 Poses::position(const Mover& m, const Placed& at, const Material& point) co
   return x;
 }
 
-Endpoint Poses::endpoint(const Mover& m, const Placed& at, const Material& point) const {
+Endpoint Poses::endpoint(const CollisionShape& m, const PosedShape& at, const Material& point) const {
   if (point.vertex < 0) return Endpoint::rigid(m.body, position(m, at, point));
   Endpoint e;
   const Skin& s = *m.skin;
@@ -224,7 +224,7 @@ Endpoint Poses::endpoint(const Mover& m, const Placed& at, const Material& point
   // d vec(R_local)/dt = vec(R_local [w]x) for a joint that turns at w, in its own frame.
   auto bends = std::make_shared<std::vector<Endpoint::Bend>>();
   const int f = s.features();
-  for (const Mover::Stretch& stretch : m.stretches) {
+  for (const CollisionShape::Stretch& stretch : m.stretches) {
     const int j = stretch.joint;
     const Mat3 local = transposed(kin.xmat[s.body[s.parent[j]]]) * kin.xmat[s.body[j]];
     for (int axis = 0; axis < 3; axis++) {
@@ -244,7 +244,7 @@ Endpoint Poses::endpoint(const Mover& m, const Placed& at, const Material& point
   return e;
 }
 
-void ways(const std::vector<Mover>& movers, const Poses& from, const Poses& to,
+void ways(const std::vector<CollisionShape>& shapes, const Poses& from, const Poses& to,
           const std::vector<char>& active, std::vector<double>& way) {
   const int bodies = (int)from.kin.xpos.size();
   static thread_local std::vector<double> turn, step;  // 2 sin of half a body's turn; its origin's way
@@ -260,9 +260,9 @@ void ways(const std::vector<Mover>& movers, const Poses& from, const Poses& to,
   }
   const Skin* known = nullptr;
   static thread_local std::vector<double> change;  // of the joints' local rotation matrices
-  way.resize(movers.size());
-  for (size_t i = 0; i < movers.size(); i++) {
-    const Mover& m = movers[i];
+  way.resize(shapes.size());
+  for (size_t i = 0; i < shapes.size(); i++) {
+    const CollisionShape& m = shapes[i];
     if (!active[m.body]) {
       way[i] = 0;
       continue;
@@ -274,7 +274,7 @@ void ways(const std::vector<Mover>& movers, const Poses& from, const Poses& to,
       way[i] = norm(b - a) + turn[m.body] * m.shape.bound;
       continue;
     }
-    way[i] = m.most_of([&](const Mover::Tie& t) { return step[t.body] + turn[t.body] * t.reach; });
+    way[i] = m.most_of([&](const CollisionShape::Tie& t) { return step[t.body] + turn[t.body] * t.reach; });
     if (m.stretches.empty()) continue;
     const Skin& s = *m.skin;
     if (known != &s) {
@@ -287,7 +287,7 @@ void ways(const std::vector<Mover>& movers, const Poses& from, const Poses& to,
         change[j] = std::sqrt(2.0) * turned(local(from), local(to));
       }
     }
-    for (const Mover::Stretch& e : m.stretches) way[i] += e.most * change[e.joint];
+    for (const CollisionShape::Stretch& e : m.stretches) way[i] += e.most * change[e.joint];
   }
 }
 

@@ -24,7 +24,7 @@ struct Skin {
 
 // A convex shape carried by a body: a part of a person, or an object. Or one whose vertices are
 // vertices of a skin.
-struct Mover {
+struct CollisionShape {
   // Every point is a weighted mean of points carried by these bodies, each no farther than `reach`
   // from `anchor`, with a weight of at most `most`. The first carries most.
   struct Tie {
@@ -72,11 +72,11 @@ struct Mover {
   }
 };
 
-// Poses of all movers.
+// Poses of all shapes.
 struct Poses {
   unsigned stamp = 0;  // another one, another pose
   Kinematics kin;
-  std::vector<Placed> placed;
+  std::vector<PosedShape> placed;
   std::vector<char> fresh;
   // Of skins with pose blend shapes: entries of the local rotations, minus the identity.
   struct Bends {
@@ -85,24 +85,24 @@ struct Poses {
   };
   std::vector<Bends> bends;
 
-  void place(const std::vector<Mover>& movers, int i);
+  void place(const std::vector<CollisionShape>& shapes, int i);
   const std::vector<double>& features(const Skin& s);
-  // A sphere that holds all of a mover.
+  // A sphere that holds all of a shape.
   struct Ball {
     Vec3 center;
     double radius;
   };
-  Ball ball(const Mover& m) const;
-  const Ball& known_ball(const std::vector<Mover>& movers, int i);  // found once
+  Ball ball(const CollisionShape& m) const;
+  const Ball& known_ball(const std::vector<CollisionShape>& shapes, int i);  // found once
   std::vector<Ball> balls;  // a negative radius: not yet
-  // A point of a mover's surface, now at x, and where it is at this pose. The mover must be placed.
-  Material material(const Mover& m, const Placed& at, Vec3 x) const;
-  Vec3 position(const Mover& m, const Placed& at, const Material& point) const;
-  Endpoint endpoint(const Mover& m, const Placed& at, const Material& point) const;
+  // A point of a shape's surface, now at x, and where it is at this pose. The shape must be placed.
+  Material material(const CollisionShape& m, const PosedShape& at, Vec3 x) const;
+  Vec3 position(const CollisionShape& m, const PosedShape& at, const Material& point) const;
+  Endpoint endpoint(const CollisionShape& m, const PosedShape& at, const Material& point) const;
 };
 
-// How far no point of each mover goes between two poses, for those of active bodies [m].
-void ways(const std::vector<Mover>& movers, const Poses& from, const Poses& to,
+// How far no point of each shape goes between two poses, for those of active bodies [m].
+void ways(const std::vector<CollisionShape>& shapes, const Poses& from, const Poses& to,
           const std::vector<char>& active, std::vector<double>& way);
 
 }  // namespace hp

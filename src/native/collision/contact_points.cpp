@@ -23,25 +23,25 @@ constexpr double kSameRim = 0.5, kSettledRim = 1e-4;
 // What a hand gave a thing in the substep before it is likely to give again. (Of what stands the points
 // that would end deepest are wanted: those are not known without looking. And points between two things
 // that nothing presses together would give a pile energy.)
-bool World::recall(const std::vector<Remembered>& remembered, const std::vector<Candidate>& candidates,
+bool World::recall(const std::vector<CachedContact>& remembered, const std::vector<ContactCandidate>& candidates,
                    std::vector<char>& out) const {
   out.assign(candidates.size(), 0);
   bool any = false;
   for (size_t i = 0; i < candidates.size(); i++) {
-    const Candidate& c = candidates[i];
+    const ContactCandidate& c = candidates[i];
     if (!handles(c) || c.inside >= 0) continue;
-    for (const Remembered& w : remembered) out[i] |= w.key == key(c);
+    for (const CachedContact& w : remembered) out[i] |= w.key == key(c);
     any |= out[i];
   }
   return any;
 }
 
 double World::gap_at(Poses& start, Poses& end, const Contact& c) const {
-  const Candidate k = unpacked(c.key);
+  const ContactCandidate k = unpacked(c.key);
   if (norm2(c.rim) > 0) {
     // On a disc against something that stands: the point of its rim that lies in that direction,
     // whatever material that is, so that what rolls or tips is measured where it touches.
-    const Mover& M = movers[k.mover];
+    const CollisionShape& M = shapes[k.shape];
     const Convex& shape = M.shape;
     const int b = M.body;
     auto on_rim = [&](const Poses& p) {
@@ -50,23 +50,23 @@ double World::gap_at(Poses& start, Poses& end, const Contact& c) const {
     Vec3 from = on_rim(start), center = c.at_a - from;
     const Material hub{-1, mul_t(start.kin.xmat[b], center - start.kin.xpos[b])};
     return c.dist - c.closing +
-           dot(c.n, end.position(M, place(end, k.mover), hub) + on_rim(end) - center - from);
+           dot(c.n, end.position(M, place(end, k.shape), hub) + on_rim(end) - center - from);
   }
-  auto moved = [&](int mover, const Endpoint& e, const Material& point) {
+  auto moved = [&](int shape, const Endpoint& e, const Material& point) {
     if (e.count == 0) return Vec3{};  // stands
-    const Mover& M = movers[mover];
-    return end.position(M, place(end, mover), point) - start.position(M, place(start, mover), point);
+    const CollisionShape& M = shapes[shape];
+    return end.position(M, place(end, shape), point) - start.position(M, place(start, shape), point);
   };
-  Vec3 way = moved(k.mover, c.a, c.gap_a);
-  if (k.other_mover >= 0) way -= moved(k.other_mover, c.b, c.gap_b);
+  Vec3 way = moved(k.shape, c.a, c.gap_a);
+  if (k.other_shape >= 0) way -= moved(k.other_shape, c.b, c.gap_b);
   return c.dist - c.closing + dot(c.n, way);
 }
 
-// Points on the rims of a mover's discs that would end too near what stands: the deepest, and four
+// Points on the rims of a shape's discs that would end too near what stands: the deepest, and four
 // evenly turned ones, so that it stands on its face. They are points of the rim in a direction of
 // the world, not of material: see gap_at.
 template <typename Make>
-void World::add_rim_contacts(const Placed& a0, const Placed& a1, const Candidate& c, int index,
+void World::add_rim_contacts(const PosedShape& a0, const PosedShape& a1, const ContactCandidate& c, int index,
                              Make make, std::vector<Contact>& contacts) const {
   struct Point {
     double gap;
@@ -119,13 +119,13 @@ void World::add_rim_contacts(const Placed& a0, const Placed& a1, const Candidate
   }
 }
 
-void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start, Poses& end,
-                         const Candidate& c, int index,
+void World::add_contacts(const std::vector<CachedContact>& remembered, Poses& start, Poses& end,
+                         const ContactCandidate& c, int index,
                          int pass, std::vector<Contact>& contacts) const {
-  const Mover& M = movers[c.mover];
-  const Placed& a0 = place(start, c.mover);
+  const CollisionShape& M = shapes[c.shape];
+  const PosedShape& a0 = place(start, c.shape);
   int other_name =
-      c.other_static >= 0 ? statics[c.other_static].name : movers[c.other_mover].name;
+      c.other_static >= 0 ? statics[c.other_static].name : shapes[c.other_shape].name;
   const Pairing& pair = pairing(M.name, other_name);
   // A contact of the points xa and xb, whose gap along n is `dist`; rounded surfaces end `round`
   // before the points that they are round about.
@@ -140,21 +140,21 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
     k.position = 0.5 * (xa + xb);
     k.at_a = xa, k.at_b = xb;
     // Who stands is as good as the world. Round sides are measured at what they are round about.
-    auto end_of = [&](int mover, Vec3 x, Vec3 counts, Material& gap) {
-      const Mover& own = movers[mover];
-      const Placed& at = place(start, mover);
+    auto end_of = [&](int shape, Vec3 x, Vec3 counts, Material& gap) {
+      const CollisionShape& own = shapes[shape];
+      const PosedShape& at = place(start, shape);
       const bool corner = own.skin && c.other_static >= 0;  // of a skin: one of its vertices
       const Material point = corner ? Material{feature, {}} : start.material(own, at, x);
       gap = corner ? point : start.material(own, at, counts);
       Endpoint e = active[own.body] ? start.endpoint(own, at, point) : Endpoint{};
       return e;
     };
-    k.a = end_of(c.mover, xa, xa + (a0.reach(n) + back) * n, k.gap_a);
-    if (c.other_mover >= 0)
-      k.b = end_of(c.other_mover, xb, xb - (place(start, c.other_mover).reach(n) + back) * n, k.gap_b);
+    k.a = end_of(c.shape, xa, xa + (a0.reach(n) + back) * n, k.gap_a);
+    if (c.other_shape >= 0)
+      k.b = end_of(c.other_shape, xb, xb - (place(start, c.other_shape).reach(n) + back) * n, k.gap_b);
     // What comes out of something slides out.
-    const bool within = c.inside >= 0 || (c.dist < 0 && c.other_mover >= 0 &&
-                                          may_touch_itself(c.mover, c.other_mover));
+    const bool within = c.inside >= 0 || (c.dist < 0 && c.other_shape >= 0 &&
+                                          may_touch_itself(c.shape, c.other_shape));
     k.friction = within ? 0 : pair.friction;
     k.restitution = c.inside < 0 ? pair.restitution : 0;
     k.pair = index;
@@ -172,7 +172,7 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
   for (const Contact& k : contacts) already += k.pair == index;
   if (c.other_static >= 0) {
     // The vertices that would end deepest; at first spread out, so that few carry a face.
-    const Placed& a1 = place(end, c.mover);
+    const PosedShape& a1 = place(end, c.shape);
     if (M.shape.rim > 0) {
       add_rim_contacts(a0, a1, c, index, make, contacts);
       return;
@@ -207,26 +207,26 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
     }
     return;
   }
-  const Placed& b0 = place(start, c.other_mover);
+  const PosedShape& b0 = place(start, c.other_shape);
   if (c.inside >= 0) {
-    // The nearest points of the displaced mover and the thing, at the start or, later, at the end; they
-    // act where the mover is.
+    // The nearest points of the displaced shape and the thing, at the start or, later, at the end; they
+    // act where the shape is.
     if (already == kMostPoints) return;
     Poses& at = already == 0 ? start : end;
     const Vec3 shift = already == 0 ? c.from : c.shift();
     const Separation s =
-        separate(displaced(place(at, c.mover), shift), place(at, c.other_mover), 1e300, true, c.n);
+        separate(displaced(place(at, c.shape), shift), place(at, c.other_shape), 1e300, true, c.n);
     const bool settle = already > 0 && (pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < 0.5);
     const Vec3 n = settle ? c.n : s.n;
-    auto start_of = [&](int mover, Vec3 x) {
-      const Mover& own = movers[mover];
-      return start.position(own, place(start, mover), at.material(own, place(at, mover), x));
+    auto start_of = [&](int shape, Vec3 x) {
+      const CollisionShape& own = shapes[shape];
+      return start.position(own, place(start, shape), at.material(own, place(at, shape), x));
     };
-    const Vec3 xa = start_of(c.mover, s.pa - shift), xb = start_of(c.other_mover, s.pb);
+    const Vec3 xa = start_of(c.shape, s.pa - shift), xb = start_of(c.other_shape, s.pb);
     for (const Contact& k : contacts)
       if (k.pair == index && norm2(k.at_a - xa) < kSamePoint2 && dot(k.n, n) > 0.9999) return;
     make(n, dot(n, xa + c.from - xb), xa, xa, 5 + already);
-    contacts.back().gap_b = start.material(movers[c.other_mover], b0, xb);
+    contacts.back().gap_b = start.material(shapes[c.other_shape], b0, xb);
     return;
   }
   if (already == 0) {
@@ -235,9 +235,9 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
     const size_t first = contacts.size();
     // What carried something is likely to do so again: the same two points, as long as they face
     // each other.
-    for (const Remembered& w : remembered) {
+    for (const CachedContact& w : remembered) {
       if (w.key != key(c) || dot(w.normal, c.n) < 0.99) continue;
-      Vec3 xa = start.position(M, a0, w.point), xb = start.position(movers[c.other_mover], b0, w.other);
+      Vec3 xa = start.position(M, a0, w.point), xb = start.position(shapes[c.other_shape], b0, w.other);
       double gap = dot(c.n, xa - xb);
       if (norm2(xa - xb - gap * c.n) > kSamePoint2 || gap < c.dist - kFlat) continue;
       make_opposite(c.n, std::max(c.dist, gap), xa, xb, w.feature);
@@ -263,7 +263,7 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
     }
     return;
   }
-  const Placed &a1 = place(end, c.mover), &b1 = place(end, c.other_mover);
+  const PosedShape &a1 = place(end, c.shape), &b1 = place(end, c.other_shape);
   // At first along the normal they would have at the end; where that does not settle, along the
   // one they start with: whatever is apart along any direction is apart.
   Separation s = separate(a1, b1, 1e300, false, c.n);
@@ -275,11 +275,11 @@ void World::add_contacts(const std::vector<Remembered>& remembered, Poses& start
   }
   // The same material points at the start, and how far apart they were along the end's normal:
   // a better line for the contact that stands there, or one more.
-  auto before = [&](int mover, Vec3 x) {
-    const Mover& own = movers[mover];
-    return start.position(own, place(start, mover), end.material(own, place(end, mover), x));
+  auto before = [&](int shape, Vec3 x) {
+    const CollisionShape& own = shapes[shape];
+    return start.position(own, place(start, shape), end.material(own, place(end, shape), x));
   };
-  Vec3 xa = before(c.mover, s.pa), xb = before(c.other_mover, s.pb);
+  Vec3 xa = before(c.shape, s.pa), xb = before(c.other_shape, s.pb);
   double dist = dot(s.n, xa - xb);
   bool round = a1.shape->radius > 0 && a1.points().n == 1 && b1.shape->radius > 0 && b1.points().n == 1;
   Contact* same = nullptr;

@@ -30,7 +30,7 @@ constexpr int kPatience = 24;
 // A straight bone, as a shape.
 struct Bone {
   Convex shape;
-  Placed placed;
+  PosedShape placed;
   Bone(Vec3 a, Vec3 b) {
     shape.vertices = {a, b};
     shape.finish();
@@ -51,17 +51,17 @@ void add_way(std::vector<Vec3>& ways, Vec3 n) {
 
 // What somebody is inside: something that stands, or a thing, where it is at the start.
 struct World::Obstacle {
-  int other_static = -1, other_mover = -1, name = 0;
+  int other_static = -1, other_shape = -1, name = 0;
   const Static* fixed = nullptr;
-  const Placed* thing = nullptr;
+  const PosedShape* thing = nullptr;
 
-  const Placed& hull() const { return thing ? *thing : fixed->placed; }
+  const PosedShape& hull() const { return thing ? *thing : fixed->placed; }
   bool is(Static::Kind kind) const { return fixed && fixed->kind == kind; }
   bool meets(const Box3& box) const {
     if (is(Static::Kind::Mesh)) return box.meets(fixed->tree->box());
     return is(Static::Kind::HalfSpace) || box.meets(hull().box);
   }
-  bool clear(const Placed& a, double range) const {
+  bool clear(const PosedShape& a, double range) const {
     if (is(Static::Kind::HalfSpace)) return a.lowest(fixed->n) - fixed->offset >= range;
     if (is(Static::Kind::Mesh)) return fixed->tree->distance(a, 2 * range) >= range;
     return separate(a, hull(), 2 * range, false).dist >= range;
@@ -72,29 +72,29 @@ struct World::Obstacle {
   }
 };
 
-Inside* World::inside_of(const Near& e) {
+Inside* World::inside_of(const BroadPhasePair& e) {
   for (Inside& in : inside_)
-    if (in.mover == e.mover && in.other_static == e.other_static && in.other_mover == e.other_mover)
+    if (in.shape == e.shape && in.other_static == e.other_static && in.other_shape == e.other_shape)
       return &in;
   return nullptr;
 }
 
-bool World::is_inside(int mover, int other_static, int other_mover) const {
+bool World::is_inside(int shape, int other_static, int other_shape) const {
   for (const Inside& in : inside_)
-    if (in.mover == mover && in.other_static == other_static && in.other_mover == other_mover)
+    if (in.shape == shape && in.other_static == other_static && in.other_shape == other_shape)
       return true;
   return false;
 }
 
-bool World::clear_of(Poses& start, int mover, const Obstacle& o, Vec3 shift, double range) const {
-  return o.clear(displaced(place(start, mover), shift), range);
+bool World::clear_of(Poses& start, int shape, const Obstacle& o, Vec3 shift, double range) const {
+  return o.clear(displaced(place(start, shape), shift), range);
 }
 
 // All hulls of one tree that overlap one obstacle, and those that it cuts off from the rest of the body.
 void World::find_inside(const Model& m, Poses& start, const std::vector<Overlap>& overlaps) {
-  auto root_of = [&](const Overlap& o) { return m.root[movers[o.mover].body]; };
+  auto root_of = [&](const Overlap& o) { return m.root[shapes[o.shape].body]; };
   auto same = [&](const Overlap& a, const Overlap& b) {
-    return a.other_static == b.other_static && a.other_mover == b.other_mover && root_of(a) == root_of(b);
+    return a.other_static == b.other_static && a.other_shape == b.other_shape && root_of(a) == root_of(b);
   };
   for (size_t first = 0; first < overlaps.size(); first++) {
     const Overlap& pair = overlaps[first];
@@ -103,11 +103,11 @@ void World::find_inside(const Model& m, Poses& start, const std::vector<Overlap>
     for (size_t k = 0; k < first; k++) seen |= same(overlaps[k], pair);
     if (seen) continue;
     Obstacle o;
-    o.other_static = pair.other_static, o.other_mover = pair.other_mover;
+    o.other_static = pair.other_static, o.other_shape = pair.other_shape;
     if (o.other_static >= 0)
       o.fixed = &statics[o.other_static], o.name = o.fixed->name;
     else
-      o.thing = &place(start, o.other_mover), o.name = movers[o.other_mover].name;
+      o.thing = &place(start, o.other_shape), o.name = shapes[o.other_shape].name;
     // The bones that it cuts, and what hangs together without them.
     std::vector<int> whole(m.nbody), group(m.nbody);
     std::iota(whole.begin(), whole.end(), 0);
@@ -133,12 +133,12 @@ void World::find_inside(const Model& m, Poses& start, const std::vector<Overlap>
           o.is(Static::Kind::Mesh) ? std::round(o.fixed->tree->winding(start.kin.xpos[b])) : 0;
       if (within < least || (within == least && mass[b] > mass[main])) least = within, main = b;
     }
-    std::vector<char> in(movers.size(), 0), body_in(m.nbody, 0);
+    std::vector<char> in(shapes.size(), 0), body_in(m.nbody, 0);
     for (const Overlap& other : overlaps)
-      if (same(other, pair)) in[other.mover] = 1;
-    for (size_t i = 0; i < movers.size(); i++) {
-      const int b = movers[i].body;
-      if (m.root[b] != root || pairing(movers[i].name, o.name).ignore) continue;
+      if (same(other, pair)) in[other.shape] = 1;
+    for (size_t i = 0; i < shapes.size(); i++) {
+      const int b = shapes[i].body;
+      if (m.root[b] != root || pairing(shapes[i].name, o.name).ignore) continue;
       // A thing is gone round: what it cuts off is on no wrong side.
       if (o.fixed && find(whole, b) != main) in[i] = 1;
       if (in[i]) body_in[b] = 1;
@@ -150,8 +150,8 @@ void World::find_inside(const Model& m, Poses& start, const std::vector<Overlap>
     for (int g = 1; g < m.nbody; g++) {
       if (!body_in[g] || find(group, g) != g) continue;
       std::vector<int> mine;
-      for (size_t i = 0; i < movers.size(); i++)
-        if (in[i] && find(group, movers[i].body) == g) mine.push_back((int)i);
+      for (size_t i = 0; i < shapes.size(); i++)
+        if (in[i] && find(group, shapes[i].body) == g) mine.push_back((int)i);
       std::vector<char> moves(m.nbody, 0), stays(m.nbody, 0);
       for (int b = 1; b < m.nbody; b++) {
         moves[b] = body_in[b] && find(group, b) == g;
@@ -162,22 +162,22 @@ void World::find_inside(const Model& m, Poses& start, const std::vector<Overlap>
   }
 }
 
-// The smallest displacement of a group of movers that takes all of them out of an obstacle: `moves` says
+// The smallest displacement of a group of shapes that takes all of them out of an obstacle: `moves` says
 // (per body) whose joints go with them, `stays` which joints are on the right side already.
 void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::vector<int>& group,
                     const std::vector<char>& moves, const std::vector<char>& stays) {
   const std::vector<Vec3>& x = start.kin.xpos;
-  const bool person = movers[group[0]].person >= 0;
+  const bool person = shapes[group[0]].person >= 0;
   auto right_side = [&](Vec3 shift) {
     if (o.thing) return true;
     for (int i : group) {
-      const Vec3 c = place(start, i).center, j = x[movers[i].body];
+      const Vec3 c = place(start, i).center, j = x[shapes[i].body];
       // A hull stays on the side of its joint, a thing on its own.
       if (person ? o.crosses(j + shift, c + shift) : !o.crosses(c, c) && o.crosses(c, c + shift))
         return false;
     }
     for (int b = 1; b < m.nbody && person; b++) {
-      if (m.root[b] != m.root[movers[group[0]].body]) continue;
+      if (m.root[b] != m.root[shapes[group[0]].body]) continue;
       // What goes stays connected with what does not, and nobody is taken through to another side.
       if (moves[b] && stays[b] && !o.crosses(x[b], x[b]) && o.crosses(x[b], x[b] + shift)) return false;
       const int p = m.parent[b];
@@ -189,11 +189,11 @@ void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::
   // Nobody is to come out of one thing into another, nor to take there what hangs between it and the root.
   std::vector<char> between(m.nbody, 0);
   for (int i : group)
-    for (int b = movers[i].body; b > 0; b = m.parent[b]) between[b] = 1;
+    for (int b = shapes[i].body; b > 0; b = m.parent[b]) between[b] = 1;
   std::vector<std::pair<int, Obstacle>> free;  // who is clear of what
-  for (int i = 0; i < (int)movers.size() && person; i++)
+  for (int i = 0; i < (int)shapes.size() && person; i++)
     for (const Static& s : statics) {
-      if (!between[movers[i].body] || pairing(movers[i].name, s.name).ignore) continue;
+      if (!between[shapes[i].body] || pairing(shapes[i].name, s.name).ignore) continue;
       Obstacle other;
       other.fixed = &s;
       Box3 near = place(start, i).box;
@@ -257,9 +257,9 @@ void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::
   search();
   if (norm2(exit) == 0) anywhere = true, search();
   for (int i : group) {
-    if (is_inside(i, o.other_static, o.other_mover)) continue;  // on another way out already
+    if (is_inside(i, o.other_static, o.other_shape)) continue;  // on another way out already
     Inside in;
-    in.mover = i, in.other_static = o.other_static, in.other_mover = o.other_mover;
+    in.shape = i, in.other_static = o.other_static, in.other_shape = o.other_shape;
     in.exit = exit;
     in.lost = norm2(exit) == 0;
     // Whoever is less deep than others of its group is held where it first is clear.
@@ -279,21 +279,21 @@ void World::way_out(const Model& m, Poses& start, const Obstacle& o, const std::
   }
 }
 
-// What holds a mover that is on its way out: planes of the static against the displaced mover, and how
+// What holds a shape that is on its way out: planes of the static against the displaced shape, and how
 // much of its way it comes in this substep.
-void World::gather_inside(Poses& start, Near& e, Inside& in, double reach, double h,
-                          std::vector<Candidate>& out) {
+void World::gather_inside(Poses& start, BroadPhasePair& e, Inside& in, double reach, double h,
+                          std::vector<ContactCandidate>& out) {
   in.next = in.out;
-  e.dist = Near().dist;
+  e.dist = BroadPhasePair().dist;
   e.reach = 0;
   const Static* fixed = in.other_static >= 0 ? &statics[in.other_static] : nullptr;
-  const Placed* hull = !fixed ? &place(start, in.other_mover)
+  const PosedShape* hull = !fixed ? &place(start, in.other_shape)
                        : fixed->kind == Static::Kind::Hull ? &fixed->placed
                                                            : nullptr;
   if (in.lost) {
     Obstacle o;
     o.fixed = fixed, o.thing = fixed ? nullptr : hull;
-    if (o.clear(place(start, in.mover), kLeastGap)) in.next = 1;
+    if (o.clear(place(start, in.shape), kLeastGap)) in.next = 1;
     return;
   }
   // Slower towards the end: what comes out fast overshoots.
@@ -301,7 +301,7 @@ void World::gather_inside(Poses& start, Near& e, Inside& in, double reach, doubl
                ease = std::min(1.0, std::max(kLeastPace, in.depth() / kEase)),
                pace = growth * ease * settings.depenetration_speed * h;
   const double r = reach + pace + kAhead;
-  const Placed a = displaced(place(start, in.mover), (1 - in.out) * in.exit);
+  const PosedShape a = displaced(place(start, in.shape), (1 - in.out) * in.exit);
   if (hull) {
     const Separation s = separate(a, *hull, r, true, e.axis);
     e.axis = s.n;
@@ -319,10 +319,10 @@ void World::gather_inside(Poses& start, Near& e, Inside& in, double reach, doubl
   }
   in.pace = ease * settings.depenetration_speed * h;
   in.next = std::min(1.0, in.out + most);
-  Candidate c;
-  c.mover = e.mover;
+  ContactCandidate c;
+  c.shape = e.shape;
   c.other_static = e.other_static;
-  c.other_mover = e.other_mover;
+  c.other_shape = e.other_shape;
   c.inside = (int)(&in - inside_.data());
   c.from = (1 - in.out) * in.exit;
   c.to = (1 - in.next) * in.exit;
@@ -342,10 +342,10 @@ void World::reroute(const Model& m, Poses& start) {
   std::vector<Overlap> overlaps;
   std::vector<Inside> before = inside_;
   for (const Inside& in : inside_) {
-    const bool same = in.other_static == first.other_static && in.other_mover == first.other_mover &&
+    const bool same = in.other_static == first.other_static && in.other_shape == first.other_shape &&
                       norm2(in.exit - first.exit) == 0;
     if (same)
-      overlaps.push_back({in.mover, in.other_static, in.other_mover});
+      overlaps.push_back({in.shape, in.other_static, in.other_shape});
     else
       kept.push_back(in);
   }
@@ -362,7 +362,7 @@ void World::reroute(const Model& m, Poses& start) {
 
 void World::come_out(const std::vector<double>& share) {
   for (Inside& in : inside_) {
-    const int b = movers[in.mover].body;
+    const int b = shapes[in.shape].body;
     if (!active[b]) continue;
     const double got = in.next - in.out, slow = kSlow * norm(in.exit) * got;
     in.stuck = in.lost || slow >= in.pace ? 0 : in.stuck + 1;

@@ -17,7 +17,7 @@ constexpr double kFloor = 2e-5, kLastFloor = 5e-6;
 
 // Corners of the polygon around a disc, from its centre: the same material points at every pose.
 constexpr int kRimSides = 32;
-Vec3 rim_corner(const Placed& s, int k) {
+Vec3 rim_corner(const PosedShape& s, int k) {
   Vec3 t, b;
   tangents(s.shape->axis, t, b);
   double angle = 2 * M_PI * k / kRimSides, r = s.shape->rim / std::cos(M_PI / kRimSides);
@@ -28,24 +28,24 @@ Vec3 rim_corner(const Placed& s, int k) {
 
 void World::start_poses(Poses& p) const {
   p.stamp = ++stamps_;
-  p.placed.resize(movers.size());
-  p.fresh.assign(movers.size(), 0);
+  p.placed.resize(shapes.size());
+  p.fresh.assign(shapes.size(), 0);
   p.bends.clear();
   p.balls.clear();
 }
 
-const Placed& World::place(Poses& p, int i) const {
-  if (!p.fresh[i]) p.place(movers, i);
+const PosedShape& World::place(Poses& p, int i) const {
+  if (!p.fresh[i]) p.place(shapes, i);
   return p.placed[i];
 }
 
 bool World::may_touch(const Model& m, int a, int b) const {
-  const Mover &A = movers[a], &B = movers[b];
+  const CollisionShape &A = shapes[a], &B = shapes[b];
   if (m.root[A.body] == m.root[B.body] && !may_touch_itself(a, b)) return false;
   return !pairing(A.name, B.name).ignore;
 }
 
-void World::demand(Candidate& c, double h) {
+void World::demand(ContactCandidate& c, double h) {
   // What comes out is held at a distance that leaves it room.
   double clear = c.inside >= 0 ? kLeastGap : settings.clearance;
   auto it = pairs_.find(key(c));
@@ -65,7 +65,7 @@ void World::demand(Candidate& c, double h) {
   else
     c.target = c.dist + std::min(pace_of(c) * settings.depenetration_speed * h, -c.dist);
   if (c.dist <= 0) {
-    const bool own = c.other_mover >= 0 && may_touch_itself(c.mover, c.other_mover);
+    const bool own = c.other_shape >= 0 && may_touch_itself(c.shape, c.other_shape);
     c.hard = c.dist - (own ? kDeeper * settings.depenetration_speed * h : 1e-7);
     return;
   }
@@ -75,7 +75,7 @@ void World::demand(Candidate& c, double h) {
                     std::max(c.dist - 2 * settings.tolerance, std::min(c.dist, kLastFloor)));
 }
 
-void World::take(Candidate& c, const Plane& p, double h, std::vector<Candidate>& out) {
+void World::take(ContactCandidate& c, const Plane& p, double h, std::vector<ContactCandidate>& out) {
   c.n = p.n;
   c.offset = p.offset;
   c.dist = p.dist;
@@ -84,21 +84,21 @@ void World::take(Candidate& c, const Plane& p, double h, std::vector<Candidate>&
   out.push_back(c);
 }
 
-bool World::takes_part(const Near& e) const {
-  const int a = movers[e.mover].body;
-  if (e.other_mover < 0) return active[a] && !asleep[a];
-  const int b = movers[e.other_mover].body;
+bool World::takes_part(const BroadPhasePair& e) const {
+  const int a = shapes[e.shape].body;
+  if (e.other_shape < 0) return active[a] && !asleep[a];
+  const int b = shapes[e.other_shape].body;
   if (asleep[a] && asleep[b]) return false;
   return (active[a] && (active[b] || standing[b])) || (active[b] && standing[a]);
 }
 
 void World::gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
-                   std::vector<Candidate>& out) {
+                   std::vector<ContactCandidate>& out) {
   out.clear();
   if (!exits_known_) find_exits(m, start);
   // A pair that overlaps leaves along the direction fixed when the overlap was first seen.
   // Fixed in the world; of two of one person, in the frame of the other, which may turn.
-  auto fixed_exit = [&](Candidate& c, const Mat3& frame, auto along) {
+  auto fixed_exit = [&](ContactCandidate& c, const Mat3& frame, auto along) {
     auto it = pairs_.find(key(c));
     bool known = it != pairs_.end() && it->second.inside;
     if (c.dist >= 0) {
@@ -112,20 +112,20 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
       it->second.exit = mul_t(frame, c.n);
     }
   };
-  for (Near& e : near_) {
+  for (BroadPhasePair& e : broad_pairs_) {
     if (!takes_part(e)) continue;
-    double r = reach[e.mover] + (e.other_mover >= 0 ? reach[e.other_mover] : 0.0);
+    double r = reach[e.shape] + (e.other_shape >= 0 ? reach[e.other_shape] : 0.0);
     if (any_inside())
       if (Inside* in = inside_of(e)) {
         gather_inside(start, e, *in, r, h, out);
         continue;
       }
     if (far(e, r)) continue;
-    Candidate c;
-    c.mover = e.mover;
+    ContactCandidate c;
+    c.shape = e.shape;
     c.other_static = e.other_static;
-    c.other_mover = e.other_mover;
-    const Placed& A = place(start, e.mover);
+    c.other_shape = e.other_shape;
+    const PosedShape& A = place(start, e.shape);
     if (e.other_static >= 0 && statics[e.other_static].kind == Static::Kind::HalfSpace) {
       const Static& S = statics[e.other_static];
       c.n = S.n;
@@ -138,9 +138,9 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
       out.push_back(c);
       continue;
     }
-    if (e.other_mover >= 0) {
+    if (e.other_shape >= 0) {
       // People come first, so that the normal points into the part.
-      const Placed& B = place(start, e.other_mover);
+      const PosedShape& B = place(start, e.other_shape);
       auto known = pairs_.find(key(c));
       if (known != pairs_.end() && known->second.through) {
         Vec3 pa, pb;
@@ -161,20 +161,20 @@ void World::gather(const Model& m, Poses& start, const std::vector<double>& reac
         c.dist = separate_along(A, B, c.n).dist;
       }
       fixed_exit(c, e.own ? start.kin.xmat[stays(m, c)] : Mat3{},
-                 [&](Candidate& k) { k.dist = separate_along(A, B, k.n).dist; });
+                 [&](ContactCandidate& k) { k.dist = separate_along(A, B, k.n).dist; });
       demand(c, h);
       out.push_back(c);
       continue;
     }
     if (behind_planes(e, A, r)) continue;
     // What was near is asked again anyhow.
-    look(start, e, e.dist > r || e.dist == Near().dist ? r + kAhead : r);
+    look(start, e, e.dist > r || e.dist == BroadPhasePair().dist ? r + kAhead : r);
     const Static& S = statics[e.other_static];
     if (S.kind == Static::Kind::Hull) {
       if (e.dist > r) continue;
       c.n = e.planes[0].n;
       c.dist = e.dist;
-      fixed_exit(c, Mat3{}, [&](Candidate& k) { k.dist = separate_along(A, S.placed, k.n).dist; });
+      fixed_exit(c, Mat3{}, [&](ContactCandidate& k) { k.dist = separate_along(A, S.placed, k.n).dist; });
       c.offset = S.placed.highest(c.n);
       demand(c, h);
       out.push_back(c);
@@ -194,18 +194,18 @@ void World::reset(const Model& m, Poses& start) {
   pairs_.clear();
   inside_.clear();
   growth = 1;
-  std::vector<double> reach(movers.size(), settings.clearance);
-  std::vector<Candidate> near;
+  std::vector<double> reach(shapes.size(), settings.clearance);
+  std::vector<ContactCandidate> near;
   list(m, start, reach);
   std::vector<Overlap> overlaps;
-  for (Near& e : near_) {
+  for (BroadPhasePair& e : broad_pairs_) {
     bool inside = false;
-    if (forced && movers[e.mover].person >= 0) continue;
-    if (e.other_mover >= 0) {
-      const Mover &A = movers[e.mover], &B = movers[e.other_mover];
+    if (forced && shapes[e.shape].person >= 0) continue;
+    if (e.other_shape >= 0) {
+      const CollisionShape &A = shapes[e.shape], &B = shapes[e.other_shape];
       if (A.person < 0 || B.person >= 0) continue;  // of things that overlap: see fixed_exit
-      if (separate(place(start, e.mover), place(start, e.other_mover)).dist < -kTouch)
-        overlaps.push_back({e.mover, -1, e.other_mover});
+      if (separate(place(start, e.shape), place(start, e.other_shape)).dist < -kTouch)
+        overlaps.push_back({e.shape, -1, e.other_shape});
       continue;
     }
     look(start, e, settings.clearance);
@@ -213,7 +213,7 @@ void World::reset(const Model& m, Poses& start) {
       for (const Plane& p : e.planes) inside |= p.overlaps;
     else
       inside = e.dist < -kTouch;
-    if (inside) overlaps.push_back({e.mover, e.other_static, -1});
+    if (inside) overlaps.push_back({e.shape, e.other_static, -1});
   }
   if (!overlaps.empty()) {
     find_inside(m, start, overlaps);
@@ -223,14 +223,14 @@ void World::reset(const Model& m, Poses& start) {
   gather(m, start, reach, 1.0, near);
   waited_ = 0, depth_ = 1e300;
   if (self_contact()) leave_together(m, start);
-  for (const Candidate& c : near) {
+  for (const ContactCandidate& c : near) {
     // What touches, to within rounding of files, rests there; what is deeper inside comes out.
-    if (c.dist < -kTouch && c.other_mover >= 0 && movers[c.mover].person >= 0 &&
-        movers[c.other_mover].person >= 0 &&
-        m.root[movers[c.mover].body] != m.root[movers[c.other_mover].body])
+    if (c.dist < -kTouch && c.other_shape >= 0 && shapes[c.shape].person >= 0 &&
+        shapes[c.other_shape].person >= 0 &&
+        m.root[shapes[c.shape].body] != m.root[shapes[c.other_shape].body])
       pairs_[key(c)].through = true;
-    if (c.dist < -kTouch && c.other_mover >= 0 && movers[c.mover].person < 0)
-      pairs_[key(c)].kept = -c.dist <= movers[c.mover].slack + movers[c.other_mover].slack;
+    if (c.dist < -kTouch && c.other_shape >= 0 && shapes[c.shape].person < 0)
+      pairs_[key(c)].kept = -c.dist <= shapes[c.shape].slack + shapes[c.other_shape].slack;
     if (c.inside >= 0 || c.dist < -kTouch || c.dist >= settings.clearance) continue;
     double own = std::max(c.dist, 0.0);
     auto [it, added] = pairs_.insert({key(c), {own, false, {}, false}});
@@ -238,11 +238,11 @@ void World::reset(const Model& m, Poses& start) {
   }
 }
 
-// By how much the arcs of a mover's points bulge out of the hull of its start and end vertices, as
+// By how much the arcs of a shape's points bulge out of the hull of its start and end vertices, as
 // seen by what turns by `back` meanwhile: r angle^2 / 8.
-double World::bulge(int mover, const Poses& start, const Poses& end, const Mat3& back) const {
-  const Mover& M = movers[mover];
-  return M.most_of([&](const Mover::Tie& t) {
+double World::bulge(int shape, const Poses& start, const Poses& end, const Mat3& back) const {
+  const CollisionShape& M = shapes[shape];
+  return M.most_of([&](const CollisionShape::Tie& t) {
     const Mat3 turn = back * (end.kin.xmat[t.body] * transposed(start.kin.xmat[t.body]));
     const double cosine = 0.5 * (turn.m[0] + turn.m[4] + turn.m[8] - 1),
                  angle = std::acos(std::min(1.0, std::max(-1.0, cosine)));
@@ -250,9 +250,9 @@ double World::bulge(int mover, const Poses& start, const Poses& end, const Mat3&
   });
 }
 
-// Is the hull of the mover's start and end vertices, relative to the other, disjoint from it by
+// Is the hull of the shape's start and end vertices, relative to the other, disjoint from it by
 // the clearance? Then the plane between them says nothing.
-bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,
+bool World::swept_clear(const PosedShape& a0, const PosedShape& a1, const ContactCandidate& c, Poses& start,
                         Poses& end) const {
   if (c.dist < settings.clearance) return false;
   const bool disc = a0.shape->rim > 0;
@@ -262,24 +262,24 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
   double *x = xyz.data(), *y = x + 2 * n, *z = y + 2 * n;
   Mat3 back;
   Vec3 shift;
-  if (c.other_mover >= 0) {
+  if (c.other_shape >= 0) {
     // Into the other's start frame: x -> R0 R1^T (x - p1) + p0.
-    int b = movers[c.other_mover].body;
+    int b = shapes[c.other_shape].body;
     back = start.kin.xmat[b] * transposed(end.kin.xmat[b]);
     shift = start.kin.xpos[b] - back * end.kin.xpos[b];
   }
   // A disc is the polygon around it here.
-  auto corner = [&](const Placed& s, Points p, int i) {
+  auto corner = [&](const PosedShape& s, Points p, int i) {
     return disc ? p.at(i / kRimSides) + rim_corner(s, i % kRimSides) : p.at(i);
   };
   for (int i = 0; i < n; i++) {
     Vec3 p = corner(a0, p0, i) + c.from, q = corner(a1, p1, i) + c.shift();
-    if (c.other_mover >= 0) q = back * q + shift;
+    if (c.other_shape >= 0) q = back * q + shift;
     x[i] = p.x, y[i] = p.y, z[i] = p.z;
     x[n + i] = q.x, y[n + i] = q.y, z[n + i] = q.z;
   }
   const Support swept{{x, y, z, 2 * n}};
-  double margin = bulge(c.mover, start, end, back) + a0.shape->radius + settings.clearance;
+  double margin = bulge(c.shape, start, end, back) + a0.shape->radius + settings.clearance;
   Vec3 pa, pb;
   if (c.other_static >= 0 && c.triangle >= 0) {
     Vec3 v[3];
@@ -288,13 +288,13 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
            tz[3] = {v[0].z, v[1].z, v[2].z};
     return gjk(swept, Support{{tx, ty, tz, 3}}, c.n, pa, pb, margin) > margin;
   }
-  const Placed& b =
-      c.other_static >= 0 ? statics[c.other_static].placed : place(start, c.other_mover);
+  const PosedShape& b =
+      c.other_static >= 0 ? statics[c.other_static].placed : place(start, c.other_shape);
   margin += b.shape->radius;
-  if (c.other_mover < 0 || !movers[c.other_mover].skin)
+  if (c.other_shape < 0 || !shapes[c.other_shape].skin)
     return gjk(swept, b.support(), c.n, pa, pb, margin) > margin;
   // A skin changes its shape on the way, seen from the frame it is carried in: both ends of it.
-  const Points q0 = b.points(), q1 = place(end, c.other_mover).points();
+  const Points q0 = b.points(), q1 = place(end, c.other_shape).points();
   std::vector<double> other(6 * (size_t)q0.n);
   double *u = other.data(), *v = u + 2 * q0.n, *w = v + 2 * q0.n;
   for (int i = 0; i < q0.n; i++) {
@@ -302,20 +302,20 @@ bool World::swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, 
     u[i] = p.x, v[i] = p.y, w[i] = p.z;
     u[q0.n + i] = q.x, v[q0.n + i] = q.y, w[q0.n + i] = q.z;
   }
-  margin += bulge(c.other_mover, start, end, back);
+  margin += bulge(c.other_shape, start, end, back);
   return gjk(swept, Support{{u, v, w, 2 * q0.n}}, c.n, pa, pb, margin) > margin;
 }
 
 // Is the same hull disjoint from the whole mesh? Then no plane of it that may be crossed hides
 // anything. Asked once for each way: a part that flies by something finely divided crosses many.
-bool World::mesh_clear(const Candidate& c, Poses& start, Poses& end) const {
-  const Placed &a0 = place(start, c.mover), &a1 = place(end, c.mover);
+bool World::mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) const {
+  const PosedShape &a0 = place(start, c.shape), &a1 = place(end, c.shape);
   if (a0.shape->rim > 0) return false;
   if (ways_of_ != end.stamp) ways_.clear(), ways_of_ = end.stamp;
   for (const Way& w : ways_)
-    if (w.mover == c.mover && w.other_static == c.other_static) return w.clear;
+    if (w.shape == c.shape && w.other_static == c.other_static) return w.clear;
   static thread_local Convex shape;
-  static thread_local Placed swept;
+  static thread_local PosedShape swept;
   const int n = a0.points().n;
   shape.vertices.resize(2 * (size_t)n);
   swept.shape = &shape;
@@ -329,14 +329,14 @@ bool World::mesh_clear(const Candidate& c, Poses& start, Poses& end) const {
   swept.box = {};
   for (Vec3 p : {a0.box.lo + c.from, a0.box.hi + c.from, a1.box.lo + c.shift(), a1.box.hi + c.shift()})
     swept.box.add(p);
-  const double margin = bulge(c.mover, start, end, {}) + a0.shape->radius + settings.clearance;
+  const double margin = bulge(c.shape, start, end, {}) + a0.shape->radius + settings.clearance;
   const bool clear = statics[c.other_static].tree->distance(swept, margin) >= margin;
-  ways_.push_back({c.mover, c.other_static, clear});
+  ways_.push_back({c.shape, c.other_static, clear});
   return clear;
 }
 
-double World::excess(Poses& start, Poses& end, Candidate& c) const {
-  const Placed& a1 = place(end, c.mover);
+double World::excess(Poses& start, Poses& end, ContactCandidate& c) const {
+  const PosedShape& a1 = place(end, c.shape);
   c.forgiven = false;
   bool half_space =
       c.other_static >= 0 && statics[c.other_static].kind == Static::Kind::HalfSpace;
@@ -345,10 +345,10 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
     gap = a1.lowest(c.n) + dot(c.n, c.shift()) - c.offset;
     if (half_space || gap >= c.target) return gap - c.target;
   } else {
-    const Placed& b1 = place(end, c.other_mover);
-    Placed moved;
+    const PosedShape& b1 = place(end, c.other_shape);
+    PosedShape moved;
     if (c.inside >= 0) moved = displaced(a1, c.shift());
-    const Placed& a = c.inside >= 0 ? moved : a1;
+    const PosedShape& a = c.inside >= 0 ? moved : a1;
     gap = separate_along(a, b1, c.n).dist;
     if (gap >= c.target || c.dist < 0) return gap - c.target;
     // The plane between two things turns as they do: where their nearest sides are still the
@@ -357,7 +357,7 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
     Separation s = separate(a, b1, 1e300, false, c.n, &hint);
     if (s.dist > 0 && dot(s.n, c.n) > 0.5) return s.dist - c.target;
   }
-  if (swept_clear(place(start, c.mover), a1, c, start, end)) {
+  if (swept_clear(place(start, c.shape), a1, c, start, end)) {
     c.forgiven = true;
     return 1e300;
   }
@@ -365,24 +365,24 @@ double World::excess(Poses& start, Poses& end, Candidate& c) const {
 }
 
 void World::search_behind(Poses& start, const std::vector<double>& reach, double h, int index,
-                          std::vector<Candidate>& all) {
+                          std::vector<ContactCandidate>& all) {
   all[index].searched = true;
-  Candidate c = all[index];
+  ContactCandidate c = all[index];
   std::vector<int> without;
-  for (const Candidate& k : all)
-    if (k.mover == c.mover && k.other_static == c.other_static && k.searched)
+  for (const ContactCandidate& k : all)
+    if (k.shape == c.shape && k.other_static == c.other_static && k.searched)
       without.push_back(k.triangle);
   std::vector<Plane> planes;
-  for (const Candidate& k : all)
-    if (k.mover == c.mover && k.other_static == c.other_static && !k.searched)
+  for (const ContactCandidate& k : all)
+    if (k.shape == c.shape && k.other_static == c.other_static && !k.searched)
       planes.push_back({k.n, k.offset, k.dist, k.triangle, false});
-  statics[c.other_static].tree->planes(displaced(place(start, c.mover), c.from), reach[c.mover], planes,
+  statics[c.other_static].tree->planes(displaced(place(start, c.shape), c.from), reach[c.shape], planes,
                                        without);
   c.searched = c.forgiven = false;
   for (const Plane& p : planes) {
     bool known = false;
-    for (const Candidate& k : all)
-      known |= k.mover == c.mover && k.other_static == c.other_static && k.triangle == p.triangle;
+    for (const ContactCandidate& k : all)
+      known |= k.shape == c.shape && k.other_static == c.other_static && k.triangle == p.triangle;
     if (known) continue;
     take(c, p, h, all);
   }
@@ -396,7 +396,7 @@ void World::save(std::vector<double>& out) const {
                            (s.through ? 1.0 : 0.0) + (s.kept ? 2.0 : 0.0)});
   out.push_back((double)inside_.size());
   for (const Inside& i : inside_)
-    out.insert(out.end(), {(double)i.mover, (double)i.other_static, (double)i.other_mover, i.exit.x,
+    out.insert(out.end(), {(double)i.shape, (double)i.other_static, (double)i.other_shape, i.exit.x,
                            i.exit.y, i.exit.z, i.out, i.lost ? 1.0 : 0.0, (double)i.stuck});
   out.push_back(growth);
   save_near(out);

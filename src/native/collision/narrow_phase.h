@@ -19,7 +19,7 @@ struct Static {
   Vec3 n;             // half-space n.x <= offset
   double offset = 0;
   Convex shape;       // hull, in the world frame
-  Placed placed;
+  PosedShape placed;
   std::shared_ptr<const TriangleTree> tree;
 };
 
@@ -30,9 +30,9 @@ struct Pairing {  // of two names
 
 // Two that are near enough to be looked at, and what is known of their distance. It only saves
 // work: what is skipped for it could not have been a candidate.
-struct Near {
-  int mover = 0;
-  int other_static = -1, other_mover = -1;  // one of them
+struct BroadPhasePair {
+  int shape = 0;
+  int other_static = -1, other_shape = -1;  // one of them
   double dist = -1e300;       // lower bound when last looked at [m]
   double way = 0;             // what the two had travelled by then [m]
   std::vector<Plane> planes;  // all that the other has lies behind them, within `reach` of there
@@ -43,19 +43,19 @@ struct Near {
 };
 
 // A pair of shapes that may meet in this substep.
-struct Candidate {
-  int mover = 0;
-  int other_static = -1, other_mover = -1;  // one of them
-  Vec3 n;             // from the other to the mover
+struct ContactCandidate {
+  int shape = 0;
+  int other_static = -1, other_shape = -1;  // one of them
+  Vec3 n;             // from the other to the shape
   double offset = 0;  // static: the other lies in n.x <= offset
   double dist = 0;    // at the start of the substep
   double target = 0;  // distance demanded at its end
   double hard = 0;    // distance under which the step is shortened
   int triangle = -1;
-  Hint hint;  // of two movers at the start
+  Hint hint;  // of two shapes at the start
   bool forgiven = false;  // the plane may be crossed: the thing behind it is not there
   bool searched = false;  // what its plane had hidden has been asked for
-  // A mover that started inside is not where it is held to be: displaced by `from` at the start of
+  // A shape that started inside is not where it is held to be: displaced by `from` at the start of
   // the substep and, where it makes `share` of that, by so much of the way to `to` at its end.
   int inside = -1;  // index of the pair
   Vec3 from, to;
@@ -63,11 +63,11 @@ struct Candidate {
   Vec3 shift() const { return from + share * (to - from); }
 };
 
-// A mover that started inside a static or, a part of a person, inside a thing. Displaced by `exit` it is
-// clear of it, and on the right side; what is kept clear is the mover displaced by a part (1 - out) of
+// A shape that started inside a static or, a part of a person, inside a thing. Displaced by `exit` it is
+// clear of it, and on the right side; what is kept clear is the shape displaced by a part (1 - out) of
 // that, and `out` only grows. docs/design.md, "Starting inside".
 struct Inside {
-  int mover = 0, other_static = -1, other_mover = -1;  // one of the two
+  int shape = 0, other_static = -1, other_shape = -1;  // one of the two
   Vec3 exit;
   double out = 0;   // 1: it has come out
   double next = 0;  // what it will be at the end of the substep
@@ -86,17 +86,17 @@ struct ContactSettings {
 };
 
 // A contact point that carried something in the substep before.
-struct Remembered {
+struct CachedContact {
   int64_t key;
   int feature;
-  Material point, other;  // on the mover; on the other mover: the point opposite
+  Material point, other;  // on the shape; on the other shape: the point opposite
   Vec3 normal, impulse;   // in the world
   bool used;
 };
 
-// How movers get from one pose to another, without contact [m].
+// How shapes get from one pose to another, without contact [m].
 struct Sweep {
-  std::vector<double> way;    // no point of the mover goes farther
+  std::vector<double> way;    // no point of the shape goes farther
   std::vector<double> straight;  // the part of `way` that its end pose alone tells
   std::vector<double> bulge;  // nor strays farther from the straight line between its ends
   std::vector<double> inner;  // `straight` as seen from the root; empty without self-contact
@@ -104,7 +104,7 @@ struct Sweep {
 
 class World {
  public:
-  std::vector<Mover> movers;
+  std::vector<CollisionShape> shapes;
   std::vector<Static> statics;
   std::vector<Pairing> pairings;  // names x names
   int n_names = 0;
@@ -129,25 +129,25 @@ class World {
 
   // Everybody is somewhere else now: nothing is known of distances.
   void forget();
-  // The movers of active trees have gone from one pose to another, no farther than `way`; seen from
+  // The shapes of active trees have gone from one pose to another, no farther than `way`; seen from
   // their roots no farther than `inner`, which is empty without self-contact.
   void travel(const std::vector<double>& way, const std::vector<double>& inner);
-  // Lists all pairs that can come within `way[mover]` of each other, and some that cannot, unless
+  // Lists all pairs that can come within `way[shape]` of each other, and some that cannot, unless
   // the list that there is says so already.
   void list(const Model& m, const Poses& p, const std::vector<double>& way);
   // Marks (per body) the trees of pairs that a sweep does not prove to stay clear of each other.
   void find_busy(const Model& m, Poses& start, Poses& end, const Sweep& sweep,
                  std::vector<char>& busy);
-  double travelled(int mover) const { return odometer_[mover]; }
+  double travelled(int shape) const { return odometer_[shape]; }
 
-  // Self-contact (self_contact.cpp): the pairs of movers of one tree that may touch each other.
+  // Self-contact (self_contact.cpp): the pairs of shapes of one tree that may touch each other.
   void set_self_pairs(const std::vector<std::pair<int, int>>& pairs);
   // Who is inside of themselves still chooses anew where to leave, now and then.
   void choose_again(const Model& m, Poses& start);
-  // Distance of two movers; where they overlap, minus the least depth found.
+  // Distance of two shapes; where they overlap, minus the least depth found.
   double gap(Poses& p, int a, int b) const;
   bool self_contact() const { return !self_.empty(); }
-  // How far no point of each mover goes between two poses, seen from the root; empty without
+  // How far no point of each shape goes between two poses, seen from the root; empty without
   // self-contact.
   void inner_ways(const Model& m, const Poses& from, const Poses& to, std::vector<double>& way) const;
 
@@ -162,135 +162,135 @@ class World {
   void come_out(const std::vector<double>& share);
 
   void start_poses(Poses& p) const;
-  const Placed& place(Poses& p, int mover) const;
+  const PosedShape& place(Poses& p, int shape) const;
 
   // Remembers the pairs that start nearer than the clearance, or inside each other.
   void reset(const Model& m, Poses& start);
-  // All listed pairs within `reach[mover]` of each other.
+  // All listed pairs within `reach[shape]` of each other.
   void gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
-              std::vector<Candidate>& out);
+              std::vector<ContactCandidate>& out);
   // Smallest gap of a candidate at the end pose minus what it demands; forgives planes that are
   // crossed where nothing is behind them.
-  double excess(Poses& start, Poses& end, Candidate& c) const;
+  double excess(Poses& start, Poses& end, ContactCandidate& c) const;
   // Is the whole mesh of a candidate out of the way from start to end?
-  bool mesh_clear(const Candidate& c, Poses& start, Poses& end) const;
+  bool mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) const;
   // A plane of a mesh that may be crossed hides nothing: appends the candidates behind it.
   void search_behind(Poses& start, const std::vector<double>& reach, double h, int index,
-                     std::vector<Candidate>& all);
+                     std::vector<ContactCandidate>& all);
   // Adds contact points of a violated candidate, or better ones than in the passes before.
-  void add_contacts(const std::vector<Remembered>& remembered, Poses& start, Poses& end,
-                    const Candidate& c, int index, int pass,
+  void add_contacts(const std::vector<CachedContact>& remembered, Poses& start, Poses& end,
+                    const ContactCandidate& c, int index, int pass,
                     std::vector<Contact>& contacts) const;
   // Whether a person meets something that moves.
-  bool handles(const Candidate& c) const {
-    return c.other_mover >= 0 &&
-           (movers[c.mover].person >= 0 || movers[c.other_mover].person >= 0);
+  bool handles(const ContactCandidate& c) const {
+    return c.other_shape >= 0 &&
+           (shapes[c.shape].person >= 0 || shapes[c.other_shape].person >= 0);
   }
   // Marks those pairs of them that had contacts in the substep before; true if there are any.
-  bool recall(const std::vector<Remembered>& remembered, const std::vector<Candidate>& candidates,
+  bool recall(const std::vector<CachedContact>& remembered, const std::vector<ContactCandidate>& candidates,
               std::vector<char>& out) const;
   // The gap that a contact's own points have at the end pose.
   double gap_at(Poses& start, Poses& end, const Contact& c) const;
   // Smallest distance of a person's parts from the statics, up to `range`, inf beyond.
   double clearance(const Model& m, Poses& p, double range) const;
-  // The same of every mover, and the static that it is from (-1: none within `range`); NaN for
+  // The same of every shape, and the static that it is from (-1: none within `range`); NaN for
   // objects. Looks at all pairs: slower, but nothing has to be known of them.
   void clearances(Poses& p, double range, double* dist, int* nearest) const;
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
-  // Of pairs that were there before, what was known then: `mover` says whose number each has in `old`
+  // Of pairs that were there before, what was known then: `shape` says whose number each has in `old`
   // (-1: new).
-  void adopt(const World& old, const std::vector<int>& mover);
+  void adopt(const World& old, const std::vector<int>& shape);
 
  private:
   struct PairState {
     double clearance = 0;  // its own: it started nearer
-    bool inside = false;   // of two movers
+    bool inside = false;   // of two shapes
     Vec3 exit;             // direction out, where inside
     bool through = false;  // two people who start in one place pass through until they are out
     bool kept = false;  // pieces that overlap where their surfaces are clear get no deeper
   };
-  static int64_t key(const Candidate& c) {
-    return ((int64_t)c.mover << 32) | (int64_t)(c.other_static >= 0 ? 2 * c.other_static
-                                                                    : 2 * c.other_mover + 1);
+  static int64_t key(const ContactCandidate& c) {
+    return ((int64_t)c.shape << 32) | (int64_t)(c.other_static >= 0 ? 2 * c.other_static
+                                                                    : 2 * c.other_shape + 1);
   }
-  static Candidate unpacked(int64_t key) {
-    Candidate c;
-    c.mover = (int)(key >> 32);
+  static ContactCandidate unpacked(int64_t key) {
+    ContactCandidate c;
+    c.shape = (int)(key >> 32);
     const int other = (int)(key & 0xffffffff);
-    (other % 2 == 0 ? c.other_static : c.other_mover) = other / 2;
+    (other % 2 == 0 ? c.other_static : c.other_shape) = other / 2;
     return c;
   }
   template <typename Make>
-  void add_rim_contacts(const Placed& a0, const Placed& a1, const Candidate& c, int index,
+  void add_rim_contacts(const PosedShape& a0, const PosedShape& a1, const ContactCandidate& c, int index,
                         Make make, std::vector<Contact>& contacts) const;
   bool may_touch(const Model& m, int a, int b) const;
-  double way_of(const Near& e) const {
-    if (e.own) return inner_[e.mover] + inner_[e.other_mover];
-    return odometer_[e.mover] + (e.other_mover >= 0 ? odometer_[e.other_mover] : 0.0);
+  double way_of(const BroadPhasePair& e) const {
+    if (e.own) return inner_[e.shape] + inner_[e.other_shape];
+    return odometer_[e.shape] + (e.other_shape >= 0 ? odometer_[e.other_shape] : 0.0);
   }
-  bool far(const Near& e, double r) const { return e.dist - (way_of(e) - e.way) > r; }
+  bool far(const BroadPhasePair& e, double r) const { return e.dist - (way_of(e) - e.way) > r; }
   void save_near(std::vector<double>& out) const;
   const double* load_near(const double* in);
-  bool behind_planes(const Near& e, const Placed& a, double r) const;
-  void look(Poses& p, Near& e, double r);
-  bool takes_part(const Near& e) const;
-  // Of two movers of one tree: do their bounding spheres keep them farther apart than r? May they
+  bool behind_planes(const BroadPhasePair& e, const PosedShape& a, double r) const;
+  void look(Poses& p, BroadPhasePair& e, double r);
+  bool takes_part(const BroadPhasePair& e) const;
+  // Of two shapes of one tree: do their bounding spheres keep them farther apart than r? May they
   // touch on their way? The direction along which they overlap least.
-  bool spheres_apart(Poses& p, Near& e, double r) const;
-  bool meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& sweep, Near& e) const;
+  bool spheres_apart(Poses& p, BroadPhasePair& e, double r) const;
+  bool meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& sweep, BroadPhasePair& e) const;
   void leave_together(const Model& m, Poses& start);
   int waited_ = 0;  // substeps since those who leave themselves were last looked at
   double depth_ = 1e300;  // how deep they all were then, along their ways out [m]
   bool may_touch_itself(int a, int b) const {
-    return !self_.empty() && self_[a * movers.size() + b];
+    return !self_.empty() && self_[a * shapes.size() + b];
   }
   // Of two bodies of one person the one that carries more: the way out turns with it.
-  int stays(const Model& m, const Candidate& c) const {
-    const int a = movers[c.mover].body, b = movers[c.other_mover].body;
+  int stays(const Model& m, const ContactCandidate& c) const {
+    const int a = shapes[c.shape].body, b = shapes[c.other_shape].body;
     return m.carried[a] > m.carried[b] ? a : b;
   }
-  static Vec3 least_overlap(const Placed& a, const Placed& b, Vec3 guess);
-  void demand(Candidate& c, double h);
-  double pace_of(const Candidate& c) const {
+  static Vec3 least_overlap(const PosedShape& a, const PosedShape& b, Vec3 guess);
+  void demand(ContactCandidate& c, double h);
+  double pace_of(const ContactCandidate& c) const {
     if (!forced || !handles(c)) return 1;
-    const int thing = movers[c.other_mover].body;
+    const int thing = shapes[c.other_shape].body;
     return squeezed[thing] ? 0 : pace[thing];
   }
   // Of things that people were put into (forced.cpp).
   void find_exits(const Model& m, Poses& start);
   bool exits_known_ = true;
   // Of a pair, the plane that it is to stay behind, among the candidates.
-  void take(Candidate& c, const Plane& p, double h, std::vector<Candidate>& out);
+  void take(ContactCandidate& c, const Plane& p, double h, std::vector<ContactCandidate>& out);
   // Starting inside (inside.cpp).
   struct Overlap {
-    int mover, other_static, other_mover;
+    int shape, other_static, other_shape;
   };
   struct Obstacle;
   void find_inside(const Model& m, Poses& start, const std::vector<Overlap>& overlaps);
   void way_out(const Model& m, Poses& start, const Obstacle& o, const std::vector<int>& group,
                const std::vector<char>& moves, const std::vector<char>& stays);
-  void gather_inside(Poses& start, Near& e, Inside& in, double reach, double h,
-                     std::vector<Candidate>& out);
-  Inside* inside_of(const Near& e);
-  bool is_inside(int mover, int other_static, int other_mover) const;
-  bool clear_of(Poses& start, int mover, const Obstacle& o, Vec3 shift, double range) const;
-  double bulge(int mover, const Poses& start, const Poses& end, const Mat3& back) const;
-  bool swept_clear(const Placed& a0, const Placed& a1, const Candidate& c, Poses& start,
+  void gather_inside(Poses& start, BroadPhasePair& e, Inside& in, double reach, double h,
+                     std::vector<ContactCandidate>& out);
+  Inside* inside_of(const BroadPhasePair& e);
+  bool is_inside(int shape, int other_static, int other_shape) const;
+  bool clear_of(Poses& start, int shape, const Obstacle& o, Vec3 shift, double range) const;
+  double bulge(int shape, const Poses& start, const Poses& end, const Mat3& back) const;
+  bool swept_clear(const PosedShape& a0, const PosedShape& a1, const ContactCandidate& c, Poses& start,
                    Poses& end) const;
 
   std::map<int64_t, PairState> pairs_;
   std::vector<Inside> inside_;
   Vec3 avoid_;  // a way out that is not to be tried again; 0: none
-  std::vector<Near> near_;
-  std::vector<double> odometer_, listed_, range_;  // per mover [m]
-  std::vector<char> self_;     // movers x movers: of one tree, and may touch; empty: none
-  std::vector<double> inner_;  // per mover: what it travelled within its root's frame [m]
+  std::vector<BroadPhasePair> broad_pairs_;
+  std::vector<double> odometer_, listed_, range_;  // per shape [m]
+  std::vector<char> self_;     // shapes x shapes: of one tree, and may touch; empty: none
+  std::vector<double> inner_;  // per shape: what it travelled within its root's frame [m]
   bool has_list_ = false;
   // Of mesh_clear(), for the end pose that has this stamp.
   struct Way {
-    int mover, other_static;
+    int shape, other_static;
     bool clear;
   };
   mutable std::vector<Way> ways_;

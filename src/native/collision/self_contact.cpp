@@ -54,12 +54,12 @@ Vec3 best_direction(Apart apart, const std::vector<Vec3>& guesses) {
 }  // namespace
 
 void World::set_self_pairs(const std::vector<std::pair<int, int>>& pairs) {
-  self_.assign(pairs.empty() ? 0 : movers.size() * movers.size(), 0);
-  for (const auto& [i, j] : pairs) self_[i * movers.size() + j] = self_[j * movers.size() + i] = 1;
+  self_.assign(pairs.empty() ? 0 : shapes.size() * shapes.size(), 0);
+  for (const auto& [i, j] : pairs) self_[i * shapes.size() + j] = self_[j * shapes.size() + i] = 1;
 }
 
 double World::gap(Poses& p, int a, int b) const {
-  const Placed &A = place(p, a), &B = place(p, b);
+  const PosedShape &A = place(p, a), &B = place(p, b);
   const double dist = separate(A, B).dist;
   if (dist > 0) return dist;
   return separate_along(A, B, least_overlap(A, B, A.center - B.center)).dist;
@@ -83,11 +83,11 @@ void World::inner_ways(const Model& m, const Poses& from, const Poses& to,
       out.xmat[b] = transposed(kin.xmat[r]) * kin.xmat[b];
     }
   }
-  ways(movers, inner[0], inner[1], active, way);
+  ways(shapes, inner[0], inner[1], active, way);
 }
 
-bool World::spheres_apart(Poses& p, Near& e, double r) const {
-  const Poses::Ball &a = p.known_ball(movers, e.mover), &b = p.known_ball(movers, e.other_mover);
+bool World::spheres_apart(Poses& p, BroadPhasePair& e, double r) const {
+  const Poses::Ball &a = p.known_ball(shapes, e.shape), &b = p.known_ball(shapes, e.other_shape);
   const double dist = norm(a.center - b.center) - a.radius - b.radius;
   if (dist <= r) return false;
   e.dist = dist;
@@ -98,13 +98,13 @@ bool World::spheres_apart(Poses& p, Near& e, double r) const {
 // Both go straight, as seen from the root, but for their bulges: where the hulls of their ends are
 // apart, so are they all the way.
 bool World::meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& sweep,
-                         Near& e) const {
+                         BroadPhasePair& e) const {
   const double clear = settings.clearance + kRounding,
-               bulge = sweep.bulge[e.mover] + sweep.bulge[e.other_mover] + clear,
-               r = sweep.inner[e.mover] + sweep.inner[e.other_mover] + bulge;
+               bulge = sweep.bulge[e.shape] + sweep.bulge[e.other_shape] + clear,
+               r = sweep.inner[e.shape] + sweep.inner[e.other_shape] + bulge;
   if (far(e, r) || spheres_apart(start, e, r)) return false;
-  const Placed &a = place(start, e.mover), &b = place(start, e.other_mover);
-  const int root = m.root[movers[e.mover].body];
+  const PosedShape &a = place(start, e.shape), &b = place(start, e.other_shape);
+  const int root = m.root[shapes[e.shape].body];
   // What separated them last is likely to do so still, or all the way.
   if (norm2(e.axis) > 0) {
     const Vec3 n = (1 / norm(e.axis)) * e.axis;
@@ -116,7 +116,7 @@ bool World::meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& 
     }
     if (apart > bulge) {
       const Vec3 then = end.kin.xmat[root] * mul_t(start.kin.xmat[root], n);
-      if (place(end, e.mover).lowest(then) - place(end, e.other_mover).highest(then) > bulge) return false;
+      if (place(end, e.shape).lowest(then) - place(end, e.other_shape).highest(then) > bulge) return false;
     }
   }
   const Separation s = separate(a, b, r + kMargin, false, e.axis);
@@ -129,7 +129,7 @@ bool World::meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& 
   const Mat3 back = start.kin.xmat[root] * transposed(end.kin.xmat[root]);
   const Vec3 shift = start.kin.xpos[root] - back * end.kin.xpos[root];
   static thread_local std::vector<double> ends[2];
-  auto swept = [&](int k, const Placed& from, const Placed& to) {
+  auto swept = [&](int k, const PosedShape& from, const PosedShape& to) {
     const Points p = from.points(), q = to.points();
     ends[k].resize(6 * (size_t)p.n);
     double *x = ends[k].data(), *y = x + 2 * p.n, *z = y + 2 * p.n;
@@ -142,11 +142,11 @@ bool World::meets_itself(const Model& m, Poses& start, Poses& end, const Sweep& 
   };
   Vec3 pa, pb;
   const double margin = bulge + a.shape->radius + b.shape->radius;
-  return gjk(swept(0, a, place(end, e.mover)), swept(1, b, place(end, e.other_mover)), s.n, pa, pb,
+  return gjk(swept(0, a, place(end, e.shape)), swept(1, b, place(end, e.other_shape)), s.n, pa, pb,
              margin) <= margin;
 }
 
-Vec3 World::least_overlap(const Placed& a, const Placed& b, Vec3 guess) {
+Vec3 World::least_overlap(const PosedShape& a, const PosedShape& b, Vec3 guess) {
   return best_direction([&](Vec3 n) { return a.lowest(n) - b.highest(n); },
                         {guess, a.center - b.center});
 }
@@ -156,10 +156,10 @@ void World::choose_again(const Model& m, Poses& start) {
   waited_ = 0;
   double depth = 0;
   for (const auto& [key, state] : pairs_) {
-    const Candidate c = unpacked(key);
-    if (!state.inside || c.other_mover < 0 || !may_touch_itself(c.mover, c.other_mover)) continue;
+    const ContactCandidate c = unpacked(key);
+    if (!state.inside || c.other_shape < 0 || !may_touch_itself(c.shape, c.other_shape)) continue;
     const Vec3 n = start.kin.xmat[stays(m, c)] * state.exit;
-    const Placed &a = place(start, c.mover), &b = place(start, c.other_mover);
+    const PosedShape &a = place(start, c.shape), &b = place(start, c.other_shape);
     depth += std::max(0.0, b.highest(n) - a.lowest(n));
   }
   if (depth > 0 && depth > kProgress * depth_) leave_together(m, start);
@@ -171,17 +171,17 @@ void World::choose_again(const Model& m, Poses& start) {
 void World::leave_together(const Model& m, Poses& start) {
   struct Pair {
     PairState* state;
-    int mover, other, frame, group;
+    int shape, other, frame, group;
     double sign;
   };
   std::vector<Pair> all;
   for (auto& [key, state] : pairs_) {
-    const Candidate c = unpacked(key);
-    if (!state.inside || c.other_mover < 0 || !may_touch_itself(c.mover, c.other_mover)) continue;
-    all.push_back({&state, c.mover, c.other_mover, stays(m, c), (int)all.size(), 1});
+    const ContactCandidate c = unpacked(key);
+    if (!state.inside || c.other_shape < 0 || !may_touch_itself(c.shape, c.other_shape)) continue;
+    all.push_back({&state, c.shape, c.other_shape, stays(m, c), (int)all.size(), 1});
   }
   auto neighbours = [&](int i, int j) {
-    const int a = movers[i].body, b = movers[j].body;
+    const int a = shapes[i].body, b = shapes[j].body;
     return a == b || m.parent[a] == b || m.parent[b] == a || m.parent[a] == m.parent[b];
   };
   for (size_t first = 0; first < all.size(); first++) {
@@ -192,22 +192,22 @@ void World::leave_together(const Model& m, Poses& start) {
         const Pair p = all[group[k]];
         Pair& q = all[l];
         if (q.group != (int)l) continue;
-        const bool same = neighbours(p.mover, q.mover) && neighbours(p.other, q.other);
-        if (!same && !(neighbours(p.mover, q.other) && neighbours(p.other, q.mover))) continue;
+        const bool same = neighbours(p.shape, q.shape) && neighbours(p.other, q.other);
+        if (!same && !(neighbours(p.shape, q.other) && neighbours(p.other, q.shape))) continue;
         q.group = (int)first, q.sign = same ? p.sign : -p.sign;
         group.push_back(l);
       }
     std::vector<Vec3> guesses;
     for (size_t k : group)
       guesses.push_back(all[k].sign *
-                        (place(start, all[k].mover).center - place(start, all[k].other).center));
+                        (place(start, all[k].shape).center - place(start, all[k].other).center));
     const Vec3 n = best_direction(
         [&](Vec3 n) {
           double least = 1e300;
           for (size_t k : group) {
             const Vec3 d = all[k].sign * n;
             least = std::min(least,
-                             place(start, all[k].mover).lowest(d) - place(start, all[k].other).highest(d));
+                             place(start, all[k].shape).lowest(d) - place(start, all[k].other).highest(d));
           }
           return least;
         },

@@ -41,7 +41,7 @@ constexpr double kCompliance = 1e-8;
 
 void ContactProblem::clear(int capacity) {
   stride_ = 3 * (size_t)capacity;
-  if (A_.size() < stride_ * stride_) A_.resize(stride_ * stride_);
+  if (delassus_.size() < stride_ * stride_) delassus_.resize(stride_ * stride_);
   beta.clear();
   p.clear();
   local_.clear();
@@ -95,7 +95,7 @@ void ContactProblem::product() {
   for (int i = 0; i < n3; i++) {
     double f = p[i];
     if (f == 0) continue;
-    add_scaled(w, f, &A_[(size_t)i * stride_], n3);
+    add_scaled(w, f, &delassus_[(size_t)i * stride_], n3);
   }
 }
 
@@ -156,7 +156,7 @@ void ContactProblem::settle(Group& g, double tolerance) {
     double d0 = p[3 * i] - old_[3 * a], d1 = p[3 * i + 1] - old_[3 * a + 1],
            d2 = p[3 * i + 2] - old_[3 * a + 2];
     if (d0 == 0 && d1 == 0 && d2 == 0) continue;
-    const double *r0 = &A_[(size_t)(3 * i) * stride_], *r1 = r0 + stride_, *r2 = r1 + stride_;
+    const double *r0 = &delassus_[(size_t)(3 * i) * stride_], *r1 = r0 + stride_, *r2 = r1 + stride_;
     add_scaled(w, d0, r0, d1, r1, d2, r2, n3);
   }
 }

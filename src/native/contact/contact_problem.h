@@ -22,8 +22,8 @@ class ContactProblem {
 
   int size() const { return (int)local_.size(); }
   void clear(int capacity);
-  double* A(int i, int j) { return &A_[(size_t)(3 * i) * stride_ + 3 * j]; }
-  const double* A(int i, int j) const { return &A_[(size_t)(3 * i) * stride_ + 3 * j]; }
+  double* A(int i, int j) { return &delassus_[(size_t)(3 * i) * stride_ + 3 * j]; }
+  const double* A(int i, int j) const { return &delassus_[(size_t)(3 * i) * stride_ + 3 * j]; }
   size_t stride() const { return stride_; }
   // Another contact: the caller has filled A(n, 0..n) and A(0..n, n). Contacts of one `pair` are
   // settled among themselves before a sweep goes on: they lie close together and are the slowest
@@ -52,7 +52,7 @@ class ContactProblem {
   double merit() const;
 
   size_t stride_ = 0;
-  std::vector<double> A_, w_;
+  std::vector<double> delassus_, w_;
   std::vector<LocalContact> local_;
   std::vector<Group> groups_;
   size_t group_count_ = 0;

@@ -261,7 +261,7 @@ Vec3 nearest_on(const Vec3 v[3], Vec3 p) {
 }
 
 // The plane of the nearest points of a shape and a triangle; dist > reach where they are farther.
-Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach, Vec3 guess = {}) {
+Plane plane_to(const PosedShape& a, const Vec3 v[3], int t, double reach, Vec3 guess = {}) {
   double x[3] = {v[0].x, v[1].x, v[2].x}, y[3] = {v[0].y, v[1].y, v[2].y},
          z[3] = {v[0].z, v[1].z, v[2].z};
   Support tri{{x, y, z, 3}};
@@ -291,7 +291,7 @@ Plane plane_to(const Placed& a, const Vec3 v[3], int t, double reach, Vec3 guess
 
 }  // namespace
 
-bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out,
+bool TriangleTree::planes(const PosedShape& a, double reach, std::vector<Plane>& out,
                           const std::vector<int>& without) const {
   // What is measured and what waits, kept for the next call: nothing is allocated once warm.
   struct Known {  // a triangle whose distance has been computed, and who waits for its turn
@@ -425,7 +425,7 @@ bool TriangleTree::planes(const Placed& a, double reach, std::vector<Plane>& out
   return heap.empty();
 }
 
-double TriangleTree::distance(const Placed& a, double range, const std::vector<Plane>& near) const {
+double TriangleTree::distance(const PosedShape& a, double range, const std::vector<Plane>& near) const {
   double best = range;
   static thread_local std::vector<Entry> heap;
   // What lies behind a plane that was measured is no nearer than that, and so no nearer than the best.

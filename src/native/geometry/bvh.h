@@ -28,11 +28,11 @@ class TriangleTree {
   // first; what lies behind a plane already found is culled. Triangles `without` are left out.
   // What `out` holds on entry, from a pose nearby, is looked at first: it is likely to be it again.
   // False if there were more planes than are kept: the farthest are missing.
-  bool planes(const Placed& a, double reach, std::vector<Plane>& out,
+  bool planes(const PosedShape& a, double reach, std::vector<Plane>& out,
               const std::vector<int>& without = {}) const;
   // Smallest distance of `a` from the triangles, up to `range`; `range` if none is nearer, <= 0
   // where it meets one. The triangles of `near` are looked at first.
-  double distance(const Placed& a, double range, const std::vector<Plane>& near = {}) const;
+  double distance(const PosedShape& a, double range, const std::vector<Plane>& near = {}) const;
 
   // How often the triangles wind around p: 1 inside a closed mesh, 0 outside; between where it is open
   // (Jacobson et al. 2013). Looks at all of them.

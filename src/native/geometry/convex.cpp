@@ -35,7 +35,7 @@ void Convex::finish() {
   bound += radius;
 }
 
-void Placed::place(const Convex& c, const Mat3& rot, Vec3 pos) {
+void PosedShape::place(const Convex& c, const Mat3& rot, Vec3 pos) {
   shape = &c;
   R = rot;
   center = pos + rot * c.center;
@@ -54,8 +54,8 @@ void Placed::place(const Convex& c, const Mat3& rot, Vec3 pos) {
   box.hi += side;
 }
 
-Placed displaced(const Placed& a, Vec3 shift) {
-  Placed b(a);
+PosedShape displaced(const PosedShape& a, Vec3 shift) {
+  PosedShape b(a);
   if (norm2(shift) == 0) return b;
   const size_t n = a.shape->vertices.size();
   for (size_t k = 0; k < 3; k++)
@@ -65,7 +65,7 @@ Placed displaced(const Placed& a, Vec3 shift) {
   return b;
 }
 
-double Placed::lowest(Vec3 n) const {
+double PosedShape::lowest(Vec3 n) const {
   Points p = points();
   return dot(n, p.at(p.support(-n))) - reach(n);
 }
@@ -220,13 +220,13 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
   return found;
 }
 
-Separation separate_along(const Placed& a, const Placed& b, Vec3 n) {
+Separation separate_along(const PosedShape& a, const PosedShape& b, Vec3 n) {
   Vec3 pa = a.support().farthest(-n) - a.shape->radius * n;
   double dist = dot(n, pa) - b.highest(n);
   return {dist, n, pa, pa - dist * n};
 }
 
-Separation separate(const Placed& a, const Placed& b, double beyond, bool way_out, Vec3 guess,
+Separation separate(const PosedShape& a, const PosedShape& b, double beyond, bool way_out, Vec3 guess,
                     Hint* hint) {
   double round = a.shape->radius + b.shape->radius;
   Vec3 pa, pb;
@@ -252,7 +252,7 @@ Separation separate(const Placed& a, const Placed& b, double beyond, bool way_ou
       if (dot(f, in_a) > like) consider(-(a.R * f));
     for (Vec3 f : b.shape->normals)
       if (dot(f, in_b) > like) consider(b.R * f);
-    for (const Placed* c : {&a, &b}) {
+    for (const PosedShape* c : {&a, &b}) {
       if (c->shape->rim == 0) continue;
       Vec3 side = n - dot(n, c->axis) * c->axis;  // length is its cosine to n
       if (norm(side) > like) consider((1 / norm(side)) * side);
@@ -278,7 +278,7 @@ Separation separate(const Placed& a, const Placed& b, double beyond, bool way_ou
     consider((1 / size) * n);
     consider((-1 / size) * n);
   };
-  for (const Placed* c : {&a, &b})
+  for (const PosedShape* c : {&a, &b})
     if (c->shape->rim > 0) either(line - dot(line, c->axis) * c->axis);
   if (a.shape->rim > 0 && b.shape->rim > 0) either(cross(a.axis, b.axis));
   return best;
@@ -295,7 +295,7 @@ double cross2(P2 o, P2 a, P2 b) { return (a.u - o.u) * (b.v - o.v) - (a.v - o.v)
 // Vertices within tol of the face nearest along -n, projected on the plane, as a convex polygon
 // in counter-clockwise order (monotone chain). A disc that is wholly that near gives eight points
 // of its rim, another its nearest point alone: a round side is no face.
-std::vector<P2> near_face(const Placed& s, Vec3 n, Vec3 t, Vec3 b, double tol) {
+std::vector<P2> near_face(const PosedShape& s, Vec3 n, Vec3 t, Vec3 b, double tol) {
   Points p = s.points();
   Support swept = s.support();
   double low = dot(n, p.at(p.support(-n)));
@@ -350,7 +350,7 @@ double height_at(const std::vector<P2>& face, P2 q) {
 
 }  // namespace
 
-int face_manifold(const Placed& a, const Placed& b, Vec3 n, double tol, int most, Vec3* pa,
+int face_manifold(const PosedShape& a, const PosedShape& b, Vec3 n, double tol, int most, Vec3* pa,
                   Vec3* pb) {
   Vec3 t, s;
   tangents(n, t, s);

@@ -54,7 +54,7 @@ struct Convex {
 };
 
 // The shape at one pose.
-struct Placed {
+struct PosedShape {
   const Convex* shape = nullptr;
   std::vector<double> xyz;   // x..., y..., z...
   std::vector<double> rest;  // of a skin with pose blend shapes: the same before it is posed
@@ -92,7 +92,7 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
            Hint* hint = nullptr);
 
 // The shape, moved by a shift.
-Placed displaced(const Placed& a, Vec3 shift);
+PosedShape displaced(const PosedShape& a, Vec3 shift);
 
 struct Separation {
   double dist = 0;  // negative: depth along n
@@ -105,15 +105,15 @@ struct Separation {
 // centres: exact for a point or sphere in a hull and for faces that touch, an upper bound of the depth
 // otherwise. Without `way_out` an overlap is only said: dist is -1e300. A `guess` of n, if it is good, and
 // a `hint` of the same two save time.
-Separation separate(const Placed& a, const Placed& b, double beyond = 1e300, bool way_out = true,
+Separation separate(const PosedShape& a, const PosedShape& b, double beyond = 1e300, bool way_out = true,
                     Vec3 guess = {}, Hint* hint = nullptr);
 
 // The same along a given direction: dist = min over a of n.x - max over b of n.x.
-Separation separate_along(const Placed& a, const Placed& b, Vec3 n);
+Separation separate_along(const PosedShape& a, const PosedShape& b, Vec3 n);
 
 // Points where the faces of a and b that are nearest along n overlap, as pairs with
 // pa - pb parallel to n, on both surfaces: up to `most` of them, none for point or edge contacts.
-int face_manifold(const Placed& a, const Placed& b, Vec3 n, double tol, int most, Vec3* pa,
+int face_manifold(const PosedShape& a, const PosedShape& b, Vec3 n, double tol, int most, Vec3* pa,
                   Vec3* pb);
 
 }  // namespace hp

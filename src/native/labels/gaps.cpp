@@ -4,10 +4,10 @@
 
 namespace hp {
 
-double GapThing::gap(const Placed& hull, const Mat3& turn, Vec3 position, double range) const {
+double GapThing::gap(const PosedShape& hull, const Mat3& turn, Vec3 position, double range) const {
   double least = std::numeric_limits<double>::infinity();
   for (const HalfSpace& h : half_spaces) least = std::min(least, hull.lowest(h.normal) - h.offset);
-  Placed placed;
+  PosedShape placed;
   for (const Convex& c : hulls) {
     placed.place(c, turn, position);
     least = std::min(least, separate(hull, placed, range).dist);

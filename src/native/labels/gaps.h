@@ -20,7 +20,7 @@ struct GapThing {
 
   // Distance of a hull in the world, the thing at a pose; what is over `range` may be any number over it.
   // Half-spaces and meshes are in the world already.
-  double gap(const Placed& hull, const Mat3& turn, Vec3 position, double range) const;
+  double gap(const PosedShape& hull, const Mat3& turn, Vec3 position, double range) const;
 };
 
 }  // namespace hp

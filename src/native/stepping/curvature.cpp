@@ -16,19 +16,19 @@ static Vec3 acceleration(const Model& m, const Kinematics& k, const std::vector<
 }
 
 void Stepper::bend_way(Contact& c) {
-  auto body = [&](int mover) { return mover < 0 ? 0 : world.movers[mover].body; };
-  const Candidate& k = candidates_[c.pair];
-  const int a = body(k.mover), b = body(k.other_mover);
+  auto body = [&](int shape) { return shape < 0 ? 0 : world.shapes[shape].body; };
+  const ContactCandidate& k = candidates_[c.pair];
+  const int a = body(k.shape), b = body(k.other_shape);
   // Only of a person and a thing: of two things, which nobody drives, neither has a way to keep to, and
   // both would gain energy. And not with Algorithm 1, which is as the paper has it,
   // nor of who is set somewhere and has no velocity there.
-  if (k.other_mover < 0 || is_person(a) == is_person(b) || drive_settings.time_constant == 0 ||
+  if (k.other_shape < 0 || is_person(a) == is_person(b) || drive_settings.time_constant == 0 ||
       forced != Forced::No)
     return;
   // Two bodies have one way past each other: points that differed would work against each other.
   for (const Contact& o : contacts_) {
-    const Candidate& other = candidates_[o.pair];
-    if (&o == &c || body(other.mover) != a || body(other.other_mover) != b) continue;
+    const ContactCandidate& other = candidates_[o.pair];
+    if (&o == &c || body(other.shape) != a || body(other.other_shape) != b) continue;
     c.curve = o.curve;
     if (norm2(c.curve) > 0) return;
   }

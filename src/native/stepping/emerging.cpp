@@ -20,10 +20,10 @@ double Stepper::hurled() {
   body_twists(model, start_.kin, v_.data(), twists_);
   body_twists(model, start_.kin, asked.data(), own);
   std::vector<char> tree(model.nbody, 0);
-  for (const Inside& in : world.inside()) tree[model.root[world.movers[in.mover].body]] = 1;
+  for (const Inside& in : world.inside()) tree[model.root[world.shapes[in.shape].body]] = 1;
   double fastest = 0;
-  for (size_t i = 0; i < world.movers.size(); i++) {
-    const Mover& m = world.movers[i];
+  for (size_t i = 0; i < world.shapes.size(); i++) {
+    const CollisionShape& m = world.shapes[i];
     if (!tree[model.root[m.body]] || !world.active[m.body]) continue;
     if (speed_bound(m, twists_) <= fastest) continue;
     const Points p = world.place(start_, (int)i).points();

@@ -39,7 +39,7 @@ void Drive::put(double share, double* qpos) const {
 void World::people_put() {
   exits_known_ = false;
   for (auto it = pairs_.begin(); it != pairs_.end();)
-    it = movers[unpacked(it->first).mover].person >= 0 ? pairs_.erase(it) : std::next(it);
+    it = shapes[unpacked(it->first).shape].person >= 0 ? pairs_.erase(it) : std::next(it);
 }
 
 // All hulls of a person that are neighbours in the skeleton and overlap one thing leave it along one direction:
@@ -48,15 +48,15 @@ void World::people_put() {
 void World::find_exits(const Model& m, Poses& start) {
   exits_known_ = true;
   struct Pair {
-    int mover, other, group;
+    int shape, other, group;
   };
   std::vector<Pair> in;
-  for (const Near& e : near_) {
-    if (e.other_mover < 0 || movers[e.mover].person < 0 || !takes_part(e)) continue;
-    const Placed &a = place(start, e.mover), &b = place(start, e.other_mover);
-    if (a.box.meets(b.box) && separate(a, b, 0, false).dist < 0) in.push_back({e.mover, e.other_mover, -1});
+  for (const BroadPhasePair& e : broad_pairs_) {
+    if (e.other_shape < 0 || shapes[e.shape].person < 0 || !takes_part(e)) continue;
+    const PosedShape &a = place(start, e.shape), &b = place(start, e.other_shape);
+    if (a.box.meets(b.box) && separate(a, b, 0, false).dist < 0) in.push_back({e.shape, e.other_shape, -1});
   }
-  auto body = [&](int mover) { return movers[mover].body; };
+  auto body = [&](int shape) { return shapes[shape].body; };
   auto neighbours = [&](int a, int b) { return a == b || m.parent[a] == b || m.parent[b] == a; };
   struct Way {
     int thing;
@@ -74,14 +74,14 @@ void World::find_exits(const Model& m, Poses& start) {
       for (size_t i = first + 1; i < in.size(); i++) {
         const Pair& known = in[mine[k]];
         if (in[i].group >= 0 || body(in[i].other) != body(known.other) ||
-            !neighbours(body(in[i].mover), body(known.mover)))
+            !neighbours(body(in[i].shape), body(known.shape)))
           continue;
         in[i].group = (int)first;
         mine.push_back(i);
       }
     ways.clear();
     for (size_t i : mine) {
-      const Placed &a = place(start, in[i].mover), &b = place(start, in[i].other);
+      const PosedShape &a = place(start, in[i].shape), &b = place(start, in[i].other);
       ways.push_back(separate(a, b).n);
       for (Vec3 n : b.shape->normals) ways.push_back(-(b.R * n));
     }
@@ -94,7 +94,7 @@ void World::find_exits(const Model& m, Poses& start) {
     for (Vec3 n : ways) {
       double dist = 0;
       for (size_t i : mine) {
-        dist = std::min(dist, separate_along(place(start, in[i].mover), place(start, in[i].other), n).dist);
+        dist = std::min(dist, separate_along(place(start, in[i].shape), place(start, in[i].other), n).dist);
         if (dist <= least) break;
       }
       if (dist > least) least = dist, exit = n;
@@ -104,8 +104,8 @@ void World::find_exits(const Model& m, Poses& start) {
       if (w.thing == thing && dot(w.exit, exit) < kOpposed) squeezed[thing] = 1;
     found.push_back({thing, exit});
     for (size_t i : mine) {
-      Candidate c;
-      c.mover = in[i].mover, c.other_mover = in[i].other;
+      ContactCandidate c;
+      c.shape = in[i].shape, c.other_shape = in[i].other;
       pairs_[key(c)] = {settings.clearance, true, exit};
     }
   }
@@ -126,7 +126,7 @@ void Stepper::put_people(double share) {
   end_.kin.update(model, qpos_.data());
   world.start_poses(end_);
   for (int b = 1; b < model.nbody; b++) world.active[b] = is_person(b);
-  ways(world.movers, start_, end_, world.active, way_);
+  ways(world.shapes, start_, end_, world.active, way_);
   world.travel(way_, {});
   world.people_put();
   // A step moves what takes part, from one of the two to the other: all else is in both.
@@ -138,7 +138,7 @@ void Stepper::put_people(double share) {
 // The fastest point of a thing, at most [m/s].
 double Stepper::fastest(int body, const std::vector<Twist>& twists) const {
   double most = 0;
-  for (const Mover& m : world.movers)
+  for (const CollisionShape& m : world.shapes)
     if (m.body == body) most = std::max(most, speed_bound(m, twists));
   return most;
 }
@@ -171,9 +171,9 @@ void Stepper::push_out(double h) {
   for (int tries = 0;; tries++) {
     emerge(h);
     std::vector<char> inside(model.nbody, 0), forget(model.nbody, 0);
-    for (const Candidate& c : candidates_)
-      if (c.dist < 0 && c.other_mover >= 0 && is_person(world.movers[c.mover].body))
-        inside[world.movers[c.other_mover].body] = 1;
+    for (const ContactCandidate& c : candidates_)
+      if (c.dist < 0 && c.other_shape >= 0 && is_person(world.shapes[c.shape].body))
+        inside[world.shapes[c.other_shape].body] = 1;
     std::vector<Twist> free;
     body_twists(model, start_.kin, v_.data(), twists_);
     body_twists(model, start_.kin, v_free_.data(), free);
@@ -201,7 +201,7 @@ void Stepper::push_out(double h) {
     }
     if (!again) break;
     // What pressed on it without an end is no guess of what presses now.
-    auto forgotten = [&](const Remembered& w) {
+    auto forgotten = [&](const CachedContact& w) {
       const int other = (int)(w.key & 0xffffffff);
       return forget[tree((int)(w.key >> 32))] || (other % 2 == 1 && forget[tree(other / 2)]);
     };

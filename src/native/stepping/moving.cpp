@@ -119,7 +119,7 @@ void Stepper::slip_out() {
   for (const Pace& p : pace_) any |= p.share < 1;
   if (!any) return;
   for (Contact& c : contacts_) {
-    const int a = tree(candidates_[c.pair].mover);
+    const int a = tree(candidates_[c.pair].shape);
     if (person_[a] && gave_way_[a]) c.friction = 0;
   }
 }
@@ -156,24 +156,24 @@ void Stepper::wake(int body) {
 bool Stepper::wake_touched() {
   std::vector<char> woken(model.nbody, 0);
   bool any = false;
-  auto up = [&](int mover) {
-    if (mover < 0 || !world.asleep[tree(mover)]) return;
-    wake(tree(mover));
-    woken[tree(mover)] = 1;
+  auto up = [&](int shape) {
+    if (shape < 0 || !world.asleep[tree(shape)]) return;
+    wake(tree(shape));
+    woken[tree(shape)] = 1;
     any = true;
   };
   for (const Contact& c : contacts_) {
     if (dot(c.impulse, c.n) <= 0) continue;
-    up(candidates_[c.pair].mover);
-    up(candidates_[c.pair].other_mover);
+    up(candidates_[c.pair].shape);
+    up(candidates_[c.pair].other_shape);
   }
   if (!any) return false;
   const double range = kLiesOn * world.settings.clearance;
   for (bool more = true; more;) {
     more = false;
-    for (int i = 0; i < (int)world.movers.size(); i++)
-      for (int j = 0; j < (int)world.movers.size() && world.asleep[tree(i)]; j++) {
-        if (!woken[tree(j)] || world.pairing(world.movers[i].name, world.movers[j].name).ignore)
+    for (int i = 0; i < (int)world.shapes.size(); i++)
+      for (int j = 0; j < (int)world.shapes.size() && world.asleep[tree(i)]; j++) {
+        if (!woken[tree(j)] || world.pairing(world.shapes[i].name, world.shapes[j].name).ignore)
           continue;
         if (separate(world.place(start_, i), world.place(start_, j), range).dist >= range) continue;
         up(i);
@@ -198,36 +198,36 @@ void Stepper::set_velocity(int body, const double* six) {
   wake(body);
 }
 
-void World::adopt(const World& old, const std::vector<int>& mover) {
-  std::vector<int> now(old.movers.size(), -1);  // the other way round
-  for (int i = 0; i < (int)mover.size(); i++)
-    if (mover[i] >= 0) now[mover[i]] = i;
-  auto known = [&](const Candidate& c) {
-    return mover[c.mover] >= 0 && (c.other_mover < 0 || mover[c.other_mover] >= 0);
+void World::adopt(const World& old, const std::vector<int>& shape) {
+  std::vector<int> now(old.shapes.size(), -1);  // the other way round
+  for (int i = 0; i < (int)shape.size(); i++)
+    if (shape[i] >= 0) now[shape[i]] = i;
+  auto known = [&](const ContactCandidate& c) {
+    return shape[c.shape] >= 0 && (c.other_shape < 0 || shape[c.other_shape] >= 0);
   };
   auto renamed = [&](auto& c) {
-    c.mover = now[c.mover];
-    if (c.other_mover >= 0) c.other_mover = now[c.other_mover];
-    return c.mover >= 0 && (c.other_static >= 0 || c.other_mover >= 0);
+    c.shape = now[c.shape];
+    if (c.other_shape >= 0) c.other_shape = now[c.other_shape];
+    return c.shape >= 0 && (c.other_static >= 0 || c.other_shape >= 0);
   };
   for (auto it = pairs_.begin(); it != pairs_.end();)
     it = known(unpacked(it->first)) ? pairs_.erase(it) : std::next(it);
   for (const auto& [k, state] : old.pairs_) {
-    Candidate c = unpacked(k);
+    ContactCandidate c = unpacked(k);
     if (renamed(c)) pairs_[key(c)] = state;
   }
   std::vector<Inside> in;
   for (Inside i : old.inside_)
     if (renamed(i)) in.push_back(i);
   for (const Inside& i : inside_)
-    if (mover[i.mover] < 0 || (i.other_mover >= 0 && mover[i.other_mover] < 0)) in.push_back(i);
+    if (shape[i.shape] < 0 || (i.other_shape >= 0 && shape[i.other_shape] < 0)) in.push_back(i);
   inside_ = in;
   growth = old.growth;
   has_list_ = false;
 }
 
-void Stepper::adopt(Stepper& old, const std::vector<int>& body, const std::vector<int>& mover) {
-  if ((int)body.size() != model.nbody || mover.size() != world.movers.size() ||
+void Stepper::adopt(Stepper& old, const std::vector<int>& body, const std::vector<int>& shape) {
+  if ((int)body.size() != model.nbody || shape.size() != world.shapes.size() ||
       drives_.size() != old.drives_.size())
     throw std::invalid_argument("adopt: not the same people");
   old.qvel();
@@ -249,18 +249,18 @@ void Stepper::adopt(Stepper& old, const std::vector<int>& body, const std::vecto
     for (size_t k = 0; k < old.tracks_.size(); k++)
       if (body[tracks_[i].body] == old.tracks_[k].body)
         clock_[i] = old.clock_[k], pace_[i] = old.pace_[k];
-  world.adopt(old.world, mover);
+  world.adopt(old.world, shape);
   // What is new may be inside somebody.
   for (const Inside& in : world.inside())
-    for (int b = world.movers[in.mover].body; b > 0 && !way_out_[b]; b = model.parent[b])
+    for (int b = world.shapes[in.shape].body; b > 0 && !way_out_[b]; b = model.parent[b])
       way_out_[b] = 1;
   for (Drive& d : drives_)
     if (comes_out(d) && !d.gentle()) d.go_gently(kGentle, joint_reach_);
   warm_.clear();
-  std::vector<int> now(old.world.movers.size(), -1);
-  for (int i = 0; i < (int)mover.size(); i++)
-    if (mover[i] >= 0) now[mover[i]] = i;
-  for (Remembered w : old.warm_) {
+  std::vector<int> now(old.world.shapes.size(), -1);
+  for (int i = 0; i < (int)shape.size(); i++)
+    if (shape[i] >= 0) now[shape[i]] = i;
+  for (CachedContact w : old.warm_) {
     const int a = now[(int)(w.key >> 32)];
     int other = (int)(w.key & 0xffffffff);
     if (other % 2 == 1) other = now[other / 2] < 0 ? -1 : 2 * now[other / 2] + 1;

@@ -28,8 +28,8 @@ constexpr double kUnmet = 1e-5;  // demands that miss this cannot be met by the 
 
 bool Stepper::touches_itself(const Contact& c) const {
   if (c.pair >= (int)candidates_.size()) return false;  // a joint's limit
-  const Candidate& k = candidates_[c.pair];
-  return k.other_mover >= 0 && tree(k.mover) == tree(k.other_mover);
+  const ContactCandidate& k = candidates_[c.pair];
+  return k.other_shape >= 0 && tree(k.shape) == tree(k.other_shape);
 }
 
 // Frees the dofs by which two bodies of one person make room: those of the limbs that touch or, `whole`,
@@ -64,7 +64,7 @@ bool Stepper::solve_self(double h) {
   own_.clear();
   std::vector<char> touched(model.nbody, 0);
   for (const Contact& c : contacts_)
-    if (touches_itself(c)) own_.push_back(c), touched[tree(candidates_[c.pair].mover)] = 1;
+    if (touches_itself(c)) own_.push_back(c), touched[tree(candidates_[c.pair].shape)] = 1;
   if (own_.empty()) return false;
   for (int b = 1; b < model.nbody; b++) touched[b] = touched[model.root[b]];
   v_self_.resize(model.nv);
@@ -80,8 +80,8 @@ bool Stepper::solve_self(double h) {
   for (const bool whole : {false, true}) {
     gives_.assign(model.nv, 0);
     for (const Contact& c : own_) {
-      const Candidate& k = candidates_[c.pair];
-      make_room(world.movers[k.mover].body, world.movers[k.other_mover].body, whole);
+      const ContactCandidate& k = candidates_[c.pair];
+      make_room(world.shapes[k.shape].body, world.shapes[k.other_shape].body, whole);
     }
     giving_.factor(model, scale_, resist, touched.data(), gives_.data());
     const SolveReport r = solver_.solve(model, start_.kin, giving_, h, v_free_.data(), v_self_.data(), own_,

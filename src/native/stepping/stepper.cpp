@@ -36,14 +36,14 @@ void Stepper::finish(const std::vector<int>& person_roots) {
   std::vector<char> others = person_;
   for (int b : objects_) others[b] = 1;
   articulations.finish(model, others);
-  for (Mover& m : world.movers) {
+  for (CollisionShape& m : world.shapes) {
     if (m.body <= 0 || m.body >= model.nbody) throw std::invalid_argument("bad body of a shape");
     m.finish();
   }
   way_out_.assign(model.nbody, 0);
   joint_reach_.assign(model.nbody, 0);
-  for (const Mover& m : world.movers)
-    for (const Mover::Tie& t : m.ties) {
+  for (const CollisionShape& m : world.shapes)
+    for (const CollisionShape::Tie& t : m.ties) {
       double far = norm(t.anchor) + t.reach;
       for (int b = t.body; b > 0; far += norm(model.pos[b]), b = model.parent[b])
         joint_reach_[b] = std::max(joint_reach_[b], far);
@@ -93,7 +93,7 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   behind_.assign(model.nbody, 0);
   way_out_.assign(model.nbody, 0);
   for (const Inside& in : world.inside())
-    for (int b = world.movers[in.mover].body; b > 0 && !way_out_[b]; b = model.parent[b])
+    for (int b = world.shapes[in.shape].body; b > 0 && !way_out_[b]; b = model.parent[b])
       way_out_[b] = 1;
   for (Drive& d : drives_)
     if (comes_out(d)) d.go_gently(kGentle, joint_reach_);
@@ -101,7 +101,7 @@ void Stepper::reset(const double* qpos, const double* qvel) {
 
 bool Stepper::comes_out(const Drive& d) const {
   for (const Inside& in : world.inside())
-    if (tree(in.mover) == d.body(0)) return true;
+    if (tree(in.shape) == d.body(0)) return true;
   return false;
 }
 
@@ -142,10 +142,10 @@ void Stepper::sweep_of(const Drive& d, double dt, const std::vector<char>& busy)
     speed_bound_[b] =
         speed_bound_[p] + (spin_bound_[p] * spin_bound_[p] + turn_bound_[p]) * arm;
   }
-  for (size_t i = 0; i < world.movers.size(); i++) {
-    const Mover& m = world.movers[i];
+  for (size_t i = 0; i < world.shapes.size(); i++) {
+    const CollisionShape& m = world.shapes[i];
     if (model.root[m.body] != model.root[d.body(0)]) continue;
-    double bulge = m.most_of([&](const Mover::Tie& t) {
+    double bulge = m.most_of([&](const CollisionShape::Tie& t) {
       const int b = t.body;
       return speed_bound_[b] +
              (spin_bound_[b] * spin_bound_[b] + turn_bound_[b]) * (norm(t.anchor) + t.reach);
@@ -153,12 +153,12 @@ void Stepper::sweep_of(const Drive& d, double dt, const std::vector<char>& busy)
     if (!m.stretches.empty()) {
       // Blend shapes move the points in frames that turn.
       double speed = 0, rate = 0, spin = 0;
-      for (const Mover::Stretch& s : m.stretches) {
+      for (const CollisionShape::Stretch& s : m.stretches) {
         const int b = m.skin->body[s.joint];
         const double w = spin_bound_[b] - spin_bound_[model.parent[b]];
         speed += std::sqrt(2.0) * s.most * w, rate += std::sqrt(2.0) * s.most * w * w;
       }
-      for (const Mover::Tie& t : m.ties) spin = std::max(spin, spin_bound_[t.body]);
+      for (const CollisionShape::Tie& t : m.ties) spin = std::max(spin, spin_bound_[t.body]);
       bulge += rate + 2 * spin * speed;
     }
     sweep_.bulge[i] = 0.125 * dt * dt * bulge;
@@ -183,14 +183,14 @@ void Stepper::find_busy(double dt, std::vector<char>& busy) {
   for (int b = 1; b < model.nbody; b++) world.active[b] = !busy[model.root[b]];
   end_.kin.update(model, q_free_.data(), world.active.data());
   world.start_poses(end_);
-  const size_t n = world.movers.size();
+  const size_t n = world.shapes.size();
   sweep_.way.assign(n, 0);
   sweep_.bulge.assign(n, 0);
   assumed_.assign(n, 0);
   // Whoever is stepped through is assumed not to get much farther than it would by itself.
   bool stepped = false;
   for (size_t i = 0; i < n; i++) {
-    int b = world.movers[i].body;
+    int b = world.shapes[i].body;
     if (!busy[model.root[b]]) continue;
     if (!stepped) {
       start_.kin.update_dofs(model, qpos_.data());
@@ -198,10 +198,10 @@ void Stepper::find_busy(double dt, std::vector<char>& busy) {
       stepped = true;
     }
     double fall = norm(gravity) * dt * dt;
-    sweep_.way[i] = 1.5 * dt * speed_bound(world.movers[i], twists_) + fall + kStray;
+    sweep_.way[i] = 1.5 * dt * speed_bound(world.shapes[i], twists_) + fall + kStray;
     assumed_[i] = world.travelled((int)i) + sweep_.way[i];
   }
-  ways(world.movers, start_, end_, world.active, sweep_.straight);
+  ways(world.shapes, start_, end_, world.active, sweep_.straight);
   world.inner_ways(model, start_, end_, sweep_.inner);
   for (const Drive& d : drives_) sweep_of(d, dt, busy);
   world.active.assign(model.nbody, 1);
@@ -237,8 +237,8 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
     std::vector<Drive> drives = drives_;
     substeps(dt, n, poses);
     bool strayed = false;
-    for (size_t i = 0; i < world.movers.size(); i++)
-      strayed |= busy_[model.root[world.movers[i].body]] &&
+    for (size_t i = 0; i < world.shapes.size(); i++)
+      strayed |= busy_[model.root[world.shapes[i].body]] &&
                  world.travelled((int)i) > assumed_[i];
     if (strayed) {  // they got farther after all: again, step by step for everybody
       restore(before);
@@ -280,7 +280,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
     for (int b = 1; b < model.nbody; b++) world.active[b] = !busy_[model.root[b]];
     end_.kin.update(model, qpos_.data());
     world.start_poses(end_);
-    ways(world.movers, followed_, end_, world.active, way_);
+    ways(world.shapes, followed_, end_, world.active, way_);
     world.inner_ways(model, followed_, end_, sweep_.inner);
     world.travel(way_, sweep_.inner);
   } else {
@@ -316,7 +316,7 @@ double Stepper::clearance() {
   double smallest = world.clearance(model, start_, clearance_range);
   // Who is inside a mesh may be far from all of its triangles.
   for (const Inside& in : world.inside())
-    if (in.other_static >= 0 && world.movers[in.mover].person >= 0)
+    if (in.other_static >= 0 && world.shapes[in.shape].person >= 0)
       smallest = std::min(smallest, -in.depth());
   return smallest;
 }
@@ -335,7 +335,7 @@ std::vector<double> Stepper::save() {
   for (int b = 0; b < model.nbody && forced != Forced::No; b++)
     out.insert(out.end(), {world.pace[b], push_[b].wait, push_[b].patience});
   out.push_back((double)warm_.size());
-  for (const Remembered& w : warm_) {
+  for (const CachedContact& w : warm_) {
     out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature,
                            (double)w.point.vertex, (double)w.other.vertex});
     for (Vec3 v : {w.point.local, w.other.local, w.normal, w.impulse})

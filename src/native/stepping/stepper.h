@@ -24,7 +24,7 @@ struct Track {
 
 // What touched in a frame, summed over its substeps.
 struct Touch {
-  int mover = 0, other_static = -1, other_mover = -1;
+  int shape = 0, other_static = -1, other_shape = -1;
   Vec3 position, normal, impulse;
   double weight = 0;
 };
@@ -89,7 +89,7 @@ class Stepper {
   const std::vector<Touch>& touches() const { return touches_; }
   const Diagnostics& diagnostics() const { return diagnostics_; }
   double clearance();  // of the present pose
-  // Of any poses (poses x nq): distance and nearest static of every mover (poses x movers), see
+  // Of any poses (poses x nq): distance and nearest static of every shape (poses x shapes), see
   // World::clearances. The simulation goes on as if nobody had asked.
   void clearances(const double* qpos, size_t poses, double range, double* dist,
                   int* nearest) const;
@@ -100,9 +100,9 @@ class Stepper {
   void start_asleep(int body);
   // The six velocities of a thing, which wakes.
   void set_velocity(int body, const double* six);
-  // After reset() at the poses of `old`: goes on as it would. `body` and `mover` say whose numbers they
+  // After reset() at the poses of `old`: goes on as it would. `body` and `shape` say whose numbers they
   // are in `old` (-1: new); the same people and statics in both.
-  void adopt(Stepper& old, const std::vector<int>& body, const std::vector<int>& mover);
+  void adopt(Stepper& old, const std::vector<int>& body, const std::vector<int>& shape);
 
   std::vector<double> save();
   void load(const std::vector<double>& state);
@@ -144,8 +144,8 @@ class Stepper {
   int parts_of(double h) const;
   void substeps(double dt, int n, std::vector<double>* poses);
   void restore(const std::vector<double>& state);
-  double speed_bound(const Mover& m, const std::vector<Twist>& t) const;
-  int tree(int mover) const { return model.root[world.movers[mover].body]; }
+  double speed_bound(const CollisionShape& m, const std::vector<Twist>& t) const;
+  int tree(int shape) const { return model.root[world.shapes[shape].body]; }
 
   // Without contact (free_motion.cpp).
   void free_velocity(int k, double h);
@@ -171,7 +171,7 @@ class Stepper {
   // What nothing touches (untouched.cpp).
   void forget_touched();
   // Bodies of people that a contact of this pair concerns.
-  void for_touched(const Candidate& c, const std::function<void(int)>& each) const;
+  void for_touched(const ContactCandidate& c, const std::function<void(int)>& each) const;
   bool find_touched();
   SolveReport answer_touched(double h);
   void hold_untouched();
@@ -198,14 +198,14 @@ class Stepper {
   SolveReport answer(double h);
   bool solve_self(double h);
   bool touches_itself(const Contact& c) const;
-  bool leaves_itself(const Candidate& c) const {
-    return c.dist < 0 && c.other_mover >= 0 && tree(c.mover) == tree(c.other_mover);
+  bool leaves_itself(const ContactCandidate& c) const {
+    return c.dist < 0 && c.other_shape >= 0 && tree(c.shape) == tree(c.other_shape);
   }
   void make_room(int a, int b, bool whole);
   void push(const Contact& c, std::vector<double>& f) const;
   // World::excess of candidate i; asks for what a plane that it forgives had hidden.
   double excess(size_t i, double h);
-  double allowed(const Candidate& c) const;
+  double allowed(const ContactCandidate& c) const;
   bool verify(double h, int pass, double& worst);
   double approach(const Contact& c, const std::vector<Twist>& twists,
                   const std::vector<double>& v) const;
@@ -215,7 +215,7 @@ class Stepper {
   void relax();
   bool bounce(double h, bool good, double& worst);
   void find_islands();
-  int island(const Candidate& c) const;
+  int island(const ContactCandidate& c) const;
 
   // A step in pieces (pieces.cpp).
   std::vector<double> shares(double h);
@@ -251,7 +251,7 @@ class Stepper {
   std::vector<char> busy_, settled_, disturbed_;  // busy and disturbed: per body
   std::vector<double> q_start_, fastest_;
   std::vector<double>* record_ = nullptr;  // of the frame under way
-  std::vector<double> assumed_;  // per mover: what the others' sweeps allow it to travel [m]
+  std::vector<double> assumed_;  // per shape: what the others' sweeps allow it to travel [m]
   const double* hosted_free_ = nullptr;  // of the substep under way
   std::vector<double> hosted_damping_;   // per dof [N s/m, N m s]; empty: nobody hosts
   std::vector<int> objects_;  // bodies with a free joint that are no person's root
@@ -276,7 +276,7 @@ class Stepper {
   std::vector<Twist> twists_, moving_;
   std::vector<Twist> turning_;  // what moving_ becomes with time; empty: not asked for yet
   std::vector<double> reach_, way_;
-  std::vector<Candidate> candidates_;
+  std::vector<ContactCandidate> candidates_;
   std::vector<Contact> contacts_;
   std::vector<Contact> limits_;  // of joints: they take part in every solve, and their rows are exact
   std::vector<double> pull_;     // what forces gave to articulated dofs in this substep
@@ -292,7 +292,7 @@ class Stepper {
   double overdue_ = 0;               // the worst violation that solving should have cured [m]
   std::vector<int> island_;          // per body: of the tree that it belongs to
   std::vector<char> gave_way_;       // per body: its tree's clearance has
-  std::vector<Remembered> warm_, next_warm_;
+  std::vector<CachedContact> warm_, next_warm_;
   ContactSolver solver_;
   // What people do to themselves.
   std::vector<char> gives_;      // per dof

@@ -21,13 +21,13 @@ std::vector<double> Stepper::shares(double h) {
   std::vector<double> good(model.nbody, 0), bad(model.nbody, 1), at(model.nbody, 1);
   auto check = [&]() {
     std::vector<char> ok(model.nbody, 1);
-    for (Candidate& c : candidates_) c.share = at[world.movers[c.mover].body];
+    for (ContactCandidate& c : candidates_) c.share = at[world.shapes[c.shape].body];
     for (size_t i = 0; i < candidates_.size(); i++)
       if (excess(i, h) + candidates_[i].target < candidates_[i].hard) ok[island(candidates_[i])] = 0;
     // Planes hold for what was asked only.
-    ways(world.movers, start_, end_, world.active, way_);
+    ways(world.shapes, start_, end_, world.active, way_);
     for (size_t i = 0; i < reach_.size(); i++)
-      if (world.active[world.movers[i].body] && way_[i] + kBeyond > reach_[i])
+      if (world.active[world.shapes[i].body] && way_[i] + kBeyond > reach_[i])
         ok[island_[tree((int)i)]] = 0;
     return ok;
   };
@@ -62,7 +62,7 @@ void Stepper::commit(double h, const std::vector<double>& share) {
     pose_at(moved_, h, end_, q_end_);
   }
   remember(share);
-  ways(world.movers, start_, end_, world.active, way_);
+  ways(world.shapes, start_, end_, world.active, way_);
   world.inner_ways(model, start_, end_, sweep_.inner);
   world.travel(way_, sweep_.inner);
   world.come_out(share);
@@ -123,7 +123,7 @@ double Stepper::retry(double h, std::vector<double> share) {
   }
   commit(h, share);
   double lost = 0;
-  const std::vector<Remembered> warm = warm_;
+  const std::vector<CachedContact> warm = warm_;
   for (int first = 1; first < model.nbody; first++) {
     if (left[first] == 0 || model.root[first] != first) continue;
     const int which = islands[first];

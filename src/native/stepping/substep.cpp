@@ -42,13 +42,13 @@ constexpr double kWarmRadius2 = 0.02 * 0.02;
 
 }  // namespace
 
-double Stepper::speed_bound(const Mover& m, const std::vector<Twist>& t) const {
-  double fastest = m.most_of([&](const Mover::Tie& tie) {
+double Stepper::speed_bound(const CollisionShape& m, const std::vector<Twist>& t) const {
+  double fastest = m.most_of([&](const CollisionShape::Tie& tie) {
     const Twist& w = t[tie.body];
     const Vec3 at = start_.kin.xpos[tie.body] + start_.kin.xmat[tie.body] * tie.anchor;
     return norm(w.v + cross(w.w, at - start_.kin.reference(model, tie.body))) + norm(w.w) * tie.reach;
   });
-  for (const Mover::Stretch& s : m.stretches) {
+  for (const CollisionShape::Stretch& s : m.stretches) {
     // The change of a rotation matrix is sqrt(2) times the angular velocity.
     const Skin& skin = *m.skin;
     fastest += std::sqrt(2.0) * s.most *
@@ -66,12 +66,12 @@ void Stepper::pose_at(const std::vector<double>& v, double h, Poses& out,
 }
 
 void Stepper::warm_start(Contact& c) {
-  const int mover = candidates_[c.pair].mover;
+  const int shape = candidates_[c.pair].shape;
   double best = kWarmRadius2;
-  Remembered* found = nullptr;
-  for (Remembered& w : warm_) {
+  CachedContact* found = nullptr;
+  for (CachedContact& w : warm_) {
     if (w.used || w.key != c.key || dot(w.normal, c.n) < 0.8) continue;
-    double d = norm2(start_.position(world.movers[mover], world.place(start_, mover), w.point) - c.position);
+    double d = norm2(start_.position(world.shapes[shape], world.place(start_, shape), w.point) - c.position);
     if (d < best) best = d, found = &w;
   }
   if (!found) return;
@@ -88,52 +88,52 @@ void Stepper::find_islands() {
     while (island_[b] != b) b = island_[b] = island_[island_[b]];
     return b;
   };
-  for (const Candidate& c : candidates_) {
-    if (c.other_mover < 0) continue;
-    int a = tree(c.mover), b = tree(c.other_mover);
+  for (const ContactCandidate& c : candidates_) {
+    if (c.other_shape < 0) continue;
+    int a = tree(c.shape), b = tree(c.other_shape);
     if (world.active[a] && world.active[b]) island_[find(a)] = find(b);
   }
   for (int b = 0; b < model.nbody; b++) island_[b] = find(b);
 }
 
-int Stepper::island(const Candidate& c) const {
-  int a = tree(c.mover);
-  return island_[world.active[a] ? a : tree(c.other_mover)];
+int Stepper::island(const ContactCandidate& c) const {
+  int a = tree(c.shape);
+  return island_[world.active[a] ? a : tree(c.other_shape)];
 }
 
 // The contacts of trees that have made a step, whole or shortened.
 void Stepper::remember(const std::vector<double>& share) {
   for (size_t i = next_warm_.size(); i-- > 0;) {
     // Who steps once more has new ones.
-    const Mover& m = world.movers[next_warm_[i].key >> 32];
+    const CollisionShape& m = world.shapes[next_warm_[i].key >> 32];
     if (world.active[m.body]) next_warm_.erase(next_warm_.begin() + i);
   }
   // Points found after the last solve only carry a guess.
   contacts_.resize(std::min(contacts_.size(), solved_));
   for (const Contact& c : contacts_) {
     if (norm2(c.impulse) == 0) continue;
-    const Candidate& k = candidates_[c.pair];
+    const ContactCandidate& k = candidates_[c.pair];
     if (!share.empty() && share[island(k)] < 0) continue;
-    disturbed_[tree(k.mover)] = 1;
-    if (k.other_mover >= 0) disturbed_[tree(k.other_mover)] = 1;
+    disturbed_[tree(k.shape)] = 1;
+    if (k.other_shape >= 0) disturbed_[tree(k.other_shape)] = 1;
     for_touched(k, [&](int b) { pushed_now_[b] = 1; });
-    auto material = [&](int mover, Vec3 x) -> Material {
-      if (world.movers[mover].skin && k.other_static >= 0) return c.gap_a;  // a vertex
-      return start_.material(world.movers[mover], world.place(start_, mover), x);
+    auto material = [&](int shape, Vec3 x) -> Material {
+      if (world.shapes[shape].skin && k.other_static >= 0) return c.gap_a;  // a vertex
+      return start_.material(world.shapes[shape], world.place(start_, shape), x);
     };
     // Of two that move: the points that face each other, `dist` apart about the one they act on.
-    const Vec3 half = k.other_mover >= 0 ? 0.5 * c.dist * c.n : Vec3{};
+    const Vec3 half = k.other_shape >= 0 ? 0.5 * c.dist * c.n : Vec3{};
     Material other;
-    if (k.other_mover >= 0) other = material(k.other_mover, c.position - half);
+    if (k.other_shape >= 0) other = material(k.other_shape, c.position - half);
     next_warm_.push_back(
-        {c.key, c.feature, material(k.mover, c.position + half), other, c.n, c.impulse, false});
+        {c.key, c.feature, material(k.shape, c.position + half), other, c.n, c.impulse, false});
     Touch* t = nullptr;
     for (Touch& o : touches_)
-      if (o.mover == k.mover && o.other_static == k.other_static &&
-          o.other_mover == k.other_mover && dot(o.normal, c.n) > 0.95 * norm(o.normal))
+      if (o.shape == k.shape && o.other_static == k.other_static &&
+          o.other_shape == k.other_shape && dot(o.normal, c.n) > 0.95 * norm(o.normal))
         t = &o;
     if (!t) {
-      touches_.push_back({k.mover, k.other_static, k.other_mover, {}, {}, {}, 0});
+      touches_.push_back({k.shape, k.other_static, k.other_shape, {}, {}, {}, 0});
       t = &touches_.back();
     }
     double p = dot(c.impulse, c.n);
@@ -153,17 +153,17 @@ double Stepper::excess(size_t i, double h) {
 }
 
 // What a candidate's gap may miss of its target.
-double Stepper::allowed(const Candidate& c) const {
+double Stepper::allowed(const ContactCandidate& c) const {
   double miss = 2 * tolerance_ + kRounding;
   // Who leaves itself need not do so at an exact speed.
   if (leaves_itself(c))
-    return std::max(miss, (gave_way_[tree(c.mover)] ? kLeast : kLeisure) * (c.target - c.dist));
+    return std::max(miss, (gave_way_[tree(c.shape)] ? kLeast : kLeisure) * (c.target - c.dist));
   // Nor need what leaves somebody whose pose is set.
   if (world.forced && c.dist < 0 && world.handles(c)) miss += kSlack * (c.target - c.dist);
   if (c.target > 0) miss += kSlack * c.target;
   // What nothing stops must not wear a gap away either.
-  auto held = [&](int mover) { return mover >= 0 && model.held[world.movers[mover].body]; };
-  if (c.target >= 0 && (held(c.mover) || held(c.other_mover)))
+  auto held = [&](int shape) { return shape >= 0 && model.held[world.shapes[shape].body]; };
+  if (c.target >= 0 && (held(c.shape) || held(c.other_shape)))
     miss = std::min(miss, kWear * c.target + kRounding);
   // Nor may many small steps wear away the last of it.
   if (c.dist > 0 && c.hard > 0.5 * c.dist)
@@ -181,9 +181,9 @@ bool Stepper::verify(double h, int pass, double& worst) {
   overdue_ = 0;
   // Things that lie on each other pass on what they carry, a pair more in every pass: of them only
   // points count that were solved for.
-  auto of_things = [&](const Candidate& c) {
-    return !is_person(world.movers[c.mover].body) ||
-           (c.other_mover >= 0 && !is_person(world.movers[c.other_mover].body));
+  auto of_things = [&](const ContactCandidate& c) {
+    return !is_person(world.shapes[c.shape].body) ||
+           (c.other_shape >= 0 && !is_person(world.shapes[c.other_shape].body));
   };
   // Where there is a first solve anyhow, what hands may touch is looked at after it, not before it too.
   const bool begins = pass == 0 && world.recall(warm_, candidates_, recalled_);
@@ -213,7 +213,7 @@ bool Stepper::verify(double h, int pass, double& worst) {
   for (size_t i = 0; i < contacts_.size(); i++) {
     Contact& c = contacts_[i];
     if (pass > 0) {
-      const bool thing = !is_person(world.movers[candidates_[c.pair].mover].body);
+      const bool thing = !is_person(world.shapes[candidates_[c.pair].shape].body);
       c.shift = std::min(c.dist + h * approach(c, twists_, v_) - world.gap_at(start_, end_, c),
                          std::max(0.0, c.dist - c.target) + h * (thing ? kThingsPush : kPush));
     }
@@ -255,8 +255,8 @@ bool Stepper::give_way() {
 
 // METHOD: v_n >= -(dist - 0.1 mm)/h.
 void Stepper::relax() {
-  for (Candidate& c : candidates_) {
-    if (!gave_way_[tree(c.mover)] && (c.other_mover < 0 || !gave_way_[tree(c.other_mover)])) continue;
+  for (ContactCandidate& c : candidates_) {
+    if (!gave_way_[tree(c.shape)] && (c.other_shape < 0 || !gave_way_[tree(c.other_shape)])) continue;
     if (leaves_itself(c)) continue;
     c.target = std::min(c.target, c.dist >= 0 ? std::min(c.dist, kLeastGap) : c.dist);
     if (c.target >= 0 && c.target < kNarrow) tolerance_ = kFiner * world.settings.tolerance;
@@ -348,28 +348,28 @@ void Stepper::try_step(double h) {
   body_twists(model, start_.kin, qvel_.data(), moving_);
   turning_.clear();
   body_twists(model, start_.kin, v_free_.data(), twists_);
-  reach_.resize(world.movers.size());
+  reach_.resize(world.shapes.size());
   fastest_.assign(model.nbody, 0);
   for (size_t i = 0; i < reach_.size(); i++) {
     reach_[i] = 0;
-    const int b = world.movers[i].body;
+    const int b = world.shapes[i].body;
     if (!world.active[b]) continue;
-    reach_[i] = h * speed_bound(world.movers[i], twists_);
+    reach_[i] = h * speed_bound(world.shapes[i], twists_);
     if (reach_[i] > kFirstWay) {
-      double way = kFirstFactor * h * speed_bound(world.movers[i], moving_);
+      double way = kFirstFactor * h * speed_bound(world.shapes[i], moving_);
       reach_[i] = std::min(reach_[i], std::max(kFirstWay, way));
     }
     fastest_[model.root[b]] = std::max(fastest_[model.root[b]], reach_[i]);
   }
   // A contact can speed up what is slow now: a share of the fastest part's way for everyone.
   for (size_t i = 0; i < reach_.size(); i++) {
-    const int b = world.movers[i].body;
+    const int b = world.shapes[i].body;
     if (world.active[b])
       reach_[i] = 1.25 * std::max(reach_[i], 0.35 * fastest_[model.root[b]]) + clear + kSlackReach;
   }
   articulations.limits(model, world.active, qpos_.data(), limits_);
   for (int query = 0; query < kQueries; query++) {
-    for (Remembered& w : warm_) w.used = false;
+    for (CachedContact& w : warm_) w.used = false;
     contacts_.clear();
     forget_touched();
     solved_ = 0;
@@ -401,9 +401,9 @@ void Stepper::try_step(double h) {
     if (!good_) return;  // made shorter it stays within reach
     // Planes hold only for what was asked: ask again, from the start pose, for what moved more.
     bool beyond = false;
-    ways(world.movers, start_, end_, world.active, way_);
+    ways(world.shapes, start_, end_, world.active, way_);
     for (size_t i = 0; i < reach_.size(); i++) {
-      if (!world.active[world.movers[i].body]) continue;
+      if (!world.active[world.shapes[i].body]) continue;
       double least = way_[i] + clear;
       if (least <= reach_[i]) continue;
       beyond = true;

@@ -30,8 +30,8 @@ void Stepper::forget_touched() {
   factored_ = false;
 }
 
-void Stepper::for_touched(const Candidate& c, const std::function<void(int)>& each) const {
-  const int ends[2] = {world.movers[c.mover].body, c.other_mover < 0 ? 0 : world.movers[c.other_mover].body};
+void Stepper::for_touched(const ContactCandidate& c, const std::function<void(int)>& each) const {
+  const int ends[2] = {world.shapes[c.shape].body, c.other_shape < 0 ? 0 : world.shapes[c.other_shape].body};
   for (int side = 0; side < 2; side++) {
     const int body = ends[side], other = ends[1 - side];
     if (!is_person(body)) continue;
@@ -56,7 +56,7 @@ bool Stepper::find_touched() {
     let_go_[model.root[b]] = 1;
     found = true;
   };
-  for (const Candidate& c : candidates_)
+  for (const ContactCandidate& c : candidates_)
     if (leaves_itself(c)) for_touched(c, touch);
   for (const Contact& c : contacts_) {
     if (norm2(c.impulse) == 0 || c.pair >= (int)candidates_.size()) continue;  // a joint's limit

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from halfphysics.shapes import Box, Cylinder
+from halfphysics.geometry.shapes import Box, Cylinder
 
 trimesh = pytest.importorskip("trimesh")
 

@@ -14,9 +14,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import halfphysics as hp
-from halfphysics import rotations as rot
-from halfphysics.axes import AXES
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES, PARENTS
+from halfphysics.base import rotations as rot
+from halfphysics.base.axes import AXES
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, PARENTS
 
 _MIXAMO = {
     "pelvis": "Hips",

@@ -29,11 +29,11 @@ from person_hulls import CONTACTS
 from rooms import furnished
 from throws import OBSTACLES, POSES, throw
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.motion import Motion
+from halfphysics.motion.motion import Motion
 from halfphysics.settings import Settings
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 STIFFNESS = (0.0, 1.0, 10.0)
 DRIVES = (None, 0.02)

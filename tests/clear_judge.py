@@ -33,8 +33,8 @@ import numpy as np
 from coal_shapes import coal_hull, coal_shape
 from person_hulls import pieces_of
 
-from halfphysics import rotations as rot
-from halfphysics.shapes import Mesh, Plane
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Mesh, Plane
 
 #: Pairs farther apart than this are not looked at [m].
 NEAR = 0.005
@@ -147,7 +147,7 @@ class Judge:
         return verdict
 
     def gap_to(self, static, pose):
-        """Distance of a `halfphysics.scene.Static` from a pose (nq,); inf beyond `NEAR`."""
+        """Distance of a `halfphysics.scene.scene.Static` from a pose (nq,); inf beyond `NEAR`."""
         s, best, recent = _static(static), np.inf, []
         for pieces in self.pieces:
             at = pieces.at(pose[None])

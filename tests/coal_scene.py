@@ -10,9 +10,9 @@ from coal_shapes import coal_shape
 from person_hulls import pieces_of
 from scene_solids import fixed_links, owners, solids_of
 
-from halfphysics import rotations as rot
-from halfphysics.moving import Moving
-from halfphysics.shapes import Plane
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Plane
+from halfphysics.scene.trajectories import Moving
 
 #: Farther than this two things are not looked at [m].
 NEAR = 0.02

@@ -5,7 +5,7 @@ from __future__ import annotations
 import coal
 import numpy as np
 
-from halfphysics.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 
 
 def _corners(points):

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from halfphysics import rotations as rot
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane
+from halfphysics.scene.scene import Scene
 
 #: primitives; a closed mesh each; all in one mesh; open sheets: the faces that are pressed, alone.
 KINDS = ("primitives", "meshes", "merged", "sheets")

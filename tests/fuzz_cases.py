@@ -18,13 +18,13 @@ from hypothesis import strategies as st
 from people import FACING_X
 from throws import POSES, stair
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Capsule, Cylinder, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 #: What stands. Sheets, plates, soup, stairs and slabs are triangles.
 STATICS = (

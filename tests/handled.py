@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.contacts import Contacts
-from halfphysics.motion import Motion
-from halfphysics.result import ObjectTrack, PersonResult, Result
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box, Plane
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.result import ObjectTrack, PersonResult, Result
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane
-from halfphysics.skeleton import JOINT_INDEX, N_JOINTS
 
 G, MASS = 9.81, 1.0
 COM = np.array([0.01, 0.02, 0.03])

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from people import t_pose
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Box
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.simulation.simulator import Simulator
 
 HAND = JOINT_INDEX["right_wrist"]
 SHOULDER = JOINT_INDEX["right_shoulder"]

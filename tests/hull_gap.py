@@ -20,11 +20,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.pose import Pose
-from halfphysics.skeleton import JOINT_INDEX
-from halfphysics.skin_hulls import SkinHulls
+from halfphysics.body.body import Body
+from halfphysics.body.skin_hulls import SkinHulls
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.pose import Pose
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 RADIUS = 0.02
 #: How far [m] around the place of contact skin is looked for: gaps over it count as it.
@@ -289,7 +289,7 @@ def gaps(
         skin = posed(body, rotations)
         if sets is None:
             positions, quaternions = body.joint_frames(Pose(np.zeros(3), rotations))
-            from halfphysics import rotations as rot
+            from halfphysics.base import rotations as rot
 
             hulls = [
                 rot.rotate(quaternions[p.index], p.vertices) + positions[p.index]

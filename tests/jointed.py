@@ -13,9 +13,9 @@ import numpy as np
 from coal_shapes import coal_hull, coal_shape
 from posed_skin import Skinner
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.metrics import penetration
-from halfphysics.result import ObjectTrack
+from halfphysics.results.result import ObjectTrack
 
 #: Farther than this two things are not looked at [m].
 NEAR = 0.03

@@ -8,8 +8,8 @@ import coal
 import numpy as np
 from coal_shapes import coal_shape
 
-from halfphysics import rotations as rot
-from halfphysics.shapes import Mesh, Plane
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Mesh, Plane
 
 #: Of the other library's own distances [m].
 ROUNDING = 1e-6

@@ -7,8 +7,8 @@ import warnings
 import numpy as np
 
 import halfphysics as hp
-from halfphysics import rotations as rot
-from halfphysics.sequence import Sequence
+from halfphysics.base import rotations as rot
+from halfphysics.simulation.sequence import Sequence
 
 #: An upright body in files with z up stands turned by this about x.
 UPRIGHT = {"y": np.zeros(3), "z": np.array([np.pi / 2, 0.0, 0.0])}

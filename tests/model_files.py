@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.skeleton import PARENTS, SMPL_JOINTS, SMPLH_JOINTS
+from halfphysics.motion.skeleton import PARENTS, SMPL_JOINTS, SMPLH_JOINTS
 
 VERTICES = 90
 LAYOUTS = {

@@ -17,7 +17,7 @@ from person_hulls import pieces_of
 from posed_skin import Skinner
 from triangle_soup import RAY, Soup
 
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 #: Distances up to this are measured [m], beyond it is inf.
 NEAR = 0.004

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.simulator import Simulator
+from halfphysics.base import rotations as rot
+from halfphysics.motion.motion import Motion
+from halfphysics.simulation.simulator import Simulator
 
 #: Root rotation of a person who stands upright in the z-up world and faces +x.
 FACING_X = rot.log(rot.multiply(rot.exp([0.0, 0.0, np.pi / 2]), rot.exp([np.pi / 2, 0.0, 0.0])))

@@ -14,8 +14,8 @@ import numpy as np
 from coal_shapes import coal_hull
 from skin_judge import Skinner
 
-from halfphysics import rotations as rot
-from halfphysics.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.base import rotations as rot
+from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
 
 CONTACTS = ("skin", "parts")
 #: The skin is in the world's axes here: the root's rotation has them in it.
@@ -26,7 +26,7 @@ def pieces_of(simulator, contact=None):
     """Of every person its pieces.
 
     Args:
-        simulator: A `halfphysics.simulator.Simulator`.
+        simulator: A `halfphysics.simulation.simulator.Simulator`.
         contact: "skin", "parts", "both"; None: what the simulator itself keeps clear.
     """
     contact = contact or simulator.world.settings.contact

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
-from halfphysics.skeleton import PARENTS
+from halfphysics.motion.skeleton import PARENTS
 
 #: Points sampled on the skin's triangles.
 SAMPLES = 20_000

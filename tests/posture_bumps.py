@@ -12,7 +12,7 @@ import numpy as np
 from furniture import Piece, board, box, chair, corner, pole, wedge
 from postures import leaning
 
-from halfphysics.shapes import Box
+from halfphysics.geometry.shapes import Box
 
 AHEAD, LEFT = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 UP, DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)

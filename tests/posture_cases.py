@@ -12,7 +12,7 @@ from furniture import bed, board, box, chair, floor, pole, sofa
 from posture_hands import flat_hand
 from postures import leaning
 
-from halfphysics.scenarios.legs import WORLD_FROM_REST, about
+from halfphysics.scenarios.acting.legs import WORLD_FROM_REST, about
 
 UP, DOWN, AHEAD, LEFT = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 #: Arms that hang.

@@ -6,7 +6,7 @@ import numpy as np
 from furniture import board, box, corner, pole, table, wedge
 from postures import CLEAR, deepest, leaning
 
-from halfphysics.scenarios.legs import WORLD_FROM_REST, about
+from halfphysics.scenarios.acting.legs import WORLD_FROM_REST, about
 
 UP, DOWN, AHEAD, LEFT = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 HANDS = {}

@@ -13,11 +13,11 @@ import numpy as np
 from furniture import scene_of
 from skin_obstacles import Primitive
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.scenarios.legs import WORLD_FROM_REST, about
-from halfphysics.scene import Scene
-from halfphysics.skeleton import JOINT_INDEX, N_JOINTS, PARENTS
+from halfphysics.base import rotations as rot
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS, PARENTS
+from halfphysics.scenarios.acting.legs import WORLD_FROM_REST, about
+from halfphysics.scene.scene import Scene
 
 #: A case begins, goes in, and stays and rubs [s].
 WAIT, GO, RUB = 0.1, 0.7, 0.5

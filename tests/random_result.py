@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from halfphysics.axes import axes_of
-from halfphysics.contacts import Contacts
-from halfphysics.inside import Inside
-from halfphysics.motion import Motion
-from halfphysics.result import ObjectTrack, PersonResult, Result
-from halfphysics.scene import Scene
+from halfphysics.base.axes import axes_of
+from halfphysics.geometry.shapes import Box, Capsule, Plane, Sphere
+from halfphysics.motion.motion import Motion
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.inside import Inside
+from halfphysics.results.result import ObjectTrack, PersonResult, Result
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Capsule, Plane, Sphere
 
 
 def make_result(body, seed=0, people=1, frames=5, axes="z", scene=None, model="smplx", **changes):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from halfphysics.shapes import Mesh
+from halfphysics.geometry.shapes import Mesh
 
 #: Outside of a wine glass from the middle of its foot to the rim, (radius, height) [m].
 WINE_GLASS = np.array([(0, 0), (34, 0), (34, 3), (6, 9), (4, 20), (4, 85), (12, 92), (30, 105),

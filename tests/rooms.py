@@ -11,10 +11,10 @@ import warnings
 import numpy as np
 from clear_judge import NEAR, Judge
 
-from halfphysics import rotations as rot
-from halfphysics.mesh import Mesh
-from halfphysics.scene import Scene
-from halfphysics.simulator import Simulator
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.simulator import Simulator
 
 #: The meshes are in units of about 0.7 m.
 SCALE = 0.7

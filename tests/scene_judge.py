@@ -8,7 +8,7 @@ import numpy as np
 
 from halfphysics import metrics
 from halfphysics.bench.paper.runs.playing import free_joints, joint_angles, pelvis_distance
-from halfphysics.simulation import simulate
+from halfphysics.simulation.simulate import simulate
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from halfphysics import rotations as rot
-from halfphysics.shape_base import Shape
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shape_base import Shape
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,11 +12,11 @@ import coal
 import numpy as np
 from person_hulls import pieces_of
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.pose import Pose
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.base import rotations as rot
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.pose import Pose
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.simulation.simulator import Simulator
 
 #: Parts of the default body whose hulls overlap in its rest pose.
 REST = [{"spine2", f"{side}_shoulder"} for side in ("left", "right")]

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 import halfphysics as hp
-from halfphysics.sequence import Sequence
-from halfphysics.shapes import Box, Plane, Sphere
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.simulation.sequence import Sequence
 from halfphysics.viewer.catalog import Catalog, Choice
 from halfphysics.viewer.session import Session
 

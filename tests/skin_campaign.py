@@ -23,10 +23,10 @@ from furniture import KINDS
 from postures import build, cases
 from skin_judge import SkinJudge
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 #: Frames per second and substeps.
 STEPS = ((30.0, 1), (30.0, 8), (60.0, 4), (120.0, 1), (120.0, 2))

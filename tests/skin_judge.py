@@ -25,7 +25,7 @@ from skin_obstacles import obstacles_of
 from triangle_soup import Soup
 
 from halfphysics import metrics
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_NAMES
 
 #: Distances up to this are measured [m], beyond it is inf.
 NEAR = 0.03

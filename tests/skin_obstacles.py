@@ -11,7 +11,7 @@ import numpy as np
 from coal_shapes import coal_shape
 from triangle_soup import Soup
 
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 
 #: Triangle edges shorter than this are one point [m]: where meshes are glued from pieces.
 SAME_PLACE = 1e-9

@@ -7,12 +7,12 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.skeleton import JOINT_INDEX, N_JOINTS
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
+from halfphysics.scene.scene import Scene
 
 FRAMES, FPS = 16, 30.0
 

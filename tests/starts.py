@@ -18,12 +18,12 @@ from starts_meshes import box_mesh, finely, furniture, sheet_mesh, union_mesh
 from starts_poses import POSES, path_of, wave
 from starts_solids import Hulls, Solid, ground
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box, Plane
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane
 
 #: Per kind: the pose, where the body is pushed, and how deep [m].
 KINDS = {

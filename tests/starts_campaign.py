@@ -27,7 +27,7 @@ from starts_judge import StartJudge
 from starts_solids import EXACT
 from starts_things_judge import ObjectJudge
 
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 KINDS = (*starts.KINDS, *starts_things.KINDS)
 #: Out: so many of the cases of a kind within `SOON`, and all within `LATEST` [s].

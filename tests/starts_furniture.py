@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from starts_solids import box, ground
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 
 #: Forms whose boxes become one mesh: none of them may lean.
 STRAIGHT = ("merged", "room")

@@ -8,7 +8,7 @@ from itertools import combinations, pairwise
 import numpy as np
 from starts_solids import EXACT, Solid, bounds
 
-from halfphysics.skeleton import N_JOINTS, PARENTS
+from halfphysics.motion.skeleton import N_JOINTS, PARENTS
 
 #: Solids that a group passes on its way are left one after the other, at most so many times.
 PASSES = 30

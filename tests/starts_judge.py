@@ -21,9 +21,9 @@ import numpy as np
 from starts_groups import groups_at, paths_of
 from starts_solids import EXACT, Hulls, near_poses
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.base import rotations as rot
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_NAMES
 
 #: Joints whose part comes nearer than this to a solid are not free [m].
 TOUCHING = 0.01

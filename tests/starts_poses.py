@@ -6,8 +6,8 @@ import numpy as np
 from people import FACING_X
 from starts_groups import paths_of
 
-from halfphysics import rotations as rot
-from halfphysics.skeleton import JOINT_INDEX as J
+from halfphysics.base import rotations as rot
+from halfphysics.motion.skeleton import JOINT_INDEX as J
 
 
 def _mirrored(turn):

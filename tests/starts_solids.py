@@ -12,7 +12,7 @@ import coal
 import numpy as np
 from coal_shapes import coal_hull
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 
 #: Less than this is no penetration: what EPA and the substep's own solve are good to [m].
 EXACT = 1e-6

@@ -10,12 +10,12 @@ from starts_meshes import box_mesh, finely
 from starts_poses import POSES, wave
 from starts_solids import REQUEST, box, ground
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Capsule, Cylinder, Plane, Sphere
-from halfphysics.skeleton import JOINT_INDEX
 
 KINDS = ("thing_floor", "thing_wall", "thing_thing", "thing_hand", "thing_leg")
 #: How deep [m].

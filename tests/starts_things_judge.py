@@ -11,9 +11,9 @@ from scene_solids import solids_of
 from starts_judge import LONGER, TOUCHING
 from starts_solids import ADVANCES, ARRIVED, EXACT, REQUEST, Hulls
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.base import rotations as rot
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_NAMES
 
 
 def _distance(a, place, b, its):

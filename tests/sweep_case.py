@@ -6,10 +6,10 @@ import os
 import signal
 from pathlib import Path
 
-from halfphysics.sweep import making
-from halfphysics.sweep.plan import Plan
-from halfphysics.sweep.store import Store
-from halfphysics.sweep.work import do, opened
+from halfphysics.sweep.make import making
+from halfphysics.sweep.plan.plan import Plan
+from halfphysics.sweep.run.work import do, opened
+from halfphysics.sweep.store.store import Store
 
 #: 12 variants of 56 frames in six batches and two shards; the condition leaves one out.
 PLAN = """

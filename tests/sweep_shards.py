@@ -9,11 +9,11 @@ from functools import cache
 
 import numpy as np
 
-from halfphysics.io.npz_bytes import npz_bytes
-from halfphysics.sweep.card import CHECKS
-from halfphysics.sweep.data_card import SPREADS, SUMMED, DataCard
-from halfphysics.sweep.plan import Plan
-from halfphysics.sweep.store import Store
+from halfphysics.base.npz_bytes import npz_bytes
+from halfphysics.sweep.make.card import CHECKS
+from halfphysics.sweep.plan.plan import Plan
+from halfphysics.sweep.report.data_card import SPREADS, SUMMED, DataCard
+from halfphysics.sweep.store.store import Store
 
 FRAMES = 30
 

@@ -1,10 +1,10 @@
 """Variants for the tests of sweeps, made by hand."""
 
-from halfphysics.sweep.choices import BodyChoice, SceneChoice
-from halfphysics.sweep.inputs import Input, Inputs
-from halfphysics.sweep.plan import Plan
-from halfphysics.sweep.variants import Variant
-from halfphysics.sweep.vary import Workshop
+from halfphysics.sweep.make.vary import Workshop
+from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
+from halfphysics.sweep.plan.inputs import Input, Inputs
+from halfphysics.sweep.plan.plan import Plan
+from halfphysics.sweep.plan.variants import Variant
 
 
 def workshop(**plan):

@@ -8,7 +8,7 @@ import numpy as np
 from layouts import movement
 
 import halfphysics as hp
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 
 #: A cabinet with a door, a drawer in it and a lamp on a ball joint.
 CABINET = """

@@ -11,9 +11,10 @@ import pytest
 from people import along_x, t_pose, violent
 
 import halfphysics as hp
-from halfphysics import reference, reference_ablations
 from halfphysics.errors import InputError
-from halfphysics.simulator import Simulator
+from halfphysics.reference import ablations as reference_ablations
+from halfphysics.reference import step as reference
+from halfphysics.simulation.simulator import Simulator
 
 #: What is left is the conditioning of M (fingers of grams on 60 kg), as in test_reference.py.
 VELOCITY = 1e-9

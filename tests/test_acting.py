@@ -7,12 +7,12 @@ import itertools
 import numpy as np
 import pytest
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.scenarios.acting import LIFT, Act
-from halfphysics.scenarios.furniture import cushion
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.scenarios.acting.acting import LIFT, Act
+from halfphysics.scenarios.props.furniture import cushion
 
 
 @pytest.fixture(scope="module")

@@ -19,8 +19,8 @@ from wrong_files import (
 )
 
 import halfphysics as hp
-from halfphysics.axes import axes_of
-from halfphysics.skeleton import SMPL_JOINTS
+from halfphysics.base.axes import axes_of
+from halfphysics.motion.skeleton import SMPL_JOINTS
 
 SCALING = 93.7
 ROUNDING = 1e-12  # metres, of numbers of size 1
@@ -104,7 +104,7 @@ def test_hostile_and_broken_files(tmp_path):
 
 
 def test_what_it_cannot_hold_is_said(tmp_path):
-    from halfphysics.io import losses
+    from halfphysics.formats import losses
 
     translation, rotations = movement()
     motion = hp.Motion(translation, rotations, 30.0, betas=np.ones(10))

@@ -15,12 +15,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from halfphysics import rotations as rot
-from halfphysics import skeleton
-from halfphysics.body import Body
+from halfphysics.base import npz
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
-from halfphysics.io import FORMATS, npz
-from halfphysics.motion import Motion
+from halfphysics.formats import FORMATS
+from halfphysics.motion import skeleton
+from halfphysics.motion.motion import Motion
 
 WIDTHS = {"smplx": 165, "smplh": 156, "smpl": 72}
 SPLIT = {"root_orient": 3, "pose_body": 63, "pose_hand": 90, "pose_jaw": 3, "pose_eye": 6}

@@ -147,7 +147,8 @@ def test_every_setting_has_a_default_and_a_line_of_meaning():
 def test_the_function_is_not_hidden_by_a_module():
     """Whatever is imported first, `hp.simulate` is the function."""
     code = (
-        "import halfphysics.simulation, halfphysics.simulator, halfphysics.result\n"
+        "import halfphysics.simulation.simulate, halfphysics.simulation.simulator\n"
+        "import halfphysics.results.result\n"
         "import halfphysics as hp\n"
         "print(callable(hp.simulate), type(hp.scenarios).__name__)"
     )

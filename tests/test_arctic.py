@@ -25,8 +25,8 @@ from wrong_files import (
 )
 
 import halfphysics as hp
-from halfphysics import rotations as rot
-from halfphysics.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.base import rotations as rot
+from halfphysics.motion.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
 
 FRAMES = 12
 ROUNDING = 1e-12

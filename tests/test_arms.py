@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.scenarios.arms import arm_of, solve
-from halfphysics.scenarios.legs import WORLD_FROM_REST, about
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.motion.motion import Motion
+from halfphysics.scenarios.acting.arms import arm_of, solve
+from halfphysics.scenarios.acting.legs import WORLD_FROM_REST, about
 
 N = 60
 

@@ -7,12 +7,12 @@ from coal_scene import Watch
 from people import along_x
 
 from halfphysics import Box, Plane, Scene, Settings, Simulator, Sphere, simulate
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.metrics import penetration
-from halfphysics.result import Result
-from halfphysics.scenarios.gait import Walk, walk
+from halfphysics.results.result import Result
+from halfphysics.scenarios.acting.gait import Walk, walk
 
 DOOR = """<mujoco><worldbody><body name="frame">
 <geom type="box" pos="-0.06 0 1" size=".03 .05 1"/>

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.simulator import Simulator
 
 STILL = 1e-12
 

@@ -13,7 +13,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, cKDTree
 
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS, PARENTS
 
 ASSETS = Path(str(files("halfphysics"))) / "assets"
 V, F, K = 13_718, 27_420, 10

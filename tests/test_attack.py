@@ -9,12 +9,12 @@ import pytest
 from people import along_x, follow, violent
 from person_hulls import CONTACTS
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 #: One step a frame, Algorithm 1: steps are long, so that many are shortened and made in pieces.
 COARSE = Settings(drive_time=None, stiffness=1.0, substeps=1)

@@ -10,7 +10,7 @@ import pytest
 from skin_judge import SkinJudge
 
 from halfphysics import bench, metrics
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.bench import clips, grasp, handling, near, room, sofa, timing
 from halfphysics.bench.measuring import ring
 from halfphysics.bench.mujoco_loop import MujocoLoop
@@ -20,12 +20,12 @@ from halfphysics.bench.sides import simulators
 from halfphysics.bench.wall import past_face
 from halfphysics.cli import MISTAKE, main
 from halfphysics.errors import InputError
-from halfphysics.result import ObjectTrack
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.results.result import ObjectTrack
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
-from halfphysics.simulation import follow, simulate
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulate import follow, simulate
+from halfphysics.simulation.simulator import Simulator
 
 # Rounding of positions of a few metres through 8 substeps a frame; measured 1e-12 mm.
 EXACT_MM = 1e-6

@@ -7,9 +7,9 @@ import pytest
 from layouts import movement
 
 import halfphysics as hp
-from halfphysics.axes import axes_of
+from halfphysics.base.axes import axes_of
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.io import losses
+from halfphysics.formats import losses
 
 #: Vertices [m] of the same numbers.
 SAME = 1e-12

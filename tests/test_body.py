@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from model_files import fields, write_npz
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body, check_match
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body, check_match
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError, MismatchError
-from halfphysics.motion import Motion
-from halfphysics.pose import Pose
-from halfphysics.skeleton import JOINT_INDEX, PARENTS
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.pose import Pose
+from halfphysics.motion.skeleton import JOINT_INDEX, PARENTS
 
 # Rounding of double precision over chains of ten joints, a few metres from the origin.
 ROUNDING = 1e-13
@@ -255,7 +255,7 @@ def test_variant_is_made_once_and_written_whole(
     model = mujoco.MjModel.from_xml_path(str(path))
     assert model.nv == 168
     before = path.read_bytes()
-    monkeypatch.setattr("halfphysics.person_model.to_mjcf", lambda variant: 1 / 0)
+    monkeypatch.setattr("halfphysics.body.mjcf_person.to_mjcf", lambda variant: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         body.save_mjcf(path)
     assert path.read_bytes() == before

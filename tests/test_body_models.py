@@ -22,12 +22,12 @@ from model_files import (
     write_pkl,
 )
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.body.model_files import gender_of
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
-from halfphysics.io.body_models import gender_of
-from halfphysics.pose import Pose
-from halfphysics.skeleton import JOINT_INDEX, PARENTS
+from halfphysics.motion.pose import Pose
+from halfphysics.motion.skeleton import JOINT_INDEX, PARENTS
 
 COLUMNS = {"smplx": 400, "smplh": 16, "smpl": 10}
 # Sums of products of numbers near one, in another order.

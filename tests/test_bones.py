@@ -12,7 +12,7 @@ import pytest
 import viser
 import zstandard
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.viewer.bones import GRAIN, Bones
 from halfphysics.viewer.server import close_server, open_server
 

@@ -126,7 +126,7 @@ def test_an_array_larger_than_its_header_is_not_unpacked(tmp_path):
 
 
 def test_an_archive_that_only_fills_the_memory(tmp_path, monkeypatch):
-    from halfphysics.io import npz
+    from halfphysics.base import npz
 
     monkeypatch.setattr(npz, "SUSPICIOUS_BYTES", 2**20)
     path = tmp_path / "bomb.npz"

@@ -13,11 +13,11 @@ from layouts import movement
 from wrong_files import refused
 
 import halfphysics as hp
-from halfphysics.axes import AXES, axes_of, turned
+from halfphysics.base.axes import AXES, axes_of, turned
 from halfphysics.cli import main
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
-from halfphysics.io import FORMATS, Source, identify, losses
-from halfphysics.io.bvh_text import read_bvh
+from halfphysics.formats import FORMATS, Source, identify, losses
+from halfphysics.formats.bvh.text import read_bvh
 
 SAME = 1e-6  # metres: files have 1e-9 of a centimetre or degree
 FPS = 30.0

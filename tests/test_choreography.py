@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.base.rotations import rotvec_to_matrix
 from halfphysics.bench.paper.motions import dancer
 from halfphysics.bench.paper.motions.choreography import (
     CLIPS,
@@ -19,9 +20,8 @@ from halfphysics.bench.paper.motions.choreography import (
 )
 from halfphysics.bench.paper.motions.daily import KINDS, daily
 from halfphysics.bench.paper.motions.dancer import Score, danced
-from halfphysics.io.speeds import JOINT_SPEED, ROOT_SPEED
-from halfphysics.rotations import rotvec_to_matrix
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.formats.speeds import JOINT_SPEED, ROOT_SPEED
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: Of the dances and jumps of shared/data/motion (a dance, a dab, jumping, jumping jacks), least and
 #: most of each measure of `measured`, rounded outward; what the embedded ones have lies inside.

@@ -8,12 +8,12 @@ import pytest
 from coal_shapes import coal_hull
 from people import along_x, violent
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Mesh, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 SAME = 1e-9  # two ways to one distance, in doubles [m]
 COAL = 3e-6  # coal stops at 1e-6 of the squared distance; measured 1.1e-6 [m]

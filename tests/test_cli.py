@@ -16,7 +16,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.cli import COMMANDS, main
-from halfphysics.io.asked import GROUND
+from halfphysics.formats.inputs import GROUND
 
 UPRIGHT = [np.pi / 2, 0.0, 0.0]
 FRAMES = 12

@@ -9,7 +9,7 @@ from small_result import small_result
 
 import halfphysics as hp
 from halfphysics.cli import main
-from halfphysics.film import FilmOptions, save_film
+from halfphysics.render.film import FilmOptions, save_film
 
 
 @pytest.fixture(scope="module")
@@ -26,8 +26,8 @@ def source(tmp_path_factory):
 def quick(monkeypatch, tmp_path):
     """In an empty folder; the best direction is not looked for, which takes a second."""
     best = np.array([0.5, -0.8, 0.33]) / np.linalg.norm([0.5, -0.8, 0.33])
-    monkeypatch.setattr("halfphysics.film.tracking.choose_direction", lambda *_: best)
-    monkeypatch.setattr("halfphysics.strip.choose_direction", lambda *_: best)
+    monkeypatch.setattr("halfphysics.render.film.tracking.choose_direction", lambda *_: best)
+    monkeypatch.setattr("halfphysics.render.contact_sheet.choose_direction", lambda *_: best)
     monkeypatch.chdir(tmp_path)
 
 

@@ -73,7 +73,9 @@ def test_what_is_not_said_is_as_the_scenario_has_it(monkeypatch):
 def test_page_and_pictures(tmp_path, capsys, monkeypatch):
     drawn = []
     # Drawing takes seconds and is tested where it is at home.
-    monkeypatch.setattr("halfphysics.strip.picture_strip", lambda result, path: drawn.append(path))
+    monkeypatch.setattr(
+        "halfphysics.render.contact_sheet.picture_strip", lambda result, path: drawn.append(path)
+    )
     page, pictures = tmp_path / "p.html", tmp_path / "p.png"
     assert run("kick_ball", "--fps", 5, "--page", page, "--pictures", pictures) == 0
     out = capsys.readouterr().out

@@ -17,9 +17,9 @@ from sweep_case import PLAN, Here, data
 
 from halfphysics.cli import INTERRUPTED, MISTAKE, main
 from halfphysics.cli import sweep as command
-from halfphysics.sweep import store as stores
-from halfphysics.sweep.engines import Death
-from halfphysics.sweep.work import Done
+from halfphysics.sweep.run.engines import Death
+from halfphysics.sweep.run.work import Done
+from halfphysics.sweep.store import store as stores
 
 BAD = PLAN.replace("inputs:", "inputs:\n  - files: bad.npz").split("factors:")[0]
 BAD += "factors:\n  objects.friction: [0.5]\noutputs: {folder: data, batch: 1}\n"

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics import rotations as rot
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Box, Cylinder, Plane, Sphere
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Cylinder, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 G = 9.81
 #: Frame rates and substeps; None: as many as keep h at or under 1/240 s.

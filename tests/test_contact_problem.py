@@ -12,13 +12,14 @@ from people import along_x
 from person_hulls import CONTACTS
 from scipy.optimize import nnls
 
-from halfphysics import _native, reference
-from halfphysics.body import Body
-from halfphysics.reference_contact import contact_residual
-from halfphysics.scene import Scene
+from halfphysics import _native
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box, Plane
+from halfphysics.reference import step as reference
+from halfphysics.reference.contact import contact_residual
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 #: Of a substep of 1/240 s, as the stepper asks for it [m/s]; and the sweeps it allows.
 TOLERANCE = 1e-6 * 240

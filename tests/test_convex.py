@@ -8,9 +8,9 @@ import pytest
 from coal_shapes import coal_hull, coal_shape
 
 from halfphysics import _native
-from halfphysics import rotations as rot
-from halfphysics.colliders import convex_collider, hull_collider
-from halfphysics.shapes import Box, Capsule, Cylinder, Sphere
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.colliders import convex_collider, hull_collider
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Sphere
 
 MICROMETRE = 1e-6
 #: Where it stops, GJK's bounds of a distance between two round shapes are this far apart [m].

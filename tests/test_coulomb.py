@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics import _native, reference_contact
+from halfphysics import _native
+from halfphysics.reference import contact as reference_contact
 
 #: Of the velocities that come in, and of those that the impulse makes (rounding: A may lose six
 #: digits).

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from people import t_pose
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Box, Sphere
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Sphere
-from halfphysics.simulation import simulate
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulate import simulate
+from halfphysics.simulation.simulator import Simulator
 
 FRAMES = 60
 #: Least frames in a second of CPU, on a busy machine (alone 40 to 200; 0.4 where nothing bounded

@@ -7,12 +7,12 @@ import sys
 import numpy as np
 import pytest
 
-from halfphysics import decomposition
-from halfphysics.decomposition import Cut, content_key, decompose, judged
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Mesh, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.geometry import convex_decomposition as decomposition
+from halfphysics.geometry.convex_decomposition import Cut, content_key, decompose, judged
+from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.simulator import Simulator
 
 trimesh = pytest.importorskip("trimesh")
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from small_result import FRAMES, small_result
 
-from halfphysics import rotations as rot
-from halfphysics.drawing import FLOOR, Drawing
+from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
+from halfphysics.render.drawing import FLOOR, Drawing
 
 
 @pytest.fixture(scope="module")
@@ -64,8 +64,8 @@ def test_a_floor_is_chequered_level_and_larger_than_the_story(drawing):
 def test_planes_of_any_direction_lie_in_themselves(normal):
     from types import SimpleNamespace
 
-    from halfphysics.scene import Scene
-    from halfphysics.shapes import Plane
+    from halfphysics.geometry.shapes import Plane
+    from halfphysics.scene.scene import Scene
 
     turn = rot.exp(np.array([0.1, -0.2, 0.3]))
     scene = Scene()

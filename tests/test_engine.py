@@ -8,18 +8,18 @@ from people import along_x, violent
 from test_kick import before_the_foot, swing
 
 from halfphysics import metrics
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
+from halfphysics.baselines.engine.kinematic import between
 from halfphysics.bench.mujoco_loop import MujocoLoop
-from halfphysics.body import Body
-from halfphysics.engine.kinematic import between
+from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.result import Result
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.results.result import Result
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulation import simulate
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.simulation.simulate import simulate
+from halfphysics.simulation.simulator import Simulator
 
 KINEMATIC, VELOCITY = (Settings(mode=mode) for mode in ("engine_kinematic", "engine_velocity"))
 ENGINE = pytest.mark.parametrize("settings", [KINEMATIC, VELOCITY], ids=lambda s: s.mode)

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from people import along_x
 
-from halfphysics.body import Body
-from halfphysics.engine.scenery import add_scene
+from halfphysics.baselines.engine.scenery import add_scene
+from halfphysics.body.body import Body
+from halfphysics.body.mjcf_person import add_person
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.mesh import Mesh
-from halfphysics.person_model import add_person
-from halfphysics.scene import Scene
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulation import simulate
+from halfphysics.simulation.simulate import simulate
 
 
 @pytest.fixture(scope="module")
@@ -167,7 +167,7 @@ def test_an_object_touches_as_its_pieces(body):
 
 
 def test_without_anything_to_answer_nothing_is_cut(body, monkeypatch):
-    from halfphysics.engine import scenery
+    from halfphysics.baselines.engine import scenery
 
     monkeypatch.setattr(scenery, "decompose", None)
     scene = Scene()

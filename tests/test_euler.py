@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from halfphysics import rotations as rot
-from halfphysics.io.euler import from_angles, smoothest, to_angles
+from halfphysics.base import rotations as rot
+from halfphysics.base.euler import from_angles, smoothest, to_angles
 
 ORDERS = list(itertools.permutations(range(3)))
 # Within this cosine of gimbal lock the first angle is kept: so far it may be off.

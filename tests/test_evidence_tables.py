@@ -20,8 +20,8 @@ from halfphysics.bench.paper.runs import ablations, following
 from halfphysics.bench.paper.runs.choices import LIMP, said
 from halfphysics.bench.paper.sections import table1, table3, table4
 from halfphysics.bench.paper.store import Store
+from halfphysics.body.skinning import kinematics_reference
 from halfphysics.errors import FileError
-from halfphysics.skinning import kinematics_reference
 
 QUICK = Options(quick=True)
 SHORT = {"kind": "dance", "number": 4, "seed": 0, "seconds": 1.0}
@@ -104,7 +104,7 @@ def test_a_motion_that_comes_back_as_none_is_no_success(monkeypatch):
         path[5:] += 100.0
         motion.with_frames(path, motion.rotations)
 
-    monkeypatch.setattr("halfphysics.simulation.simulate", torn)
+    monkeypatch.setattr("halfphysics.simulation.simulate.simulate", torn)
     found = following.follow(SHORT, {"a": LIMP}).values["runs"]["a"]
     assert not found["success"]
     assert "root moves" in found["cause"]

@@ -9,12 +9,12 @@ import takes
 from layouts import movement
 
 import halfphysics as hp
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
+from halfphysics.body.mjcf_person import addresses
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
-from halfphysics.person_model import addresses
-from halfphysics.result import ObjectTrack
-from halfphysics.sequence import Sequence
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.results.result import ObjectTrack
+from halfphysics.simulation.sequence import Sequence
 
 #: MuJoCo's own kinematics of the same numbers: positions [m], rotations.
 SAME = 1e-6

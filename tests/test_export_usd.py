@@ -11,9 +11,9 @@ import takes
 from layouts import movement
 
 import halfphysics as hp
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.errors import FileError, MissingDependencyError
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_NAMES
 
 #: Vertices [m]: USD's skeletons are of single precision.
 SINGLE = 1e-5

@@ -14,9 +14,9 @@ import pytest
 from layouts import movement
 
 import halfphysics as hp
-from halfphysics import skeleton
 from halfphysics.errors import FileError, HalfPhysicsWarning
-from halfphysics.io import FORMATS, losses
+from halfphysics.formats import FORMATS, losses
+from halfphysics.motion import skeleton
 
 #: Vertices [m] of a motion that was written and read.
 SAME = 1e-6

@@ -11,15 +11,15 @@ import pytest
 from PIL import Image
 from small_result import FPS, FRAMES, small_result
 
-from halfphysics.drawing import Drawing
 from halfphysics.errors import FileError, InputError, MissingDependencyError
-from halfphysics.film import CAMERAS, FilmOptions, encoding, save_film, save_picture
-from halfphysics.film.filming import Shoot
-from halfphysics.film.saving import film_rate, film_times
-from halfphysics.film.tracking import Story, hiding, track
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.viewpoint import choose_direction, spread
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.render.drawing import Drawing
+from halfphysics.render.film import CAMERAS, FilmOptions, encoding, save_film, save_picture
+from halfphysics.render.film.filming import Shoot
+from halfphysics.render.film.saving import film_rate, film_times
+from halfphysics.render.film.tracking import Story, hiding, track
+from halfphysics.render.viewpoint import choose_direction, spread
+from halfphysics.scene.scene import Scene
 
 SIZE = (128, 96)
 # One view from a fixed place, small and coarse: the pictures of these tests.
@@ -34,7 +34,7 @@ BEST = np.array([0.5, -0.8, 0.33]) / np.linalg.norm([0.5, -0.8, 0.33])
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
     """The best direction is looked for once in these tests: that takes longer than they do."""
-    monkeypatch.setattr("halfphysics.film.tracking.choose_direction", lambda *_: BEST)
+    monkeypatch.setattr("halfphysics.render.film.tracking.choose_direction", lambda *_: BEST)
 
 
 def shoot(options=PLAIN, results=None, frames=None):
@@ -197,7 +197,7 @@ def test_every_camera_has_the_whole_story_in_its_picture(name):
 
 
 def test_the_story_is_seen_from_its_best_side(monkeypatch):
-    monkeypatch.setattr("halfphysics.film.tracking.choose_direction", choose_direction)
+    monkeypatch.setattr("halfphysics.render.film.tracking.choose_direction", choose_direction)
     drawing = Drawing(small_result())
     camera = track(Story([drawing], ghost=True), "follow", SIZE, FPS)[3]
     best = choose_direction(drawing, spread(FRAMES, 6), SIZE)

@@ -10,15 +10,15 @@ import pytest
 from people import along_x, t_pose
 
 import halfphysics as hp
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
+from halfphysics.body.strength import HUMAN, limits_of
 from halfphysics.cli.parsing import parse
 from halfphysics.cli.simulate import Command
 from halfphysics.errors import InputError
-from halfphysics.joint_groups import JOINT_GROUPS
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.motion.joint_groups import JOINT_GROUPS
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES
-from halfphysics.strength import HUMAN, limits_of
 
 KNEE = JOINT_INDEX["right_knee"]
 

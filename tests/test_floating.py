@@ -9,7 +9,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.floating import FLOATING
+from halfphysics.simulation.floating_start import FLOATING
 
 UPRIGHT = np.array([np.pi / 2, 0.0, 0.0])
 

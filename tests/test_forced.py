@@ -13,14 +13,14 @@ from test_kick import before_the_foot, swing
 
 import halfphysics as hp
 from halfphysics import metrics, scenarios
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Mesh, Plane, Sphere
-from halfphysics.simulation import simulate
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulate import simulate
+from halfphysics.simulation.simulator import Simulator
 
 KINEMATIC = Settings(mode="kinematic")
 POSITIONS = Settings(mode="positions")

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from halfphysics.render.viewpoint import FOV
 from halfphysics.viewer.framing import framed, free_part
-from halfphysics.viewpoint import FOV
 
 
 def pixels(points, position, target, size):

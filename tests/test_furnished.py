@@ -19,7 +19,7 @@ from halfphysics.bench.paper.rooms.visits import visit
 from halfphysics.bench.paper.runs.visiting import WAYS, made
 from halfphysics.bench.paper.sections import table2
 from halfphysics.errors import FileError, InputError
-from halfphysics.shapes import Mesh
+from halfphysics.geometry.shapes import Mesh
 
 NUMBERS = table2.SCENES
 

@@ -17,12 +17,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from people import t_pose, violent
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 #: Clear starts stay clear; coal's own distances are good to this [m].
 COAL = 1e-6

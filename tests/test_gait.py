@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.scenarios.gait import Kick, Walk, walk
-from halfphysics.scenarios.legs import about, leg_of, planted, solve
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.scenarios.acting.gait import Kick, Walk, walk
+from halfphysics.scenarios.acting.legs import about, leg_of, planted, solve
 
 
 @pytest.fixture(scope="module")

@@ -12,10 +12,10 @@ from random_result import make_result
 from scipy.spatial.transform import Rotation
 
 import halfphysics as hp
-from halfphysics.body import Body
-from halfphysics.drawing import OBJECTS, PEOPLE
-from halfphysics.result import ObjectTrack
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.body.body import Body
+from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.render.drawing import OBJECTS, PEOPLE
+from halfphysics.results.result import ObjectTrack
 from halfphysics.writers.take import take_of
 
 #: Single precision along a chain of ten joints, a few metres from the origin [m].

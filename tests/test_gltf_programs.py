@@ -22,8 +22,8 @@ from random_result import make_result
 from test_gltf import many_handed, y_up
 
 import halfphysics as hp
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 
 PAGE = Path(__file__).with_name("gltf_page.html")
 MODULES = [Path(p) for p in os.environ.get("NODE_PATH", "").split(os.pathsep) if p]

@@ -14,8 +14,8 @@ from test_body_models import lbs
 from wrong_files import Boom, broken_bytes_are_refused, changed, put, refused, usual, without
 
 import halfphysics as hp
-from halfphysics import rotations as rot
-from halfphysics.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.base import rotations as rot
+from halfphysics.motion.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
 
 FRAMES, COMPONENTS = 12, 24
 ROUNDING = 1e-12

@@ -7,16 +7,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from halfphysics import rotations as rot
 from halfphysics import scenarios
+from halfphysics.base import rotations as rot
 from halfphysics.bench.paper.runs.grasping import judge
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.scenarios import grasp_glass, place_glass
-from halfphysics.scenarios.grip import FINGERS, grip
-from halfphysics.scenarios.vessels import HEIGHT, RADIUS
-from halfphysics.simulation import simulate
-from halfphysics.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
+from halfphysics.motion.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
+from halfphysics.scenarios.acting.grip import FINGERS, grip
+from halfphysics.scenarios.props.vessels import HEIGHT, RADIUS
+from halfphysics.scenarios.stories import grasp_glass, place_glass
+from halfphysics.simulation.simulate import simulate
 
 RATES = (30.0, 60.0, 120.0)
 #: What a grasp may lose while it is shaken, carried and turned over.

@@ -19,14 +19,14 @@ from held import (
 )
 from people import t_pose, violent
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.body.strength import limits_of
+from halfphysics.geometry.shapes import Box, Sphere
+from halfphysics.motion.skeleton import JOINT_INDEX, PARENTS
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Sphere
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_INDEX, PARENTS
-from halfphysics.strength import limits_of
+from halfphysics.simulation.simulator import Simulator
 
 
 @pytest.fixture(scope="module")

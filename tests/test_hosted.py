@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 
 #: Of the pelvis over the floor, the soles a centimetre off it; of the wrists over the pelvis [m].

@@ -11,17 +11,17 @@ import pytest
 from people import along_x
 from random_result import make_result
 
-from halfphysics.body import Body
+from halfphysics.base.npz import write_npz
+from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.inside import Depths, Inside, inside_of
-from halfphysics.io.npz import write_npz
+from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.metrics import penetration
-from halfphysics.result import Result
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulation import simulate
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.results.inside import Depths, Inside, inside_of
+from halfphysics.results.result import Result
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.simulate import simulate
+from halfphysics.simulation.simulator import Simulator
 
 FOOT, ANKLE = JOINT_INDEX["left_foot"], JOINT_INDEX["left_ankle"]
 #: How far the core's depth may be over that of the surface: it starts 0.2 mm outside, and finds

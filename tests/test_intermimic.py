@@ -18,10 +18,11 @@ from scipy.spatial.transform import Rotation
 from wrong_files import Boom, broken_bytes_are_refused, refused
 
 import halfphysics as hp
-from halfphysics import rotations as rot
-from halfphysics.axes import axes_of
-from halfphysics.io import losses, stored
-from halfphysics.skeleton import JOINT_INDEX, PARENTS, SMPLH_JOINTS
+from halfphysics.base import rotations as rot
+from halfphysics.base import stored_objects as stored
+from halfphysics.base.axes import axes_of
+from halfphysics.formats import losses
+from halfphysics.motion.skeleton import JOINT_INDEX, PARENTS, SMPLH_JOINTS
 
 SINGLE = 2e-6  # metres, of positions in single precision
 SHAPE = 1e-6  # metres, of a skin whose shape was found by its joints in single precision
@@ -104,7 +105,7 @@ def written(path, array):
 
 @functools.cache
 def space():
-    from halfphysics.body import _free
+    from halfphysics.body.body import _free
 
     return _free()
 

@@ -7,13 +7,13 @@ import pytest
 from people import FACING_X, t_pose
 from person_hulls import CONTACTS
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 pytest.importorskip("coal")
 

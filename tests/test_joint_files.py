@@ -8,9 +8,11 @@ from jointed import Jointed
 from test_scenario_joints import done
 
 import halfphysics as hp
-from halfphysics.scenarios import arms, close_laptop, laptop, reaching, stage
-from halfphysics.scenarios.gait import Walk, ease, pose_at
-from halfphysics.skeleton import RIGHT_HAND_JOINTS
+from halfphysics.motion.skeleton import RIGHT_HAND_JOINTS
+from halfphysics.scenarios.acting import arms, reaching
+from halfphysics.scenarios.acting.gait import Walk, ease, pose_at
+from halfphysics.scenarios.props import laptop, stage
+from halfphysics.scenarios.stories import close_laptop
 
 _BOX = """<collision><origin xyz="{at[0]} {at[1]} {at[2]}"/>
 <geometry><box size="{size[0]} {size[1]} {size[2]}"/></geometry></collision>"""

@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 from people import along_x
 
-from halfphysics import reference, scenarios
-from halfphysics.body import Body
+from halfphysics import scenarios
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Plane, Sphere
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.reference import step as reference
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Plane, Sphere
-from halfphysics.simulation import simulate
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.simulation.simulate import simulate
+from halfphysics.simulation.simulator import Simulator
 
 RATES = (30.0, 60.0, 120.0)
 DRIVES = {"time constant": 0.02, "algorithm 1": None}

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
+from halfphysics.geometry.mesh_queries import MeshQuery
 from halfphysics.labels import ContactLabels, arctic, behave, chois, contact_labels, omomo
 from halfphysics.labels.reference import solid_distance
 from halfphysics.labels.solids import things_of
-from halfphysics.mesh_queries import MeshQuery
-from halfphysics.result import Result
+from halfphysics.results.result import Result
 
 
 @cache

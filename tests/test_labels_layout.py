@@ -10,7 +10,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.errors import InputError
 from halfphysics.labels import contact_labels
-from halfphysics.result import Result
+from halfphysics.results.result import Result
 
 
 @cache

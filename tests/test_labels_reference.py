@@ -10,7 +10,7 @@ import pytest
 from coal_shapes import coal_shape
 
 import halfphysics as hp
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.bench.clips import straight
 from halfphysics.labels.near import Target, near
 from halfphysics.labels.part_balls import part_balls

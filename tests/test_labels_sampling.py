@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.geometry.mesh_queries import closest_reference, is_closed
+from halfphysics.geometry.mesh_solids import solid_moments
 from halfphysics.labels.sampling import MOST, covered, surface_of
 from halfphysics.labels.solids import things_of
-from halfphysics.mesh_queries import closest_reference, is_closed
-from halfphysics.mesh_solids import solid_moments
 
 SHAPES = {
     "box": hp.Box((0.3, 0.07, 0.12)),

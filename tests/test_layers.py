@@ -44,9 +44,9 @@ def test_imports_go_inwards(ring):
     ("module", "late"),
     [
         ("halfphysics", {"numpy", "mujoco"}),
-        ("halfphysics.sweep.work", {"numpy", "mujoco", "trimesh", "ray", "h5py"}),
+        ("halfphysics.sweep.run.work", {"numpy", "mujoco", "trimesh", "ray", "h5py"}),
         ("halfphysics.labels", {"mujoco", "trimesh", "scipy"}),
-        ("halfphysics.sweep.vary", {"tyro", "viser", "ray", "h5py", "webdataset"}),
+        ("halfphysics.sweep.make.vary", {"tyro", "viser", "ray", "h5py", "webdataset"}),
     ],
 )
 def test_what_is_heavy_is_imported_when_it_is_needed(module, late):

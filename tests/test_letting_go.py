@@ -16,12 +16,12 @@ from held import (
     same,
 )
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 DOOR = """
 <mujoco><worldbody><body name="leaf"><joint type="hinge" axis="0 0 1"/>

@@ -7,14 +7,14 @@ import os
 import numpy as np
 import pytest
 
-from halfphysics import rotations as rot
 from halfphysics import scenarios
+from halfphysics.base import rotations as rot
 from halfphysics.bench.paper.runs.lifting import slip
 from halfphysics.errors import InputError
-from halfphysics.scenarios import arms
-from halfphysics.scenarios.lift_suitcase import RISE, UP, WALK
-from halfphysics.simulation import simulate
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.scenarios.acting import arms
+from halfphysics.scenarios.stories.lift_suitcase import RISE, UP, WALK
+from halfphysics.simulation.simulate import simulate
 
 RATES = (30.0, 60.0, 120.0)
 # At 30 fps as long as it is judged; at the others too where HALFPHYSICS_LONG is set.

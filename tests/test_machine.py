@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from halfphysics import machine
+from halfphysics.base import machine
 
 MIB = 2**20
 linux = pytest.mark.skipif(sys.platform != "linux", reason="tells what processes hold and refuses")

@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from halfphysics import rotations
+from halfphysics.base import rotations
+from halfphysics.body.mass import PITCH, close_holes, solid_parts
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.mass import PITCH, close_holes, solid_parts
-from halfphysics.mesh_queries import is_closed
-from halfphysics.mesh_solids import solid_moments
+from halfphysics.geometry.mesh_queries import is_closed
+from halfphysics.geometry.mesh_solids import solid_moments
 
 Array = NDArray[np.float64]
 Mesh = tuple[Array, NDArray[np.int64]]

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from halfphysics.errors import InputError
-from halfphysics.io.meshes import load_mesh
-from halfphysics.mesh_queries import (
+from halfphysics.geometry.mesh_files import load_mesh
+from halfphysics.geometry.mesh_queries import (
     MeshQuery,
     boundary_edges,
     closest_reference,
@@ -20,7 +20,7 @@ from halfphysics.mesh_queries import (
     piece_count,
     winding_reference,
 )
-from halfphysics.shapes import Box, Cylinder, Sphere
+from halfphysics.geometry.shapes import Box, Cylinder, Sphere
 
 # Sums of up to 10,000 solid angles, each good to a few units in the last place.
 ROUNDING = 1e-9

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from halfphysics import rotations
+from halfphysics.base import rotations
 from halfphysics.errors import InputError
-from halfphysics.mesh_queries import is_closed
-from halfphysics.mesh_solids import convex_hull, solid_moments
-from halfphysics.shapes import Box
+from halfphysics.geometry.mesh_queries import is_closed
+from halfphysics.geometry.mesh_solids import convex_hull, solid_moments
+from halfphysics.geometry.shapes import Box
 
 
 @settings(max_examples=50, deadline=None)

@@ -9,12 +9,12 @@ import pytest
 from people import t_pose
 
 from halfphysics import _native
-from halfphysics.body import Body
-from halfphysics.colliders import hull_collider, part_collider
-from halfphysics.scene import Scene
+from halfphysics.body.body import Body
+from halfphysics.geometry.colliders import hull_collider, part_collider
+from halfphysics.geometry.shapes import Box
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 #: Distances to triangles by GJK are good to this [m].
 EXACT = 1e-9

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from halfphysics.errors import FileError
-from halfphysics.io.meshes import load_mesh
-from halfphysics.mesh import Mesh
-from halfphysics.shapes import Box
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.mesh_files import load_mesh
+from halfphysics.geometry.shapes import Box
 
 trimesh = pytest.importorskip("trimesh")
 

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from point_bodies import Ball, Cloud, Drift, Track
 
-from halfphysics import metrics, rotations
+from halfphysics import metrics
+from halfphysics.base import rotations
 from halfphysics.errors import InputError
-from halfphysics.mesh_queries import closest_reference, winding_reference
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.geometry.mesh_queries import closest_reference, winding_reference
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.scene.scene import Scene
 
 
 @pytest.fixture
@@ -127,7 +128,7 @@ def test_batches_change_nothing(frames: int, cloud: Cloud) -> None:
 def test_primitives_and_their_triangles_agree_anywhere(
     shape: Any, cloud: Cloud, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("halfphysics.shapes._SEGMENTS", 128)
+    monkeypatch.setattr("halfphysics.geometry.shapes._SEGMENTS", 128)
     pose = {"position": (0.2, -0.1, 0.05), "quaternion": (0.4, -0.8, 0.3, 0.2)}
     exact, triangles = Scene(), Scene()
     exact.add_static("x", shape, **pose)

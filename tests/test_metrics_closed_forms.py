@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from point_bodies import Cloud, Drift
 
 from halfphysics import metrics
-from halfphysics.mesh_queries import closest_reference, winding_reference
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Capsule, Mesh, Plane, Shape, Sphere
+from halfphysics.geometry.mesh_queries import closest_reference, winding_reference
+from halfphysics.geometry.shapes import Box, Capsule, Mesh, Plane, Shape, Sphere
+from halfphysics.scene.scene import Scene
 
 STILL = Drift(np.zeros((1, 3)))
 

@@ -13,10 +13,10 @@ from scipy.spatial import ConvexHull
 import halfphysics as hp
 from halfphysics import metrics, scenarios
 from halfphysics.bench.clips import straight
-from halfphysics.contacts import Contacts
 from halfphysics.errors import InputError
-from halfphysics.mesh_queries import closest_reference
-from halfphysics.result import Result
+from halfphysics.geometry.mesh_queries import closest_reference
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.result import Result
 
 LEFT_FOOT = hp.JOINT_NAMES.index("left_foot")
 

@@ -11,17 +11,17 @@ from hypothesis import strategies as st
 from point_bodies import Cloud, Drift
 
 from halfphysics import metrics
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.contacts import Contacts
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.joint_groups import JOINT_GROUPS
-from halfphysics.motion import Motion
-from halfphysics.result import PersonResult, Result
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Plane
+from halfphysics.motion.joint_groups import JOINT_GROUPS
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.result import PersonResult, Result
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Plane
-from halfphysics.skeleton import JOINT_INDEX
 
 FEET = [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]
 

@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 from point_bodies import Ball, Cloud, Drift
 
 from halfphysics import metrics
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.body.mass import close_holes
 from halfphysics.errors import InputError
-from halfphysics.mass import close_holes
-from halfphysics.mesh_solids import solid_moments
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Shape, Sphere
+from halfphysics.geometry.mesh_solids import solid_moments
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Shape, Sphere
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
 
 SIZE = np.array([0.3, 0.4, 0.5])
 TURNED = {"quaternion": (0.4, 0.3, 0.2, 0.7)}

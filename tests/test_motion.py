@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.motion import Motion, Pose
+from halfphysics.motion.motion import Motion, Pose
 
 # Rounding of a rotation through quaternions and back.
 ROUNDING = 1e-12

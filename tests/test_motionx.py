@@ -8,8 +8,8 @@ from layouts import movement
 from wrong_files import broken_bytes_are_refused, refused
 
 import halfphysics as hp
-from halfphysics.axes import axes_of
-from halfphysics.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.base.axes import axes_of
+from halfphysics.motion.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
 
 ROUNDING = 1e-12
 

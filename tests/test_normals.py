@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics.shapes import Box, Cylinder, Sphere
+from halfphysics.geometry.shapes import Box, Cylinder, Sphere
 from halfphysics.writers.normals import creased, vertex_normals
 
 

@@ -16,14 +16,14 @@ from people import FACING_X, follow, t_pose
 from person_hulls import CONTACTS, pieces_of
 from throws import curled, stair
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Capsule, Cylinder, Plane
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_NAMES, PARENTS
+from halfphysics.simulation.simulator import Simulator
 
 trimesh = pytest.importorskip("trimesh")
 

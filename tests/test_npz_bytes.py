@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from halfphysics.base import npz_bytes as module
+from halfphysics.base.npz_bytes import npz_bytes
 from halfphysics.errors import InputError
-from halfphysics.io import npz_bytes as module
-from halfphysics.io.npz_bytes import npz_bytes
 
 ANY = st.one_of(
     hnp.arrays(

@@ -8,9 +8,9 @@ import scipy.sparse as sp
 from model_files import fields as model_fields
 from wrong_files import Boom
 
-from halfphysics.body import Body
+from halfphysics.base.npz_objects import NpzObjects
+from halfphysics.body.body import Body
 from halfphysics.errors import FileError
-from halfphysics.io.npz_objects import NpzObjects
 
 
 def test_objects_and_arrays_come_out_as_they_went_in(tmp_path):
@@ -67,6 +67,6 @@ def test_hostile(tmp_path):
 def test_absurd_sizes(tmp_path, monkeypatch):
     path = tmp_path / "a.npz"
     np.savez_compressed(path, part={"x": np.zeros(1000)})
-    monkeypatch.setattr("halfphysics.io.restricted_pickle.MAX_BYTES", 1000)
+    monkeypatch.setattr("halfphysics.base.restricted_pickle.MAX_BYTES", 1000)
     with pytest.raises(FileError, match="field 'part' unpacks to"):
         NpzObjects(path)["part"]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Box, Cylinder, Plane, Sphere
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Cylinder, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 G = 9.81
 
@@ -148,7 +148,7 @@ def test_a_person_inside_a_box_does_not_stop_the_clock():
     """Hundreds of contacts that cannot be met: the work of a frame is bounded, nothing flies."""
     from people import t_pose
 
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
 
     body = Body.default()
     scene = Scene()

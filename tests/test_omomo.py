@@ -22,10 +22,10 @@ from wrong_files import (
 )
 
 import halfphysics as hp
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
+from halfphysics.base import stored_objects as stored
 from halfphysics.errors import InputError
-from halfphysics.io import stored
-from halfphysics.skeleton import BODY_JOINTS
+from halfphysics.motion.skeleton import BODY_JOINTS
 
 ROUNDING = 1e-12
 SINGLE = 1e-6
@@ -231,7 +231,7 @@ def test_any_motion_is_written(tmp_path):
 
 
 def test_what_it_cannot_hold_is_said(tmp_path):
-    from halfphysics.io import losses
+    from halfphysics.formats import losses
 
     translation, rotations = movement()
     motion = hp.Motion(translation, rotations, 60.0, betas=np.ones(20))

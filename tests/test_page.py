@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 from small_result import FPS, FRAMES, small_result
 
-from halfphysics.drawing import Drawing
 from halfphysics.errors import FileError, InputError
-from halfphysics.page import save_page
-from halfphysics.render import Camera
+from halfphysics.render.drawing import Drawing
+from halfphysics.render.rasterizer import Camera
+from halfphysics.render.viewpoint import FOV
 from halfphysics.viewer.contacts import ContactFrames
-from halfphysics.viewpoint import FOV
+from halfphysics.viewer.page import save_page
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +125,7 @@ def test_a_page_that_cannot_be_written_leaves_nothing(tmp_path, monkeypatch):
     def fails(*_args):
         raise RuntimeError("half-way")
 
-    monkeypatch.setattr("halfphysics.page._build", fails)
+    monkeypatch.setattr("halfphysics.viewer.page._build", fails)
     with pytest.raises(RuntimeError, match="half-way"):
         save_page(small_result(), tmp_path / "a.html")
     assert list(tmp_path.iterdir()) == []
@@ -189,7 +189,7 @@ def test_contacts_are_on_the_page(page):
 
 def test_importing_the_page_does_not_import_viser():
     code = (
-        "import sys, halfphysics.page, halfphysics.strip; "
+        "import sys, halfphysics.viewer.page, halfphysics.render.contact_sheet; "
         "print('viser' in sys.modules, 'PIL' in sys.modules)"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -9,7 +9,7 @@ import pytest
 from browser import CHROMIUM, SIZES, artefacts, tab
 from small_result import FPS, FRAMES, small_result
 
-from halfphysics.page import save_page
+from halfphysics.viewer.page import save_page
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium, or no playwright")
 

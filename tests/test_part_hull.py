@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from halfphysics import rotations
-from halfphysics.mesh_queries import is_closed
-from halfphysics.part_hull import MIN_THICKNESS, part_hull
+from halfphysics.base import rotations
+from halfphysics.body.part_hull import MIN_THICKNESS, part_hull
+from halfphysics.geometry.mesh_queries import is_closed
 
 
 @settings(max_examples=60, deadline=None)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from people import t_pose
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulation import simulate
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.simulation.simulate import simulate
 
 
 def test_what_is_said_of_a_part_counts_first():

@@ -10,18 +10,18 @@ import pytest
 from people import along_x
 from random_result import make_result, touching
 
-from halfphysics import part_report
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.contacts import Contacts
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import FileError, InputError
-from halfphysics.inside import Inside
-from halfphysics.result import PersonResult, Result
-from halfphysics.scene import Scene
+from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
+from halfphysics.metrics import part_report
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.inside import Inside
+from halfphysics.results.result import PersonResult, Result
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Mesh, Plane, Sphere
-from halfphysics.simulation import simulate
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.simulation.simulate import simulate
 
 SAME = 1e-9  # poses go through axis-angle vectors and back: rounding [m]
 COLUMNS = ("clearance", "nearest", "contact", "force", "displacement", "rotation")

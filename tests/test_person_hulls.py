@@ -9,10 +9,10 @@ import pytest
 from people import violent
 from person_hulls import CONTACTS, pieces_of
 
-from halfphysics.body import Body
-from halfphysics.scene import Scene
+from halfphysics.body.body import Body
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 #: Some dozens of products of numbers around one [m].
 ROUNDING = 1e-12

@@ -11,10 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from halfphysics import rotations
-from halfphysics.body import Body
-from halfphysics.errors import InputError
-from halfphysics.person_model import (
+from halfphysics.base import rotations
+from halfphysics.body.body import Body
+from halfphysics.body.mjcf_person import (
     FINGER_ARMATURE,
     UPRIGHT,
     add_person,
@@ -22,14 +21,15 @@ from halfphysics.person_model import (
     part_color,
     to_mjcf,
 )
-from halfphysics.skeleton import (
+from halfphysics.body.variant import Variant, build_variant
+from halfphysics.errors import InputError
+from halfphysics.motion.skeleton import (
     JOINT_NAMES,
     LEFT_HAND_JOINTS,
     N_JOINTS,
     PARENTS,
     RIGHT_HAND_JOINTS,
 )
-from halfphysics.variant import Variant, build_variant
 
 Array = NDArray[np.float64]
 

@@ -12,11 +12,11 @@ from revolution import cup, pipe, wine_glass
 from scipy.spatial import Delaunay
 from scipy.stats.qmc import Sobol
 
-from halfphysics.decomposition import THRESHOLD, WARN_MM, Cut, decompose
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.piece_error import piece_error
-from halfphysics.scene import Scene
-from halfphysics.shapes import Mesh
+from halfphysics.geometry.convex_decomposition import THRESHOLD, WARN_MM, Cut, decompose
+from halfphysics.geometry.piece_error import piece_error
+from halfphysics.geometry.shapes import Mesh
+from halfphysics.scene.scene import Scene
 
 #: Sections around a pipe, its radius and height [m].
 COUNT, RADIUS, HEIGHT = 48, 0.035, 0.1

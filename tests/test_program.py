@@ -9,12 +9,12 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import halfphysics
-from halfphysics.program import program
+from halfphysics.base.code_hash import program
 
 
 def hash_of(folder):
     """What `program` gives for a copy of the package, in a process of its own."""
-    code = "import halfphysics.program as p; print(p.__file__, p.program())"
+    code = "import halfphysics.base.code_hash as p; print(p.__file__, p.program())"
     done = subprocess.run(
         [sys.executable, "-c", code],
         env={"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"},

@@ -7,7 +7,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.errors import InputError
-from halfphysics.result import ObjectTrack
+from halfphysics.results.result import ObjectTrack
 
 
 @pytest.fixture(scope="module")

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from people import t_pose
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.simulator import Simulator
 
 EXACT = 1e-12
 PRIMITIVES = (Box((0.4, 0.6, 1.0)), Sphere(0.4), Capsule(0.3, 0.7), Cylinder(0.35, 0.9))

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from people import along_x, violent
 
-from halfphysics import reference
-from halfphysics.body import Body
-from halfphysics.reference_contact import contact_residual
-from halfphysics.scene import Scene
+from halfphysics.body.body import Body
+from halfphysics.body.strength import limits_of
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.reference import step as reference
+from halfphysics.reference.contact import contact_residual
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulator import Simulator
-from halfphysics.strength import limits_of
+from halfphysics.simulation.simulator import Simulator
 
 DRIVES = {"time constant": 0.02, "algorithm 1": None}
 #: Both stop far below this; what is left is the conditioning of M (fingers of grams on 60 kg).

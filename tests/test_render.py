@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.render import Camera, Light, Look, Surface, render, save_png, visible
+from halfphysics.render.rasterizer import Camera, Light, Look, Surface, render, save_png, visible
 
 # A look without shading: what is drawn has exactly its own colour.
 PLAIN = Look(

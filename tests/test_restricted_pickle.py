@@ -15,8 +15,8 @@ import pytest
 import scipy.sparse as sp
 from model_files import chumpy, chumpy_select, chumpy_stand_in
 
+from halfphysics.base.restricted_pickle import load, loads
 from halfphysics.errors import FileError
-from halfphysics.io.restricted_pickle import load, loads
 
 GRID = np.arange(12.0).reshape(3, 4)
 

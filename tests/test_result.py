@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from random_result import make_result, touching
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
 
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from random_result import make_result
 
-from halfphysics.body import Body
+from halfphysics.base.npz import write_npz
+from halfphysics.body.body import Body
 from halfphysics.errors import FileError
-from halfphysics.io.npz import write_npz
-from halfphysics.result import Result
+from halfphysics.results.result import Result
 
 
 @pytest.fixture(scope="module")

@@ -12,14 +12,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from random_result import assert_same, make_result
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.contacts import Contacts
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
-from halfphysics.motion import Motion
-from halfphysics.result import ObjectTrack, PersonResult, Result, Substeps
-from halfphysics.scene import Scene
-from halfphysics.shapes import Plane
+from halfphysics.geometry.shapes import Plane
+from halfphysics.motion.motion import Motion
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.result import ObjectTrack, PersonResult, Result, Substeps
+from halfphysics.scene.scene import Scene
 
 
 @pytest.fixture(scope="module")
@@ -211,7 +211,7 @@ def test_a_mesh_from_memory_is_not_written(tmp_path, body):
 
 def test_a_body_model_is_named_not_copied(tmp_path, body):
     """A model file in SMPL-X layout (the default body's own data) stands for a licensed one."""
-    from halfphysics import body as module
+    from halfphysics.body import body as module
 
     model = tmp_path / "SMPLX_NEUTRAL.npz"
     model.write_bytes(module._ASSET.read_bytes())

@@ -12,11 +12,11 @@ from layouts import movement
 from scipy.spatial.transform import Rotation
 
 import halfphysics as hp
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.io.bvh_text import read_bvh
-from halfphysics.io.source_skeleton import SourceSkeleton
-from halfphysics.skeleton import FACE_JOINTS, JOINT_INDEX, JOINT_NAMES, PARENTS
+from halfphysics.formats.bvh.source_skeleton import SourceSkeleton
+from halfphysics.formats.bvh.text import read_bvh
+from halfphysics.motion.skeleton import FACE_JOINTS, JOINT_INDEX, JOINT_NAMES, PARENTS
 
 SAME = 1e-6  # metres: files have 1e-9 of a centimetre or degree
 # Where bones are taken to be along an axis at rest: the default body's are to a few micrometres.

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 import halfphysics as hp
 from halfphysics import scenarios
-from halfphysics.reuse import use_again
-from halfphysics.simulation import follow
-from halfphysics.simulator import Simulator
-from halfphysics.world import model_arrays
+from halfphysics.simulation.simulate import follow
+from halfphysics.simulation.simulator import Simulator
+from halfphysics.simulation.world import model_arrays
+from halfphysics.simulation.world_cache import use_again
 
 SHAPES = {
     "ball": hp.Sphere(0.1),

@@ -8,8 +8,8 @@ from clear_judge import Judge
 from people import along_x
 from rooms import furnished, merged
 
-from halfphysics.body import Body
-from halfphysics.simulator import Simulator
+from halfphysics.body.body import Body
+from halfphysics.simulation.simulator import Simulator
 
 #: Positions after merging and cutting [m].
 ROUNDING = 1e-9
@@ -59,7 +59,7 @@ def test_merged_is_the_same_surface_in_as_many_triangles(shared_data, body, walk
 
 
 def _turn(static):
-    from halfphysics import rotations as rot
+    from halfphysics.base import rotations as rot
 
     return rot.to_matrix(static.quaternion)
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from people import along_x, t_pose
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.simulator import Simulator
 
 
 def alone(scene):

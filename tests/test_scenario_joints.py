@@ -10,7 +10,8 @@ from jointed import Jointed
 
 import halfphysics as hp
 from halfphysics.errors import InputError
-from halfphysics.scenarios import chest, close_laptop, laptop, open_drawer, open_laptop
+from halfphysics.scenarios.props import chest, laptop
+from halfphysics.scenarios.stories import close_laptop, open_drawer, open_laptop
 
 #: Scenario -> thing, link and joint that the hand moves, where it starts and where it ends.
 MOVED = {

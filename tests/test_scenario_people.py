@@ -11,8 +11,8 @@ from pair_judge import PairJudge
 import halfphysics as hp
 from halfphysics.cli import main
 from halfphysics.errors import InputError
-from halfphysics.scenarios import shake_hands
-from halfphysics.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
+from halfphysics.motion.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
+from halfphysics.scenarios.stories import shake_hands
 
 #: Who stands still moves less than this in the last 0.2 s [m/s].
 STILL = 0.01

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics import rotations as rot
 from halfphysics import scenarios
+from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.scenarios import stage
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.scenarios.props import stage
 
 
 def depths(sequence, name: str, frames: range | None = None, person: int = 0) -> np.ndarray:

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Mesh, Plane, Sphere
+from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
+from halfphysics.scene.scene import Scene
 
 
 def test_a_small_scene() -> None:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
-from halfphysics.io.scene_file import scene_document
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.scene.scene import Scene
+from halfphysics.scene.scene_file import scene_document
 
 WHOLE = """\
 version: 1

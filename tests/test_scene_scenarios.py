@@ -9,13 +9,13 @@ import pytest
 from scene_judge import judge
 from skin_judge import SkinJudge
 
-from halfphysics import rotations as rot
 from halfphysics import scenarios
-from halfphysics.scene import Scene
-from halfphysics.sequence import Sequence
-from halfphysics.shapes import Box, Mesh
-from halfphysics.simulation import simulate
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Box, Mesh
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.sequence import Sequence
+from halfphysics.simulation.simulate import simulate
 
 #: Scenario -> what its motion goes into, and how deep at least [mm].
 SCENES = {

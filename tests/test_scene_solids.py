@@ -12,14 +12,14 @@ from starts_solids import box
 from starts_things_judge import ObjectJudge
 
 from halfphysics import metrics
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.object_pieces import joined
-from halfphysics.result import ObjectTrack
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.object_pieces import joined
+from halfphysics.geometry.shapes import Box, Mesh, Sphere
+from halfphysics.results.result import ObjectTrack
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Mesh, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 #: coal's distances [m].
 COAL = 1e-6

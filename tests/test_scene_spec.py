@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from halfphysics.errors import InputError
-from halfphysics.scene import Scene
-from halfphysics.scene_spec import parse_object, parse_static
-from halfphysics.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.scene.item_spec import parse_object, parse_static
+from halfphysics.scene.scene import Scene
 
 
 def test_the_example() -> None:

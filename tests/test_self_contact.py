@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 import self_touch as st
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.motion import Motion
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from halfphysics.settings import Settings
-from halfphysics.simulation import simulate
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.simulation.simulate import simulate
+from halfphysics.simulation.simulator import Simulator
 
 CONTACTS = ("skin", "parts")
 DRIVES = {"drive_time": {}, "paper": {"drive_time": None, "stiffness": 1.0}}
@@ -216,7 +216,7 @@ def test_two_people_touch_themselves_and_each_other():
 
 def test_hands_on_hips_hold_by_friction_of_the_person_with_themselves():
     """Without friction the wrists slide farther along the hips than with it."""
-    from halfphysics.scene import Scene
+    from halfphysics.scene.scene import Scene
 
     key = st.hands_on_hips(BODY)
     motion = st.between([st.relaxed(BODY), key, key], [12, 12])
@@ -244,8 +244,8 @@ def test_pressed_together_by_a_wall(contact):
 
     The wall stops all of the person, through the arms, and the arms stay out of the chest.
     """
-    from halfphysics.scene import Scene
-    from halfphysics.shapes import Box
+    from halfphysics.geometry.shapes import Box
+    from halfphysics.scene.scene import Scene
 
     still = st.between([st.relaxed(BODY), *[st.arms_crossed(BODY)] * 2], [12, 24])
     path = np.zeros((len(still), 3))

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.mesh_queries import MeshQuery, is_closed, merge_vertices
-from halfphysics.mesh_solids import solid_moments
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Shape, Sphere
+from halfphysics.geometry.mesh_queries import MeshQuery, is_closed, merge_vertices
+from halfphysics.geometry.mesh_solids import solid_moments
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Shape, Sphere
 
 SOLIDS = [Box((0.4, 0.6, 1.0)), Sphere(0.7), Capsule(0.3, 0.8), Cylinder(0.5, 0.9)]
 BY_NAME = pytest.mark.parametrize("shape", SOLIDS, ids=lambda s: type(s).__name__)
@@ -38,7 +38,7 @@ def test_inertia_is_the_limit_of_its_triangulation(
     """Triangles inscribed in a round solid converge to it with the square of their size."""
     errors = []
     for segments in (32, 64):
-        monkeypatch.setattr("halfphysics.shapes._SEGMENTS", segments)
+        monkeypatch.setattr("halfphysics.geometry.shapes._SEGMENTS", segments)
         volume, centre, inertia = solid_moments(*shape.triangles())
         np.testing.assert_allclose(centre, 0.0, atol=1e-12)
         exact = shape.volume * shape.unit_inertia()
@@ -72,7 +72,7 @@ def test_triangulation_is_closed_outward_and_on_the_surface(shape: Shape) -> Non
 
 @BY_NAME
 def test_depth_against_the_triangles(shape: Shape, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("halfphysics.shapes._SEGMENTS", 128)
+    monkeypatch.setattr("halfphysics.geometry.shapes._SEGMENTS", 128)
     points = np.random.default_rng(1).uniform(-1.0, 1.0, (2000, 3))
     mesh = MeshQuery(*shape.triangles())
     # 128 segments: chords lie up to r (1 - cos(pi / 128)) = 0.0003 r under the surface, twice.

@@ -9,15 +9,15 @@ import pytest
 from people import along_x, follow, violent
 from person_hulls import CONTACTS, pieces_of
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.metrics import mpjpe, mpjpe_global
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulation import simulate
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulate import simulate
+from halfphysics.simulation.simulator import Simulator
 
 EXACT_MM = 1e-6  # the goal; measured about 1e-12
 CLIPS = ("kick1", "kick3", "side_jump1", "single_foot_jump2", "squat3", "walk1")

@@ -11,8 +11,8 @@ from layouts import movement
 
 import halfphysics as hp
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.io.skeleton_maps import match_joints
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.formats.bvh.skeleton_maps import match_joints
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 
 SAME = 1e-6  # metres: files have 1e-9 of a centimetre or degree
 BODY = hp.Body.default()

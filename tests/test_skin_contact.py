@@ -31,7 +31,7 @@ from skin_campaign import (
 )
 from skin_judge import SkinJudge
 
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_NAMES
 
 pytest.importorskip("trimesh")
 

@@ -16,13 +16,13 @@ from hypothesis import strategies as st
 from model_files import LAYOUTS, fields, write_npz
 from scipy.spatial import ConvexHull
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
+from halfphysics.body.skin_corners import without_inner
+from halfphysics.body.skin_cut import PIECES, cut_faces, parts_of_faces
+from halfphysics.body.skin_hulls import REMEMBERED, SkinHulls, _known, baked, skin_hulls
 from halfphysics.errors import InputError
-from halfphysics.pose import Pose
-from halfphysics.skeleton import FACE_JOINTS, LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
-from halfphysics.skin_corners import without_inner
-from halfphysics.skin_cut import PIECES, cut_faces, parts_of_faces
-from halfphysics.skin_hulls import REMEMBERED, SkinHulls, _known, baked, skin_hulls
+from halfphysics.motion.pose import Pose
+from halfphysics.motion.skeleton import FACE_JOINTS, LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
 
 #: Skinned coordinates of order 1 m and hull planes through them: 1e-15, with room.
 ROUNDING = 1e-12
@@ -125,7 +125,8 @@ def test_the_same_for_all_shapes():
 def test_cut_beforehand_is_cut_now(body, threads):
     """What is in the package, byte by byte, whatever the threads: else run tools/cut_body.py."""
     code = (
-        "import hashlib; from halfphysics import Body; from halfphysics.skin_hulls import bake; "
+        "import hashlib; from halfphysics import Body; "
+        "from halfphysics.body.skin_hulls import bake; "
         "b = Body.default(); f = bake(b.faces, b.weights, b.mean_vertices, b.mean_joints); "
         "print(f['skin'], hashlib.sha256(f['piece'].tobytes()).hexdigest())"
     )

@@ -14,12 +14,12 @@ from skin_judge import SkinJudge
 from skin_obstacles import Primitive, hull_of, obstacles_of, signed_distance
 from triangle_soup import Soup
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.mesh_queries import closest_reference, winding_reference
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.mesh_queries import closest_reference, winding_reference
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
 
 trimesh = pytest.importorskip("trimesh")
 

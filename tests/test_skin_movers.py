@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics import rotations as rot
-from halfphysics.world import World
+from halfphysics.base import rotations as rot
+from halfphysics.simulation.world import World
 
 ROUNDING = 1e-13  # of coordinates of a metre [m]
 STEP = 1e-5  # of the finite differences [rad, m]

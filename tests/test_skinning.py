@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from model_files import VERTICES, fields
 
-from halfphysics import _native, skinning
-from halfphysics import rotations as rot
+from halfphysics import _native
+from halfphysics.base import rotations as rot
+from halfphysics.body import skinning
 from halfphysics.errors import InputError
-from halfphysics.skeleton import PARENTS
+from halfphysics.motion.skeleton import PARENTS
 
 FRAMES = 21  # two whole blocks of the native core and a part of one
 

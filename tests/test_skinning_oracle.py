@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from halfphysics import rotations as rot
-from halfphysics.body import _ASSET, Body
-from halfphysics.io.body_models import read_model
-from halfphysics.pose import Pose
-from halfphysics.skeleton import JOINT_NAMES, PARENTS
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import _ASSET, Body
+from halfphysics.body.model_files import read_model
+from halfphysics.motion.pose import Pose
+from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
 
 SAMPLES, BATCH = 100, 10
 

@@ -8,8 +8,8 @@ from layouts import movement
 from wrong_files import broken_bytes_are_refused, changed, put, refused, spoilt, without
 
 import halfphysics as hp
-from halfphysics.axes import axes_of
-from halfphysics.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.base.axes import axes_of
+from halfphysics.motion.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
 
 #: Vertices [m] of poses in single precision.
 SINGLE = 1e-6

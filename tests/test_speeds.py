@@ -10,7 +10,7 @@ from layouts import movement
 
 import halfphysics as hp
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.io import speeds
+from halfphysics.formats import speeds
 
 
 def loaded(path, translation, rotations, fps=60.0):

@@ -11,12 +11,12 @@ from coal_scene import Watch
 from fuzzing import SECONDS, moments
 from people import t_pose
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Capsule, Cylinder, Plane, Sphere
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 G = 9.81
 COAL = 1e-6  # coal's own distances are good to this [m]

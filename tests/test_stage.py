@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from small_result import FRAMES, small_result
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.skeleton import JOINT_INDEX, N_JOINTS
+from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
 from halfphysics.viewer.bones import GRAIN
 from halfphysics.viewer.figure import Figure, _gathered, moving_joints, shrunk, strongest
 from halfphysics.viewer.server import close_server, open_server
@@ -105,7 +105,7 @@ def test_live_poses_and_places(server):
     body = live.people[0].body
     rotations = np.zeros((N_JOINTS, 3))
     rotations[JOINT_INDEX["left_index1"], 2] = 0.7
-    from halfphysics.pose import Pose
+    from halfphysics.motion.pose import Pose
 
     positions, quaternions = body.joint_frames(Pose(np.array([1.0, 2.0, 3.0]), rotations))
     live.pose(0, positions, quaternions)
@@ -177,7 +177,7 @@ def test_weights_keep_the_four_strongest():
 
 
 def test_shrinking_a_cube_moves_its_faces_in():
-    from halfphysics.shapes import Box
+    from halfphysics.geometry.shapes import Box
 
     vertices, faces = Box((2.0, 2.0, 2.0)).triangles()
     inner = shrunk(vertices, faces, 0.003)
@@ -188,7 +188,7 @@ def test_shrinking_a_cube_moves_its_faces_in():
 def test_a_ghost_leaves_its_depth(server):
     from dataclasses import replace
 
-    from halfphysics.drawing import Drawing
+    from halfphysics.render.drawing import Drawing
 
     body = Body.default()
     skin = replace(Drawing(small_result()).skin(0, True), vertices=body.rest_vertices)

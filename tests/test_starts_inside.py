@@ -25,13 +25,13 @@ from starts_judge import StartJudge
 from starts_meshes import union_mesh
 from starts_solids import EXACT, Hulls, box, ground
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Mesh
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX as J
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Mesh
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_INDEX as J
+from halfphysics.simulation.simulator import Simulator
 
 MANY = int(os.environ.get("HALFPHYSICS_STARTS", "1"))
 #: Seeds that nothing was tuned on.

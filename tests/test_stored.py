@@ -13,8 +13,9 @@ import pytest
 from dumps import Named, Tensor, Wrapper, joblib_dump, torch_saved
 from wrong_files import Boom
 
+from halfphysics.base import stored_objects as stored
+from halfphysics.base import torch_file
 from halfphysics.errors import FileError
-from halfphysics.io import stored, torch_file
 
 # -- torch -------------------------------------------------------------------------------------
 

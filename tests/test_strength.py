@@ -9,9 +9,9 @@ from people import along_x, violent
 
 import halfphysics as hp
 from halfphysics import Settings
-from halfphysics.shapes import Box
-from halfphysics.skeleton import JOINT_INDEX
-from halfphysics.strength import limits_of
+from halfphysics.body.strength import limits_of
+from halfphysics.geometry.shapes import Box
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: Of rounding, relative: a limit is met exactly.
 ROUNDING = 1e-6

@@ -10,8 +10,8 @@ from PIL import Image
 from small_result import FRAMES, small_result
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.render import Camera
-from halfphysics.strip import caption, key_frames, picture_strip, strip_png
+from halfphysics.render.contact_sheet import caption, key_frames, picture_strip, strip_png
+from halfphysics.render.rasterizer import Camera
 
 
 def test_key_frames_have_the_ends_and_every_first_contact():
@@ -91,7 +91,7 @@ def test_a_path_that_cannot_be_is_refused_before_the_work(tmp_path, monkeypatch)
     def work(*_args, **_kwargs):
         raise AssertionError("worked before looking at the path")
 
-    monkeypatch.setattr("halfphysics.strip.choose_direction", work)
+    monkeypatch.setattr("halfphysics.render.contact_sheet.choose_direction", work)
     with pytest.raises(FileError, match="does not exist"):
         picture_strip(small_result(), tmp_path / "no" / "a.png")
     with pytest.raises(FileError, match="folder"):

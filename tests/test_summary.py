@@ -11,15 +11,15 @@ from people import along_x
 from random_result import touching
 
 from halfphysics import scenarios
-from halfphysics.body import Body
-from halfphysics.contacts import Contacts
-from halfphysics.inside import Inside
-from halfphysics.result import ObjectTrack, PersonResult, Result
-from halfphysics.scene import Scene
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.inside import Inside
+from halfphysics.results.result import ObjectTrack, PersonResult, Result
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Plane, Sphere
-from halfphysics.simulation import simulate
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.simulation.simulate import simulate
 
 FRAMES, FPS = 60, 30.0
 WRIST, HAND, FOOT = (JOINT_INDEX[f"left_{name}"] for name in ("wrist", "index1", "foot"))

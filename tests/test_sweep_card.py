@@ -12,18 +12,18 @@ import numpy as np
 import pytest
 from handled import Handled
 
-from halfphysics.inside import Inside
 from halfphysics.labels import events
-from halfphysics.motion import Motion
-from halfphysics.result import ObjectTrack
+from halfphysics.motion.motion import Motion
+from halfphysics.results.inside import Inside
+from halfphysics.results.result import ObjectTrack
 from halfphysics.settings import Settings
-from halfphysics.sweep.card import Checks, card_of, checks
-from halfphysics.sweep.documents import text_of
-from halfphysics.sweep.making import Maker
-from halfphysics.sweep.plan import OF_RESULT, Inputs, Plan
-from halfphysics.sweep.provenance import versions
-from halfphysics.sweep.variants import Variants
-from halfphysics.sweep.vary import Ready
+from halfphysics.sweep.make.card import Checks, card_of, checks
+from halfphysics.sweep.make.making import Maker
+from halfphysics.sweep.make.vary import Ready
+from halfphysics.sweep.plan.plan import OF_RESULT, Inputs, Plan
+from halfphysics.sweep.plan.variants import Variants
+from halfphysics.sweep.store.documents import text_of
+from halfphysics.sweep.store.provenance import versions
 
 LABELS = SimpleNamespace(threshold_m=0.002)
 

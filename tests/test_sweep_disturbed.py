@@ -13,7 +13,7 @@ import pytest
 from sweep_shards import make, plan_of, run, tree
 
 from halfphysics.errors import FileError, HalfPhysicsError
-from halfphysics.sweep.store import Store
+from halfphysics.sweep.store.store import Store
 
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 BOTH = ("webdataset", "hdf5")

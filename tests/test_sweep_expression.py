@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from halfphysics.errors import InputError
-from halfphysics.sweep.expression import Expression
+from halfphysics.sweep.plan.expression import Expression
 
 #: Name in a condition -> name for Python's eval, and its value.
 NAMES = {

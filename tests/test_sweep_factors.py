@@ -14,17 +14,9 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from halfphysics.errors import InputError
-from halfphysics.sweep.draws import Stream, exp, log
-from halfphysics.sweep.factors import FactorName, check_factors, check_settings
-from halfphysics.sweep.values import (
-    Choice,
-    Listed,
-    LogUniform,
-    Normal,
-    Range,
-    Uniform,
-    spec,
-)
+from halfphysics.sweep.plan.draws import Stream, exp, log
+from halfphysics.sweep.plan.factors import FactorName, check_factors, check_settings
+from halfphysics.sweep.plan.values import Choice, Listed, LogUniform, Normal, Range, Uniform, spec
 
 DRAWS = 20_000
 #: Of a test of a distribution: with fixed seeds it passes or fails for good.

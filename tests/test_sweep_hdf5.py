@@ -13,8 +13,8 @@ import pytest
 from sweep_shards import sample, sample_with_card, write_tar
 
 from halfphysics.errors import FileError, MissingDependencyError
-from halfphysics.sweep.hdf5 import convert
-from halfphysics.sweep.reading import read
+from halfphysics.sweep.store.hdf5 import convert
+from halfphysics.sweep.store.reading import read
 
 h5py = pytest.importorskip("h5py")
 
@@ -102,7 +102,7 @@ def test_a_full_disk(tmp_path):
     code = (
         "import resource, sys\n"
         "from pathlib import Path\n"
-        "from halfphysics.sweep.hdf5 import convert\n"
+        "from halfphysics.sweep.store.hdf5 import convert\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))\n"
         "try:\n"
         "    convert(Path(sys.argv[1]), Path(sys.argv[2]))\n"

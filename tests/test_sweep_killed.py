@@ -17,9 +17,9 @@ from pathlib import Path
 from processes import group_ends, needs_proc, of_group
 from sweep_case import PLAN, Here, Told, data
 
-from halfphysics.sweep.driver import run
-from halfphysics.sweep.plan import Plan
-from halfphysics.sweep.store import Store
+from halfphysics.sweep.plan.plan import Plan
+from halfphysics.sweep.run.driver import run
+from halfphysics.sweep.store.store import Store
 
 
 def started(plan, out):

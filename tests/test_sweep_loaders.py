@@ -18,8 +18,8 @@ from sweep_shards import arrays_of, plan_of, run, sample, write_tar
 
 import halfphysics.sweep
 from halfphysics.errors import FileError, InputError
-from halfphysics.sweep.data_card import DataCard
-from halfphysics.sweep.reading import read
+from halfphysics.sweep.report.data_card import DataCard
+from halfphysics.sweep.store.reading import read
 
 ROOT = Path(__file__).resolve().parents[1]
 NUMBERS = [n for n in range(22) if n not in (3, 8)]

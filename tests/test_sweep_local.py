@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 from sweep_case import PLAN, Here, Told, data, deadly, planned
 
-from halfphysics import machine
+from halfphysics.base import machine
+from halfphysics.base.workers import DIED, FULL
 from halfphysics.errors import InputError
-from halfphysics.sweep.driver import run
-from halfphysics.sweep.local import GIB, LocalEngine, shares
-from halfphysics.sweep.store import Store
-from halfphysics.workers import DIED, FULL
+from halfphysics.sweep.run.driver import run
+from halfphysics.sweep.run.local import GIB, LocalEngine, shares
+from halfphysics.sweep.store.store import Store
 
 
 def swept(folder, plan, engine):

@@ -8,8 +8,8 @@ import tracemalloc
 
 from sweep_shards import make_batch, plan_of
 
-from halfphysics.sweep import documents
-from halfphysics.sweep.store import Store
+from halfphysics.sweep.store import documents
+from halfphysics.sweep.store.store import Store
 
 
 def test_what_there_is_of_an_interrupted_run(tmp_path):

@@ -5,7 +5,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.errors import InputError
-from halfphysics.sweep.motion_factors import placed, recorded_in_step, retimed, said_of_motion
+from halfphysics.sweep.make.motion_factors import placed, recorded_in_step, retimed, said_of_motion
 
 
 @pytest.fixture(scope="module")

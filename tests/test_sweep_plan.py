@@ -16,18 +16,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.io.asked import MotionOptions
+from halfphysics.formats.inputs import MotionOptions
 from halfphysics.sweep import Plan, Variants
-from halfphysics.sweep.choices import BodyChoice, SceneChoice
-from halfphysics.sweep.inputs import Inputs, resolve
-from halfphysics.sweep.plan import OF_RESULT, OF_VARIANT, Labels, Outputs, resolve_inputs
-from halfphysics.sweep.plan_file import (
-    _BODY_KEYS,
-    _KEYS,
-    _LABEL_KEYS,
-    _OUTPUT_KEYS,
-)
-from halfphysics.sweep.values import FORMS, Normal, Uniform
+from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
+from halfphysics.sweep.plan.inputs import Inputs, resolve
+from halfphysics.sweep.plan.plan import OF_RESULT, OF_VARIANT, Labels, Outputs, resolve_inputs
+from halfphysics.sweep.plan.plan_file import _BODY_KEYS, _KEYS, _LABEL_KEYS, _OUTPUT_KEYS
+from halfphysics.sweep.plan.values import FORMS, Normal, Uniform
 
 DOCUMENT = Path(__file__).parent.parent / "docs" / "sweeps.md"
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from halfphysics.sweep import progress as told
-from halfphysics.sweep.engines import Death
-from halfphysics.sweep.progress import Progress, bytes_text, time_text
-from halfphysics.sweep.work import Done, Task
+from halfphysics.sweep.run import progress as told
+from halfphysics.sweep.run.engines import Death
+from halfphysics.sweep.run.progress import Progress, bytes_text, time_text
+from halfphysics.sweep.run.work import Done, Task
 
 TASK = Task("batches", 0, 3)
 

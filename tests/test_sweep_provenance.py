@@ -8,8 +8,8 @@ import mujoco
 import numpy
 
 import halfphysics
-from halfphysics.program import engines, program
-from halfphysics.sweep.provenance import changed, versions
+from halfphysics.base.code_hash import engines, program
+from halfphysics.sweep.store.provenance import changed, versions
 
 
 def test_versions_are_those_in_use():

@@ -20,14 +20,14 @@ import pytest
 import sweep_case
 from sweep_case import PLAN, Told, data, deadly, planned
 
+from halfphysics.base.workers import DIED, FULL, THREADS, Death
 from halfphysics.errors import InputError, MissingDependencyError
-from halfphysics.sweep import ray_engine
-from halfphysics.sweep.driver import run
-from halfphysics.sweep.local import LocalEngine
-from halfphysics.sweep.ray_engine import LOST, ClusterError, RayEngine
-from halfphysics.sweep.store import Store
-from halfphysics.sweep.work import Done, Task, opened
-from halfphysics.workers import DIED, FULL, THREADS, Death
+from halfphysics.sweep.run import ray_engine
+from halfphysics.sweep.run.driver import run
+from halfphysics.sweep.run.local import LocalEngine
+from halfphysics.sweep.run.ray_engine import LOST, ClusterError, RayEngine
+from halfphysics.sweep.run.work import Done, Task, opened
+from halfphysics.sweep.store.store import Store
 
 try:
     import ray

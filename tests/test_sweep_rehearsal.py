@@ -9,10 +9,10 @@ import pytest
 
 from halfphysics.cli import MISTAKE, main
 from halfphysics.errors import InputError
-from halfphysics.sweep.plan import Inputs, Outputs, Plan
+from halfphysics.sweep.plan.plan import Inputs, Outputs, Plan
+from halfphysics.sweep.plan.values import spec
 from halfphysics.sweep.rehearsal import PARTS, Play, rehearse
-from halfphysics.sweep.store import Store
-from halfphysics.sweep.values import spec
+from halfphysics.sweep.store.store import Store
 
 CALM = Play(machines=3, cores=4, failing=0.0, killing=0.0, dying=0.0, straggling=0.0)
 

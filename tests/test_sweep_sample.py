@@ -11,9 +11,9 @@ import pytest
 from sweep_shards import arrays_of
 
 import halfphysics as hp
-from halfphysics import rotations as rot
-from halfphysics.skeleton import JOINT_INDEX, SMPLH_JOINTS
-from halfphysics.sweep.sample import files_of
+from halfphysics.base import rotations as rot
+from halfphysics.motion.skeleton import JOINT_INDEX, SMPLH_JOINTS
+from halfphysics.sweep.make.sample import files_of
 
 
 def labels(frames, vertices):
@@ -73,8 +73,8 @@ def test_a_person_can_be_read_as_a_motion(result, files, tmp_path):
 
 def test_axes_of_the_file_it_came_from_do_not_matter(result):
     """A motion from a y-up file: the pelvis is where it was, in the z-up world."""
-    from halfphysics.axes import axes_of
-    from halfphysics.sweep.sample import human
+    from halfphysics.base.axes import axes_of
+    from halfphysics.sweep.make.sample import human
 
     person = result.people[0]
     motion = person.motion.rebased(person.body, up="y")

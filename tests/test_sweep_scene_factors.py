@@ -6,9 +6,9 @@ import trimesh
 
 import halfphysics as hp
 from halfphysics import scenarios
+from halfphysics.base.rotations import rotate
 from halfphysics.errors import InputError
-from halfphysics.rotations import rotate
-from halfphysics.sweep.scene_factors import SceneFactors
+from halfphysics.sweep.make.scene_factors import SceneFactors
 
 QUARTER = (np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5))
 
@@ -172,7 +172,7 @@ def test_pieces_are_scaled_not_cut_again(monkeypatch):
         raise AssertionError("pieces were cut again")
 
     for name in ("decompose", "judged", "touching"):
-        monkeypatch.setattr(f"halfphysics.object_pieces.{name}", never)
+        monkeypatch.setattr(f"halfphysics.geometry.object_pieces.{name}", never)
     made = varied(scene, objects__scale=1.25).objects["gibbet"]
     assert len(made.pieces) == len(was.pieces) == 2
     for small, large in zip(was.pieces, made.pieces, strict=True):

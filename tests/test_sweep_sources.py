@@ -9,8 +9,8 @@ import pytest
 from sweep_shards import make, make_batch, plan_of
 
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.sweep.sources import Sources
-from halfphysics.sweep.store import Store
+from halfphysics.sweep.store.sources import Sources
+from halfphysics.sweep.store.store import Store
 
 
 def digest(path):
@@ -20,7 +20,7 @@ def digest(path):
 @pytest.fixture
 def swept(tmp_path, monkeypatch):
     """A folder made from a file that had not changed for long; gives a new store for it."""
-    monkeypatch.setattr("halfphysics.sweep.store._CLOCKS", -60_000_000_000)
+    monkeypatch.setattr("halfphysics.sweep.store.store._CLOCKS", -60_000_000_000)
     plan = plan_of(tmp_path)
     (tmp_path / "mesh.obj").write_bytes(b"v 0 0 0")
     (tmp_path / "big.npz.txt").write_bytes(b"a" * 1000)

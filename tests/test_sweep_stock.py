@@ -12,9 +12,9 @@ from sweep_variants import clip, scenario, workshop
 
 import halfphysics as hp
 from halfphysics.errors import FileError
-from halfphysics.sweep.choices import BodyChoice, SceneChoice
-from halfphysics.sweep.kept import Kept
-from halfphysics.sweep.stock import Stock
+from halfphysics.sweep.make.kept import Kept
+from halfphysics.sweep.make.stock import Stock
+from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
 
 
 def test_kept_is_the_last_few():
@@ -69,7 +69,8 @@ def test_neighbours_share_what_no_factor_changes(walk, room):
 
 
 def test_files_are_read_once(walk, room, monkeypatch):
-    from halfphysics.io import meshes, registry
+    from halfphysics.formats import registry
+    from halfphysics.geometry import mesh_files as meshes
 
     read = []
     for module, name in ((registry, "load_sequence"), (meshes, "load_mesh")):

@@ -13,7 +13,7 @@ import pytest
 from sweep_shards import make, make_batch, plan_of, record_of, run, sample, tree, write_tar
 
 from halfphysics.errors import FileError, InputError, MissingDependencyError
-from halfphysics.sweep.store import Store
+from halfphysics.sweep.store.store import Store
 
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 BOTH = ("webdataset", "hdf5")

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from sweep_shards import sample, write_tar
 
 from halfphysics.errors import InputError
-from halfphysics.sweep import tar
-from halfphysics.sweep.contents import DAMAGE
+from halfphysics.sweep.store import tar
+from halfphysics.sweep.store.contents import DAMAGE
 
 
 @settings(max_examples=60, deadline=None)

@@ -13,9 +13,9 @@ from sweep_case import Here, begun, data, planned
 from halfphysics.cli import MISTAKE, main
 from halfphysics.cli import sweep as command
 from halfphysics.errors import InputError
-from halfphysics.sweep.making import Sample
-from halfphysics.sweep.time_limit import OutOfTimeError, time_limit
-from halfphysics.sweep.work import Task, do, opened
+from halfphysics.sweep.make.making import Sample
+from halfphysics.sweep.make.time_limit import OutOfTimeError, time_limit
+from halfphysics.sweep.run.work import Task, do, opened
 
 #: The first takes about a tenth of the second's time.
 LONG = """

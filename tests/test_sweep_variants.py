@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from halfphysics.errors import FileError, InputError
 from halfphysics.sweep import Plan, Variants, describe
-from halfphysics.sweep.choices import BodyChoice, SceneChoice
-from halfphysics.sweep.inputs import InputList, Inputs
+from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
+from halfphysics.sweep.plan.inputs import InputList, Inputs
 
 FILES = [f"file\tclips/{k}.npz\t0" for k in range(3)]
 

@@ -14,7 +14,7 @@ from sweep_variants import clip, scenario, workshop
 import halfphysics as hp
 from halfphysics import scenarios
 from halfphysics.errors import InputError
-from halfphysics.sweep.choices import BodyChoice, SceneChoice
+from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
 
 
 @pytest.fixture(scope="module")

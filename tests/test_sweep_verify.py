@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from sweep_shards import arrays_of
 
+from halfphysics.base.npz_bytes import npz_bytes
 from halfphysics.errors import FileError, InputError
-from halfphysics.io.npz_bytes import npz_bytes
 from halfphysics.scenarios import load
-from halfphysics.sweep.comparing import contents_differ, files_differ
-from halfphysics.sweep.plan import Plan
-from halfphysics.sweep.store import Store
-from halfphysics.sweep.verify import Report, verify
-from halfphysics.sweep.work import Task, do, opened
+from halfphysics.sweep.plan.plan import Plan
+from halfphysics.sweep.report.verify import Report, verify
+from halfphysics.sweep.run.work import Task, do, opened
+from halfphysics.sweep.store.comparing import contents_differ, files_differ
+from halfphysics.sweep.store.store import Store
 
 #: Two clips of 12 frames with a ball of four masses, one of which is filtered out before it is
 #: simulated, and one afterwards.
@@ -110,7 +110,7 @@ def test_what_is_made_again_is_equal(finished):
 
 
 def test_as_many_as_asked_and_others_with_another_seed(finished, monkeypatch):
-    from halfphysics.sweep.making import Maker
+    from halfphysics.sweep.make.making import Maker
 
     tried = []
     sample = Maker.sample

@@ -13,8 +13,8 @@ import pytest
 from sweep_case import PLAN, begun, data, planned
 
 import halfphysics as hp
-from halfphysics.sweep import making
-from halfphysics.sweep.work import Task, do
+from halfphysics.sweep.make import making
+from halfphysics.sweep.run.work import Task, do
 
 
 @pytest.fixture(scope="module")

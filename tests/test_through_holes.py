@@ -7,14 +7,14 @@ import pytest
 from people import t_pose
 from skin_judge import SkinJudge
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.object_pieces import joined
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.object_pieces import joined
+from halfphysics.geometry.shapes import Box, Mesh, Plane
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box, Mesh, Plane
-from halfphysics.simulation import simulate
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.simulation.simulate import simulate
 
 trimesh = pytest.importorskip("trimesh")
 

@@ -6,8 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from halfphysics import _native, reference
-from halfphysics.world import model_arrays
+from halfphysics import _native
+from halfphysics.reference import step as reference
+from halfphysics.simulation.world import model_arrays
 
 # Everything the trees know: free, ball, hinge (two on one body) and slide joints, offsets, turned
 # frames and inertias, branches, armature, two trees.
@@ -100,7 +101,7 @@ def test_jacobian_is_the_derivative_of_the_point(model):
         body = model.nbody - 2
         x, q = reference.body_frames(model, qpos)
         local = rng.normal(size=3)
-        from halfphysics import rotations as rot
+        from halfphysics.base import rotations as rot
 
         point = x[body] + rot.rotate(q[body], local)
         linear, _ = reference.jacobian(model, qpos, body, point)

@@ -18,9 +18,9 @@ from wrong_files import (
 )
 
 import halfphysics as hp
-from halfphysics import rotations as rot
-from halfphysics.axes import axes_of
-from halfphysics.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.base import rotations as rot
+from halfphysics.base.axes import axes_of
+from halfphysics.motion.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
 
 ROUNDING = 1e-12
 SINGLE = 1e-6
@@ -242,7 +242,7 @@ def test_broken_releases(tmp_path, name):
 
     mesh = tmp_path / "box.obj"
     trimesh.creation.box((1, 1, 1)).export(mesh)
-    with mock.patch("halfphysics.io.trumans_release.find", return_value=mesh):
+    with mock.patch("halfphysics.formats.datasets.trumans_release.find", return_value=mesh):
         refused(folder, message, clip="walk@1")
 
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from halfphysics.base.validation import file_path, frame_rate, number, quaternion, shown, vector
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
-from halfphysics.validation import file_path, frame_rate, number, quaternion, shown, vector
 
 
 def test_numbers_of_any_kind() -> None:

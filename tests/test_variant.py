@@ -8,12 +8,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
+from halfphysics.body.variant import DENSITY, Variant, build_variant
 from halfphysics.errors import HalfPhysicsWarning, InputError
-from halfphysics.mesh_queries import is_closed
-from halfphysics.mesh_solids import solid_moments
-from halfphysics.skeleton import JOINT_INDEX, JOINT_NAMES, LEFT_HAND_JOINTS, N_JOINTS, PARENTS
-from halfphysics.variant import DENSITY, Variant, build_variant
+from halfphysics.geometry.mesh_queries import is_closed
+from halfphysics.geometry.mesh_solids import solid_moments
+from halfphysics.motion.skeleton import (
+    JOINT_INDEX,
+    JOINT_NAMES,
+    LEFT_HAND_JOINTS,
+    N_JOINTS,
+    PARENTS,
+)
 
 #: Segment -> joints of the left side (or of the middle), and its share of body mass [%] in men and
 #: women after de Leva, "Adjustments to Zatsiorsky-Seluyanov's segment inertia parameters",

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics import rotations
+from halfphysics.base import rotations
 from halfphysics.bench.clips import straight
 from halfphysics.bench.paper.rooms import verify
 from halfphysics.bench.paper.rooms.verify import _Cells
 from halfphysics.errors import InputError
-from halfphysics.shapes import Box, Capsule, Mesh, Plane, Sphere
+from halfphysics.geometry.shapes import Box, Capsule, Mesh, Plane, Sphere
 
 
 @pytest.fixture(scope="module")

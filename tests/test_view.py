@@ -17,8 +17,8 @@ from people import along_x
 from small_result import small_result
 
 import halfphysics as hp
-from halfphysics.drawing import Drawing
 from halfphysics.errors import FileError, InputError
+from halfphysics.render.drawing import Drawing
 from halfphysics.viewer.arrange import arrange
 from halfphysics.viewer.controls import slider_end
 from halfphysics.viewer.server import free_port

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from small_result import small_result
 
-from halfphysics.render import Camera
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.render.rasterizer import Camera
+from halfphysics.render.viewpoint import FOV
 from halfphysics.viewer.camera import PRESETS, Cameras, Follower
-from halfphysics.viewpoint import FOV
 
 DESKTOP, PHONE = (1280, 800), (390, 844)
 STEP = 1.0 / 30.0
@@ -104,7 +104,7 @@ def test_presets_look_from_where_they_say():
 
 
 def test_hands_that_touch_are_looked_at():
-    from halfphysics.skeleton import RIGHT_HAND_JOINTS
+    from halfphysics.motion.skeleton import RIGHT_HAND_JOINTS
 
     shown = stage()
     both = cameras(shown).look("Hands", DESKTOP)

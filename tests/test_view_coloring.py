@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from small_result import FPS, FRAMES, small_result
 
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.viewer.coloring import BOUNDS, RAMP, Touched, level, part_forces, patch
 from halfphysics.viewer.figure import rgb
 
@@ -122,7 +122,7 @@ def test_a_patch_lies_on_the_skin_in_any_pose(stage, touched):
     positions, quaternions = stage.people[0].bone_pose
     from scipy.spatial import cKDTree
 
-    from halfphysics import rotations as rot
+    from halfphysics.base import rotations as rot
 
     for one in touched.patches[0].values():
         props = one.handle._impl.props

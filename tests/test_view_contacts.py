@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from small_result import FPS, FRAMES, small_result
 
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.viewer.contacts import (
     KINDS,
     LARGEST,

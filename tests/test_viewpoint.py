@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from small_result import small_result
 
-from halfphysics.drawing import Drawing
-from halfphysics.render import Camera
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box
-from halfphysics.viewpoint import (
+from halfphysics.geometry.shapes import Box
+from halfphysics.render.drawing import Drawing
+from halfphysics.render.rasterizer import Camera
+from halfphysics.render.viewpoint import (
     FOV,
     cameras,
     choose_direction,
@@ -21,6 +20,7 @@ from halfphysics.viewpoint import (
     spread,
     subject,
 )
+from halfphysics.scene.scene import Scene
 
 SIZE = (96, 96)
 

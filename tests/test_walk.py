@@ -10,7 +10,7 @@ import pytest
 from layouts import movement
 
 import halfphysics as hp
-from halfphysics.io import formats
+from halfphysics.formats import format as formats
 
 
 @pytest.fixture

@@ -20,14 +20,14 @@ from starts_meshes import box_mesh, finely, union_mesh
 from starts_solids import EXACT, Hulls, box, ground
 from starts_things_judge import ObjectJudge
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX as J
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.shapes import Box
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_INDEX as J
+from halfphysics.simulation.simulator import Simulator
 
 #: No vertex of the skin gets faster than the motion asks, or what hits it is, by more [m/s]: a
 #: hand whips when its arm is hit by half a tonne. What explodes has tens.

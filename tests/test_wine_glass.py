@@ -10,16 +10,16 @@ import pytest
 import trimesh
 from test_grasp import CREEP, FALL, FORCE, FREED, JITTER, PEAK, SETTLED, SLIP, SPREAD, TURN
 
-from halfphysics import rotations as rot
 from halfphysics import scenarios
+from halfphysics.base import rotations as rot
 from halfphysics.bench.paper.runs.grasping import judge
 from halfphysics.errors import InputError
-from halfphysics.scenarios import grasp_glass
-from halfphysics.scenarios.lathe import turn
-from halfphysics.scenarios.vessels import vessel
-from halfphysics.scene import Scene
-from halfphysics.simulation import simulate
-from halfphysics.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
+from halfphysics.motion.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
+from halfphysics.scenarios.props.lathe import turn
+from halfphysics.scenarios.props.vessels import vessel
+from halfphysics.scenarios.stories import grasp_glass
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.simulate import simulate
 
 RATES = (30.0, 120.0)
 CUP = [[0.0, 0.04, 0.0], [0.01, 0.05, 0.0], [0.01, 0.05, 0.045], [0.1, 0.06, 0.055]]

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from workers_case import MIB, act
 
-from halfphysics import workers
-from halfphysics.workers import DIED, FULL, Death, Pool, StartError
+from halfphysics.base import workers
+from halfphysics.base.workers import DIED, FULL, Death, Pool, StartError
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="tells what processes hold and refuses")
 

@@ -11,7 +11,7 @@ from layouts import movement
 
 import halfphysics as hp
 from halfphysics.errors import FileError, InputError
-from halfphysics.io import FORMATS
+from halfphysics.formats import FORMATS
 from halfphysics.writers import KINDS
 
 

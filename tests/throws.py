@@ -6,12 +6,12 @@ import numpy as np
 from clear_judge import Judge
 from people import FACING_X
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Cylinder
-from halfphysics.simulator import Simulator
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Box, Cylinder
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.simulator import Simulator
 
 POSES = ("tpose", "curled", "tumbling", "flailing")
 OBSTACLES = (

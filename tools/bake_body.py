@@ -43,7 +43,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 # The skeleton alone, by its file: the package needs its native part built, this environment has none.
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-_spec = importlib.util.spec_from_file_location("skeleton", ROOT / "src/halfphysics/skeleton.py")
+_spec = importlib.util.spec_from_file_location(
+    "skeleton", ROOT / "src/halfphysics/motion/skeleton.py"
+)
 skeleton = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(skeleton)
 from joint_regressor import joint_regressor  # noqa: E402

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from halfphysics.body import Body
-from halfphysics.skin_hulls import bake
+from halfphysics.body.body import Body
+from halfphysics.body.skin_hulls import bake
 
 OUT = Path(__file__).resolve().parents[1] / "src/halfphysics/assets/body_cut.npz"
 

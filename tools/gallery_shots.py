@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from halfphysics import Result
-from halfphysics.drawing import Drawing
-from halfphysics.render import Camera
-from halfphysics.rotations import rotate
-from halfphysics.skeleton import JOINT_NAMES
-from halfphysics.viewpoint import FOV, cameras, choose_direction
+from halfphysics.base.rotations import rotate
+from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.render.drawing import Drawing
+from halfphysics.render.rasterizer import Camera
+from halfphysics.render.viewpoint import FOV, cameras, choose_direction
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +68,7 @@ class Clip:
     Attributes:
         name: Of the scenario.
         start: Where in the story it begins [s].
-        camera: One of `halfphysics.film.CAMERAS`.
+        camera: One of `halfphysics.render.film.CAMERAS`.
         width: [pixels].
         key: Say which body is which.
     """

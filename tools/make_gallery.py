@@ -21,9 +21,9 @@ from PIL import Image
 
 import halfphysics as hp
 from halfphysics import scenarios
-from halfphysics.film import FilmOptions
-from halfphysics.film.filming import Shoot, workers
-from halfphysics.strip import strip_png
+from halfphysics.render.contact_sheet import strip_png
+from halfphysics.render.film import FilmOptions
+from halfphysics.render.film.filming import Shoot, workers
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 PICTURES = DOCS / "pictures"

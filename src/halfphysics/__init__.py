@@ -14,21 +14,21 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from halfphysics import errors, metrics, scenarios
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
     from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
-    from halfphysics.hosted import attach
-    from halfphysics.io import load_sequence
-    from halfphysics.io.walk import clips
-    from halfphysics.motion import Motion
-    from halfphysics.pose import Pose
-    from halfphysics.result import Result
-    from halfphysics.scene import Scene
-    from halfphysics.sequence import Sequence
+    from halfphysics.formats import load_sequence
+    from halfphysics.formats.library import clips
+    from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+    from halfphysics.motion.motion import Motion
+    from halfphysics.motion.pose import Pose
+    from halfphysics.motion.skeleton import JOINT_NAMES
+    from halfphysics.mujoco.hosted import attach
+    from halfphysics.results.result import Result
+    from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
-    from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
-    from halfphysics.simulation import simulate
-    from halfphysics.simulator import Simulator
-    from halfphysics.skeleton import JOINT_NAMES
+    from halfphysics.simulation.sequence import Sequence
+    from halfphysics.simulation.simulate import simulate
+    from halfphysics.simulation.simulator import Simulator
     from halfphysics.viewer.view import view
     from halfphysics.writers import export
 
@@ -69,28 +69,28 @@ _FROM: dict[str, str | None] = {
     "errors": None,
     "metrics": None,
     "scenarios": None,
-    "JOINT_NAMES": "skeleton",
-    "Body": "body",
-    "Box": "shapes",
-    "Capsule": "shapes",
-    "Cylinder": "shapes",
+    "JOINT_NAMES": "motion.skeleton",
+    "Body": "body.body",
+    "Box": "geometry.shapes",
+    "Capsule": "geometry.shapes",
+    "Cylinder": "geometry.shapes",
     "HalfPhysicsError": "errors",
     "HalfPhysicsWarning": "errors",
-    "Mesh": "shapes",
-    "Motion": "motion",
-    "Plane": "shapes",
-    "Pose": "pose",
-    "Result": "result",
-    "Scene": "scene",
-    "Sequence": "sequence",
+    "Mesh": "geometry.shapes",
+    "Motion": "motion.motion",
+    "Plane": "geometry.shapes",
+    "Pose": "motion.pose",
+    "Result": "results.result",
+    "Scene": "scene.scene",
+    "Sequence": "simulation.sequence",
     "Settings": "settings",
-    "Simulator": "simulator",
-    "Sphere": "shapes",
-    "attach": "hosted",
-    "clips": "io.walk",
+    "Simulator": "simulation.simulator",
+    "Sphere": "geometry.shapes",
+    "attach": "mujoco.hosted",
+    "clips": "formats.library",
     "export": "writers",
-    "load_sequence": "io.registry",
-    "simulate": "simulation",
+    "load_sequence": "formats.registry",
+    "simulate": "simulation.simulate",
     "view": "viewer.view",
 }
 

@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
-from .errors import InputError
-from .joint_groups import joint_values
-from .modes import Mode, check_mode
-from .strength import checked_strength
+from halfphysics.baselines.modes import Mode, check_mode
+from halfphysics.body.strength import checked_strength
+from halfphysics.errors import InputError
+from halfphysics.motion.joint_groups import joint_values
 
 #: Largest clearance that can be asked for [m]: fifty times the default. Hands that keep more from
 #: what they hold (twice, for the two sides of a rod) hold nothing of the size of a hand.

@@ -7,13 +7,13 @@ from functools import cache
 
 import numpy as np
 
-from halfphysics import rotations as rot
 from halfphysics import scenarios
+from halfphysics.base import rotations as rot
 from halfphysics.bench.record import Options
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.sequence import Sequence
+from halfphysics.body.body import Body
+from halfphysics.motion.motion import Motion
 from halfphysics.settings import Settings
+from halfphysics.simulation.sequence import Sequence
 
 #: The paper's substeps per frame; fixed, so that both sides do the same number.
 SUBSTEPS = 8

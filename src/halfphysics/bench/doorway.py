@@ -8,10 +8,10 @@ from dataclasses import replace
 from halfphysics.bench.clips import body, story
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.sides import measure, simulators
-from halfphysics.result import Result
+from halfphysics.results.result import Result
 from halfphysics.settings import Settings
-from halfphysics.simulation import follow, simulate
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulate import follow, simulate
+from halfphysics.simulation.simulator import Simulator
 
 
 def doorway(options: Options) -> Iterator[Record]:

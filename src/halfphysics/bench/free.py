@@ -13,8 +13,8 @@ from halfphysics.bench.clips import SUBSTEPS, body, clips
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.sides import driven, followed
-from halfphysics.motion import Motion
-from halfphysics.simulator import Simulator
+from halfphysics.motion.motion import Motion
+from halfphysics.simulation.simulator import Simulator
 
 Array = NDArray[np.float64]
 

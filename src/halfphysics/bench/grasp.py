@@ -7,16 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.bench.clips import body
 from halfphysics.bench.pressing import Play, pressed
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.squatting import eased, squat
-from halfphysics.motion import Motion
-from halfphysics.result import Result
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Plane
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.geometry.shapes import Box, Plane
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.results.result import Result
+from halfphysics.scene.scene import Scene
 
 #: The box [kg], its depth and height [m]; it is as wide as the open hands allow.
 MASS, _DEPTH, _HEIGHT = 3.0, 0.25, 0.3

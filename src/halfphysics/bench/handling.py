@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
 from halfphysics import scenarios
+from halfphysics.base import rotations as rot
 from halfphysics.bench.clips import body
 from halfphysics.bench.pressing import Play, pressed
 from halfphysics.bench.record import Options, Record
-from halfphysics.motion import Motion
-from halfphysics.result import ObjectTrack
-from halfphysics.scenarios.lift_suitcase import UP
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.results.result import ObjectTrack
+from halfphysics.scenarios.stories.lift_suitcase import UP
 
 Array = NDArray[np.float64]
 

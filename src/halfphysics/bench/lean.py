@@ -6,15 +6,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.bench.clips import body
 from halfphysics.bench.pressing import Play, pressed
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.room import SHELF_FACE, WALL_FACE, room, sizes
 from halfphysics.bench.squatting import eased, squat
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.scene.scene import Scene
 
 #: How far the arm is from the wall before, and how far past it the shoulder tips [m].
 _BEFORE, _PAST = 0.05, 0.15

@@ -12,10 +12,10 @@ from halfphysics.bench.clips import body, story
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.room import room
 from halfphysics.bench.sides import measure
-from halfphysics.body import Body
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
-from halfphysics.shapes import Mesh
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Mesh
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
 
 _VERTICES, _FRAMES, _QUICK_FRAMES = 10_000, 100, 4
 #: Of the rows with 100,000 triangles: frames, threads, and timed runs at most.

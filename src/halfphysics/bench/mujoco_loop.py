@@ -1,4 +1,4 @@
-"""The peer: a plain MuJoCo loop that follows a motion, see `halfphysics.engine.velocity`."""
+"""The peer: a plain MuJoCo loop that follows a motion, as in `baselines.engine.velocity`."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics.engine.scenery import add_scene
-from halfphysics.engine.velocity import VelocityDrive
-from halfphysics.person_model import add_person, addresses
+from halfphysics.base import rotations as rot
+from halfphysics.baselines.engine.scenery import add_scene
+from halfphysics.baselines.engine.velocity import VelocityDrive
+from halfphysics.body.mjcf_person import add_person, addresses
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
-    from halfphysics.pose import Pose
-    from halfphysics.scene import Scene
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.motion.pose import Pose
+    from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 

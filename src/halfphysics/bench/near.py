@@ -13,9 +13,9 @@ from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.room import Piece, mesh_of
 from halfphysics.bench.sides import driven
-from halfphysics.motion import Motion
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Plane
+from halfphysics.geometry.shapes import Box, Plane
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 

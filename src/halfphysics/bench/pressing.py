@@ -14,14 +14,14 @@ from halfphysics.bench.clips import SUBSTEPS, body
 from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.record import Checks, Options, Record
 from halfphysics.bench.sides import driven, followed
-from halfphysics.motion import Motion
-from halfphysics.result import ObjectTrack, Result
-from halfphysics.scene import Scene
-from halfphysics.simulation import follow
-from halfphysics.simulator import Simulator
+from halfphysics.motion.motion import Motion
+from halfphysics.results.result import ObjectTrack, Result
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.simulate import follow
+from halfphysics.simulation.simulator import Simulator
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
 #: A person's motion and the tracks of objects.

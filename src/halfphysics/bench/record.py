@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from halfphysics.validation import number
+from halfphysics.base.validation import number
 
 if TYPE_CHECKING:
-    from halfphysics.motion import Motion
+    from halfphysics.motion.motion import Motion
 
 #: Name [unit] -> (ours, the peer's or None).
 Checks = dict[str, tuple[float, float | None]]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.bench.record import Options
-from halfphysics.shapes import Mesh
+from halfphysics.geometry.shapes import Mesh
 
 Array = NDArray[np.float64]
 

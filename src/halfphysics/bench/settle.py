@@ -9,7 +9,7 @@ from halfphysics.bench.pressing import Play, pressed
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.room import room, sizes
 from halfphysics.bench.sofa import sitting
-from halfphysics.scene import Scene
+from halfphysics.scene.scene import Scene
 
 #: How deep the feet are pressed into the floor in the end [m].
 _FLOOR = 0.06

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from halfphysics.bench.clips import SUBSTEPS, body, drives
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.timing import in_turns
-from halfphysics.scene import Scene
-from halfphysics.simulation import follow
-from halfphysics.simulator import Simulator
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.simulate import follow
+from halfphysics.simulation.simulator import Simulator
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
-    from halfphysics.result import Result
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import Result
     from halfphysics.settings import Settings
 
 A = TypeVar("A")

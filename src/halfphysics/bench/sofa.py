@@ -12,13 +12,13 @@ from halfphysics.bench.pressing import Play, pressed
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.room import ARM_REST, DEPTH, SEAT, SEAT_FRONT, SLOPE
 from halfphysics.bench.squatting import eased, squat, standing_height
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box, Plane
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.geometry.shapes import Box, Plane
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
 
 #: How far the target sinks [m], once seated.
 SINK = 0.12

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.scenarios.legs import WORLD_FROM_REST, Leg, about, leg_of, planted, solve
-from halfphysics.skeleton import N_JOINTS
+from halfphysics.base import rotations as rot
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import N_JOINTS
+from halfphysics.scenarios.acting.legs import WORLD_FROM_REST, Leg, about, leg_of, planted, solve
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
 

@@ -18,24 +18,24 @@ import numpy as np
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.timing import in_turns
 from halfphysics.errors import InputError
-from halfphysics.simulation import simulate
-from halfphysics.sweep.data_card import DataCard
-from halfphysics.sweep.driver import Report, run
-from halfphysics.sweep.inputs import Inputs
-from halfphysics.sweep.local import LocalEngine
-from halfphysics.sweep.making import Maker, Sample
-from halfphysics.sweep.plan import Outputs, Plan, resolve_inputs
-from halfphysics.sweep.progress import Progress
-from halfphysics.sweep.store import Store
-from halfphysics.sweep.values import spec
-from halfphysics.sweep.variants import Variants
-from halfphysics.sweep.vary import Workshop
-from halfphysics.sweep.work import Done, Task, do
+from halfphysics.simulation.simulate import simulate
+from halfphysics.sweep.make.making import Maker, Sample
+from halfphysics.sweep.make.vary import Workshop
+from halfphysics.sweep.plan.inputs import Inputs
+from halfphysics.sweep.plan.plan import Outputs, Plan, resolve_inputs
+from halfphysics.sweep.plan.values import spec
+from halfphysics.sweep.plan.variants import Variants
+from halfphysics.sweep.report.data_card import DataCard
+from halfphysics.sweep.run.driver import Report, run
+from halfphysics.sweep.run.local import LocalEngine
+from halfphysics.sweep.run.progress import Progress
+from halfphysics.sweep.run.work import Done, Task, do
+from halfphysics.sweep.store.store import Store
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
-    from halfphysics.sweep.vary import Ready
-    from halfphysics.workers import Death
+    from halfphysics.base.workers import Death
+    from halfphysics.results.result import Result
+    from halfphysics.sweep.make.vary import Ready
 
 #: A person walks up to a ball and kicks it: 167 frames, the quickest scenario to simulate.
 SCENARIO = "kick_ball"
@@ -274,8 +274,8 @@ def _parts(plan: Plan) -> dict[str, float]:
     """Processor time of a variant [s] by what it is for."""
     from halfphysics.labels import contact_labels
     from halfphysics.labels.events import events
-    from halfphysics.sweep.card import card_of
-    from halfphysics.sweep.sample import files_of
+    from halfphysics.sweep.make.card import card_of
+    from halfphysics.sweep.make.sample import files_of
 
     variants, workshop = Variants(plan, resolve_inputs(plan)), Workshop(plan)
     # What is read, built and warmed up once is not a variant's.

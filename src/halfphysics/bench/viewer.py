@@ -12,8 +12,8 @@ import numpy as np
 
 from halfphysics.bench.clips import body, story
 from halfphysics.bench.record import Options, Record
-from halfphysics.body import Body
-from halfphysics.motion import Motion
+from halfphysics.body.body import Body
+from halfphysics.motion.motion import Motion
 
 # Updates per second; as long as it is measured, and as long until all meshes have arrived [s].
 _RATE = 30.0
@@ -61,8 +61,8 @@ def _measured(setting: str, ghosts: bool, fast: bool, seconds: float) -> Record:
 
 
 def _figures(server: Any, who: Body, ghosts: bool, fast: bool) -> list[Any]:
-    from halfphysics.drawing import GHOST, GHOST_ALPHA, PEOPLE
-    from halfphysics.render import Surface
+    from halfphysics.render.drawing import GHOST, GHOST_ALPHA, PEOPLE
+    from halfphysics.render.rasterizer import Surface
     from halfphysics.viewer.figure import Figure
 
     looks = [(f"/person/{k}", PEOPLE[k], 1.0) for k in range(2)]

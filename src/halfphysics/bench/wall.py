@@ -13,12 +13,12 @@ from halfphysics.bench.mujoco_loop import MujocoLoop
 from halfphysics.bench.pressing import contacts, solving
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.sides import driven, followed
-from halfphysics.scene import Scene
-from halfphysics.shapes import Box
+from halfphysics.geometry.shapes import Box
+from halfphysics.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
 
 #: Where the wall stands and its full size [m], the speed of walking [m/s] and for how long [s].
 _AT, _SIZE = np.array([0.5, 0.0, 0.0]), np.array([0.01, 6.0, 6.0])

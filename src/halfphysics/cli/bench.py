@@ -78,7 +78,7 @@ class Command:
 
     def _options(self) -> Options:
         from halfphysics.bench import Options
-        from halfphysics.motion import Motion
+        from halfphysics.motion.motion import Motion
 
         motion = None if self.motion is None else Motion.load(self.motion)
         name = "" if self.motion is None else self.motion.stem
@@ -169,7 +169,7 @@ def _figure(value: float) -> str:
 def _write(path: Path, machine: dict[str, Any], options: Options, records: list[Record]) -> None:
     import json
 
-    from halfphysics.io.atomic import atomic_write
+    from halfphysics.base.atomic import atomic_write
 
     content = {
         "machine": machine,

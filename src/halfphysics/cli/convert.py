@@ -12,9 +12,9 @@ from halfphysics.cli.options import BodyOptions, MotionOptions, check_output
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
-    from halfphysics.result import Result
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import Result
 
 EXAMPLES = """\
 halfphysics convert result.npz corrected.npz
@@ -43,10 +43,10 @@ class Command:
 
     def run(self) -> None:
         """Convert."""
-        from halfphysics.io import losses, writer_of
-        from halfphysics.io.result_file import is_result
-        from halfphysics.result import Result
-        from halfphysics.sequence import Sequence
+        from halfphysics.formats import losses, writer_of
+        from halfphysics.formats.results.result_file import is_result
+        from halfphysics.results.result import Result
+        from halfphysics.simulation.sequence import Sequence
         from halfphysics.writers import export, is_kind
 
         check_output(self.target, self.source)
@@ -85,7 +85,7 @@ class Command:
         said = self.person.given
         if not said and result is not None:
             return result.people[0].body
-        from halfphysics.io.bvh import DEFAULT_BODY
+        from halfphysics.formats.bvh.bvh import DEFAULT_BODY
 
         origin = motion.origin
         retargeted = origin is not None and bool(origin.fields.get(DEFAULT_BODY))

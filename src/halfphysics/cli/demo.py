@@ -33,10 +33,10 @@ class Command:
         """Simulate, measure, write."""
         from halfphysics import scenarios
         from halfphysics.cli import measures
-        from halfphysics.page import save_page
-        from halfphysics.simulation import simulate
-        from halfphysics.simulator import Simulator
-        from halfphysics.strip import picture_strip
+        from halfphysics.render.contact_sheet import picture_strip
+        from halfphysics.simulation.simulate import simulate
+        from halfphysics.simulation.simulator import Simulator
+        from halfphysics.viewer.page import save_page
 
         try:
             self.out.mkdir(parents=True, exist_ok=True)

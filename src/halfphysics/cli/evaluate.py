@@ -39,8 +39,8 @@ class Command:
     def run(self) -> None:
         """Print the table."""
         from halfphysics.cli import measures
-        from halfphysics.io.result_file import is_result
-        from halfphysics.motion import Motion
+        from halfphysics.formats.results.result_file import is_result
+        from halfphysics.motion.motion import Motion
 
         scene = self.scene.load() if self.scene.given else None
         if is_result(self.file):
@@ -64,8 +64,8 @@ class Command:
         import dataclasses
 
         from halfphysics.cli import measures
-        from halfphysics.motion import Motion
-        from halfphysics.result import Result
+        from halfphysics.motion.motion import Motion
+        from halfphysics.results.result import Result
 
         result = Result.load(self.file, scene=scene)  # type: ignore[arg-type]
         people = list(result.people)
@@ -87,8 +87,8 @@ class Command:
         if self.json is not None:
             import json
 
+            from halfphysics.base.atomic import atomic_write
             from halfphysics.cli.measures_json import of_result
-            from halfphysics.io.atomic import atomic_write
 
             content = [of_result(result, index) for index in range(len(people))]
             with atomic_write(self.json) as handle:

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import tyro
 
-from halfphysics.joint_groups import JointValues
+from halfphysics.motion.joint_groups import JointValues
 
 _FIRMNESS = float | Mapping[str, float]
 _STRENGTH = Literal["human"] | Mapping[str, float] | None

@@ -8,11 +8,11 @@ from halfphysics import metrics
 from halfphysics.cli.table import table
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
     from halfphysics.metrics import PenetrationReport
-    from halfphysics.motion import Motion
-    from halfphysics.result import Result
-    from halfphysics.scene import Scene
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import Result
+    from halfphysics.scene.scene import Scene
 
 
 def of_result(result: Result, person: int, *, progress: bool) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from halfphysics import metrics
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 
 def of_result(result: Result, person: int) -> dict[str, Any]:

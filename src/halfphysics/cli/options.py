@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import tyro
 
+from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError, InputError
-from halfphysics.io import asked
-from halfphysics.io.asked import betas_for, furnished, model_for
-from halfphysics.validation import file_path
+from halfphysics.formats import inputs as asked
+from halfphysics.formats.inputs import betas_for, furnished, model_for
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
-    from halfphysics.scene import Scene
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.scene.scene import Scene
 
 #: A file that may be left out, and things that are said once each.
 File = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
@@ -60,7 +60,7 @@ class BodyOptions:
 
     def load(self, motion: Motion) -> Body:
         """The body for a motion: with its betas, where they are that model's."""
-        from halfphysics.body import Body
+        from halfphysics.body.body import Body
 
         if self.body is None:
             return Body.default(stature=self.stature)

@@ -14,7 +14,7 @@ from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
-    from halfphysics.sequence import Sequence
+    from halfphysics.simulation.sequence import Sequence
 
 EXAMPLES = """\
 halfphysics play
@@ -70,7 +70,7 @@ class Command:
         import difflib
 
         from halfphysics import scenarios
-        from halfphysics.validation import file_path
+        from halfphysics.base.validation import file_path
 
         places, paths = [], []
         for text in self.what:
@@ -100,8 +100,8 @@ class Command:
 
     def _sequence(self, path: Path) -> Sequence:
         """A motion file as it is simulated by halfphysics simulate."""
-        from halfphysics.body import check_match
-        from halfphysics.sequence import Sequence
+        from halfphysics.body.body import check_match
+        from halfphysics.simulation.sequence import Sequence
 
         found = self.motion_file.sequence(path)
         motion, own = found.motions[0], found.bodies[0]

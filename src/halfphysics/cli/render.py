@@ -10,10 +10,10 @@ import tyro
 
 from halfphysics.cli.options import check_output, progress
 from halfphysics.errors import InputError
-from halfphysics.film.options import FilmOptions
+from halfphysics.render.film.options import FilmOptions
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 EXAMPLES = """\
 halfphysics render result.npz film.mp4
@@ -46,7 +46,7 @@ class Command:
 
     def run(self) -> None:
         """Write it."""
-        from halfphysics.result import Result
+        from halfphysics.results.result import Result
 
         if len(self.files) < 2:
             raise InputError(
@@ -66,7 +66,7 @@ class Command:
         print(f"{kind}: {out}")
 
     def _kind(self, out: Path) -> str:
-        from halfphysics.film import FILMS
+        from halfphysics.render.film import FILMS
 
         suffix = out.suffix.lower()
         kinds = {".html": "page", ".png": "picture"} | dict.fromkeys(FILMS, "film")
@@ -80,7 +80,7 @@ class Command:
     def _page(self, results: list[Result], out: Path) -> None:
         from dataclasses import replace
 
-        from halfphysics.page import MAX_FPS, save_page
+        from halfphysics.viewer.page import MAX_FPS, save_page
 
         if len(results) > 1:
             raise InputError(
@@ -103,7 +103,7 @@ class Command:
     def _pictures(self, results: list[Result], sources: list[Path], out: Path, kind: str) -> None:
         from dataclasses import replace
 
-        from halfphysics.film import save_film, save_picture
+        from halfphysics.render.film import save_film, save_picture
 
         options = self.film
         if len(results) > 1 and not options.label:

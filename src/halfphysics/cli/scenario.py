@@ -19,7 +19,7 @@ from halfphysics.errors import InputError
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
-    from halfphysics.sequence import Sequence
+    from halfphysics.simulation.sequence import Sequence
 
 EXAMPLES = """\
 halfphysics scenario --list
@@ -61,7 +61,7 @@ class Play:
     def run(self) -> None:
         """Simulate, print the summary, write what is asked for."""
         from halfphysics import scenarios
-        from halfphysics.simulation import simulate
+        from halfphysics.simulation.simulate import simulate
 
         print(scenarios.describe(self.name))
         story = self.sequence
@@ -76,12 +76,12 @@ class Play:
             result.save(self.outputs.out)
             print(f"result: {self.outputs.out}")
         if self.outputs.pictures is not None:
-            from halfphysics.strip import picture_strip
+            from halfphysics.render.contact_sheet import picture_strip
 
             picture_strip(result, self.outputs.pictures)
             print(f"pictures: {self.outputs.pictures}")
         if self.outputs.page is not None:
-            from halfphysics.page import save_page
+            from halfphysics.viewer.page import save_page
 
             title = f"halfphysics {self.name}"
             save_page(result, self.outputs.page, title=title, progress=progress())

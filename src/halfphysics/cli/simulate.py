@@ -8,20 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from halfphysics.cli.options import (
-    BodyOptions,
-    MotionOptions,
-    SceneOptions,
-    check_output,
-    progress,
-)
+from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions, check_output, progress
 from halfphysics.errors import InputError
-from halfphysics.io.asked import is_furnished
+from halfphysics.formats.inputs import is_furnished
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
-    from halfphysics.scene import Scene
-    from halfphysics.sequence import Sequence
+    from halfphysics.scene.scene import Scene
+    from halfphysics.simulation.sequence import Sequence
 
 EXAMPLES = """\
 halfphysics simulate walk.npz --scene room.yaml --out result.npz
@@ -47,7 +41,7 @@ class Command:
 
     def run(self) -> None:
         """Simulate, print the summary, write the result."""
-        from halfphysics.simulation import simulate
+        from halfphysics.simulation.simulate import simulate
 
         if not self.motions:
             raise InputError(

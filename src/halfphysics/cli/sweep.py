@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from halfphysics.base.validation import number
 from halfphysics.cli.parsing import Exit, parse
 from halfphysics.errors import HalfPhysicsError, InputError
-from halfphysics.validation import number
 
 if TYPE_CHECKING:
-    from halfphysics.sweep.engines import Engine
-    from halfphysics.sweep.plan import Plan
-    from halfphysics.sweep.progress import Progress
-    from halfphysics.sweep.store import Store
+    from halfphysics.sweep.plan.plan import Plan
+    from halfphysics.sweep.run.engines import Engine
+    from halfphysics.sweep.run.progress import Progress
+    from halfphysics.sweep.store.store import Store
 
 EXAMPLES = """\
 halfphysics sweep plan.yaml --dry-run
@@ -85,7 +85,7 @@ class Command:
     def run(self) -> None:
         """Show the plan, do it, say what it came to."""
         from halfphysics.sweep import Plan, Variants, describe
-        from halfphysics.sweep.plan import resolve_inputs
+        from halfphysics.sweep.plan.plan import resolve_inputs
 
         self._check()
         plan = Plan.load(self.plan)
@@ -128,23 +128,23 @@ class Command:
             if count is not None and count < 1:
                 raise InputError(f"--{name}: found {count}, expected at least 1")
         if self.limit is not None:
-            from halfphysics.sweep.time_limit import check_possible
+            from halfphysics.sweep.make.time_limit import check_possible
 
             number(self.limit, "--limit", above=0.0, unit="s")
             check_possible()
 
     def _verify(self, plan: Plan, folder: Path, count: int) -> None:
-        from halfphysics.sweep.fixed_plan import check_plan
-        from halfphysics.sweep.verify import verify
+        from halfphysics.sweep.report.verify import verify
+        from halfphysics.sweep.store.fixed_plan import check_plan
 
         check_plan(folder, plan)
         print(verify(folder, count))
 
     def _sweep(self, plan: Plan, folder: Path) -> None:
-        from halfphysics.sweep.driver import SweepError, run
-        from halfphysics.sweep.progress import Progress
-        from halfphysics.sweep.store import Store
-        from halfphysics.sweep.summary import summary
+        from halfphysics.sweep.report.summary import summary
+        from halfphysics.sweep.run.driver import SweepError, run
+        from halfphysics.sweep.run.progress import Progress
+        from halfphysics.sweep.store.store import Store
 
         progress = Progress()
         with contextlib.ExitStack() as stack:
@@ -175,10 +175,10 @@ class Command:
 
     def _engine(self, folder: Path) -> Engine:
         if self.engine == "local":
-            from halfphysics.sweep.local import LocalEngine
+            from halfphysics.sweep.run.local import LocalEngine
 
             return LocalEngine(folder, self.jobs, self.memory)
-        from halfphysics.sweep.ray_engine import RayEngine
+        from halfphysics.sweep.run.ray_engine import RayEngine
 
         return RayEngine(folder, self.jobs, self.memory, address=self.address)
 

@@ -31,7 +31,7 @@ class Command:
     def run(self) -> None:
         """Serve until Ctrl-C."""
         from halfphysics.errors import InputError
-        from halfphysics.result import Result
+        from halfphysics.results.result import Result
         from halfphysics.viewer.view import differences, view
 
         if not self.files:

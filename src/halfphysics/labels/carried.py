@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.labels.events import Drop, End, Hold, Limits
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_NAMES
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
-    from halfphysics.things import Object
+    from halfphysics.results.result import Result
+    from halfphysics.scene.items import Object
 
 Array = NDArray[np.float64]
 Frames = NDArray[np.int64]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 from halfphysics.labels.near import Near, Target, near
 from halfphysics.labels.part_balls import part_balls
@@ -13,9 +14,8 @@ from halfphysics.labels.solids import Thing, things_of
 from halfphysics.labels.solver_contacts import solver_contacts
 from halfphysics.labels.tables import ContactLabels, PersonLabels
 from halfphysics.metrics.inputs import check_result
-from halfphysics.result import Result
-from halfphysics.skeleton import N_JOINTS
-from halfphysics.validation import number
+from halfphysics.motion.skeleton import N_JOINTS
+from halfphysics.results.result import Result
 
 #: A vertex this much farther from a thing than the clearance still touches it [m].
 MARGIN = 1e-3

@@ -9,13 +9,13 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any, Literal
 
+from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.metrics.inputs import check_result
-from halfphysics.moving import Moving
-from halfphysics.validation import number, shown
+from halfphysics.scene.trajectories import Moving
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 #: How a hold ends: with the result; its thing stands or lies on something else; it is dropped; it
 #: is thrown; or it is out of the hands without having fallen far, by the result's end or because

@@ -12,17 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
+from halfphysics.base.validation import number
 from halfphysics.errors import InputError
-from halfphysics.labels.tables import (
-    LEFT_FOOT,
-    LEFT_HAND,
-    RIGHT_FOOT,
-    RIGHT_HAND,
-    ContactLabels,
-)
-from halfphysics.skeleton import JOINT_INDEX
-from halfphysics.validation import number
+from halfphysics.labels.tables import LEFT_FOOT, LEFT_HAND, RIGHT_FOOT, RIGHT_HAND, ContactLabels
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 Array = NDArray[np.float64]
 

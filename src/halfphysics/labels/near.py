@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import skinning
+from halfphysics.body import skinning
 from halfphysics.labels.part_balls import PartBalls, part_balls
 from halfphysics.labels.sampling import ObjectSurface
 from halfphysics.labels.solids import Thing
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]

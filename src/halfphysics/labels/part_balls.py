@@ -12,10 +12,10 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.skeleton import N_JOINTS
+from halfphysics.motion.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]

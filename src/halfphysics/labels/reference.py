@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.geometry.mesh_queries import closest_reference, winding_reference
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.labels.near import Near, Target
 from halfphysics.labels.part_balls import part_balls
 from halfphysics.labels.solids import Solid, Thing
-from halfphysics.mesh_queries import closest_reference, winding_reference
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
 
 Array = NDArray[np.float64]
 

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
+from halfphysics.geometry.shape_base import Shape
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Sphere
 from halfphysics.labels.solids import Thing
-from halfphysics.shape_base import Shape
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Sphere
 
 if TYPE_CHECKING:
-    from halfphysics.scene import Scene
+    from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 Triangles = tuple[Array, NDArray[np.int32]]

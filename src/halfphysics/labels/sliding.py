@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.labels.carried import Loads, frames_in, intervals, lasts, summed
 from halfphysics.labels.events import Limits, Slip
-from halfphysics.result import PersonResult
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.results.result import PersonResult
 
 Array = NDArray[np.float64]
 Frames = NDArray[np.int64]

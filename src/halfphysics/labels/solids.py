@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.pairs import PERSON
-from halfphysics.shape_base import Shape
-from halfphysics.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
-from halfphysics.skeleton import JOINT_NAMES, N_JOINTS
+from halfphysics.geometry.shape_base import Shape
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
+from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
+from halfphysics.scene.material_pairs import PERSON
 
 if TYPE_CHECKING:
-    from halfphysics.result import ObjectTrack
-    from halfphysics.scene import Scene
+    from halfphysics.results.result import ObjectTrack
+    from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.columns import Ints, Table
 from halfphysics.metrics.part_distance import Poses
+from halfphysics.results.table import Ints, Table
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 Array = NDArray[np.float64]
 

@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 from halfphysics.labels.near import Near, Target, near
 from halfphysics.labels.sampling import ObjectSurface
 from halfphysics.labels.solids import things_of
 from halfphysics.labels.solver_contacts import SolverContacts
-from halfphysics.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
-from halfphysics.validation import number
+from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -1,7 +1,7 @@
 """Measures of a motion and of a result: docs/metrics.md has every definition.
 
-Motions are `halfphysics.motion.Motion`, bodies `halfphysics.body.Body`, scenes
-`halfphysics.scene.Scene`, results `halfphysics.result.Result`.
+Motions are `halfphysics.motion.motion.Motion`, bodies `halfphysics.body.body.Body`, scenes
+`halfphysics.scene.scene.Scene`, results `halfphysics.results.result.Result`.
 """
 
 from __future__ import annotations

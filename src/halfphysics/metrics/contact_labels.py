@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from halfphysics.base.validation import number
 from halfphysics.metrics.inputs import Array, check_result
 from halfphysics.metrics.part_distance import Poses
-from halfphysics.validation import number
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 #: A part this much farther from a thing than the clearance still touches it [m].
 MARGIN = 1e-3

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.metrics.inputs import Array, check_result
 from halfphysics.metrics.things import links_of
-from halfphysics.moving import Moving
-from halfphysics.pairs import PERSON
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.scene.material_pairs import PERSON
+from halfphysics.scene.trajectories import Moving
 
 if TYPE_CHECKING:
-    from halfphysics.contacts import Contacts
-    from halfphysics.result import Result
-    from halfphysics.scene import Scene
-    from halfphysics.things import Object
+    from halfphysics.results.contacts import Contacts
+    from halfphysics.results.result import Result
+    from halfphysics.scene.items import Object
+    from halfphysics.scene.scene import Scene
 
 #: Impulses are compared with each other to this fraction of their size, and this much [N s].
 TOLERANCE, LEAST = 1e-6, 1e-9

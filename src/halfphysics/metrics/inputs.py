@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import validation
+from halfphysics.base import validation
+from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
-from halfphysics.validation import shown
 
 Array = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ def check_result(result: Any) -> None:
     Raises:
         InputError: Something else.
     """
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
     if not isinstance(result, Result):
         raise InputError(

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics.joint_groups import JOINT_GROUPS
+from halfphysics.base import rotations as rot
+from halfphysics.base.validation import number
 from halfphysics.metrics.inputs import check_result
-from halfphysics.result import SETTLE
-from halfphysics.skeleton import JOINT_INDEX
-from halfphysics.validation import number
+from halfphysics.motion.joint_groups import JOINT_GROUPS
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.results.result import SETTLE
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 #: What deviations are told of: the groups of `JOINT_GROUPS` by these names.
 GROUPS = ("trunk", "head", "arms", "hands", "legs", "feet", "all")

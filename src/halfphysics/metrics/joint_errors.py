@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics import validation
+from halfphysics.base import validation
 from halfphysics.errors import InputError
 from halfphysics.metrics.inputs import Array, check_motion
 

@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics import skinning
-from halfphysics.colliders import ConvexCollider, convex_collider
+from halfphysics.base import rotations as rot
+from halfphysics.body import skinning
+from halfphysics.geometry.colliders import ConvexCollider, convex_collider
+from halfphysics.geometry.shapes import Mesh, Plane
 from halfphysics.metrics.inputs import Array
 from halfphysics.metrics.part_gaps import part_gaps
 from halfphysics.metrics.things import links_of
-from halfphysics.shapes import Mesh, Plane
 
 if TYPE_CHECKING:
-    from halfphysics.motion import Motion
-    from halfphysics.result import ObjectTrack, Result
-    from halfphysics.things import Static
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import ObjectTrack, Result
+    from halfphysics.scene.items import Static
 
 #: Distances are measured up to this, beyond it they are infinite [m].
 RANGE = 0.1

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics import skinning
+from halfphysics.base import rotations as rot
+from halfphysics.body import skinning
 from halfphysics.metrics.inputs import Array
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
-    from halfphysics.result import ObjectTrack
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import ObjectTrack
 
 _CHUNK = 64  # poses at a time
 Whole = NDArray[np.integer]

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics import rotations, validation
+from halfphysics.base import rotations, validation
+from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
-from halfphysics.mesh_queries import MeshQuery, is_closed
+from halfphysics.geometry.mesh_queries import MeshQuery, is_closed
 from halfphysics.metrics.inputs import Array, check_motion
 from halfphysics.metrics.skins import batches, frames_of, skin
 from halfphysics.metrics.things import Solid, links_of, solids_of, tracks_of
-from halfphysics.scene import Scene
-from halfphysics.validation import number, shown
+from halfphysics.scene.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -23,7 +23,7 @@ class PenetrationReport:
     """How far a motion's skin goes into a scene.
 
     A vertex is inside where the winding number of a mesh is over 0.5 (see
-    `halfphysics.mesh_queries`) or a primitive holds it; its depth is the distance to that
+    `halfphysics.geometry.mesh_queries`) or a primitive holds it; its depth is the distance to that
     shape's surface, the larger where it is in several.
 
     Attributes:

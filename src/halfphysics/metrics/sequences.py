@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.metrics.penetration import PenetrationReport
-from halfphysics.validation import shown
 
 
 @dataclass(frozen=True, kw_only=True)

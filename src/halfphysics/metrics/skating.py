@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from halfphysics.base.validation import number
 from halfphysics.metrics.inputs import joints_of
-from halfphysics.skeleton import JOINT_INDEX
-from halfphysics.validation import number
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: The balls of the feet.
 FEET = tuple(JOINT_INDEX[name] for name in ("left_foot", "right_foot"))

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
+from halfphysics.geometry.parallel_rays import crossings
+from halfphysics.geometry.shape_base import Shape
+from halfphysics.geometry.shapes import Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.metrics.inputs import Array
 from halfphysics.metrics.spans import Spans
-from halfphysics.parallel_rays import crossings
-from halfphysics.shape_base import Shape
-from halfphysics.shapes import Capsule, Cylinder, Mesh, Plane, Sphere
 
 Ints = NDArray[np.int64]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.geometry.parallel_rays import ray_key
 from halfphysics.metrics.inputs import Array
-from halfphysics.parallel_rays import ray_key
 
 Ints = NDArray[np.int64]
 

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics import rotations
+from halfphysics.base import rotations
+from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
+from halfphysics.geometry.shape_base import Shape
 from halfphysics.metrics.inputs import Array
-from halfphysics.pairs import PERSON
-from halfphysics.scene import Scene
-from halfphysics.shape_base import Shape
-from halfphysics.validation import shown
+from halfphysics.scene.material_pairs import PERSON
+from halfphysics.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from halfphysics.articulated import Link
-    from halfphysics.things import Object
+    from halfphysics.scene.articulated import Link
+    from halfphysics.scene.items import Object
 
 
 #: A shape, where it is (T or 1, 3) [m] and how it is turned (T or 1, 4).

@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics import validation
+from halfphysics.base import rotations as rot
+from halfphysics.base import validation
+from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
-from halfphysics.mesh_queries import boundary_edges, components
+from halfphysics.geometry.mesh_queries import boundary_edges, components
+from halfphysics.geometry.parallel_rays import crossings
+from halfphysics.geometry.shapes import Capsule, Cylinder, Plane, Sphere
 from halfphysics.metrics.inputs import Array, check_motion
 from halfphysics.metrics.skins import batches, frames_of, skin
 from halfphysics.metrics.solid_spans import Grid, Placed
 from halfphysics.metrics.spans import Spans
 from halfphysics.metrics.things import solids_of, tracks_of
-from halfphysics.parallel_rays import crossings
-from halfphysics.scene import Scene
-from halfphysics.shapes import Capsule, Cylinder, Plane, Sphere
-from halfphysics.validation import number, shown
+from halfphysics.scene.scene import Scene
 
 Ints = NDArray[np.int64]
 

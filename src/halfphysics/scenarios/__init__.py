@@ -14,35 +14,35 @@ from collections.abc import Callable
 from typing import Any
 
 from halfphysics.errors import InputError
-from halfphysics.sequence import Sequence
+from halfphysics.simulation.sequence import Sequence
 
 __all__ = ["builder", "describe", "explain", "load", "names", "options"]
 
 #: Scenario -> module of this package that builds it.
-_MODULES = {
-    "climb_onto_bed": "climb_onto_bed",
-    "close_drawer": "close_drawer",
-    "close_laptop": "close_laptop",
-    "crawl_under_table": "crawl_under_table",
-    "doorway": "doorway",
-    "fly_with_ball": "fly_with_ball",
-    "grasp_glass": "grasp_glass",
-    "kick_ball": "kick_ball",
-    "leg_through_table": "leg_through_table",
-    "lift_suitcase": "lift_suitcase",
-    "meet": "meet",
-    "open_drawer": "open_drawer",
-    "open_laptop": "open_laptop",
-    "place_glass": "place_glass",
-    "push_door": "push_door",
-    "reach_past_monitor": "reach_past_monitor",
-    "shake_hands": "shake_hands",
-    "sit_on_bed": "sit_on_bed",
-    "sit_on_sofa": "sit_on_sofa",
-    "step_back_onto_cabinet": "step_back_onto_cabinet",
-    "stretch_on_bed": "stretch_on_bed",
-    "walk_into_wall": "walk_into_wall",
-}
+_NAMES = (
+    "climb_onto_bed",
+    "close_drawer",
+    "close_laptop",
+    "crawl_under_table",
+    "doorway",
+    "fly_with_ball",
+    "grasp_glass",
+    "kick_ball",
+    "leg_through_table",
+    "lift_suitcase",
+    "meet",
+    "open_drawer",
+    "open_laptop",
+    "place_glass",
+    "push_door",
+    "reach_past_monitor",
+    "shake_hands",
+    "sit_on_bed",
+    "sit_on_sofa",
+    "step_back_onto_cabinet",
+    "stretch_on_bed",
+    "walk_into_wall",
+)
 
 
 def builder(name: str) -> Callable[..., Sequence]:
@@ -51,15 +51,15 @@ def builder(name: str) -> Callable[..., Sequence]:
     Raises:
         InputError: An unknown name.
     """
-    if name not in _MODULES:
+    if name not in _NAMES:
         raise InputError(f"scenario: found {name!r}, expected one of {', '.join(names())}")
-    build: Callable[..., Sequence] = importlib.import_module(f"{__name__}.{_MODULES[name]}").build
+    build: Callable[..., Sequence] = importlib.import_module(f"{__name__}.stories.{name}").build
     return build
 
 
 def names() -> tuple[str, ...]:
     """The names that `load` knows."""
-    return tuple(_MODULES)
+    return _NAMES
 
 
 def describe(name: str) -> str:

@@ -10,19 +10,19 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from halfphysics.sweep.description import describe
-    from halfphysics.sweep.plan import Plan
-    from halfphysics.sweep.reading import read
-    from halfphysics.sweep.variants import Variant, Variants
+    from halfphysics.sweep.plan.description import describe
+    from halfphysics.sweep.plan.plan import Plan
+    from halfphysics.sweep.plan.variants import Variant, Variants
+    from halfphysics.sweep.store.reading import read
 
 __all__ = ["Plan", "Variant", "Variants", "describe", "read"]
 
 _MODULES = {
-    "Plan": "plan",
-    "Variant": "variants",
-    "Variants": "variants",
-    "describe": "description",
-    "read": "reading",
+    "Plan": "plan.plan",
+    "Variant": "plan.variants",
+    "Variants": "plan.variants",
+    "describe": "plan.description",
+    "read": "store.reading",
 }
 
 

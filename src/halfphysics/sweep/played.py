@@ -18,22 +18,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.machine import resident
+from halfphysics.base.workers import Death
 from halfphysics.errors import InputError
-from halfphysics.machine import resident
-from halfphysics.sweep.card import CHECKS
-from halfphysics.sweep.data_card import SPREADS, SUMMED, counted
-from halfphysics.sweep.fragments import Fragments
-from halfphysics.sweep.layout import INPUTS, Layout
-from halfphysics.sweep.making import failure
-from halfphysics.sweep.provenance import versions
-from halfphysics.sweep.sources import Sources
-from halfphysics.sweep.store import Store
-from halfphysics.sweep.work import Done, Task
-from halfphysics.workers import Death
+from halfphysics.sweep.make.card import CHECKS
+from halfphysics.sweep.make.making import failure
+from halfphysics.sweep.report.data_card import SPREADS, SUMMED, counted
+from halfphysics.sweep.run.work import Done, Task
+from halfphysics.sweep.store.fragments import Fragments
+from halfphysics.sweep.store.layout import INPUTS, Layout
+from halfphysics.sweep.store.provenance import versions
+from halfphysics.sweep.store.sources import Sources
+from halfphysics.sweep.store.store import Store
 
 if TYPE_CHECKING:
-    from halfphysics.sweep.plan import Plan
-    from halfphysics.sweep.variants import Variant, Variants
+    from halfphysics.sweep.plan.plan import Plan
+    from halfphysics.sweep.plan.variants import Variant, Variants
 
 #: Of a machine, if nothing else is said.
 CORES = 16
@@ -230,8 +230,8 @@ class _PlayedStore(Store):
     @cached_property
     def variants(self) -> Variants:
         """What numbers stand for."""
-        from halfphysics.sweep.plan import InputList
-        from halfphysics.sweep.variants import Variants
+        from halfphysics.sweep.plan.plan import InputList
+        from halfphysics.sweep.plan.variants import Variants
 
         return Variants(self.plan, InputList(self.folder / INPUTS))
 

@@ -15,17 +15,17 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from halfphysics.base.machine import resident
 from halfphysics.errors import InputError
-from halfphysics.machine import resident
-from halfphysics.sweep.driver import Driver
 from halfphysics.sweep.played import CORES, Play, PlayedEngine
-from halfphysics.sweep.progress import bytes_text, time_text
-from halfphysics.sweep.store import Store
+from halfphysics.sweep.run.driver import Driver
+from halfphysics.sweep.run.progress import bytes_text, time_text
+from halfphysics.sweep.store.store import Store
 
 if TYPE_CHECKING:
-    from halfphysics.sweep.plan import Plan
-    from halfphysics.sweep.work import Done, Task
-    from halfphysics.workers import Death
+    from halfphysics.base.workers import Death
+    from halfphysics.sweep.plan.plan import Plan
+    from halfphysics.sweep.run.work import Done, Task
 
 __all__ = ["CORES", "PARTS", "Play", "Rehearsal", "rehearse"]
 

@@ -9,10 +9,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.drawing import Drawing, Item
-from halfphysics.render import Camera
+from halfphysics.render.drawing import Drawing, Item
+from halfphysics.render.rasterizer import Camera
+from halfphysics.render.viewpoint import FOV, choose_direction, glass, spread, subject
 from halfphysics.viewer.framing import framed
-from halfphysics.viewpoint import FOV, choose_direction, glass, spread, subject
 
 Array = NDArray[np.float64]
 

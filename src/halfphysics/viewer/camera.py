@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.render import Camera
-from halfphysics.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.render.rasterizer import Camera
 from halfphysics.viewer.framing import framed
 from halfphysics.viewer.stage import Stage
 

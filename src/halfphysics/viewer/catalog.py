@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from halfphysics import scenarios
+from halfphysics.base.validation import number
 from halfphysics.errors import InputError
-from halfphysics.sequence import Sequence
-from halfphysics.validation import number
+from halfphysics.simulation.sequence import Sequence
 
 #: The motion that a scenario brings along.
 OWN = "its own"

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.render import Color
-from halfphysics.skeleton import JOINT_NAMES, N_JOINTS
+from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
+from halfphysics.render.rasterizer import Color
 from halfphysics.viewer.bones import Bones
 from halfphysics.viewer.figure import rgb, shrunk, strongest
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
     from halfphysics.viewer.figure import Figure
     from halfphysics.viewer.stage import Stage
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.render import Color
+from halfphysics.render.rasterizer import Color
 from halfphysics.viewer.figure import rgb
 
 if TYPE_CHECKING:
-    from halfphysics.contacts import Contacts
-    from halfphysics.result import Result
-    from halfphysics.touches import Touches
+    from halfphysics.results.contacts import Contacts
+    from halfphysics.results.result import Result
+    from halfphysics.simulation.contact_rows import Touches
     from halfphysics.viewer.stage import Stage
 
 Array = NDArray[np.float64]
@@ -223,7 +223,7 @@ def _unturned(count: int) -> Array:
 
 
 def _ball(radius: float) -> tuple[Array, NDArray[np.integer]]:
-    from halfphysics.shapes import Sphere
+    from halfphysics.geometry.shapes import Sphere
 
     vertices, faces = Sphere(radius).triangles()
     return vertices, faces

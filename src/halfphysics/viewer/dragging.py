@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.validation import vector
 from halfphysics.errors import InputError
-from halfphysics.moving import Moving
-from halfphysics.simulator import Simulator
-from halfphysics.validation import vector
+from halfphysics.scene.trajectories import Moving
+from halfphysics.simulation.simulator import Simulator
 
 Array = NDArray[np.float64]
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.render import Color, Surface
-from halfphysics.skeleton import PARENTS
+from halfphysics.motion.skeleton import PARENTS
+from halfphysics.render.rasterizer import Color, Surface
 from halfphysics.viewer.bones import Bones
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.render import Camera
-from halfphysics.viewpoint import FOV
+from halfphysics.render.rasterizer import Camera
+from halfphysics.render.viewpoint import FOV
 
 Array = NDArray[np.float64]
 

@@ -7,16 +7,16 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from halfphysics.base.validation import number
+from halfphysics.body.strength import HUMAN, ROOT_BODY_WEIGHTS
 from halfphysics.errors import InputError
-from halfphysics.joint_groups import ROOT_FORCE
-from halfphysics.moving import Moving
-from halfphysics.strength import HUMAN, ROOT_BODY_WEIGHTS
-from halfphysics.validation import number
+from halfphysics.motion.joint_groups import ROOT_FORCE
+from halfphysics.scene.trajectories import Moving
 
 if TYPE_CHECKING:
-    from halfphysics.articulated import Articulated
-    from halfphysics.body import Body
-    from halfphysics.scene import Scene
+    from halfphysics.body.body import Body
+    from halfphysics.scene.articulated import Articulated
+    from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
 
 _STANDARD_GRAVITY = 9.80665

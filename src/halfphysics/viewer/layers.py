@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from halfphysics.render import Color
+from halfphysics.render.rasterizer import Color
 from halfphysics.viewer.coloring import BOUNDS, RAMP, Touched
 from halfphysics.viewer.contacts import KINDS, SHORTEST, TENFOLD, ContactNodes, kinds
 from halfphysics.viewer.figure import rgb
 from halfphysics.viewer.stage import Layer, Stage
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 #: How much is left of a body that is seen through.
 GLASS = 0.55

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.viewer.contacts import KINDS, THING, ContactFrames
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 # Contacts that are listed; what is more is counted.
 _MOST = 8

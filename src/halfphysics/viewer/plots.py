@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.contacts import Contacts
-from halfphysics.result import ObjectTrack, PersonResult, Result
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.result import ObjectTrack, PersonResult, Result
 
 if TYPE_CHECKING:
     from halfphysics.viewer.session import Session

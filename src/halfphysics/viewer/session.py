@@ -11,19 +11,19 @@ from collections.abc import Collection
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
-from halfphysics.body import Body
+from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsError, InputError
-from halfphysics.running import rebuilt
-from halfphysics.simulator import Frame, Simulator
+from halfphysics.simulation.live_edits import rebuilt
+from halfphysics.simulation.simulator import Frame, Simulator
 from halfphysics.viewer.catalog import Catalog, Choice
 from halfphysics.viewer.dragging import Drag, draggable
 from halfphysics.viewer.knobs import Knobs
 
 if TYPE_CHECKING:
-    from halfphysics.pose import Pose
-    from halfphysics.scene import Scene
-    from halfphysics.sequence import Sequence
+    from halfphysics.motion.pose import Pose
+    from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
+    from halfphysics.simulation.sequence import Sequence
 
 
 class Command(Protocol):

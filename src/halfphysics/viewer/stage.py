@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics.drawing import FAINT_ALPHA, FLOOR, Drawing, Item
+from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.mesh_queries import is_closed
-from halfphysics.render import Camera
+from halfphysics.geometry.mesh_queries import is_closed
+from halfphysics.render.drawing import FAINT_ALPHA, FLOOR, Drawing, Item
+from halfphysics.render.rasterizer import Camera
+from halfphysics.render.viewpoint import FOV
 from halfphysics.viewer.bones import GRAIN
 from halfphysics.viewer.figure import Figure, moving_joints, rgb
-from halfphysics.viewpoint import FOV
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 Array = NDArray[np.float64]
 

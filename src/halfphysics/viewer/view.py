@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics.drawing import Drawing
+from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
-from halfphysics.skeleton import JOINT_INDEX
-from halfphysics.validation import shown
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.render.drawing import Drawing
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.controls import Controls
@@ -24,7 +24,7 @@ from halfphysics.viewer.stage import Layer, Stage, aim, light
 from halfphysics.viewer.timeline import Timeline
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 # Updates are at least this far apart [s]: 30 a second with room for a late one.
 _SPACING = 1.0 / 40.0

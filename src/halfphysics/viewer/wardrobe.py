@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.body import Body
-from halfphysics.render import Surface
+from halfphysics.body.body import Body
+from halfphysics.render.rasterizer import Surface
 from halfphysics.viewer.figure import Figure
 
 

@@ -12,12 +12,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from halfphysics.base.validation import body as checked_body
+from halfphysics.base.validation import file_path
 from halfphysics.errors import InputError
-from halfphysics.validation import body as checked_body
-from halfphysics.validation import file_path
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
     from halfphysics.writers.take import Exportable
 
 __all__ = ["KINDS", "export", "is_kind"]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 
 Array = NDArray[np.float64]
 

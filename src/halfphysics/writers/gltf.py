@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import __version__
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.drawing import CREASE
-from halfphysics.io.atomic import atomic_write
-from halfphysics.render import Color
-from halfphysics.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.base import rotations as rot
+from halfphysics.base.atomic import atomic_write
+from halfphysics.body.body import Body
+from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.render.drawing import CREASE
+from halfphysics.render.rasterizer import Color
 from halfphysics.writers.correctives import correctives
 from halfphysics.writers.gltf_buffer import INDICES, VERTICES, Buffer
 from halfphysics.writers.looks import actors_coloured, linear, props_coloured

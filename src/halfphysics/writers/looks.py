@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from halfphysics import rotations as rot
-from halfphysics.drawing import FLOOR, OBJECTS, PEOPLE, StaticColors
-from halfphysics.render import Color
+from halfphysics.base import rotations as rot
+from halfphysics.render.drawing import FLOOR, OBJECTS, PEOPLE, StaticColors
+from halfphysics.render.rasterizer import Color
 from halfphysics.writers.take import Actor, Prop
 
 

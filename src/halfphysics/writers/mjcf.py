@@ -15,19 +15,25 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import articulated as jointed
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
+from halfphysics.base.atomic import atomic_write
+from halfphysics.base.reader_warnings import warn
+from halfphysics.body.mjcf_person import (
+    add_defaults,
+    add_person_elements,
+    addresses,
+    principal,
+    text,
+)
 from halfphysics.errors import InputError
-from halfphysics.io.atomic import atomic_write
-from halfphysics.io.report import warn
-from halfphysics.moving import Moving
-from halfphysics.person_model import add_defaults, add_person_elements, addresses, principal, text
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.scene import articulated as jointed
+from halfphysics.scene.trajectories import Moving
 from halfphysics.writers.mjcf_geoms import Geoms
 
 if TYPE_CHECKING:
-    from halfphysics.articulated import Articulated, Link
-    from halfphysics.scene import Object
+    from halfphysics.scene.articulated import Articulated, Link
+    from halfphysics.scene.scene import Object
     from halfphysics.writers.take import Take
 
 Array = NDArray[np.float64]
@@ -138,7 +144,7 @@ def _object(world: Element, geoms: Geoms, name: str, thing: Object) -> None:
 
 
 def _articulated(world: Element, geoms: Geoms, thing: Articulated) -> None:
-    """Links and joints as `halfphysics.articulated.places` looks for them, but for the names."""
+    """Links and joints as `scene.articulated.places` looks for them, but for the names."""
     bodies: list[Element] = []
     for link, name in zip(thing.links, thing.link_names, strict=True):
         parent = world if link.parent < 0 else bodies[link.parent]

@@ -7,12 +7,12 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
+from halfphysics.body.mjcf_person import text
 from halfphysics.errors import InputError
-from halfphysics.mesh import Mesh
-from halfphysics.person_model import text
-from halfphysics.shape_base import Shape
-from halfphysics.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.shape_base import Shape
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 
 Array = NDArray[np.float64]
 Element = ElementTree.Element

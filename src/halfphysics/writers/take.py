@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics.articulated import start_poses
+from halfphysics.base import rotations as rot
+from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
-from halfphysics.motion import Motion
-from halfphysics.validation import shown
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.articulated import start_poses
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from halfphysics.body import Body
-    from halfphysics.result import ObjectTrack, Result
-    from halfphysics.scene import Scene
-    from halfphysics.sequence import Sequence
+    from halfphysics.body.body import Body
+    from halfphysics.results.result import ObjectTrack, Result
+    from halfphysics.scene.scene import Scene
+    from halfphysics.simulation.sequence import Sequence
 
     Exportable: TypeAlias = Result | Sequence | Motion
 
@@ -101,10 +101,10 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
     Raises:
         InputError: Another type.
     """
-    from halfphysics.body import Body
-    from halfphysics.result import Result
-    from halfphysics.scene import Scene
-    from halfphysics.sequence import Sequence
+    from halfphysics.body.body import Body
+    from halfphysics.results.result import Result
+    from halfphysics.scene.scene import Scene
+    from halfphysics.simulation.sequence import Sequence
 
     if isinstance(what, Result):
         actors = tuple(
@@ -140,7 +140,7 @@ def _middle(actors: tuple[Actor, ...]) -> Array:
 
 def _props(scene: Scene, tracks: Mapping[str, ObjectTrack], middle: Array) -> tuple[Prop, ...]:
     """`middle`: where planes, which have no end, are drawn around."""
-    from halfphysics.shapes import Plane
+    from halfphysics.geometry.shapes import Plane
 
     props = []
     for name, static in scene.statics.items():
@@ -184,7 +184,7 @@ def _prop(
 
 def resampled(take: Take, fps: float) -> Take:
     """The take at another frame rate: positions linear, rotations by SLERP."""
-    from halfphysics.origin import neighbours
+    from halfphysics.motion.file_metadata import neighbours
 
     actors = tuple(
         Actor(name=a.name, motion=a.motion.resample(fps), body=a.body) for a in take.actors

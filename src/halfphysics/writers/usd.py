@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics.body import Body
-from halfphysics.drawing import CREASE
+from halfphysics.base import rotations as rot
+from halfphysics.base.atomic import atomic_write
+from halfphysics.body.body import Body
 from halfphysics.errors import MissingDependencyError
-from halfphysics.io.atomic import atomic_write
-from halfphysics.render import Color
-from halfphysics.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.render.drawing import CREASE
+from halfphysics.render.rasterizer import Color
 from halfphysics.writers.correctives import correctives
 from halfphysics.writers.looks import actors_coloured, linear, props_coloured
 from halfphysics.writers.normals import creased, vertex_normals

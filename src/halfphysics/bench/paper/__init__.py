@@ -14,13 +14,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from halfphysics.base.atomic import atomic_write
 from halfphysics.bench.paper import document
 from halfphysics.bench.paper.evidence import Options, Section
 from halfphysics.bench.paper.html import page
 from halfphysics.bench.paper.runner import Done, Job, run
 from halfphysics.bench.paper.store import Store
 from halfphysics.errors import FileError, InputError
-from halfphysics.io.atomic import atomic_write
 
 __all__ = ["KEYS", "Options", "Report", "listed", "make"]
 

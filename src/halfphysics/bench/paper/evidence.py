@@ -10,8 +10,8 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
+from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
-from halfphysics.validation import shown
 
 Found = TypeVar("Found")
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from halfphysics.base.workers import Death, Pool
 from halfphysics.bench.paper.evidence import Outcome, Task
 from halfphysics.bench.paper.store import Store, identity
 from halfphysics.errors import HalfPhysicsError
-from halfphysics.workers import Death, Pool
 
 _TRIES = 2  # a task whose process died runs again so often in all
 

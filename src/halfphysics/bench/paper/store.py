@@ -15,11 +15,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from halfphysics.base.atomic import atomic_write
+from halfphysics.base.code_hash import program
+from halfphysics.base.digests import sha256_of
 from halfphysics.bench.paper.evidence import Outcome, Task, plain
 from halfphysics.errors import FileError, InputError
-from halfphysics.io.atomic import atomic_write
-from halfphysics.io.digests import sha256_of
-from halfphysics.program import program
 
 _NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_. -]*")
 

@@ -14,8 +14,8 @@ import numpy as np
 from halfphysics.bench.paper.motions.dancer import SIDES, Score, danced
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
 
 #: As many clips, frames per second and seconds as the AIST++ test set has, about.
 CLIPS, FPS, SECONDS = 40, 60.0, 8.0
@@ -299,7 +299,7 @@ def dance(
         body: Who dances; None: the default body.
     """
     if body is None:
-        from halfphysics.body import Body
+        from halfphysics.body.body import Body
 
         body = Body.default()
     figures, (slow, fast) = STYLES[style_of(number)]

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.scenarios.acting import Act
-from halfphysics.scenarios.gait import Walk, walk
+from halfphysics.scenarios.acting.acting import Act
+from halfphysics.scenarios.acting.gait import Walk, walk
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
 
 #: Clips there are, and frames per second.
 CLIPS, FPS = 10, 30.0
@@ -192,7 +192,7 @@ def daily(
         body: Whose; None: the default body.
     """
     if body is None:
-        from halfphysics.body import Body
+        from halfphysics.body.body import Body
 
         body = Body.default()
     make = tuple(KINDS.values())[number % len(KINDS)]

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics.motion import MODELS, Motion
-from halfphysics.scenarios.gait import ease
-from halfphysics.scenarios.legs import WORLD_FROM_REST, about, leg_of
-from halfphysics.skeleton import JOINT_INDEX, N_JOINTS
-from halfphysics.skinning import kinematics
+from halfphysics.base import rotations as rot
+from halfphysics.body.skinning import kinematics
+from halfphysics.motion.motion import MODELS, Motion
+from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
+from halfphysics.scenarios.acting.gait import ease
+from halfphysics.scenarios.acting.legs import WORLD_FROM_REST, about, leg_of
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from halfphysics.bench.paper.motions import daily as everyday
 from halfphysics.errors import FileError
 
 if TYPE_CHECKING:
-    from halfphysics.motion import Motion
+    from halfphysics.motion.motion import Motion
 
 #: Of a quick report: which dances, which daily motions, how many of the user's clips, and how much
 #: of each [s] (dances are whole).
@@ -59,7 +59,7 @@ def load(arguments: Mapping[str, Any]) -> Motion:
     Raises:
         FileError: A file that is not there, damaged, or no motion.
     """
-    from halfphysics.motion import Motion
+    from halfphysics.motion.motion import Motion
 
     given = dict(arguments)
     kind = given.pop("kind")
@@ -145,7 +145,7 @@ def _aist(folder: Path, quick: bool) -> Group:
 
 def _clips(folder: Path, quick: bool) -> Group:
     """The first motions in the folder, and what ought to be one there but cannot be read."""
-    from halfphysics.io.walk import clips
+    from halfphysics.formats.library import clips
 
     count = QUICK_CLIPS if quick else MOST_CLIPS
     # One more, to know whether there are more; libraries of thousands are not walked to their end.
@@ -164,8 +164,8 @@ def _clips(folder: Path, quick: bool) -> Group:
 
 def _damaged(folder: Path, known: set[Path], last: str) -> list[Path]:
     """What is called like a motion but cannot be read, up to a path in order ("": all)."""
-    from halfphysics.io.formats import Source as File
-    from halfphysics.io.registry import identify
+    from halfphysics.formats.format import Source as File
+    from halfphysics.formats.registry import identify
 
     out = []
     for path in sorted(p for p in folder.rglob("*") if p.suffix.lower() in _SUFFIXES):

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from halfphysics.bench.paper.evidence import Options, Outcome, Task
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
-from halfphysics.mesh import Mesh
-from halfphysics.sequence import Sequence
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.simulation.sequence import Sequence
 
 #: So many scenes of a folder at most, and in a quick report.
 MOST, QUICK_MOST = 40, 4
@@ -64,7 +64,7 @@ def found(folder: Path) -> list[tuple[Path, str | None]]:
     Raises:
         FileError: There is nothing of the kind.
     """
-    from halfphysics.io.walk import clips
+    from halfphysics.formats.library import clips
 
     below = [p for p in sorted(folder.rglob("*")) if p.is_file()]
     meshes = {p for p in below if p.suffix.lower() in MESHES}
@@ -109,8 +109,8 @@ def brought(path: str, clip: str | None, seed: int, quick: bool) -> Outcome:
 
 def _walk(file: Path, seed: int) -> Sequence:
     from halfphysics.bench.paper.rooms.standing import walk_through
-    from halfphysics.body import Body
-    from halfphysics.io.meshes import load_mesh
+    from halfphysics.body.body import Body
+    from halfphysics.geometry.mesh_files import load_mesh
 
     mesh, _ = load_mesh(file)
     try:
@@ -120,7 +120,7 @@ def _walk(file: Path, seed: int) -> Sequence:
 
 
 def _clip(file: Path, clip: str | None, quick: bool) -> Sequence:
-    from halfphysics.io.registry import load_sequence
+    from halfphysics.formats.registry import load_sequence
 
     given = load_sequence(file, clip=clip)
     if not given.scene.statics:

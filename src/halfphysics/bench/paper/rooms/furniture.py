@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.bench.room import Piece, rounded_box
-from halfphysics.mesh_queries import merge_vertices
+from halfphysics.geometry.mesh_queries import merge_vertices
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int32]

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.bench.paper.rooms.furniture import KINDS, mesh_of, uneven, without_undersides
 from halfphysics.bench.room import Piece
-from halfphysics.mesh import Mesh
-from halfphysics.scene import Scene
-from halfphysics.shapes import Plane
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.shapes import Plane
+from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 

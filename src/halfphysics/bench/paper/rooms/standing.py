@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from halfphysics.bench.paper.rooms.strolls import Way, stroll
 from halfphysics.errors import InputError
-from halfphysics.mesh import Mesh
-from halfphysics.scene import Scene
-from halfphysics.sequence import Sequence
-from halfphysics.shapes import Plane
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.shapes import Plane
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.sequence import Sequence
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
 

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
-from halfphysics.motion import Motion
-from halfphysics.scenarios.acting import SIDES, Act
-from halfphysics.scenarios.gait import Walk, ease, walk
+from halfphysics.base import rotations as rot
+from halfphysics.motion.motion import Motion
+from halfphysics.scenarios.acting.acting import SIDES, Act
+from halfphysics.scenarios.acting.gait import Walk, ease, walk
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
 

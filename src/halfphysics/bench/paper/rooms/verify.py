@@ -17,15 +17,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.mesh import Mesh
-from halfphysics.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
-    from halfphysics.scene import Scene
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from halfphysics.bench.paper.rooms.layout import Footprint, Item, Room
 from halfphysics.bench.paper.rooms.strolls import USES, Way, stroll, then
-from halfphysics.motion import Motion
+from halfphysics.motion.motion import Motion
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
 

@@ -6,26 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from halfphysics.bench.paper import published
-from halfphysics.bench.paper.evidence import (
-    Figure,
-    Options,
-    Picture,
-    Plot,
-    Row,
-    Task,
-    at_least,
-)
+from halfphysics.bench.paper.evidence import Figure, Options, Picture, Plot, Row, Task, at_least
 from halfphysics.bench.paper.motions import sources
 from halfphysics.bench.paper.motions.sources import Group
 from halfphysics.bench.paper.runs.choices import LIMP, Choice, said
-from halfphysics.bench.paper.runs.following import (
-    curve,
-    mean,
-    outcomes,
-    remarks,
-    success,
-    task,
-)
+from halfphysics.bench.paper.runs.following import curve, mean, outcomes, remarks, success, task
 
 #: What a change has to cost to count as the paper's finding [mm].
 COST = 10.0

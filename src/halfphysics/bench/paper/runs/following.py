@@ -14,9 +14,9 @@ from halfphysics.bench.paper.runs.choices import Choice
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
-    from halfphysics.result import Result
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import Result
     from halfphysics.settings import Settings
 
 #: Frames of a second that are kept of a curve of errors.
@@ -37,9 +37,9 @@ def follow(source: Mapping[str, Any], runs: Mapping[str, Choice], strip: str = "
         [mm] (None without success), the cause of a failure, and the mean error of every tenth of
         a second, "curve" [mm].
     """
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
+    from halfphysics.render.contact_sheet import strip_png
     from halfphysics.settings import Settings
-    from halfphysics.strip import strip_png
 
     motion, body = sources.load(source), Body.default()
     values, pictures = {}, {}
@@ -56,7 +56,7 @@ def follow(source: Mapping[str, Any], runs: Mapping[str, Choice], strip: str = "
 def _followed(
     motion: Motion, body: Body, settings: Settings
 ) -> tuple[Result | None, dict[str, Any]]:
-    from halfphysics.simulation import simulate
+    from halfphysics.simulation.simulate import simulate
 
     failed: dict[str, Any] = {"success": False, "mpjpe": None, "mpjpe_global": None, "curve": []}
     try:

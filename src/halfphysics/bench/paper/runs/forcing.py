@@ -10,10 +10,10 @@ import numpy as np
 from halfphysics import scenarios
 from halfphysics.bench.paper.evidence import Outcome
 from halfphysics.bench.paper.runs import lifting, playing, ragdoll
-from halfphysics.result import Result
-from halfphysics.scene import Scene
-from halfphysics.sequence import Sequence
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.results.result import Result
+from halfphysics.scene.scene import Scene
+from halfphysics.simulation.sequence import Sequence
 
 Values = Mapping[str, Any]
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from halfphysics import rotations as rot
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.base import rotations as rot
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 WRIST = JOINT_INDEX["right_wrist"]
 

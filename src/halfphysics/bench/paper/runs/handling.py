@@ -10,9 +10,9 @@ import numpy as np
 from halfphysics import scenarios
 from halfphysics.bench.paper.evidence import Outcome
 from halfphysics.bench.paper.runs import grasping, lifting, playing
-from halfphysics.scenarios import grasp_glass, place_glass
-from halfphysics.sequence import Sequence
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.scenarios.stories import grasp_glass, place_glass
+from halfphysics.simulation.sequence import Sequence
 
 Values = Mapping[str, Any]
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.bench.paper.runs import playing
-from halfphysics.scenarios.lift_suitcase import UP
-from halfphysics.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.scenarios.stories.lift_suitcase import UP
 
 if TYPE_CHECKING:
-    from halfphysics.result import Result
+    from halfphysics.results.result import Result
 
 #: Where a palm presses, from the wrist joint along the hand at rest [m].
 PALM = 0.054

@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics import metrics, scenarios
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.result import SETTLE
+from halfphysics.motion.skeleton import N_JOINTS, PARENTS
+from halfphysics.results.result import SETTLE
 from halfphysics.settings import Settings
-from halfphysics.skeleton import N_JOINTS, PARENTS
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.motion import Motion
-    from halfphysics.result import ObjectTrack, Result
-    from halfphysics.sequence import Sequence
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import ObjectTrack, Result
+    from halfphysics.simulation.sequence import Sequence
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def play(name: str, options: Mapping[str, Any], choice: Mapping[str, Any]) -> Re
 
 def run(sequence: Sequence, choice: Mapping[str, Any]) -> Result:
     """A result with the settings chosen; that time was lost is a number here and no warning."""
-    from halfphysics.simulation import simulate
+    from halfphysics.simulation.simulate import simulate
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HalfPhysicsWarning)
@@ -58,7 +58,7 @@ def strip(
 
     It has the frames given, as far as there are any, or the key frames.
     """
-    from halfphysics.strip import key_frames, strip_png
+    from halfphysics.render.contact_sheet import key_frames, strip_png
 
     if not wanted:
         return {}
@@ -81,7 +81,7 @@ def penetration(
 
 def default_body(sequence: Sequence) -> Body:
     """Who plays a scenario of one person."""
-    from halfphysics.body import Body
+    from halfphysics.body.body import Body
 
     return sequence.bodies[0] or Body.default()
 

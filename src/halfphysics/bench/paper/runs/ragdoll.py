@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics.engine.following import by_velocity
-from halfphysics.engine.model import EngineModel
+from halfphysics.baselines.engine.following import by_velocity
+from halfphysics.baselines.engine.model import EngineModel
 from halfphysics.settings import Settings
-from halfphysics.simulator import Simulator
+from halfphysics.simulation.simulator import Simulator
 
 if TYPE_CHECKING:
-    from halfphysics.motion import Motion
-    from halfphysics.sequence import Sequence
+    from halfphysics.motion.motion import Motion
+    from halfphysics.simulation.sequence import Sequence
 
 #: Steps of MuJoCo per frame, and for how many one is made where nothing drives the body: loose
 #: chains of ball joints are less stable than driven ones.

@@ -13,9 +13,9 @@ from halfphysics.bench.paper.rooms import verify
 from halfphysics.bench.paper.runs import choices, playing
 
 if TYPE_CHECKING:
-    from halfphysics.body import Body
-    from halfphysics.result import Result
-    from halfphysics.sequence import Sequence as Played
+    from halfphysics.body.body import Body
+    from halfphysics.results.result import Result
+    from halfphysics.simulation.sequence import Sequence as Played
 
 #: Statures [m] of those who visit, in turns; None: the default body.
 _STATURES = (None, 1.62, 1.84)
@@ -36,8 +36,8 @@ def made(number: int, seed: int, ways: Sequence[str], strip: bool, quick: bool) 
     """One of the test scenes: its room, and its motion as asked for and played in all `ways`."""
     from halfphysics.bench.paper.rooms.layout import room
     from halfphysics.bench.paper.rooms.visits import visit
-    from halfphysics.body import Body
-    from halfphysics.sequence import Sequence as Played
+    from halfphysics.body.body import Body
+    from halfphysics.simulation.sequence import Sequence as Played
 
     stature = _STATURES[number % len(_STATURES)]
     body = Body.default() if stature is None else Body.default(stature=stature)

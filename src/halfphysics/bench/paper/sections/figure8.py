@@ -22,7 +22,7 @@ from halfphysics.bench.paper.evidence import (
     at_most,
 )
 from halfphysics.bench.paper.runs import choices, playing
-from halfphysics.skeleton import JOINT_INDEX
+from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: Speed of the foot as it meets the ball [m/s].
 SPEED = 12.0

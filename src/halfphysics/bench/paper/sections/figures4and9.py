@@ -23,7 +23,7 @@ from halfphysics.bench.paper.evidence import (
     at_most,
 )
 from halfphysics.bench.paper.runs import choices, playing
-from halfphysics.skeleton import JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_NAMES
 
 #: Row -> what the paper shows it in, the scenario and its options.
 SCENES: dict[str, tuple[str, str, dict[str, Any]]] = {

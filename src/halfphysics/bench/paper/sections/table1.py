@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from halfphysics import rotations as rot
+from halfphysics.base import rotations as rot
 from halfphysics.bench.paper import published
 from halfphysics.bench.paper.evidence import (
     Content,
@@ -23,15 +23,9 @@ from halfphysics.bench.paper.motions import sources
 from halfphysics.bench.paper.motions.sources import Group
 from halfphysics.bench.paper.runs import following
 from halfphysics.bench.paper.runs.choices import LIMP, Choice, said
-from halfphysics.bench.paper.runs.following import (
-    mean,
-    outcomes,
-    remarks,
-    success,
-    task,
-)
-from halfphysics.body import Body
-from halfphysics.motion import Motion
+from halfphysics.bench.paper.runs.following import mean, outcomes, remarks, success, task
+from halfphysics.body.body import Body
+from halfphysics.motion.motion import Motion
 
 #: Rows of every group of motions: name -> setting.
 RUNS: dict[str, Choice] = {"half-physics": LIMP, "half-physics, our default": {}}

@@ -1,0 +1,1 @@
+"""What every layer stands on: checks, rotations, axes, files, digests, worker processes."""

@@ -1,0 +1,73 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO, Any
+
+from halfphysics.base.validation import file_path
+from halfphysics.errors import FileError
+
+
+@contextlib.contextmanager
+def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """An empty file for another program to write that replaces `path` when the block ends.
+
+    It lies beside the target (same file system, so that the replacement is one step) and is
+    removed when anything goes wrong.
+
+    Raises:
+        FileError: The folder is missing, `path` is a folder, a pipe or a device, or writing fails.
+    """
+    path = file_path(path)
+    if not path.parent.is_dir():
+        raise FileError(
+            f"{path}: cannot write, the folder {path.parent} does not exist. Create it first"
+        )
+    if path.is_dir():
+        raise FileError(f"{path}: cannot write, this is a folder. Give a file name")
+    if path.exists() and not path.is_file():
+        raise FileError(f"{path}: cannot write, this is a pipe or a device. Give a file name")
+    try:
+        descriptor, name = tempfile.mkstemp(
+            dir=path.parent, prefix=f".{path.name}.", suffix=".part"
+        )
+    except OSError as error:
+        raise FileError(f"{path}: cannot write in {path.parent}: {reason(error)}") from None
+    os.close(descriptor)
+    temporary = Path(name)
+    try:
+        yield temporary
+        # mkstemp makes files private; give the rights a plain open() would.
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        os.replace(temporary, path)
+    except OSError as error:
+        raise FileError(f"{path}: cannot write: {reason(error)}") from None
+    finally:
+        with contextlib.suppress(OSError):  # what went wrong before is what is said
+            temporary.unlink(missing_ok=True)
+
+
+def reason(error: OSError) -> str:
+    """Why the system would not write, and what to do where its disk is full."""
+    said = error.strerror or str(error)
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    return f"{said}. Make room on the disk and try again" if full else said
+
+
+@contextlib.contextmanager
+def atomic_write(path: str | os.PathLike[str]) -> Iterator[IO[Any]]:
+    """A binary file to write to that replaces `path` when the block ends without an error.
+
+    Raises:
+        FileError: As `atomic_path`.
+    """
+    with atomic_path(path) as temporary, temporary.open("wb") as handle:
+        yield handle

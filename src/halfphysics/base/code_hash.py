@@ -1,0 +1,57 @@
+"""Which program this is: what another one computed is not taken for its own."""
+
+from __future__ import annotations
+
+import hashlib
+import zlib
+from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from pathlib import Path
+from types import MappingProxyType
+
+from halfphysics.base.digests import sha256_of
+
+#: What numbers come from beside the native core: code, the default body and what else is read.
+_KINDS = frozenset({".py", ".npz", ".json", ".yaml", ".xml"})
+#: Packages whose version decides numbers; the last one is optional and cuts meshes into pieces.
+_ENGINES = ("mujoco", "numpy", "scipy", "trimesh", "coacd")
+
+
+@cache
+def engines() -> Mapping[str, str | None]:
+    """Versions of what numbers and bytes depend on; None: a package that is not installed."""
+
+    def known(name: str) -> str | None:
+        try:
+            return version(name)
+        except PackageNotFoundError:
+            return None
+
+    # Builds of zlib pack the same numbers into different bytes.
+    packs = {"zlib": zlib.ZLIB_RUNTIME_VERSION}
+    return MappingProxyType({name: known(name) for name in _ENGINES} | packs)
+
+
+@cache
+def program() -> str:
+    """SHA-256 of the package's files and of the versions of what it computes with."""
+    digest = hashlib.sha256()
+    folder = Path(__file__).parents[1]
+    files = {
+        path.relative_to(folder).as_posix(): path
+        for path in folder.rglob("*")
+        if path.suffix in _KINDS
+    }
+    # The one that is used: there may be others beside it, and in an editable install it is
+    # somewhere else.
+    native = find_spec("halfphysics._native")
+    if native is not None and native.origin is not None:
+        files["_native"] = Path(native.origin)
+    for name, path in sorted(files.items()):
+        content = sha256_of(path)
+        digest.update(f"{name} {content}\n".encode())
+    for name, which in engines().items():
+        digest.update(f"{name} {which}\n".encode())
+    return digest.hexdigest()

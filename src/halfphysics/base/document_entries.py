@@ -1,0 +1,106 @@
+"""Values of a document's entries, each mistake with its place in the file (a `FileError`)."""
+
+from __future__ import annotations
+
+import difflib
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from halfphysics.base.document_tree import Entry
+from halfphysics.base.validation import shown
+from halfphysics.errors import HalfPhysicsError
+
+Read = Callable[[Entry], Any]
+
+
+def guarded(entry: Entry, make: Callable[..., Any], *args: Any) -> Any:
+    """make(*args), with the place in the file put before what goes wrong."""
+    try:
+        return make(*args)
+    except HalfPhysicsError as error:
+        raise entry.error(str(error)) from error
+
+
+def mapping(entry: Entry, allowed: tuple[str, ...], suffix: str = "") -> dict[str, Entry]:
+    """A mapping with no keys but the allowed ones; `suffix` says what they are the keys of."""
+    if not isinstance(entry.value, dict):
+        raise entry.error(f"expected a mapping with {', '.join(allowed)}, found {describe(entry)}")
+    for key, child in entry.value.items():
+        if key not in allowed:
+            close = difflib.get_close_matches(key, allowed, n=1, cutoff=0.6)
+            hint = f"; did you mean {close[0]}?" if close else "."
+            raise child.error(f"unknown key {key!r}{suffix}{hint} Allowed: {', '.join(allowed)}")
+    return entry.value
+
+
+def named_entries(entry: Entry, of: str) -> dict[str, Entry]:
+    """A mapping with keys of any name; `of` says from what to what."""
+    if not isinstance(entry.value, dict):
+        raise entry.error(f"expected a mapping ({of}), found {describe(entry)}")
+    return entry.value
+
+
+def items(entry: Entry | None) -> list[Entry]:
+    """A list; what is left out has nothing in it."""
+    if entry is None or entry.value is None:
+        return []
+    if not isinstance(entry.value, list):
+        raise entry.error(f"expected a list, found {describe(entry)}")
+    return entry.value
+
+
+def sequence(entry: Entry, size: int, form: str) -> list[Entry]:
+    """A list of `size` entries; `form` says which."""
+    if not isinstance(entry.value, list) or len(entry.value) != size:
+        raise entry.error(f"expected {form}, found {describe(entry)}")
+    return entry.value
+
+
+def number(entry: Entry) -> float:
+    """A finite number."""
+    value = entry.value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise entry.error(f"expected a number, found {describe(entry)}")
+    if not abs(value) <= sys.float_info.max:  # nan, and whole numbers of 309 digits, are not
+        raise entry.error(f"expected a finite number, found {shown(value)}")
+    return float(value)
+
+
+def vector(size: int) -> Read:
+    """What reads a list of `size` finite numbers."""
+    return lambda entry: [
+        number(child) for child in sequence(entry, size, f"a list of {size} numbers")
+    ]
+
+
+def text(entry: Entry) -> str:
+    """Text that is not empty."""
+    if not isinstance(entry.value, str) or not entry.value:
+        raise entry.error(f"expected text, found {describe(entry)}")
+    return entry.value
+
+
+def flag(entry: Entry) -> bool:
+    """True or false."""
+    if not isinstance(entry.value, bool):
+        raise entry.error(f"expected true or false, found {describe(entry)}")
+    return entry.value
+
+
+def choice(entry: Entry, options: tuple[str, ...]) -> str:
+    """One of the options."""
+    if entry.value not in options:
+        close = difflib.get_close_matches(str(entry.value), options, n=1)
+        hint = f"; did you mean {close[0]}?" if close else ""
+        raise entry.error(f"expected one of {', '.join(options)}, found {describe(entry)}{hint}")
+    return entry.value
+
+
+def describe(entry: Entry) -> str:
+    """What was found, for a message."""
+    if isinstance(entry.value, dict):
+        return "a mapping" + (f" ({', '.join(entry.value)})"[:80] if entry.value else "")
+    if isinstance(entry.value, list):
+        return f"a list of {len(entry.value)}"
+    return "nothing" if entry.value is None else shown(entry.value)

@@ -1,0 +1,120 @@
+"""Objects that Python programs stored: pickles and what is built on them.
+
+Plain pickles, joblib dumps (compressed or not), `.npy` files of objects and files of `torch.save`:
+all go through `restricted_pickle`. Data comes out and nothing is run.
+"""
+
+from __future__ import annotations
+
+import bz2
+import lzma
+import pickle
+import zlib
+from pathlib import Path
+from typing import Any
+
+from halfphysics.base import restricted_pickle, torch_file
+from halfphysics.base.atomic import atomic_write
+from halfphysics.base.npy import Npy
+from halfphysics.base.restricted_pickle import MAX_BYTES
+from halfphysics.errors import FileError
+
+#: Protocol 2 and later say what they are; earlier ones are told by their names.
+_PROTOCOL = b"\x80"
+_SUFFIXES = (".pkl", ".pickle", ".p", ".joblib", ".pt", ".pth")
+_ZIP, _NPY, _LZ4 = b"PK", b"\x93NUMPY", b"\x04\x22M\x18"
+#: A text that has been given the name of a pickle, and what may stand before it.
+_BVH, _BLANK = b"HIERARCHY", b"\xef\xbb\xbf \t\r\n"
+_CHUNK = 2**20
+
+
+def is_stored(path: Path, head: bytes) -> bool:
+    """Whether a file that begins with `head` is a stored object."""
+    if head.startswith(_ZIP):
+        return torch_file.is_torch(path)
+    if head.startswith(_NPY):
+        return Npy(path).dtype.hasobject
+    if head.startswith(_PROTOCOL):
+        return True
+    return path.suffix.lower() in _SUFFIXES and not head.lstrip(_BLANK).startswith(_BVH)
+
+
+def read(path: Path) -> Any:
+    """What is stored in a file: numbers, strings, numpy arrays and containers.
+
+    Raises:
+        FileError: Anything else is in it, it is damaged, or unpacks to more than `MAX_BYTES`.
+    """
+    try:
+        with path.open("rb") as handle:
+            head = handle.read(len(_NPY))
+            if head.startswith(_ZIP):
+                return torch_file.read(path)
+            handle.seek(Npy(path).offset if head == _NPY else 0)
+            size = path.stat().st_size
+            if size > MAX_BYTES:
+                raise _too_large(path, size)
+            data = handle.read()
+    except OSError as error:
+        raise FileError(f"{path}: cannot read: {error.strerror}") from None
+    content = restricted_pickle.loads(_unpacked(path, data), path)
+    if head == _NPY and getattr(content, "size", 0) == 1:
+        return content.item()  # numpy.save of a dict
+    if isinstance(content, int) and content == torch_file.OLD_MAGIC:
+        raise FileError(
+            f"{path}: a file of torch before 1.6, which is not read. Load it with torch and save "
+            "it again with torch.save"
+        )
+    return content
+
+
+def _unpacked(path: Path, data: bytes) -> bytes:
+    """`data` decompressed, where it is compressed as joblib does it."""
+    unpacker: Any
+    if data[:2] == b"\x1f\x8b" or data[:1] == b"\x78":
+        unpacker = zlib.decompressobj(wbits=47)  # zlib or gzip
+    elif data[:3] == b"BZh":
+        unpacker = bz2.BZ2Decompressor()
+    elif data[:6] == b"\xfd7zXZ\x00" or data[:3] == b"]\x00\x00":
+        unpacker = lzma.LZMADecompressor()
+    elif data[:4] == _LZ4:
+        raise FileError(
+            f"{path}: compressed with lz4, which is not read. Save it again with "
+            "joblib.dump(..., compress=3)"
+        )
+    else:
+        return data
+    pieces: list[bytes] = []
+    total = 0
+    try:
+        while not unpacker.eof:
+            piece = unpacker.decompress(data, _CHUNK)
+            data = getattr(unpacker, "unconsumed_tail", b"")
+            total += len(piece)
+            if total > MAX_BYTES:
+                raise _too_large(path, total)
+            if not piece and not data and getattr(unpacker, "needs_input", True):
+                raise EOFError("it ends in the middle")
+            pieces.append(piece)
+    except (zlib.error, lzma.LZMAError, OSError, ValueError, EOFError) as error:
+        raise FileError(
+            f"{path}: damaged or truncated ({error}). Download or copy the file again"
+        ) from None
+    return b"".join(pieces)
+
+
+def _too_large(path: Path, size: int) -> FileError:
+    return FileError(
+        f"{path}: {size / 2**30:.1f} GiB, expected at most {MAX_BYTES / 2**30:.0f} GiB in one "
+        "stored object"
+    )
+
+
+def write(path: Path, data: Any) -> None:
+    """Pickle arrays, numbers, strings and containers of them.
+
+    Raises:
+        FileError: The folder is missing or cannot be written; nothing is left behind.
+    """
+    with atomic_write(path) as handle:
+        pickle.dump(data, handle, protocol=4)

@@ -1,0 +1,1 @@
+"""A person's shape: skin, mass, rigid parts, skin hulls, strength."""

@@ -1,0 +1,396 @@
+"""Body: a shape and its skin. Where the joints and the vertices of a motion are."""
+
+from __future__ import annotations
+
+import dataclasses
+import operator
+import os
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.body import skinning
+from halfphysics.body.shape_space import ShapeSpace, Source
+from halfphysics.errors import HalfPhysicsWarning, InputError, MismatchError
+from halfphysics.motion.skeleton import N_JOINTS
+
+if TYPE_CHECKING:
+    from halfphysics.body.skin_hulls import SkinHulls
+    from halfphysics.body.variant import Variant
+    from halfphysics.motion.motion import Motion
+    from halfphysics.motion.pose import Pose
+
+Array = NDArray[np.float64]
+
+#: Model of the body that comes with the package. Its betas are its own.
+FREE = "free"
+_ASSET = Path(__file__).parents[1] / "assets" / "body.npz"
+_STATURES = (0.4, 2.8)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Body:
+    """A person's shape: skin, joints, and how they move. Immutable: its arrays are read-only.
+
+    The rest frame is SMPL-X's: y up, z forward, x to the body's left. Files of SMPL-H and SMPL
+    are fitted into the 55 SMPL-X joints: a joint that the file does not have sits at its parent
+    and carries no skin.
+
+    Attributes:
+        betas: Shape coefficients, one per shape direction of the model, shape (n,).
+        gender: "neutral", "male", "female", or "unknown".
+        model: "smplx", "smplh", "smpl", or "free" (the body that comes with the package).
+        faces: Triangles, shape (F, 3), int32, counter-clockwise from outside.
+        weights: Skinning weights, rows sum to one, shape (V, 55).
+        rest_vertices: Skin at rest [m]: template and shape, shape (V, 3).
+        rest_joints: Joints at rest [m], shape (55, 3).
+        posedirs: Pose blend shapes [m], shape (V, 3, 486), or None.
+        hands_mean: Relaxed left and right hand, axis-angle [rad], shape (2, 45), or None.
+        hands_components: Their principal components, shape (2, 45, 45), or None.
+        source: (path, sha256) of the model file, or None for the default body.
+        template_source: (path, sha256) of a per-subject template, or None.
+        mean_vertices: Skin of the model's mean shape at rest [m], shape (V, 3), or None: what must
+            not depend on the shape is made from it.
+        mean_joints: Joints of the mean shape [m], shape (55, 3), or None.
+    """
+
+    betas: Array
+    gender: str
+    model: str
+    faces: NDArray[np.int32]
+    weights: Array
+    rest_vertices: Array
+    rest_joints: Array
+    posedirs: Array | None = None
+    hands_mean: Array | None = None
+    hands_components: Array | None = None
+    source: Source | None = None
+    template_source: Source | None = None
+    mean_vertices: Array | None = None
+    mean_joints: Array | None = None
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray):
+                value = np.ascontiguousarray(value).view()
+                value.setflags(write=False)
+                object.__setattr__(self, field.name, value)
+
+    @classmethod
+    def default(cls, betas: ArrayLike | None = None, stature: float | None = None) -> Body:
+        """The body that comes with the package, free of anyone's licence.
+
+        Without a shape of its own it is one object in a process, so that its parts are made once.
+
+        Args:
+            betas: Its own shape coefficients (not SMPL-X's), up to 10; None: the mean adult.
+            stature: Height [m]: the shape is scaled evenly to it. None: as it is.
+
+        Raises:
+            InputError: Impossible betas, or a stature outside 0.4 to 2.8 m.
+        """
+        if betas is None and cls is Body:
+            body = _mean()
+        else:
+            body = cls.shaped(_free(), betas, stacklevel=3)
+        if stature is None:
+            return body
+        try:
+            stature = float(stature)
+        except (TypeError, ValueError):
+            raise InputError(f"stature: found {stature!r}, expected metres, such as 1.75") from None
+        low, high = _STATURES
+        if not low <= stature <= high:
+            raise InputError(f"stature: found {stature:g}, expected {low} to {high} metres")
+        factor = stature / body.stature
+        return dataclasses.replace(
+            body,
+            rest_vertices=body.rest_vertices * factor,
+            rest_joints=body.rest_joints * factor,
+            posedirs=None if body.posedirs is None else body.posedirs * factor,
+        )
+
+    @classmethod
+    def load(
+        cls,
+        path: str | os.PathLike[str] | None = None,
+        betas: ArrayLike | None = None,
+        gender: str | None = None,
+        *,
+        model: str | None = None,
+        v_template: ArrayLike | str | os.PathLike[str] | None = None,
+    ) -> Body:
+        """A body of an SMPL-X, SMPL-H or SMPL model file, .npz or .pkl (nothing in it is run).
+
+        Args:
+            path: The file, or a folder laid out as the smplx package has it
+                (``folder/smplx/SMPLX_NEUTRAL.npz`` or ``folder/SMPLX_NEUTRAL.npz``).
+                None: the folder ``$HALFPHYSICS_MODELS``; names not found here are looked for
+                there too.
+            betas: Shape coefficients, any number: zeros are added. None: the mean shape.
+            gender: "neutral", "male" or "female": which file of a folder, or what a file is
+                whose name does not say.
+            model: "smplx", "smplh" or "smpl": which model of a folder. None: the first of these
+                that is there.
+            v_template: Per-subject template [m] that replaces the model's mean: vertices (V, 3)
+                or a PLY or OBJ file.
+
+        Warns:
+            HalfPhysicsWarning: More betas than the model has shape directions.
+
+        Raises:
+            FileError: No such file, not a body model, damaged, or a pickle of more than data.
+            InputError: Impossible betas, gender, model or template, or a folder where several
+                files fit.
+        """
+        from halfphysics.body.model_files import read_model
+
+        space = read_model(path, gender=gender, model=model, v_template=v_template)
+        return cls.shaped(space, betas, stacklevel=3)
+
+    @classmethod
+    def shaped(cls, space: ShapeSpace, betas: ArrayLike | None = None, stacklevel: int = 2) -> Body:
+        """A body of a model that is read already: one file, many shapes.
+
+        Args:
+            space: What `halfphysics.body.model_files.read_model` returned.
+            betas: As in `load`.
+            stacklevel: Of warnings.
+        """
+        full = space.betas(betas, stacklevel=stacklevel + 1)
+        vertices, joints = space.shaped(full)
+        mean_vertices, mean_joints = space.shaped(np.zeros(0))
+        return cls(
+            betas=full,
+            gender=space.gender,
+            model=space.model,
+            faces=space.faces,
+            weights=space.weights,
+            rest_vertices=vertices,
+            rest_joints=joints,
+            posedirs=space.posedirs,
+            hands_mean=space.hands_mean,
+            hands_components=space.hands_components,
+            source=space.source,
+            template_source=space.template_source,
+            mean_vertices=mean_vertices,
+            mean_joints=mean_joints,
+        )
+
+    @property
+    def stature(self) -> float:
+        """Height of the skin at rest [m], soles to crown."""
+        return float(np.ptp(self.rest_vertices[:, 1]))
+
+    def joints(self, motion: Motion | Pose) -> Array:
+        """World positions of the joints [m], shape (T, 55, 3); of a pose (55, 3)."""
+        return self.joint_frames(motion)[0]
+
+    def joint_frames(self, motion: Motion | Pose) -> tuple[Array, Array]:
+        """World frames of the joints.
+
+        The pelvis is at ``axes @ rest_joints[0] + translation``.
+
+        Returns:
+            Positions (T, 55, 3) [m] and unit quaternions (T, 55, 4), wxyz, world from joint; of
+            a pose (55, 3) and (55, 4).
+
+        Raises:
+            InputError: `motion` has not 55 rotations per frame.
+        """
+        rotations, root, single = self._state(motion)
+        positions, quaternions = skinning.kinematics(rotations, root, self.rest_joints)
+        return (positions[0], quaternions[0]) if single else (positions, quaternions)
+
+    def vertices(
+        self,
+        motion: Motion | Pose,
+        frames: int | slice | Sequence[int] | NDArray[np.integer] | None = None,
+        *,
+        indices: ArrayLike | None = None,
+        threads: int = 1,
+    ) -> Array:
+        """World positions of the skin [m].
+
+        Args:
+            motion: A motion, or one pose.
+            frames: Which frames, as an index of numpy; None: all. A single number gives (V, 3).
+            indices: Which vertices, shape (n,); None: all.
+            threads: How many threads share the work; the result is the same to the last bit.
+
+        Returns:
+            Vertices, shape (T, V, 3); of a pose or one frame (V, 3).
+
+        Raises:
+            InputError: `motion` has not 55 rotations per frame, or frames or vertices that are
+                not there are asked for.
+        """
+        rotations, root, single = self._state(motion)
+        if frames is not None:
+            if single:
+                raise InputError("frames: a single pose has no frames to choose from")
+            rotations, root, single = _pick(rotations, root, frames)
+        positions, quaternions = skinning.kinematics(rotations, root, self.rest_joints)
+        out = skinning.skin(
+            self.skin,
+            rotations,
+            positions,
+            quaternions,
+            indices=None if indices is None else np.asarray(indices),
+            threads=threads,
+        )
+        return out[0] if single else out
+
+    @cached_property
+    def skin(self) -> skinning.Skin:
+        """What `halfphysics.body.skinning` takes."""
+        return skinning.Skin(
+            rest_vertices=self.rest_vertices,
+            rest_joints=self.rest_joints,
+            weights=self.weights,
+            posedirs=self.posedirs,
+        )
+
+    @cached_property
+    def variant(self) -> Variant:
+        """The 55 rigid parts of this shape, made once."""
+        from halfphysics.body.variant import build_variant
+
+        return build_variant(self)
+
+    @cached_property
+    def skin_hulls(self) -> SkinHulls:
+        """Vertex sets of whole faces, whose hulls cover the skin at every pose.
+
+        The same for all shapes and statures of a model.
+        """
+        from halfphysics.body.skin_hulls import skin_hulls
+
+        if self.mean_vertices is None or self.mean_joints is None:
+            return skin_hulls(self.faces, self.weights, self.rest_vertices, self.rest_joints)
+        return skin_hulls(self.faces, self.weights, self.mean_vertices, self.mean_joints)
+
+    @cached_property
+    def skin_corners(self) -> SkinHulls:
+        """`skin_hulls` without the vertices that are inside at every pose of this very shape."""
+        from halfphysics.body.skin_corners import without_inner
+
+        return without_inner(self.skin_hulls, self.weights, self.rest_vertices, self.posedirs)
+
+    def save_mjcf(self, path: str | os.PathLike[str]) -> None:
+        """Write the 55 rigid parts as a MuJoCo model (MJCF) that stock MuJoCo opens.
+
+        Raises:
+            FileError: The file cannot be written; nothing is left behind.
+        """
+        from halfphysics.base.atomic import atomic_write
+        from halfphysics.body.mjcf_person import to_mjcf
+
+        text = to_mjcf(self.variant)
+        with atomic_write(path) as handle:
+            handle.write(text.encode("utf-8"))
+
+    def _state(self, motion: Motion | Pose) -> tuple[Array, Array, bool]:
+        """Rotations (T, 55, 3), pelvis positions (T, 3), and whether it was a single pose."""
+        try:
+            rotations = np.asarray(motion.rotations, dtype=np.float64)
+            translation = np.asarray(motion.translation, dtype=np.float64)
+        except AttributeError:
+            raise InputError(
+                f"motion: found {type(motion).__name__}, expected a Motion or a Pose"
+            ) from None
+        single = rotations.ndim == 2
+        if rotations.shape[-2:] != (N_JOINTS, 3) or translation.shape != (
+            *rotations.shape[:-2],
+            3,
+        ):
+            raise InputError(
+                f"motion: found rotations {rotations.shape} and translation {translation.shape}, "
+                f"expected (T, {N_JOINTS}, 3) and (T, 3), or those of one frame"
+            )
+        axes = np.asarray(getattr(motion, "axes", np.eye(3)), dtype=np.float64)
+        root = translation + axes @ self.rest_joints[0]
+        return rotations.reshape(-1, N_JOINTS, 3), root.reshape(-1, 3), single
+
+    def __repr__(self) -> str:
+        origin = "" if self.source is None else f", {self.source.path}"
+        return (
+            f"Body({self.model} {self.gender}, {self.stature:.3f} m, "
+            f"{len(self.rest_vertices)} vertices{origin})"
+        )
+
+
+def check_match(motion: Motion, body: Body, allow_mismatch: bool = False) -> None:
+    """Refuse a motion and a body whose betas do not mean the same.
+
+    The default body goes with every motion; betas are then not carried over.
+
+    Args:
+        motion: Its `model`, `gender` and `betas` are looked at.
+        body: Its `model` and `gender` are.
+        allow_mismatch: Take the body as it is, whatever the motion says.
+
+    Warns:
+        HalfPhysicsWarning: The body is the default one and the motion has a shape of its own.
+
+    Raises:
+        MismatchError: Model or gender differ.
+    """
+    if body.model == FREE:
+        if motion.betas is not None and np.any(motion.betas):
+            warnings.warn(
+                f"the motion's betas are {motion.model} {motion.gender}'s and the default body "
+                "has its own: its shape is used as it is. Only stature carries over: "
+                "Body.default(stature=...) [m]; or load the motion's model with Body.load",
+                HalfPhysicsWarning,
+                stacklevel=3,
+            )
+        return
+    if allow_mismatch:
+        return
+    unknown = (None, "", "unknown")
+    same_gender = motion.gender == body.gender or motion.gender in unknown or body.gender in unknown
+    if motion.model == body.model and same_gender:
+        return
+    name = "" if body.source is None else f" ({body.source.path})"
+    raise MismatchError(
+        f"the motion is of {motion.model} {motion.gender}, the body{name} of {body.model} "
+        f"{body.gender}: betas do not carry over. Load the motion's model (Body.load(folder, "
+        f"betas=motion.betas, gender='{motion.gender}', model='{motion.model}')), use "
+        "Body.default(), or keep this body and its shape with allow_mismatch=True"
+    )
+
+
+@cache
+def _free() -> ShapeSpace:
+    from halfphysics.body.model_files import read_model
+
+    space = read_model(_ASSET, gender="neutral")
+    return dataclasses.replace(space, model=FREE, source=None)
+
+
+@cache
+def _mean() -> Body:
+    """The default body as it is."""
+    return Body.shaped(_free())
+
+
+def _pick(
+    rotations: Array, root: Array, frames: int | slice | Sequence[int] | NDArray[np.integer]
+) -> tuple[Array, Array, bool]:
+    try:
+        single = not isinstance(frames, slice) and np.ndim(frames) == 0
+        key = [operator.index(frames)] if single else frames  # type: ignore[arg-type]
+        rotations, root = rotations[key], root[key]  # type: ignore[index]
+    except (IndexError, TypeError, ValueError) as error:
+        raise InputError(f"frames: found {frames!r}, of {len(root)} frames: {error}") from None
+    if rotations.ndim != 3:
+        raise InputError(f"frames: found {frames!r}, expected a number, a slice or a list of them")
+    return rotations, root, single

@@ -1,0 +1,309 @@
+"""Which faces of a skin share a convex hull: cut by joints, then where the hulls bulge most.
+
+The bulge of a hull over a face is how far one travels from the face along its normal until one
+leaves the hull. It is looked at in a few bent poses, because hollows open and close, and counts as
+what is seen of it: how far the place where one leaves is from all skin, which is nothing inside
+other skin and little in a crease. Cuts are planes of the rest pose; each next cut is the one that
+takes away most of
+
+    sum over poses, hulls and faces of area * bulge^2
+
+(greedily: the best cut of every piece is known once that piece's whole sum is the largest left).
+Hulls are looked at through their support in some hundred directions, faces through samples:
+an estimate that chooses cuts. That hulls cover the skin does not depend on it.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.body import skinning
+from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+Ints = NDArray[np.int64]
+
+#: Pieces to cut the skin into, joints' own pieces included.
+PIECES = 90
+#: Faces that stand for a part's neighbourhood: one in 16, at least and at most.
+SAMPLES = (64, 256)
+#: Normals of a piece that stand for its hull's, and directions of the sphere beside them. Twice as
+#: many of these and of the samples change the gaps by under a tenth.
+NORMALS, SPHERE = 32, 64
+#: Places along each axis at which a cut is tried.
+LEVELS = 5
+#: A part's hulls are held against all faces whose weight of it is at least this: a hull also
+#: bulges over the faces beside it.
+BLEND = 0.2
+#: Steps [m] along a normal at which the distance of all skin is known; past the last it stays.
+STEPS = (0.0, 0.005, 0.01, 0.02, 0.04)
+#: Area of hands counts this many times: they are small, and touch most.
+HAND_FACTOR = 5.0
+#: Left and right bulge alike: of what differs by less than this share the first counts, so that
+#: rounding does not choose, and machines agree.
+TIE = 1e-3
+#: Lift of a level [m]: more than rounding, less than anything else.
+NUDGE = 1e-6
+#: Directions within about this cosine of a right angle to a normal say nothing about its bulge.
+GRAZING = 0.05
+
+#: Where each step starts and how long it is, against (steps, P, m).
+_STARTS = np.array(STEPS[:-1], dtype=np.float32)[:, None, None]
+_WIDTHS = np.diff(STEPS).astype(np.float32)[:, None, None]
+
+_HANDS = [
+    *(JOINT_INDEX["left_wrist"], *LEFT_HAND_JOINTS),
+    *(JOINT_INDEX["right_wrist"], *RIGHT_HAND_JOINTS),
+]
+_FINGERS = tuple(f"{f}{k}" for f in ("index", "middle", "pinky", "ring") for k in (1, 2, 3))
+#: Bends [rad] that open and close the hollows of a body; of the left side where there are two,
+#: the right one is the mirror image. Sitting; standing, arched; arms up, legs apart; and at rest.
+_BENDS: tuple[dict[str, tuple[float, float, float]], ...] = (
+    {},
+    {
+        "hip": (-1.6, 0.1, 0.2), "knee": (1.9, 0.0, 0.0), "ankle": (-0.4, 0.0, 0.0),
+        "foot": (-0.4, 0.0, 0.0), "spine1": (0.3, 0.0, 0.0), "spine2": (0.3, 0.0, 0.0),
+        "spine3": (0.2, 0.0, 0.0), "neck": (0.3, 0.0, 0.0), "head": (0.3, 0.0, 0.0),
+        "shoulder": (0.0, -0.9, -0.5), "elbow": (0.0, -2.0, 0.0), "wrist": (0.0, 0.0, -0.6),
+        "jaw": (0.2, 0.0, 0.0), **dict.fromkeys(_FINGERS, (0.0, 0.0, -1.2)),
+    },
+    {
+        "hip": (0.2, 0.0, 0.0), "knee": (0.4, 0.0, 0.0), "ankle": (0.5, 0.0, 0.0),
+        "spine1": (-0.15, 0.0, 0.1), "spine2": (-0.15, 0.0, 0.1), "neck": (-0.3, 0.2, 0.0),
+        "head": (-0.2, 0.2, 0.0), "collar": (0.0, 0.0, -0.1), "shoulder": (0.0, 0.0, -1.2),
+        "elbow": (0.0, -0.4, 0.0), "wrist": (0.0, 0.0, 0.6),
+        **dict.fromkeys(_FINGERS, (0.0, 0.0, -0.4)),
+    },
+    {
+        "hip": (-0.7, 0.0, 0.3), "knee": (1.0, 0.0, 0.0), "spine1": (0.1, 0.2, 0.0),
+        "spine2": (0.1, 0.2, 0.0), "collar": (0.0, 0.0, 0.25), "shoulder": (0.0, 0.0, 1.1),
+        "elbow": (0.0, -1.0, 0.0), **dict.fromkeys(_FINGERS, (0.0, 0.0, -0.7)),
+    },
+)  # fmt: skip
+
+
+def bends() -> Array:
+    """Rotations of the poses that are looked at, shape (P, 55, 3)."""
+    out = np.zeros((len(_BENDS), N_JOINTS, 3))
+    for rotations, bend in zip(out, _BENDS, strict=True):
+        for joint, turn in bend.items():
+            if joint in JOINT_INDEX:
+                rotations[JOINT_INDEX[joint]] = turn
+            else:
+                rotations[JOINT_INDEX[f"left_{joint}"]] = turn
+                rotations[JOINT_INDEX[f"right_{joint}"]] = np.multiply(turn, (1.0, -1.0, -1.0))
+    return out
+
+
+def parts_of_faces(faces: Ints, weights: Array) -> Ints:
+    """The joint with the largest summed weight of each face, shape (F,)."""
+    a, b, c = faces.T
+    return (weights[a] + weights[b] + weights[c]).argmax(axis=1)
+
+
+def cut_faces(
+    faces: Ints, weights: Array, rest_vertices: Array, rest_joints: Array, pieces: int = PIECES
+) -> list[Ints]:
+    """Face indices of each piece, ascending: every face in one piece, no piece empty.
+
+    Args:
+        faces: Triangles, shape (F, 3).
+        weights: Skinning weights, shape (V, 55).
+        rest_vertices: Skin at rest [m], shape (V, 3).
+        rest_joints: Joints at rest [m], shape (55, 3).
+        pieces: How many to stop at. Joints with faces may be more; faces may be fewer.
+    """
+    part = parts_of_faces(faces, weights)
+    done = {k: np.flatnonzero(part == k) for k in np.unique(part).tolist()}
+    if not done:
+        return []
+    look = _Look(faces, weights, rest_vertices, rest_joints)
+    # Entries: minus the bulge that a cut could take away at most, or does take away once the cut
+    # is known; number of the piece; the cut.
+    heap: list[tuple[float, int, tuple[Ints, Ints] | None]]
+    heap = [
+        (-_coarse(look.at(part[piece[0]], piece).bulge()), k, None) for k, piece in done.items()
+    ]
+    heapq.heapify(heap)
+    number = N_JOINTS
+    while heap and len(done) < pieces:
+        _, k, cut = heapq.heappop(heap)
+        if cut is None:
+            gain, cut = look.at(part[done[k][0]], done[k]).best_cut()
+            if cut is not None:
+                heapq.heappush(heap, (-_coarse(gain), k, cut))
+            continue
+        del done[k]
+        for piece in cut:
+            done[number] = piece
+            bulge = look.at(part[piece[0]], piece).bulge()
+            heapq.heappush(heap, (-_coarse(bulge), number, None))
+            number += 1
+    return list(done.values())
+
+
+class _Samples(NamedTuple):
+    """Faces (m,) around a part: what each stands for, and what is outside of it."""
+
+    face: Ints
+    area: float | Floats  # (m,) [m^2]
+    slope: Floats  # (steps, P, m) of the distance from all skin on the way out, step to step
+
+
+class _Look:
+    """A skin in its bent poses."""
+
+    def __init__(self, faces: Ints, weights: Array, rest: Array, joints: Array) -> None:
+        from scipy.spatial import cKDTree
+
+        rotations = bends()
+        root = np.broadcast_to(joints[0], (len(rotations), 3))
+        frames = skinning.kinematics(rotations, root, joints)
+        skin = skinning.Skin(rest_vertices=rest, rest_joints=joints, weights=weights, posedirs=None)
+        posed = skinning.skin(skin, rotations, *frames)
+        a, b, c = np.moveaxis(posed[:, faces], 2, 0)
+        normal = np.cross(b - a, c - a)
+        size = np.linalg.norm(normal, axis=2)
+        self.faces = faces
+        self.rest = rest
+        self.rest_centre = rest[faces].mean(axis=1)
+        self.posed = posed.astype(np.float32)  # (P, V, 3)
+        self.centre = ((a + b + c) / 3.0).astype(np.float32)  # (P, F, 3)
+        self.normal = (normal / np.maximum(size, 1e-30)[:, :, None]).astype(np.float32)
+        self.share = weights[faces].mean(axis=1)
+        hand = self.share[:, _HANDS].sum(axis=1)
+        self.area = (0.5 * size[0] * (1.0 + (HAND_FACTOR - 1.0) * hand)).astype(np.float32)
+        self.trees = [cKDTree(centre) for centre in self.centre]
+        self.samples: dict[int, _Samples] = {}
+
+    def at(self, part: int, piece: Ints) -> _Piece:
+        """A piece of the part."""
+        if part not in self.samples:
+            near = np.flatnonzero(self.share[:, part] >= min(BLEND, self.share[piece, part].max()))
+            count = min(max(len(near) // 16, SAMPLES[0]), SAMPLES[1])
+            face = near[_spread(len(near), count)] if len(near) > count else near
+            area = self.area[face] * np.float32(len(near) / len(face))
+            self.samples[part] = _Samples(face, area, self._slopes(face))
+        return _Piece(self, piece, self.samples[part])
+
+    def _slopes(self, face: Ints) -> Floats:
+        """Of the distance from all skin on the way out of each face, shape (steps - 1, P, m)."""
+        away = np.zeros((len(STEPS), len(self.posed), len(face)), dtype=np.float32)
+        for p, tree in enumerate(self.trees):
+            outside = np.ones(len(face), dtype=bool)
+            for k, step in enumerate(STEPS[1:], start=1):
+                point = self.centre[p, face] + np.float32(step) * self.normal[p, face]
+                # Its own face is that near, so something is found.
+                distance, nearest = tree.query(point, distance_upper_bound=1.01 * step)
+                offset = point - self.centre[p, nearest]
+                outside &= (offset * self.normal[p, nearest]).sum(axis=1) > 0.0
+                away[k, p] = np.where(outside, np.minimum(distance, step), 0.0)
+        return np.diff(away, axis=0) / _WIDTHS
+
+
+class _Piece:
+    """A piece and its hull, seen from the samples of its part.
+
+    Arrays run over directions first (K, P, m): sums and extremes over directions are then quick.
+    """
+
+    def __init__(self, look: _Look, piece: Ints, samples: _Samples) -> None:
+        self.look, self.piece, self.samples = look, piece, samples
+        self.vertices = np.unique(look.faces[piece])
+        own = look.normal[:, piece[_spread(len(piece), NORMALS)]]
+        # A hull's facets over hollows face as the mean of what is on either side.
+        between = own + own[:, (np.arange(NORMALS) * 37 + 11) % NORMALS]
+        size = np.linalg.norm(between, axis=2, keepdims=True)
+        between = np.where(size > 0.3, between / np.maximum(size, 0.3), own)
+        sphere = np.broadcast_to(_SPHERE, (len(own), SPHERE, 3))
+        ways = np.concatenate([own, between, sphere], axis=1)  # (P, K, 3)
+        normal = look.normal[:, samples.face].transpose(0, 2, 1)
+        centre = look.centre[:, samples.face].transpose(0, 2, 1)
+        facing = np.ascontiguousarray(np.matmul(ways, normal).transpose(1, 0, 2))
+        facing = np.copysign(np.maximum(np.abs(facing), np.float32(GRAZING)), facing)
+        self.height = np.ascontiguousarray(np.matmul(ways, centre).transpose(1, 0, 2))
+        self.per = 1.0 / facing
+        # Added to the way through each plane: only those ahead end it, only those behind begin it.
+        behind = np.signbit(facing)
+        self.end = np.float32(1e6) * behind
+        self.begin = self.end - np.float32(1e6)
+        self.scratch = np.empty_like(self.height), np.empty_like(self.height)
+        self.support = np.matmul(look.posed[:, self.vertices], ways.transpose(0, 2, 1))  # (P, V, K)
+
+    def bulge(self) -> float:
+        """Of the whole piece."""
+        return self._bulge(self.support.max(axis=1))
+
+    def _bulge(self, support: Floats) -> float:
+        """Of the hull with support (P, K)."""
+        through, some = self.scratch
+        np.subtract(support.T[:, :, None], self.height, out=through)
+        through *= self.per
+        leave = np.add(through, self.end, out=some).min(axis=0)
+        enter = np.add(through, self.begin, out=some).max(axis=0)
+        leave = np.where(enter < leave, leave, 0.0)
+        passed = np.minimum(np.maximum(leave - _STARTS, 0.0), _WIDTHS)  # of each step
+        seen = (self.samples.slope * passed).sum(axis=0)
+        return float((self.samples.area * seen * seen).sum(dtype=np.float64))
+
+    def best_cut(self) -> tuple[float, tuple[Ints, Ints] | None]:
+        """How much bulge the best cut takes away, and the two pieces; (0, None) if none does."""
+        whole = self.bulge()
+        gain, cut = 0.0, None
+        vertices, centres = self.look.rest[self.vertices], self.look.rest_centre[self.piece]
+        offsets = vertices - vertices.mean(axis=0)
+        own = np.linalg.eigh(offsets.T @ offsets)[1].T
+        # Which way an axis points is up to rounding.
+        own *= np.sign(own[np.arange(3), np.abs(own).argmax(axis=1), None])
+        for axis in np.concatenate([own, np.eye(3)]):
+            along, face_along = vertices @ axis, centres @ axis
+            levels = np.unique(np.quantile(face_along, np.arange(1, LEVELS + 1) / (LEVELS + 1)))
+            # A level is often a face's own height, and its mirror image's: both are below.
+            levels = levels[levels > face_along.min()] + NUDGE
+            levels = levels[levels <= face_along.max()]
+            slab = np.searchsorted(levels, along, side="right")
+            nothing = np.full((len(self.support), self.support.shape[2]), -1e6, dtype=np.float32)
+            slabs = [
+                self.support[:, slab == k].max(axis=1) if (slab == k).any() else nothing
+                for k in range(len(levels) + 1)
+            ]
+            below = np.maximum.accumulate(slabs, axis=0)
+            above = np.maximum.accumulate(slabs[::-1], axis=0)[::-1]
+            for k, level in enumerate(levels):
+                # What is left over cannot grow: many levels are out after one look.
+                left = whole - self._bulge(below[k])
+                if left > gain * (1.0 + TIE):
+                    left -= self._bulge(above[k + 1])
+                if left > gain * (1.0 + TIE):
+                    under = face_along < level
+                    gain, cut = left, (self.piece[under], self.piece[~under])
+        return gain, cut
+
+
+def _coarse(value: float) -> float:
+    """The value to about the share `TIE`."""
+    mantissa, exponent = math.frexp(value)
+    return math.ldexp(round(mantissa / TIE) * TIE, exponent)
+
+
+def _spread(count: int, samples: int) -> Ints:
+    """Numbers 0 to count - 1, evenly, shape (samples,); some twice where there are fewer."""
+    return np.arange(samples) * count // samples
+
+
+def _sphere(count: int) -> Floats:
+    """Directions, evenly over the sphere: a golden spiral, shape (count, 3)."""
+    k = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * k / count
+    turn = np.pi * (1.0 + np.sqrt(5.0)) * k
+    ring = np.sqrt(1.0 - z * z)
+    return np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=1).astype(np.float32)
+
+
+_SPHERE = _sphere(SPHERE)

@@ -1,0 +1,147 @@
+"""The skin in convex pieces: vertex sets whose hulls cover it at every pose.
+
+A face whose three vertices are in one set lies in the hull of that set wherever skinning takes
+its vertices: hulls that are clear of something mean skin that is clear of it. `skin_cut` decides
+which faces go together. For the default body that was decided beforehand: `assets/body_cut.npz`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.body.skin_cut import cut_faces, parts_of_faces
+from halfphysics.errors import InputError
+from halfphysics.motion.skeleton import N_JOINTS
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_BAKED = Path(__file__).parents[1] / "assets" / "body_cut.npz"
+
+#: Skins that are remembered with their cut: many shapes of one model are cut once.
+REMEMBERED = 16
+_known: dict[bytes, SkinHulls] = {}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SkinHulls:
+    """Vertex sets of a skin, each of whole faces; every face in one of them. Read-only.
+
+    Attributes:
+        part: Joint that each hull belongs to, shape (H,), ascending: the one whose summed weight
+            is largest on its faces.
+        first: Where the vertices of each hull start in `vertex`, and their number, shape (H + 1,).
+        vertex: Vertices of hull h, ascending: ``vertex[first[h]:first[h + 1]]``.
+    """
+
+    part: Ints
+    first: Ints
+    vertex: NDArray[np.int32]
+
+    def __post_init__(self) -> None:
+        for array in (self.part, self.first, self.vertex):
+            array.setflags(write=False)
+
+
+def skin_hulls(
+    faces: ArrayLike, weights: ArrayLike, rest_vertices: ArrayLike, rest_joints: ArrayLike
+) -> SkinHulls:
+    """Cut a skin into vertex sets of whole faces, each hull tight at people's poses.
+
+    Vertices of no face are in no set. The same input gives the same arrays, and, in one process,
+    the same object.
+
+    Args:
+        faces: Triangles, shape (F, 3).
+        weights: Skinning weights, shape (V, 55).
+        rest_vertices: Skin at rest [m], shape (V, 3).
+        rest_joints: Joints at rest [m], shape (55, 3).
+
+    Raises:
+        InputError: The arrays do not fit together.
+    """
+    triangles, weights, rest, joints = _arrays(faces, weights, rest_vertices, rest_joints)
+    skin = _digest(triangles, weights, rest)
+    key = _digest(joints, of=skin).digest()
+    if key not in _known:
+        whose, pieces = baked()
+        # The joints only bend the poses that are looked at: they come of the skin by a product,
+        # whose last bits are the machine's.
+        if skin.hexdigest() != whose:
+            pieces = cut_faces(triangles, weights, rest, joints)
+        while len(_known) >= REMEMBERED:
+            _known.pop(next(iter(_known)), None)
+        _known[key] = _gathered(triangles, weights, pieces)
+    return _known[key]
+
+
+def bake(
+    faces: ArrayLike, weights: ArrayLike, rest_vertices: ArrayLike, rest_joints: ArrayLike
+) -> dict[str, NDArray[Any]]:
+    """The arrays of `assets/body_cut.npz`: sha256 of the skin, and the piece of each face (F,).
+
+    Args:
+        faces, weights, rest_vertices, rest_joints: As for `skin_hulls`.
+    """
+    skin = _arrays(faces, weights, rest_vertices, rest_joints)
+    piece = np.zeros(len(skin[0]), dtype=np.uint8)
+    for number, some in enumerate(cut_faces(*skin)):
+        piece[some] = number
+    return {"skin": np.array(_digest(*skin[:3]).hexdigest()), "piece": piece}
+
+
+@cache
+def baked() -> tuple[str, list[Ints]]:
+    """Of which skin `assets/body_cut.npz` is, and its pieces."""
+    with np.load(_BAKED, allow_pickle=False) as file:
+        piece = file["piece"]
+        return str(file["skin"]), [np.flatnonzero(piece == k) for k in range(piece.max() + 1)]
+
+
+def _arrays(
+    faces: ArrayLike, weights: ArrayLike, rest_vertices: ArrayLike, rest_joints: ArrayLike
+) -> tuple[Ints, Array, Array, Array]:
+    """Of one type each, and checked."""
+    triangles = np.ascontiguousarray(faces, dtype=np.int64).reshape(-1, 3)
+    weights = np.ascontiguousarray(weights, dtype=np.float64)
+    rest = np.ascontiguousarray(rest_vertices, dtype=np.float64)
+    joints = np.ascontiguousarray(rest_joints, dtype=np.float64)
+    if weights.shape != (len(rest), N_JOINTS) or joints.shape != (N_JOINTS, 3):
+        raise InputError(
+            f"skin hulls: found weights {weights.shape} and joints {joints.shape} for "
+            f"{len(rest)} vertices, expected ({len(rest)}, {N_JOINTS}) and ({N_JOINTS}, 3)"
+        )
+    if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(rest):
+        raise InputError(
+            f"skin hulls: faces name vertices {triangles.min()} to {triangles.max()}, but there "
+            f"are {len(rest)}"
+        )
+    return triangles, weights, rest, joints
+
+
+def _digest(*arrays: NDArray[Any], of: Any = None) -> Any:
+    """The sha256 of arrays and their shapes, after what `of` has seen."""
+    digest = hashlib.sha256() if of is None else of.copy()
+    for array in arrays:
+        digest.update(repr(array.shape).encode())
+        digest.update(array.tobytes())
+    return digest
+
+
+def _gathered(faces: Ints, weights: Array, pieces: list[Ints]) -> SkinHulls:
+    """Vertex sets of face sets, those of one part together."""
+    part = parts_of_faces(faces, weights)
+    pieces = sorted(pieces, key=lambda piece: (part[piece[0]], piece[0]))
+    sets = [np.unique(faces[piece]).astype(np.int32) for piece in pieces]
+    return SkinHulls(
+        part=np.array([part[piece[0]] for piece in pieces], dtype=np.int64),
+        first=np.cumsum([0, *(len(s) for s in sets)], dtype=np.int64),
+        vertex=np.concatenate([np.zeros(0, dtype=np.int32), *sets]),
+    )

@@ -1,0 +1,1 @@
+"""AMASS npz in its SMPL-X, SMPL-H and SMPL layouts."""

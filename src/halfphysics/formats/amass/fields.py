@@ -1,0 +1,319 @@
+"""What the AMASS layouts (SMPL-X, SMPL-H, SMPL) share: fields in and fields out.
+
+One layout differs from the next by the columns of `poses`. Written back are the keys a file
+came with; rotations that its columns cannot hold (fingers bent by contact in a file without
+fingers) go into the extra key ``poses_smplx (T, 165)``, which other readers pass over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base.axes import axes_of, turned
+from halfphysics.base.npz import Npz
+from halfphysics.base.reader_warnings import warn
+from halfphysics.errors import FileError, InputError
+from halfphysics.formats.building import mean_hands, rotations_of, same_length, warn_of_degrees
+from halfphysics.formats.format import Options, Source
+from halfphysics.formats.record import Record
+from halfphysics.formats.speeds import warn_of_speed
+from halfphysics.motion import skeleton
+from halfphysics.motion.file_metadata import Origin
+from halfphysics.motion.motion import GENDERS, MODELS, Motion
+from halfphysics.motion.smplx_names import one_shape
+
+Array = NDArray[np.float64]
+Fields = dict[str, NDArray[Any]]
+
+#: Columns of `poses` -> the SMPL-X joint each three are for (-1: none, SMPL's rigid hands).
+COLUMNS: Mapping[int, tuple[int, ...]] = {
+    165: tuple(range(skeleton.N_JOINTS)),
+    156: skeleton.SMPLH_JOINTS,
+    72: (*skeleton.SMPL_JOINTS, -1, -1),
+    66: skeleton.SMPL_JOINTS,
+}
+_MODEL_OF_WIDTH = {165: "smplx", 156: "smplh", 72: "smpl"}
+#: The same rotations by part, as SMPL-X files have them besides or instead of `poses`.
+SPLIT: Mapping[str, tuple[int, ...]] = {
+    "root_orient": (0,),
+    "pose_body": skeleton.BODY_JOINTS,
+    "pose_hand": skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS,
+    "pose_jaw": (22,),
+    "pose_eye": (23, 24),
+}
+FPS_KEYS = ("mocap_frame_rate", "mocap_framerate", "fps")
+FULL_KEY = "poses_smplx"
+_HANDS = list(skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS)
+_KNOWN = {
+    "trans", "poses", "betas", "num_betas", "gender", "surface_model_type", "mocap_time_length",
+    FULL_KEY, *SPLIT, *FPS_KEYS,
+}  # fmt: skip
+
+
+def width_of(source: Source) -> int | None:
+    """Columns of `poses` (or what the split fields amount to); None if this is not AMASS.
+
+    Raises:
+        FileError: AMASS keys, but a width that no layout has.
+    """
+    npz = source.npz
+    if npz is None or "v_template" in npz:
+        return None
+    if "poses" in npz:
+        shape, _ = npz.header("poses")
+        if len(shape) == 2 and shape[1] in COLUMNS:
+            return shape[1]
+        raise FileError(
+            f"{source.path}: field 'poses': found shape {shape}, expected (T, 165) for SMPL-X, "
+            "(T, 156) for SMPL-H, (T, 72) for SMPL or (T, 66) without hands. Axis-angle of all "
+            "joints in one row per frame"
+        )
+    if "root_orient" in npz and "pose_body" in npz:
+        if "pose_jaw" in npz or "pose_eye" in npz:
+            return 165
+        return 156 if "pose_hand" in npz else 66
+    return None
+
+
+def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None]:
+    """Rotations (T, 55, 3) in file axes, and SMPL's rigid hands (T, 2, 3) if it has them."""
+    rigid = None
+    if "poses" in npz:
+        columns = COLUMNS[width]
+        poses = Record(npz.path, npz).array("poses", None, width, frames=frames)
+        poses = poses.reshape(-1, len(columns), 3)
+        if columns == tuple(range(skeleton.N_JOINTS)):
+            full = poses
+        else:
+            full = np.zeros((len(poses), skeleton.N_JOINTS, 3))
+            count = sum(joint >= 0 for joint in columns)  # SMPL's rigid hands are last
+            full[:, columns[:count]] = poses[:, :count]
+            for key, joints in SPLIT.items():
+                # The face beside poses without one.
+                if key in npz and not set(joints) & set(columns):
+                    part = Record(npz.path, npz).numbers(key, None, 3 * len(joints), frames=frames)
+                    same_length(str(npz.path), {"poses": len(poses), key: len(part)})
+                    full[:, list(joints)] = part.reshape(-1, len(joints), 3)
+            rigid = poses[:, count:] if count < len(columns) else None
+    else:
+        parts = {
+            key: Record(npz.path, npz).numbers(key, None, 3 * len(joints), frames=frames)
+            for key, joints in SPLIT.items()
+            if key in npz
+        }
+        same_length(str(npz.path), {key: len(part) for key, part in parts.items()})
+        full = rotations_of({SPLIT[key]: part for key, part in parts.items()})
+    if FULL_KEY in npz:
+        whole = Record(npz.path, npz).array(FULL_KEY, None, 3 * skeleton.N_JOINTS, frames=frames)
+        whole = whole.reshape(-1, 55, 3)
+        held = [joint for joint in COLUMNS[width] if joint >= 0]
+        if whole.shape == full.shape and np.array_equal(whole[:, held], full[:, held]):
+            full = whole
+        else:
+            warn(f"{npz.path}: field '{FULL_KEY}' does not belong to the poses beside it: ignored")
+    return full, rigid
+
+
+def _fps(npz: Npz, options: Options) -> tuple[float, str]:
+    key = next((key for key in FPS_KEYS if key in npz), None)
+    if options.fps is not None:
+        return float(options.fps), key or FPS_KEYS[0]
+    if key is None:
+        raise FileError(
+            f"{npz.path}: no frame rate, found {npz.describe()}; expected "
+            f"{' or '.join(FPS_KEYS[:2])}. Say it with fps=, for example fps=30"
+        )
+    value = npz[key]
+    if value.size != 1 or value.dtype.kind not in "fiu" or not 0.0 < float(value.flat[0]) < 1e6:
+        raise FileError(
+            f"{npz.path}: field '{key}': found {value.tolist()!r}, expected a positive number of "
+            "frames per second. Say it with fps=, for example fps=30"
+        )
+    return float(value.flat[0]), key
+
+
+def _text(value: NDArray[Any]) -> str:
+    """The string in a 0-d or one-element array of bytes or str."""
+    item = value.flat[0] if value.size == 1 else value.tolist()
+    text = item.decode("utf-8", "replace") if isinstance(item, bytes) else str(item)
+    return text.strip().removeprefix("b'").removesuffix("'").lower()
+
+
+def _gender(npz: Npz, options: Options) -> str:
+    if options.gender is not None:
+        return options.gender
+    if "gender" not in npz:
+        warn(f"{npz.path}: no field 'gender': taken as neutral. Say it with gender=")
+        return "neutral"
+    gender = _text(npz["gender"])
+    if gender not in GENDERS:
+        raise FileError(
+            f"{npz.path}: field 'gender': found {gender!r}, expected one of {', '.join(GENDERS)}. "
+            "Say it with gender="
+        )
+    return gender
+
+
+def _model(npz: Npz, width: int, options: Options) -> str:
+    if options.model is not None and str(options.model) in MODELS:
+        return str(options.model)
+    if "surface_model_type" in npz:
+        stated = _text(npz["surface_model_type"])
+        if stated in MODELS:
+            return stated
+    if width in _MODEL_OF_WIDTH:
+        return _MODEL_OF_WIDTH[width]
+    raise FileError(
+        f"{npz.path}: 22 joints without hands fit SMPL-X, SMPL-H and SMPL alike and no field "
+        "'surface_model_type' says which. Say it with model='smplx', 'smplh' or 'smpl'"
+    )
+
+
+def load(source: Source, options: Options, format: str) -> Motion:
+    """A motion of any AMASS layout."""
+    npz, width = source.npz, width_of(source)
+    if npz is None or width is None:
+        raise FileError(f"{source.path}: not an AMASS file")
+    model = _model(npz, width, options)
+    fps, fps_key = _fps(npz, options)
+    trans = Record(npz.path, npz).array("trans", None, 3, frames=options.frames)
+    rotations, rigid = _rotations(npz, width, options.frames)
+    if len(trans) != len(rotations):
+        raise FileError(
+            f"{source.path}: field 'trans' has {len(trans)} frames and the poses {len(rotations)}; "
+            "expected the same number"
+        )
+    gender = _gender(npz, options)
+    degrees = warn_of_degrees(str(source.path), rotations)
+    mean = None
+    if options.hands == "mean":
+        if width not in (165, 156):
+            raise InputError(f"hands: found 'mean', but {source.path} has no fingers. Leave it out")
+        mean = mean_hands(options.model, gender)
+        rotations[:, _HANDS] += mean
+    betas, betas_shape = None, None
+    if "betas" in npz:
+        value = npz["betas"]
+        try:
+            betas = one_shape("betas", value, npz.header("trans")[0][0])
+        except (InputError, ValueError) as error:
+            raise FileError(f"{source.path}: field '{error}'") from None
+        betas_shape = value.shape
+    axes = axes_of(options.up or "z")
+    translation = trans
+    if (options.up or "z") != "z":
+        translation, rotations = turned(translation, rotations, axes)
+    origin = _origin(npz, format, options.frames, len(trans), rigid)
+    fields = {**origin.fields, "width": width, "fps_key": fps_key, "hands_mean": mean}
+    fields["betas_shape"] = betas_shape
+    origin = Origin(format=format, fields=fields, per_frame=origin.per_frame)
+    try:
+        motion = Motion(translation, rotations, fps, betas, gender, model, axes=axes, origin=origin)
+    except InputError as error:
+        raise FileError(f"{source.path}: {error}") from None
+    # What is in a result was looked at when it was read the first time.
+    if not degrees and not any("/" in key for key in npz):
+        warn_of_speed(str(source.path), motion)
+    return motion
+
+
+def _origin(npz: Npz, format: str, frames: slice, count: int, rigid: Array | None) -> Origin:
+    """All the file holds besides the motion. Pickled extras are left behind, as are the parts
+    of result files (keys with a slash): they are not of the motion."""
+    constants: Fields = {}
+    per_frame: Fields = {}
+    dtypes, keys = {}, []
+    total = npz.header("trans")[0][0]
+    for key in npz:
+        shape, dtype = npz.header(key)
+        if "/" in key or key == FULL_KEY or dtype.hasobject:
+            continue
+        keys.append(key)
+        dtypes[key] = dtype
+        if key in ("gender", "surface_model_type", "mocap_time_length", "num_betas", *FPS_KEYS):
+            constants[key] = npz[key]
+        elif key not in _KNOWN:
+            if shape[:1] == (total,):
+                per_frame[key] = npz[key][frames]
+            else:
+                constants[key] = npz[key]
+    if rigid is not None:
+        per_frame["_rigid_hands"] = rigid
+    fields = {"keys": tuple(keys), "dtypes": dtypes, "constants": constants, "frames": count}
+    return Origin(format=format, fields=fields, per_frame=per_frame)
+
+
+def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:
+    """The arrays of an AMASS file, in the keys, axes, hands and types the motion came with.
+
+    Args:
+        motion: What to write.
+        format: Name of the layout to write.
+        width: Its columns of `poses`, for motions that came from elsewhere.
+        fps_key: Its spelling of the frame rate, likewise.
+    """
+    own = motion.origin if motion.origin and motion.origin.format == format else None
+    said: Mapping[str, Any] = own.fields if own else {}
+    constants: Fields = dict(said.get("constants", {}))
+    width, fps_key = said.get("width", width), said.get("fps_key", fps_key)
+    frames = len(motion)
+    trans, rotations = motion.in_file_axes()
+    if said.get("hands_mean") is not None:
+        rotations[:, _HANDS] -= said["hands_mean"]
+    columns = COLUMNS[width]
+    poses = np.zeros((frames, len(columns), 3))
+    held = [i for i, joint in enumerate(columns) if joint >= 0]
+    poses[:, held] = rotations[:, [columns[i] for i in held]]
+    if own and "_rigid_hands" in own.per_frame:
+        poses[:, [i for i, joint in enumerate(columns) if joint < 0]] = own.per_frame[
+            "_rigid_hands"
+        ]
+    out: Fields = {"trans": trans, "poses": poses.reshape(frames, -1)}
+    for key, joints in SPLIT.items():
+        if key in said.get("keys", ()) or (own is None and width == 165):
+            out[key] = rotations[:, list(joints)].reshape(frames, -1)
+    betas = np.zeros(0) if motion.betas is None else motion.betas
+    shape = said.get("betas_shape")
+    if shape is not None and len(shape) > 1 and betas.size:
+        betas = np.tile(betas, (1 if shape[0] == 1 else frames, 1))
+    out["betas"] = betas
+    out["num_betas"] = np.array(betas.shape[-1])
+    out["gender"] = _same(constants.get("gender"), motion.gender)
+    out["surface_model_type"] = _same(constants.get("surface_model_type"), motion.model)
+    out[fps_key] = np.array(motion.fps)
+    out["mocap_time_length"] = np.array(frames / motion.fps)
+    if own:
+        old = constants.get(fps_key)
+        if frames == said["frames"] and old is not None and float(old.flat[0]) == motion.fps:
+            for key in ("mocap_time_length", fps_key):
+                out[key] = constants.get(key, out[key])
+        keys = {*said["keys"], "betas", "gender", fps_key}
+        out = {key: value for key, value in out.items() if key in keys}
+        out |= {k: v for k, v in own.per_frame.items() if not k.startswith("_")}
+        out |= {k: v for k, v in constants.items() if k not in _KNOWN}
+        order = [k for k in said["keys"] if k in out]
+        out = {key: out[key] for key in (*order, *(k for k in out if k not in order))}
+        out = {key: _exact(value, said["dtypes"].get(key)) for key, value in out.items()}
+    beside = [joint for key, joints in SPLIT.items() if key in out for joint in joints]
+    lost = np.setdiff1d(np.arange(skeleton.N_JOINTS), [*columns, *beside])
+    if rotations[:, lost].any():
+        out[FULL_KEY] = rotations.reshape(frames, -1)
+    return out
+
+
+def _same(raw: NDArray[Any] | None, text: str) -> NDArray[Any]:
+    """The file's own spelling (bytes or str, any case) if it says `text`, else `text`."""
+    return raw if raw is not None and _text(raw) == text else np.array(text)
+
+
+def _exact(value: NDArray[Any], dtype: np.dtype[Any] | None) -> NDArray[Any]:
+    """`value` in the file's own number type where that holds it exactly."""
+    if dtype is None or dtype.kind not in "fiu" or value.dtype.kind not in "fiu":
+        return value
+    with np.errstate(over="ignore", invalid="ignore"):
+        cast = value.astype(dtype)
+        return cast if np.array_equal(cast.astype(value.dtype), value) else value

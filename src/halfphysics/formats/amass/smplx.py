@@ -1,0 +1,11 @@
+"""AMASS npz, SMPL-X layout: `poses (T, 165)` in `JOINT_NAMES` order.
+
+Also body-only files (T, 66), for which `model=` may have to say the model.
+"""
+
+from __future__ import annotations
+
+from halfphysics.formats.amass.layout import Layout
+
+LAYOUT = Layout(name="amass-smplx", width=165, fps_key="mocap_frame_rate", also=(66,))
+FORMAT = LAYOUT.format

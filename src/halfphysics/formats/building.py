@@ -1,0 +1,252 @@
+"""From the fields of a file to a `Motion`: what all formats but AMASS share.
+
+A format's own file says which field is what; the rules (axes turned once, hands, shape, frame
+rate, gender, warnings) are here.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Container, Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.base.axes import axes_of, turned
+from halfphysics.base.reader_warnings import warn
+from halfphysics.errors import FileError, InputError
+from halfphysics.formats.format import Options
+from halfphysics.formats.speeds import warn_of_speed
+from halfphysics.motion import skeleton
+from halfphysics.motion.file_metadata import Origin
+from halfphysics.motion.motion import GENDERS, MODELS, Motion
+from halfphysics.motion.smplx_names import one_shape
+
+Array = NDArray[np.float64]
+
+_HANDS = list(skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS)
+# More than three turns about one axis is no joint; degrees taken for radians are.
+_DEGREES = 20.0
+# How far along an axis the trunk points, on the average, of who stands along it or across.
+_UPRIGHT, _ACROSS = 0.8, 0.3
+_AXIS = {"y": 1, "z": 2}
+
+
+def rotations_of(parts: Mapping[tuple[int, ...], Array]) -> Array:
+    """Rotations (T, 55, 3) of joints -> axis-angle (T, 3 n) or (T, n, 3); the rest is zero."""
+    frames = len(next(iter(parts.values())))
+    full = np.zeros((frames, skeleton.N_JOINTS, 3))
+    for joints, part in parts.items():
+        full[:, list(joints)] = np.asarray(part).reshape(len(part), len(joints), 3)
+    return full
+
+
+def own_name(name: str, known: Container[str]) -> str:
+    """The name of a clip; with a number where it is one of the `known` already: "walk#2"."""
+    again, new = 2, name
+    while new in known:
+        new, again = f"{name}#{again}", again + 1
+    return new
+
+
+def same_length(where: str, lengths: Mapping[str, int]) -> int:
+    """The number of frames that all fields have.
+
+    Raises:
+        FileError: They differ.
+    """
+    if len(set(lengths.values())) > 1:
+        raise FileError(
+            f"{where}: fields of different length: found {dict(lengths)}, expected as many rows in "
+            "each as there are frames"
+        )
+    return next(iter(lengths.values()))
+
+
+def warn_of_degrees(where: str, rotations: Array) -> bool:
+    """Warn of rotations (T, J, 3) that cannot be radians, and say whether they cannot."""
+    largest = float(np.abs(rotations[:, 1:]).max(initial=0.0))
+    if largest > _DEGREES:
+        warn(
+            f"{where}: a joint is turned by {largest:.0f} rad; expected axis-angle in radians. "
+            "Are these degrees?"
+        )
+    return largest > _DEGREES
+
+
+def warn_of_axes(where: str, rotations: Array, up: str) -> None:
+    """Warn of a body that stands along the other axis from beginning to end."""
+    if not len(rotations):
+        return  # Motion says so
+    spine = rot.to_matrix(rot.exp(rotations[:, 0]))[:, :, 1].mean(axis=0)
+    other = "z" if up == "y" else "y"
+    if spine[_AXIS[other]] > _UPRIGHT and abs(spine[_AXIS[up]]) < _ACROSS:
+        warn(
+            f"{where}: read with {up} up, and the body stands along {other} all the time. If it "
+            f"should not lie, say up={other!r}"
+        )
+
+
+def mean_hands(path: str | os.PathLike[str] | None, gender: str) -> Array:
+    """The relaxed hand (30, 3) of the user's body-model file.
+
+    Raises:
+        InputError: No file was named: only a licensed model knows its mean hand.
+    """
+    if path is None or str(path) in MODELS:
+        raise InputError(
+            "hands: 'mean' hands need the body-model file they were made with, found none. Name "
+            "it with model=, for example model='SMPLX_NEUTRAL.npz'"
+        )
+    from halfphysics.body.body import Body
+
+    # The clip's gender picks a file from a folder; a file named outright is taken as it is.
+    mean = Body.load(path, gender=gender if os.path.isdir(path) else None).hands_mean
+    if mean is None:
+        raise FileError(f"{path}: this body model has no mean hands, expected SMPL-X or SMPL-H")
+    return np.asarray(mean, dtype=np.float64).reshape(30, 3)
+
+
+def motion_of(
+    where: str,
+    options: Options,
+    *,
+    format: str,
+    translation: Array,
+    rotations: Array,
+    fps: float | None,
+    up: Literal["y", "z"],
+    model: str,
+    gender: str | None = None,
+    betas: ArrayLike | None = None,
+    hands: Literal["flat", "mean", "unsaid"] | None = "flat",
+    fields: Mapping[str, Any] | None = None,
+    per_frame: Mapping[str, NDArray[Any]] | None = None,
+) -> Motion:
+    """A motion of what a file says, in the file's own axes; what the caller said goes first.
+
+    Args:
+        where: What messages call the file or clip.
+        options: What the caller said; `frames` are cut already.
+        format: Name of the format.
+        translation: Of the SMPL origin (T, 3) [m], file axes.
+        rotations: Axis-angle (T, 55, 3) [rad], file axes.
+        fps: None where the file does not say.
+        up: The axis that is up in the format.
+        model: "smplx", "smplh" or "smpl".
+        gender: Any spelling; None where the file does not say: neutral, with a warning.
+        betas: (n,), (1, n) or equal rows (T, n); None or empty where the file does not say.
+        hands: What zero fingers mean; "unsaid": the caller must say it; None: the file has no
+            fingers.
+        fields, per_frame: What the format's writer needs besides; see `Origin`.
+
+    Raises:
+        FileError: The motion is impossible, or something is missing that the caller must say.
+        InputError: An option that does not fit the file.
+    """
+    same_length(where, {"translation": len(translation), "rotations": len(rotations)})
+    if options.fps is not None:
+        fps = options.fps
+    if fps is None:
+        raise FileError(
+            f"{where}: files of this format do not say their frame rate. Say it with fps=, for "
+            "example fps=30"
+        )
+    if gender is None and options.gender is None:
+        warn(f"{where}: does not say a gender: taken as neutral. Say it with gender=")
+    gender = options.gender or (gender or "neutral").strip().lower()
+    if gender not in GENDERS:
+        raise FileError(
+            f"{where}: gender: found {gender!r}, expected one of {', '.join(GENDERS)}. Say it with "
+            "gender="
+        )
+    if options.model is not None and str(options.model) in MODELS:
+        model = str(options.model)
+    degrees = warn_of_degrees(where, rotations)
+    warn_of_axes(where, rotations, options.up or up)
+    mean = None
+    if options.hands is not None and hands is None:
+        raise InputError(
+            f"hands: found {options.hands!r}, but {where} has no fingers. Leave it out"
+        )
+    if hands == "unsaid" and options.hands is None:
+        raise FileError(
+            f"{where}: files of this format do not say whether zero fingers are a flat hand or "
+            "the model's relaxed one. Say hands='flat', or hands='mean' with model= (the "
+            "body-model file)"
+        )
+    if (options.hands or hands) == "mean":
+        mean = mean_hands(options.model, gender)
+        rotations = np.array(rotations)
+        rotations[:, _HANDS] += mean
+    shape = None
+    if betas is not None:
+        try:
+            shape = one_shape("betas", betas, len(translation))
+        except (InputError, ValueError) as error:
+            raise FileError(f"{where}: field '{error}'") from None
+    axes = axes_of(options.up or up)
+    if (options.up or up) != "z":
+        translation, rotations = turned(translation, rotations, axes)
+    origin = Origin(
+        format=format,
+        fields={**(fields or {}), "hands_mean": mean},
+        per_frame=dict(per_frame or {}),
+    )
+    try:
+        motion = Motion(translation, rotations, fps, shape, gender, model, axes=axes, origin=origin)
+    except InputError as error:
+        raise FileError(f"{where}: {error}") from None
+    if not degrees:
+        warn_of_speed(where, motion)
+    return motion
+
+
+def own_fields(motion: Motion) -> Mapping[str, Any]:
+    """What the file of a motion said besides (`Origin.fields`); nothing where it had none."""
+    return motion.origin.fields if motion.origin is not None else {}
+
+
+def file_parameters(motion: Motion, format: str) -> tuple[Array, Array, Mapping[str, Any]]:
+    """What a writer starts from: translation and rotations as the format's file has them.
+
+    Returns:
+        Translation (T, 3) and rotations (T, 55, 3) in the axes and hands of the file that the
+        motion came from, and the `Origin.fields` (empty if it is of another format).
+    """
+    translation, rotations = motion.in_file_axes()
+    own = motion.origin if motion.origin and motion.origin.format == format else None
+    fields: Mapping[str, Any] = own.fields if own else {}
+    if fields.get("hands_mean") is not None:
+        rotations[:, _HANDS] -= fields["hands_mean"]
+    return translation, rotations, fields
+
+
+def lost_joints(motion: Motion, held: Sequence[int]) -> tuple[str, ...]:
+    """What a file that holds only these joints leaves out of a motion, for `Format.loses`."""
+    lost = [j for j in range(skeleton.N_JOINTS) if j not in held and motion.rotations[:, j].any()]
+    groups = {"the fingers": _HANDS, "jaw and eyes": skeleton.FACE_JOINTS}
+    lines = []
+    for name, joints in groups.items():
+        if set(joints) & set(lost) and not set(joints) & set(held):
+            lines.append(name)
+            lost = [j for j in lost if j not in joints]
+    if lost:
+        lines.append(f"rotations of {', '.join(skeleton.JOINT_NAMES[j] for j in lost)}")
+    return tuple(lines)
+
+
+def lost_rate(motion: Motion, fps: float) -> tuple[str, ...]:
+    """The line for `Format.loses` where a file says no rate, and readers take `fps`."""
+    if motion.fps == fps:
+        return ()
+    return (f"the frame rate {motion.fps:g}: readers take {fps:g}; say --to-fps {fps:g}",)
+
+
+def lost_model(motion: Motion, model: str = "smplx") -> tuple[str, ...]:
+    """The line for `Format.loses` where a file's readers take another model than the motion's."""
+    if motion.model == model:
+        return ()
+    return (f"the model {motion.model!r} that the shape is of: readers take {model!r}",)

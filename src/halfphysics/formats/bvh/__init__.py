@@ -1,0 +1,1 @@
+"""BVH: skeletons, rest poses and retargeting to SMPL-X."""

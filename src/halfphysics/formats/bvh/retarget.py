@@ -1,0 +1,141 @@
+"""From any person's skeleton to SMPL-X: world directions of bones kept, lengths the body's own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.formats.bvh.rest_alignment import RestAlignment
+from halfphysics.formats.bvh.source_skeleton import SourceSkeleton
+from halfphysics.formats.bvh.text import Bvh
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, N_JOINTS, PARENTS
+
+Array = NDArray[np.float64]
+
+_SPINE = tuple(JOINT_INDEX[f"spine{k}"] for k in (1, 2, 3))
+_NOT_TURNED = (1.0, 0.0, 0.0, 0.0)
+_SIDES = ("left", "right")
+# Units by the length of a leg from hip to ankle [unit of the file].
+_LEGS = {"m": (0.35, 1.3), "cm": (35.0, 130.0), "mm": (350.0, 1300.0)}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Retargeted:
+    """A clip on the SMPL-X skeleton, in the file's axes.
+
+    Attributes:
+        pelvis: Places of the pelvis joint (T, 3) [m].
+        rotations: Axis-angle (T, 55, 3).
+        up: The file's up axis, as the body stands, "y" or "z".
+        scale: Metres of the target per unit of the file.
+        matched: SMPL-X joints that were found, the spine's where there is a spine.
+        unmatched: Names of the file's joints that stand for no SMPL-X joint.
+        unit: What the file's unit seems to be, for people.
+    """
+
+    pelvis: Array
+    rotations: Array
+    up: str
+    scale: float
+    matched: tuple[int, ...]
+    unmatched: tuple[str, ...]
+    unit: str
+
+
+def retarget(where: str, bvh: Bvh, rest: Array, rows: slice) -> Retargeted:
+    """Put the frames `rows` of a file on a body with joints `rest` (55, 3) [m].
+
+    The middle between the hips goes where the source's goes, times the ratio of the legs' lengths:
+    so feet stand where the source's stand. What has no match stays at rest.
+
+    Raises:
+        FileError: The skeleton is no person's.
+    """
+    source = SourceSkeleton.of(where, bvh)
+    positions, quaternions = source.frames(rows)
+    alignment = RestAlignment(source, rest, quaternions)
+    world = np.empty((len(positions), N_JOINTS, 4))
+    world[:, 0] = rot.multiply(quaternions[:, source.joints[0]], alignment.turn(0))
+    world[:, _SPINE] = _spine(source, alignment, quaternions)
+    for joint in range(1, N_JOINTS):
+        if joint in source.joints and joint not in _SPINE:
+            own = quaternions[:, source.joints[joint]]
+            world[:, joint] = rot.multiply(own, alignment.turn(joint))
+        elif joint not in _SPINE:
+            world[:, joint] = world[:, PARENTS[joint]]
+    local = world.copy()
+    local[:, 1:] = rot.multiply(rot.conjugate(world[:, PARENTS[1:]]), world[:, 1:])
+    matched = {*source.joints, *(_SPINE if source.spine else ())}
+    local[:, [joint for joint in range(N_JOINTS) if joint not in matched]] = _NOT_TURNED
+    scale = _leg(rest) / source.leg
+    hips = [JOINT_INDEX[f"{side}_hip"] for side in _SIDES]
+    middle = scale * positions[:, [source.joints[hip] for hip in hips]].mean(axis=1)
+    below = rest[hips].mean(axis=0) - rest[0]
+    return Retargeted(
+        pelvis=middle - rot.rotate(world[:, 0], below),
+        rotations=rot.log(local),
+        up=_up(world),
+        scale=scale,
+        matched=tuple(sorted(matched)),
+        unmatched=tuple(
+            name
+            for joint, name in enumerate(bvh.names)
+            if joint not in source.joints.values() and joint not in source.spine
+        ),
+        unit=next(
+            (unit for unit, (low, high) in _LEGS.items() if low < source.leg < high),
+            f"{100.0 * scale:.3g} cm",
+        ),
+    )
+
+
+def _spine(source: SourceSkeleton, alignment: RestAlignment, quaternions: Array) -> Array:
+    """World rotations (T, 3, 4) of spine1, spine2, spine3.
+
+    The source's chain from pelvis to chest is cut into three equal parts; between two of its
+    joints on the shortest arc. So spine3 is the source's chest whatever the chain is, and a chain
+    of three is taken over as it is.
+    """
+    chain = [(source.joints[0], alignment.turn(0))]
+    # Frames of joints between tell nothing of the twist where the zero pose is none.
+    between = source.spine if alignment.is_pose else source.spine[-1:]
+    chain += [(joint, alignment.turn(_SPINE[0])) for joint in between]
+    world = [rot.multiply(quaternions[:, joint], turn) for joint, turn in chain]
+    out = []
+    for k in (1, 2, 3):
+        place = k * (len(chain) - 1) / 3
+        low = int(place)
+        if place == low:
+            out.append(world[low])
+        else:
+            t = np.full(len(world[low]), place - low)
+            out.append(rot.slerp(world[low], world[low + 1], t))
+    return np.stack(out, axis=1)
+
+
+def _leg(rest: Array) -> float:
+    lengths = [
+        np.linalg.norm(rest[JOINT_INDEX[f"{side}_{a}"]] - rest[JOINT_INDEX[f"{side}_{b}"]])
+        for side in _SIDES
+        for a, b in (("hip", "knee"), ("knee", "ankle"))
+    ]
+    return float(sum(lengths)) / 2.0
+
+
+def _up(world: Array) -> str:
+    """The axis along which the trunk points on the average; y where it lies or both fit."""
+    trunk = rot.rotate(world[:, 0], np.array([0.0, 1.0, 0.0])).mean(axis=0)
+    return "z" if trunk[2] > 0.7 and abs(trunk[1]) < 0.5 else "y"
+
+
+def names_of(joints: tuple[int, ...]) -> str:
+    """Names of SMPL-X joints that are not among `joints`, fingers and face in one word."""
+    missing = [j for j in range(N_JOINTS) if j not in joints]
+    body = [JOINT_NAMES[j] for j in missing if j < 22]
+    fingers = sum(j >= 25 for j in missing)
+    if fingers:
+        body.append("all fingers" if fingers == 30 else f"{fingers} of 30 finger joints")
+    return ", ".join(body)

@@ -1,0 +1,1 @@
+"""Data sets of human motion and objects, one module per layout."""

@@ -1,0 +1,103 @@
+"""AIST++ pkl: `smpl_poses (T, 72)`, `smpl_trans (T, 3)`, `smpl_scaling (1,)`; y-up, 60 fps.
+
+The SMPL body is as large as `smpl_scaling` (about 94: centimetres of a template in metres), so
+metres are `smpl_trans / smpl_scaling`. No shape, no gender, no fingers: the mean neutral SMPL body.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from halfphysics.base.stored_objects import write
+from halfphysics.formats.building import (
+    file_parameters,
+    lost_joints,
+    lost_rate,
+    motion_of,
+    rotations_of,
+)
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.record import Record
+from halfphysics.motion import skeleton
+from halfphysics.motion.motion import Motion
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+
+NAME = "aist"
+FPS = 60.0
+#: Of motions from elsewhere: metres.
+SCALING = 1.0
+_RIGID_HANDS = "_rigid_hands"
+
+
+def _sniff(source: Source) -> bool:
+    data = source.data
+    return isinstance(data, dict) and ("smpl_poses" in data or "smpl_trans" in data)
+
+
+def _load(source: Source, options: Options) -> Motion:
+    record = Record(source.path, source.data)
+    poses = record.array("smpl_poses", None, 72, frames=options.frames).reshape(-1, 24, 3)
+    scaling = record.number("smpl_scaling", above=0.0)
+    translation = record.array("smpl_trans", None, 3, frames=options.frames) / scaling
+    per_frame = {_RIGID_HANDS: poses[:, 22:]}
+    if "smpl_loss" in record and np.size(record.raw("smpl_loss")) == 1:
+        loss = record.number("smpl_loss")
+    else:
+        loss = None
+    return motion_of(
+        str(source.path),
+        options,
+        format=NAME,
+        translation=translation,
+        rotations=rotations_of({skeleton.SMPL_JOINTS: poses[:, :22]}),
+        fps=FPS,
+        up="y",
+        model="smpl",
+        gender="neutral",
+        hands=None,
+        fields={"scaling": scaling, "loss": loss},
+        per_frame=per_frame,
+    )
+
+
+def _save(motion: Motion, path: Path, body: Body | None) -> None:
+    translation, rotations, said = file_parameters(motion, NAME)
+    frames, scaling = len(motion), float(said.get("scaling", SCALING))
+    poses = np.zeros((frames, 24, 3))
+    poses[:, :22] = rotations[:, list(skeleton.SMPL_JOINTS)]
+    if said and motion.origin is not None and _RIGID_HANDS in motion.origin.per_frame:
+        poses[:, 22:] = motion.origin.per_frame[_RIGID_HANDS]
+    fields = {
+        "smpl_loss": said.get("loss") or 0.0,
+        "smpl_poses": poses.reshape(frames, 72),
+        "smpl_scaling": np.array([scaling]),
+        "smpl_trans": translation * scaling,
+    }
+    write(path, fields)
+
+
+def _loses(motion: Motion) -> tuple[str, ...]:
+    lost = list(lost_joints(motion, skeleton.SMPL_JOINTS))
+    if motion.betas is not None and motion.betas.any():
+        lost.append("the shape (betas)")
+    if motion.gender != "neutral":
+        lost.append(f"the gender {motion.gender!r}: readers take neutral")
+    lost += lost_rate(motion, FPS)
+    return tuple(lost)
+
+
+FORMAT = Format(
+    name=NAME,
+    expects="pkl with smpl_poses (T, 72), smpl_trans (T, 3), smpl_scaling",
+    sniff=_sniff,
+    load=_load,
+    save=_save,
+    suffixes=(".pkl",),
+    up="y",
+    loses=_loses,
+)

@@ -1,0 +1,156 @@
+"""The objects of ARCTIC: two parts, `top` on `bottom`, with a hinge along the z axis of both.
+
+A clip has `(T, 7)` numbers: the angle of the hinge [rad], the rotation (axis-angle) and the
+translation [mm] of the bottom. The top is turned about -z by the angle, then both are turned and
+moved: vertices of the bottom are ``R v + t``, of the top ``R exp(-angle z) v + t``, meshes in mm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.base.reader_warnings import warn
+from halfphysics.formats.datasets.recorded import DENSITY
+from halfphysics.formats.format import Options
+from halfphysics.geometry.convex_decomposition import THRESHOLD
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.mesh_files import load_mesh
+from halfphysics.geometry.object_pieces import asked, touching
+from halfphysics.results.result import ObjectTrack
+
+if TYPE_CHECKING:
+    from halfphysics.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+PARTS = ("bottom", "top")
+MILLIMETRE = 1e-3
+HINGE = "hinge"
+_AXIS = np.array([0.0, 0.0, -1.0])
+# What a stiff lid has [N m s]: nothing in the data says it.
+_DAMPING = 0.01
+# A hinge that the clip leaves shut can still be opened this far [rad].
+_LEAST_RANGE = 0.1
+
+
+def add_hinged(
+    scene: Scene,
+    name: str,
+    meshes: Mapping[str, Path],
+    pose: Array,
+    *,
+    where: str,
+    axes: Array,
+    fps: float,
+    options: Options,
+) -> dict[str, ObjectTrack]:
+    """Add the object of a clip: an articulated one, or two replayed parts (`Options.objects`).
+
+    Free, it is ``name`` with links "name/bottom" and "name/top" and the joint "name/hinge", which
+    reaches as far as the clip opens it. Replayed, it is "name_bottom" and "name_top".
+
+    Args:
+        scene: Where to add it.
+        name: Of the object.
+        meshes: File of each of `PARTS`, in mm.
+        pose: (T, 7), as the data set has it, file axes.
+        where: What messages call the clip.
+        axes: World from file axes (3, 3), as `Motion.axes`.
+        fps: Of the poses.
+        options: Of the caller.
+
+    Returns:
+        The recorded poses of the parts in the world, by their names in the scene.
+
+    Raises:
+        FileError, InputError: A mesh that cannot be used.
+    """
+    angles = pose[:, 0]
+    places = (MILLIMETRE * pose[:, 4:]) @ axes.T
+    turns = rot.multiply(rot.from_matrix(axes), rot.exp(pose[:, 1:4]))
+    opened = rot.normalize(rot.multiply(turns, rot.exp(angles[:, None] * _AXIS)))
+    poses = {"bottom": rot.normalize(turns), "top": opened}
+    joined = "_" if options.objects == "replayed" else "/"
+    tracks = {
+        f"{name}{joined}{part}": ObjectTrack(position=places, quaternion=poses[part])
+        for part in PARTS
+    }
+    if options.objects == "replayed":
+        for part in PARTS:
+            scene.add_moving(
+                f"{name}_{part}",
+                meshes[part],
+                places,
+                poses[part],
+                fps=fps,
+                scale=MILLIMETRE,
+                up="z",
+            )
+        return tracks
+    solids = {part: load_mesh(meshes[part], scale=MILLIMETRE, up="z")[0] for part in PARTS}
+    spec, masses = _hinged(f"{where}: object {name!r}", solids, angles)
+    warn(
+        f"{where}: nothing says what {name!r} weighs, how its hinge rubs or what it stands on: "
+        f"{masses['bottom']:.3g} kg and {masses['top']:.3g} kg are taken, {DENSITY:g} kg/m^3, and "
+        f"{_DAMPING:g} N m s. Add what it stands on with scene.add_static, or say "
+        "objects='replayed'"
+    )
+    scene.add_articulated(
+        name,
+        spec,
+        position=places[0],
+        quaternion=poses["bottom"][0],
+        joints={HINGE: float(angles[0])},
+    )
+    return tracks
+
+
+def _hinged(what: str, solids: Mapping[str, Mesh], angles: Array) -> tuple[Any, dict[str, float]]:
+    """The MjSpec of both parts, and what they weigh [kg]."""
+    import mujoco
+
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    masses = {}
+    parent = spec.worldbody
+    for part in PARTS:
+        body = parent.add_body(name=part)
+        if part == "bottom":
+            body.add_freejoint()
+        else:
+            hinge = body.add_joint(name=HINGE, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS)
+            hinge.limited = mujoco.mjtLimited.mjLIMITED_TRUE
+            hinge.range = _range(angles)
+            # One number for every power of the velocity in later releases: the first.
+            powers = np.ndim(hinge.damping) and len(hinge.damping)
+            hinge.damping = [_DAMPING, *[0.0] * (powers - 1)] if powers else _DAMPING
+        _, cut = asked(f"{what}, {part}", solids[part], "auto", THRESHOLD, None)
+        solid, made = touching(f"{what}, {part}", solids[part], cut, None)
+        pieces = (solid,) if made is None else made.pieces
+        filled = solids[part] if solids[part].closed else solid
+        properties = filled.mass_properties(density=DENSITY)
+        body.explicitinertial = True
+        body.mass, body.ipos = properties.mass, properties.com
+        i = properties.inertia
+        body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
+        for index, piece in enumerate(pieces):
+            vertices, faces = piece.triangles()
+            mesh = spec.add_mesh(name=f"{part}{index}")
+            mesh.uservert, mesh.userface = vertices.ravel(), faces.ravel()
+            body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=mesh.name)
+        masses[part] = properties.mass
+        parent = body
+    return spec, masses
+
+
+def _range(angles: Array) -> list[float]:
+    """From shut to the widest of the clip [rad], of three decimals: text keeps those exactly."""
+    low = min(0.0, float(angles.min()))
+    high = max(low + _LEAST_RANGE, float(angles.max()))
+    return [float(np.floor(1e3 * low) / 1e3), float(np.ceil(1e3 * high) / 1e3)]

@@ -1,0 +1,102 @@
+"""TRUMANS per-clip pkl: the parameters of the `smplx` package over T frames; y-up, 30 fps.
+
+`global_orient (T, 3) body_pose (T, 63) left_hand_pose, right_hand_pose (T, 45) jaw_pose, leye_pose,
+reye_pose (T, 3) expression (T, 10) transl (T, 3)`, and `betas`, maybe empty. Files with these
+names come from other programs too. Nothing in them says what zero fingers mean.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from halfphysics.base.stored_objects import write
+from halfphysics.formats.building import (
+    file_parameters,
+    lost_model,
+    motion_of,
+    rotations_of,
+    same_length,
+)
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.record import Record
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.smplx_names import PARTS
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+
+NAME = "trumans-clip"
+FPS = 30.0
+_HANDS = ("left_hand_pose", "right_hand_pose")
+_EXPRESSION = "expression"
+
+
+def _sniff(source: Source) -> bool:
+    data = source.data
+    named = {"global_orient", "body_pose", "transl"}
+    return isinstance(data, dict) and len(named & data.keys()) >= 2
+
+
+def _load(source: Source, options: Options) -> Motion:
+    record = Record(source.path, source.data)
+    parts = {
+        key: record.array(key, None, 3 * len(joints), frames=options.frames)
+        for key, joints in PARTS.items()
+        if key in record or key in ("global_orient", "body_pose")
+    }
+    translation = record.array("transl", None, 3, frames=options.frames)
+    lengths = {key: len(part) for key, part in parts.items()}
+    same_length(str(source.path), {**lengths, "transl": len(translation)})
+    per_frame = {}
+    if _EXPRESSION in record:
+        width = np.shape(record.raw(_EXPRESSION))[-1]
+        per_frame[_EXPRESSION] = record.numbers(_EXPRESSION, None, width, frames=options.frames)
+    fingers = any(key in parts and parts[key].any() for key in _HANDS)
+    has_hands = any(key in parts for key in _HANDS)
+    return motion_of(
+        str(source.path),
+        options,
+        format=NAME,
+        translation=translation,
+        rotations=rotations_of({PARTS[key]: part for key, part in parts.items()}),
+        fps=record.number("fps", above=0.0) if "fps" in record else FPS,
+        up="y",
+        model="smplx",
+        gender=record.text("gender") if "gender" in record else "neutral",
+        betas=record.raw("betas") if "betas" in record else None,
+        hands="unsaid" if fingers else "flat" if has_hands else None,
+        fields={"keys": tuple(record.fields)},
+        per_frame=per_frame,
+    )
+
+
+def _save(motion: Motion, path: Path, body: Body | None) -> None:
+    translation, rotations, said = file_parameters(motion, NAME)
+    frames = len(motion)
+    fields: dict[str, Any] = {
+        key: rotations[:, list(joints)].reshape(frames, -1) for key, joints in PARTS.items()
+    }
+    fields["transl"] = translation
+    fields["betas"] = np.zeros(0) if motion.betas is None else motion.betas[None]
+    if said and motion.origin is not None and _EXPRESSION in motion.origin.per_frame:
+        fields[_EXPRESSION] = motion.origin.per_frame[_EXPRESSION]
+    if motion.fps != FPS or "fps" in said.get("keys", ()):
+        fields["fps"] = motion.fps
+    if motion.gender != "neutral" or "gender" in said.get("keys", ()):
+        fields["gender"] = motion.gender
+    write(path, fields)
+
+
+FORMAT = Format(
+    name=NAME,
+    expects="pkl with global_orient (T, 3), body_pose (T, 63), transl (T, 3)",
+    sniff=_sniff,
+    load=_load,
+    save=_save,
+    suffixes=(".pkl",),
+    up="y",
+    loses=lost_model,
+)

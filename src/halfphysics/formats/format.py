@@ -1,0 +1,165 @@
+"""What a motion format is, and what it is given to read."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from halfphysics.base import stored_objects as stored
+from halfphysics.base.npy import Npy
+from halfphysics.base.npz import Npz
+from halfphysics.base.validation import file_path, shown
+from halfphysics.errors import FileError
+from halfphysics.formats.record import Record
+from halfphysics.motion.motion import Motion
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.simulation.sequence import Sequence
+
+_HEAD = 4096
+
+
+class Source:
+    """A file or folder to read a motion from, opened as far as a sniffer needs it.
+
+    It may be given where a path is asked for: what was read of it is not read again.
+
+    Raises:
+        FileError: It does not exist, is empty or cannot be read.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = file_path(path)
+        if not self.path.exists():
+            near = self._near()
+            raise FileError(f"{self.path}: no such file.{near}")
+        #: Whether it is a folder: some data sets come as one.
+        self.is_folder = self.path.is_dir()
+        #: The first 4096 bytes of a file.
+        self.head = b""
+        if self.is_folder:
+            return
+        if not self.path.is_file():
+            raise FileError(
+                f"{self.path}: this is a pipe or a device, expected a file. Copy what comes out of "
+                "it to a file first"
+            )
+        try:
+            with self.path.open("rb") as handle:
+                self.head = handle.read(_HEAD)
+        except OSError as error:
+            raise FileError(f"{self.path}: cannot read: {error.strerror}") from None
+        if not self.head:
+            raise FileError(f"{self.path}: the file is empty, expected a motion")
+
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+    def _near(self) -> str:
+        import difflib
+
+        if not self.path.parent.is_dir():
+            return f" The folder {self.path.parent} does not exist either"
+        if not os.access(self.path.parent, os.R_OK):
+            return ""
+        names = [entry.name for entry in self.path.parent.iterdir() if entry.is_file()]
+        near = difflib.get_close_matches(self.path.name, names, n=3)
+        return f" In that folder: {', '.join(near)}" if near else ""
+
+    @cached_property
+    def npz(self) -> Npz | None:
+        """Its arrays if it is an npz (by content), else None."""
+        if self.head[:2] != b"PK":
+            return None
+        npz = Npz(self.path)
+        return npz if len(npz) else None
+
+    @cached_property
+    def npy(self) -> Npy | None:
+        """Header and memory-mapped numbers if it is an npy (by content), else None."""
+        return Npy(self.path) if self.head[:6] == b"\x93NUMPY" else None
+
+    @cached_property
+    def data(self) -> Any:
+        """What is in a pickle, a joblib dump, a pickled npy or a torch file; else None.
+
+        Read by the restricted unpickler: arrays, numbers, strings and containers only.
+        """
+        return stored.read(self.path) if stored.is_stored(self.path, self.head) else None
+
+    def describe(self) -> str:
+        """What it is, for the message that no format fits."""
+        if self.is_folder:
+            names = sorted(entry.name for entry in self.path.iterdir())
+            return f"a folder with {', '.join(names[:12]) or 'nothing in it'}"
+        if self.npz is not None:
+            return f"an .npz with {self.npz.describe()}"
+        if self.npy is not None and not self.npy.dtype.hasobject:
+            return f"an .npy of shape {self.npy.shape}, {self.npy.dtype}"
+        if self.data is not None:
+            if isinstance(self.data, dict):
+                return f"a pickle with {Record(self.path, self.data).describe()}"
+            return f"a pickle of a {type(self.data).__name__}"
+        if self.head[:2] == b"PK":
+            return "a zip archive without arrays. If it holds motion files, unpack it first"
+        return f"a file that begins with {shown(self.head[:24])}"
+
+
+#: Folders that a caller names.
+Assets: TypeAlias = str | os.PathLike[str] | Iterable[str | os.PathLike[str]] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What the caller of `Motion.load` or `load_sequence` said; None where the file is to say it.
+
+    `clip` is "" of a file that holds one motion only. `objects` is "free" (pushed about from where
+    they are at the first frame) or "replayed" (along the recorded trajectory).
+    """
+
+    fps: float | None = None
+    up: str | None = None
+    hands: str | None = None
+    model: str | os.PathLike[str] | None = None
+    gender: str | None = None
+    frames: slice = field(default_factory=lambda: slice(None))
+    clip: str = ""
+    assets: tuple[Path, ...] = ()
+    objects: str = "free"
+
+
+def _nothing(motion: Motion) -> tuple[str, ...]:
+    return ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """One motion file format: a file of its own in this package and a line in the registry."""
+
+    #: Name by which `Motion.save(format=)` and the command line know it.
+    name: str
+    #: What its files hold, for the message that no format fits.
+    expects: str
+    #: Whether this file's content is of this format. May raise FileError to explain a near
+    #: miss that no other format could claim either. None where another one's sniff finds them.
+    sniff: Callable[[Source], bool] | None
+    load: Callable[[Source, Options], Motion]
+    #: Motion and scene, where the data set has objects; None: the motion on an empty scene.
+    load_sequence: Callable[[Source, Options], Sequence] | None = None
+    #: The names of the clips in a file that holds several; it loads the one of `Options.clip`.
+    clips: Callable[[Source], Iterable[str]] | None = None
+    #: Writes a motion that is in the axes of its file or of `up`; None: it can only be read.
+    save: Callable[[Motion, Path, Body | None], None] | None = None
+    #: Of the files that are written, the first for preference.
+    suffixes: tuple[str, ...] = (".npz",)
+    #: The up axis of the files that are written; None where the format says which it is.
+    up: str | None = "z"
+    #: Whether its files hold the joints of a body, so that `save` cannot do without one.
+    needs_body: bool = False
+    #: What of this motion a file of this format cannot hold, one line each.
+    loses: Callable[[Motion], tuple[str, ...]] = _nothing

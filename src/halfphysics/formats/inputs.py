@@ -1,0 +1,172 @@
+"""The motion, body and scene that somebody asked for: what a command line and a sweep share."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from halfphysics.base.validation import file_path
+from halfphysics.errors import InputError
+
+if TYPE_CHECKING:
+    from halfphysics.body.shape_space import ShapeSpace
+    from halfphysics.motion.motion import Motion
+    from halfphysics.scene.scene import Scene
+    from halfphysics.simulation.sequence import Sequence
+
+#: The static that is added as a floor.
+GROUND = "ground"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionOptions:
+    """What a motion file cannot say itself."""
+
+    fps: float | None = None
+    """Frames per second of the motion file, where it does not say."""
+    up: Literal["y", "z"] | None = None
+    """The axis that is up in the motion file, where it is not what its format prescribes."""
+    hands: Literal["flat", "mean"] | None = None
+    """What zero fingers mean in the motion file: a flat hand, or the model's relaxed one."""
+    model: str | None = None
+    """smplx, smplh or smpl, where the file does not say; or a model file (for mean hands)."""
+    gender: Literal["neutral", "male", "female"] | None = None
+    """Gender of the motion's shape, where the file does not say."""
+    frames: str | None = None
+    """Frames to read, START:STOP (counted from 0, STOP left out); either may be missing."""
+
+    clip: str | None = None
+    """Name of the clip to read, where the file holds several."""
+    assets: tuple[Path, ...] = ()
+    """Folder of the data set's other files (object meshes, templates); may be said repeatedly."""
+
+    objects: Literal["free", "replayed", "none"] = "free"
+    """Objects that the data set recorded: free from their first pose on, moved as recorded, or left
+    out with the scene around them."""
+
+    #: How `frames` was asked for.
+    FRAMES: ClassVar[str] = "frames"
+
+    def load(self, path: Path) -> Motion:
+        """The motion in a file."""
+        from halfphysics.formats import load_motion
+
+        return load_motion(path, **self._said())
+
+    def sequence(self, path: Path) -> Sequence:
+        """The motion in a file with the objects and the scene that were recorded around it."""
+        from halfphysics.formats import load_sequence
+        from halfphysics.scene.scene import Scene
+        from halfphysics.simulation.sequence import Sequence
+
+        if self.objects == "none":
+            return Sequence(self.load(path), Scene())
+        return load_sequence(path, objects=self.objects, **self._said())
+
+    def _said(self) -> dict[str, Any]:
+        return {
+            "fps": self.fps,
+            "up": self.up,
+            "hands": self.hands,
+            "model": self.model,
+            "gender": self.gender,
+            "frames": self.frame_range(),
+            "clip": self.clip,
+            "assets": self.assets,
+        }
+
+    def frame_range(self) -> tuple[int | None, int | None] | None:
+        """The first frame to read and the one after the last; raises `InputError`."""
+        if self.frames is None:
+            return None
+        ends = self.frames.split(":")
+        try:
+            start, stop = (int(end) if end.strip() else None for end in ends)
+        except ValueError:
+            raise InputError(
+                f"{self.FRAMES}: found {self.frames!r}, expected START:STOP, such as 0:90 or 30:"
+            ) from None
+        return start, stop
+
+
+def model_for(
+    motion: Motion,
+    path: str | os.PathLike[str],
+    read: Callable[..., ShapeSpace] | None = None,
+) -> ShapeSpace:
+    """The body model for a motion: of a folder of them, that of its model and gender.
+
+    `read` stands in for `read_model`, such as one that keeps what it has read.
+    """
+    from halfphysics.body.model_files import read_model
+
+    folder = file_path(path).is_dir()
+    return (read or read_model)(
+        path,
+        gender=motion.gender if folder else None,
+        model=motion.model if folder else None,
+    )
+
+
+def betas_for(motion: Motion, space: ShapeSpace) -> Any:
+    """The motion's betas where they are that model's; None: they mean nothing to it."""
+    own = space.model == motion.model and space.gender in (motion.gender, "unknown")
+    return motion.betas if own else None
+
+
+def is_furnished(scene: Scene) -> bool:
+    """Whether anything stands or lies in a scene."""
+    return bool(scene.statics or scene.objects or scene.articulated)
+
+
+def furnished(
+    base: Scene | None,
+    file: str | os.PathLike[str] | None,
+    statics: Iterable[str],
+    objects: Iterable[str],
+    ground: bool,
+    *,
+    words: tuple[str, str, str] = ("--scene", "--objects none", "--no-ground"),
+) -> Scene:
+    """A scene from a file, or else what `base` has; and what is added to it. `base` stays as it is.
+
+    Args:
+        base: What a data set brings; a file takes its place where it is empty.
+        file: Scene file, or None.
+        statics: What never moves, as `scene_spec.parse_static` reads it.
+        objects: What moves, as `scene_spec.parse_object` reads it.
+        ground: Whether a floor at z = 0 is added, where there is no plane yet.
+        words: How to say, where this was asked: the scene file, no recorded objects, no floor.
+
+    Raises:
+        InputError: Two scenes, impossible things. FileError: A file that cannot be used.
+    """
+    from halfphysics.geometry.shapes import Plane
+    from halfphysics.scene.item_spec import parse_object, parse_static
+    from halfphysics.scene.scene import Scene
+
+    if file is not None and base is not None and is_furnished(base):
+        raise InputError(
+            f"{words[0]} {file}: the motion's data set brings a scene of its own. Leave out "
+            f"{words[0]}, or say {words[1]}"
+        )
+    own = Scene() if base is None else base._copied()
+    scene = own if file is None else Scene.load(file)
+    for text in statics:
+        name, shape, options = parse_static(text)
+        scene.add_static(name, shape, **options)
+    for text in objects:
+        name, shape, options = parse_object(text)
+        scene.add_object(name, shape, **options)
+    planes = any(isinstance(static.shape, Plane) for static in scene.statics.values())
+    if ground and not planes:
+        if GROUND in (*scene.statics, *scene.objects):
+            raise InputError(
+                f"the scene has something called {GROUND!r} that is no plane, the name of the "
+                f"floor that is added. Rename it, or say {words[2]}"
+            )
+        scene.add_static(GROUND, Plane())
+    return scene

@@ -1,0 +1,127 @@
+"""Libraries of motions: folders, globs and files of many clips, walked lazily."""
+
+from __future__ import annotations
+
+import glob
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from halfphysics.base.reader_warnings import warn
+from halfphysics.base.validation import file_path
+from halfphysics.errors import FileError
+from halfphysics.formats.format import Source
+from halfphysics.formats.registry import identify, load_motion, load_sequence, unknown
+
+if TYPE_CHECKING:
+    from halfphysics.motion.motion import Motion
+    from halfphysics.simulation.sequence import Sequence
+
+
+@dataclass(frozen=True)
+class Clip:
+    """One motion of a library.
+
+    Attributes:
+        path: The file (or folder) it is in.
+        format: Name of its format.
+        name: Its name in a file of several, else None.
+    """
+
+    path: Path
+    format: str
+    name: str | None = None
+    # Of a file of several, so that it is read once for all of them.
+    _source: Source | None = field(default=None, repr=False, compare=False)
+
+    def load(self, **options: Any) -> Sequence:
+        """Motion and scene, as `load_sequence(path, clip=name, **options)`."""
+        return load_sequence(self._source or self.path, clip=self.name, **options)
+
+    def motion(self, **options: Any) -> Motion:
+        """The motion alone, as `Motion.load(path, clip=name, **options)`."""
+        return load_motion(self._source or self.path, clip=self.name, **options)
+
+
+def clips(path: str | os.PathLike[str]) -> Iterator[Clip]:
+    """The motions in a file, in all files under a folder, or in those that a glob names.
+
+    Nothing but heads of files is read before a clip is asked for. Files of no known format, and
+    such as cannot be read, are passed over, but one that is named outright. In the order of the
+    names; what links lead to more than once comes once, and a folder that cannot be read is passed
+    over with a warning.
+
+    Args:
+        path: For example "AMASS/", "AMASS/**/*_stageii.npz" or one file.
+
+    Raises:
+        FileError: There is nothing of that name, or one file that is no motion.
+    """
+    given = file_path(path)
+    seen: set[str] = set()  # links may lead back to where they lie
+    if given.exists():
+        yield from _under(given, seen, asked=True)
+        return
+    found = False
+    for path in sorted(set(_fitting(Path(given.anchor), given.relative_to(given.anchor).parts))):
+        found = True
+        yield from _under(path, seen, asked=False)
+    if not found:
+        raise FileError(f"{given}: no such file or folder, and no file fits it as a pattern")
+
+
+def _fitting(base: Path, pattern: tuple[str, ...]) -> Iterator[Path]:
+    """What fits the parts of a glob below `base`, as glob.glob has it. That goes round in rings of
+    links: as many times as there are paths of 40 links."""
+    if not pattern:
+        yield base
+    elif pattern[0] == "**":
+        for folder in _folders(base, set()):
+            yield from _fitting(folder, pattern[1:])
+    else:
+        for name in glob.glob(pattern[0], root_dir=base):
+            yield from _fitting(base / name, pattern[1:])
+
+
+def _folders(base: Path, seen: set[str]) -> Iterator[Path]:
+    """A folder and all below it that are not hidden, each once."""
+    real = os.path.realpath(base)
+    if real in seen or not base.is_dir():
+        return
+    seen.add(real)
+    yield base
+    for name in glob.glob("*/", root_dir=base):
+        yield from _folders(base / name, seen)
+
+
+def _under(path: Path, seen: set[str], asked: bool) -> Iterator[Clip]:
+    folder = path.is_dir()
+    real = os.path.realpath(path)
+    if real in seen:
+        return
+    seen.add(real)
+    try:
+        source = Source(path)
+    except FileError as error:
+        if asked:
+            raise
+        if folder:
+            warn(f"{error}. Passed over")
+        return
+    try:
+        format = identify(source)
+    except FileError:
+        if asked and not folder:
+            raise
+        format = None
+    if format is not None:
+        names = format.clips(source) if format.clips is not None else (None,)
+        for name in names:
+            yield Clip(path, format.name, name, None if name is None else source)
+    elif asked and not folder:
+        raise unknown(source)
+    elif folder:
+        for entry in sorted(path.iterdir()):
+            yield from _under(entry, seen, asked=False)

@@ -1,0 +1,117 @@
+"""Named fields of a file, checked as they are taken out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base.validation import shown
+from halfphysics.errors import FileError
+from halfphysics.motion.smplx_names import to_numpy
+
+Array = NDArray[np.float64]
+
+_ALL = slice(None)
+
+
+class Record:
+    """The fields of a file, or of one clip or part of it, whatever they were stored in.
+
+    Args:
+        where: What messages call it: the file, and the clip or part where there are several.
+        fields: Name -> array, number or text.
+
+    Raises:
+        FileError: By all methods, for a field that is missing or impossible: it names file,
+            field, what was found, what was expected and the way out.
+    """
+
+    def __init__(self, where: str | Path, fields: Mapping[str, Any]) -> None:
+        self.where = str(where)
+        self.fields = fields
+
+    def __contains__(self, key: object) -> bool:
+        return key in self.fields
+
+    def describe(self) -> str:
+        """The fields with their shapes, for messages."""
+        describe = getattr(self.fields, "describe", None)
+        if describe is not None:
+            return str(describe()) or "no fields"
+        parts = []
+        for key in list(self.fields)[:24]:
+            shape = getattr(self.fields[key], "shape", None)
+            parts.append(f"{key} {tuple(shape)}" if shape is not None else str(key))
+        more = ", ..." if len(self.fields) > 24 else ""
+        return (", ".join(parts) or "no fields") + more
+
+    def error(self, key: str, text: str) -> FileError:
+        """An error about a field."""
+        return FileError(f"{self.where}: field '{key}': {text}")
+
+    def raw(self, key: str, wanted: str = "") -> Any:
+        """A field as it is; `wanted` says what it should be if it is not there."""
+        if key not in self.fields:
+            near = [k for k in self.fields if isinstance(k, str) and key.lower() in k.lower()]
+            hint = f"; is it '{near[0]}'? Rename it" if near else ""
+            expected = f"; expected {key} {wanted}".rstrip()
+            raise FileError(
+                f"{self.where}: field '{key}' is missing, found {self.describe()}{expected}{hint}"
+            )
+        return self.fields[key]
+
+    def array(self, key: str, *shape: int | None, frames: slice = _ALL) -> Array:
+        """A field as finite float64 numbers of `shape`, whose None is T, cut to `frames`."""
+        return np.array(self.numbers(key, *shape, frames=frames), dtype=np.float64)
+
+    def numbers(self, key: str, *shape: int | None, frames: slice = _ALL) -> NDArray[Any]:
+        """As `array`, in the type that the file has."""
+        wanted = "(" + ", ".join("T" if n is None else str(n) for n in shape)
+        wanted += ",)" if len(shape) == 1 else ")"
+        value = self.raw(key, wanted)
+        try:
+            array = to_numpy(value)
+        except (TypeError, ValueError):
+            raise self.error(key, f"found {shown(value)}, expected numbers {wanted}") from None
+        fits = array.ndim == len(shape) and all(
+            n is None or n == found for n, found in zip(shape, array.shape, strict=True)
+        )
+        if not fits or array.dtype.kind not in "fiu":
+            raise self.error(
+                key, f"found shape {array.shape} of {array.dtype}, expected numbers of {wanted}"
+            )
+        if shape and shape[0] is None:
+            array = array[frames]
+        bad = ~np.isfinite(array)
+        if bad.any():
+            row = int(np.argwhere(bad)[0][0]) if array.ndim else 0
+            raise self.error(
+                key,
+                f"{int(bad.sum())} values are NaN or infinite, the first in frame {row}; expected "
+                "finite numbers. Fill those frames, or read others with frames=(start, stop)",
+            )
+        return array
+
+    def number(self, key: str, *, above: float = -np.inf, below: float = np.inf) -> float:
+        """A field as one number: of any shape, so long as it holds one."""
+        array = to_numpy(self.raw(key, "(one number)"))
+        one = array.size == 1 and array.dtype.kind in "fiu"
+        if not one or not above < float(array.reshape(-1)[0]) < below:
+            range = f" between {above:g} and {below:g}" if np.isfinite([above, below]).any() else ""
+            raise self.error(key, f"found {shown(array.tolist())}, expected a number{range}")
+        return float(array.reshape(-1)[0])
+
+    def text(self, key: str) -> str:
+        """A field as text, whether it was stored as str, bytes or an array of one."""
+        value = to_numpy(self.raw(key, "(text)"))
+        item = value.reshape(-1)[0] if value.size == 1 else None
+        if isinstance(item, bytes):
+            item = item.decode("utf-8", "replace")
+        if not isinstance(item, str):
+            raise self.error(key, f"found {shown(value.tolist())}, expected text")
+        # Written by str() of bytes in many files.
+        return item.strip().removeprefix("b'").removesuffix("'")

@@ -1,0 +1,340 @@
+"""The registry of motion formats. A new format is one file of this package and a line below."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from halfphysics.base.validation import body as checked_body
+from halfphysics.base.validation import file_path, frame_rate, shown
+from halfphysics.errors import FileError, InputError
+from halfphysics.formats import blender, smpl_codec
+from halfphysics.formats.amass import smpl as amass_smpl
+from halfphysics.formats.amass import smplh as amass_smplh
+from halfphysics.formats.amass import smplx as amass_smplx
+from halfphysics.formats.bvh import bvh
+from halfphysics.formats.datasets import (
+    aist,
+    arctic,
+    grab,
+    intermimic,
+    motionx,
+    omomo,
+    trumans_clip,
+    trumans_release,
+)
+from halfphysics.formats.format import Assets, Format, Options, Source
+from halfphysics.motion.motion import GENDERS, MODELS, Motion
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.simulation.sequence import Sequence
+
+__all__ = [
+    "FORMATS",
+    "Format",
+    "Options",
+    "Source",
+    "identify",
+    "load_motion",
+    "load_sequence",
+    "losses",
+    "save_motion",
+    "unknown",
+    "writer_of",
+]
+
+#: Every motion format, tried in this order.
+FORMATS: dict[str, Format] = {
+    format.name: format
+    for format in (
+        amass_smplx.FORMAT,
+        amass_smplh.FORMAT,
+        amass_smpl.FORMAT,
+        aist.FORMAT,
+        grab.FORMAT,
+        motionx.FORMAT,
+        arctic.FORMAT,
+        smpl_codec.FORMAT,
+        trumans_clip.FORMAT,
+        trumans_release.FORMAT,
+        omomo.FORMAT,
+        intermimic.FORMAT,
+        blender.FORMAT,
+        bvh.FORMAT,
+    )
+}
+
+#: What a motion that came from no file is written as.
+_BY_MODEL = {
+    "smplx": amass_smplx.FORMAT.name,
+    "smplh": amass_smplh.FORMAT.name,
+    "smpl": amass_smpl.FORMAT.name,
+}
+
+
+def identify(source: Source) -> Format | None:
+    """The format of a file; None: it is of no known one."""
+    for format in FORMATS.values():
+        if format.sniff is not None and format.sniff(source):
+            return format
+    return None
+
+
+def load_motion(
+    path: str | os.PathLike[str],
+    *,
+    fps: float | None = None,
+    up: str | None = None,
+    hands: str | None = None,
+    model: str | os.PathLike[str] | None = None,
+    gender: str | None = None,
+    frames: tuple[int | None, int | None] | None = None,
+    clip: str | None = None,
+    assets: Assets = None,
+) -> Motion:
+    """The work behind `Motion.load`; see there."""
+    options = _options(fps, up, hands, model, gender, frames, clip, assets)
+    source, format, options = _found(path, options)
+    return format.load(source, options)
+
+
+def load_sequence(
+    path: str | os.PathLike[str],
+    assets: Assets = None,
+    *,
+    objects: str = "free",
+    fps: float | None = None,
+    up: str | None = None,
+    hands: str | None = None,
+    model: str | os.PathLike[str] | None = None,
+    gender: str | None = None,
+    frames: tuple[int | None, int | None] | None = None,
+    clip: str | None = None,
+) -> Sequence:
+    """Read a motion with the objects and the scene that its data set recorded around it.
+
+    Args:
+        path: As in `Motion.load`, with the options there.
+        assets: Folders of the data set's other files (object meshes, templates), searched before
+            $HALFPHYSICS_MODELS and the file's own folder and those above it.
+        objects: "free": they lie where they were at the first frame and physics moves them;
+            "replayed": they move as recorded, and nothing pushes them. How they were recorded is
+            in `Sequence.recorded` either way.
+
+    Returns:
+        A `Sequence`; of a format without objects the motion with an empty scene.
+
+    Raises:
+        FileError, InputError: As `Motion.load`, and where an asset is missing.
+    """
+    from halfphysics.scene.scene import Scene
+    from halfphysics.simulation.sequence import Sequence
+
+    if objects not in ("free", "replayed"):
+        raise InputError(f"objects: found {shown(objects)}, expected 'free' or 'replayed'")
+    options = _options(fps, up, hands, model, gender, frames, clip, assets, objects)
+    source, format, options = _found(path, options)
+    if format.load_sequence is not None:
+        return format.load_sequence(source, options)
+    return Sequence(format.load(source, options), Scene())
+
+
+def save_motion(
+    motion: Motion,
+    path: str | os.PathLike[str],
+    *,
+    format: str | None = None,
+    body: Body | None = None,
+) -> None:
+    """The work behind `Motion.save`; see there."""
+    path = file_path(path)
+    if body is not None:
+        checked_body(body, "joint_frames")
+    writer = writer_of(motion, path, format)
+    save = _saving(writer)
+    own = motion.origin is not None and motion.origin.format == writer.name
+    if not own and writer.up is not None:
+        motion = _in_axes(motion, writer.name, writer.up, body)
+    save(motion, path, body)
+
+
+def losses(motion: Motion, path: str | os.PathLike[str], format: str | None = None) -> list[str]:
+    """What of a motion the file that `save_motion` would write cannot hold, one line each."""
+    writer = writer_of(motion, file_path(path), format)
+    lost = list(writer.loses(motion))
+    origin = motion.origin
+    template = None if origin is None else origin.fields.get("template")
+    if template is not None and origin is not None and origin.format != writer.name:
+        lost.append(f"the subject's own shape: keep the template {template} beside it")
+    return lost
+
+
+def writer_of(motion: Motion, path: Path, format: str | None) -> Format:
+    """The format that `save_motion` writes.
+
+    Raises:
+        InputError: It is unknown, or can only be read.
+    """
+    if format is not None and (not isinstance(format, str) or format not in FORMATS):
+        raise InputError(f"format: found {format!r}, expected one of {', '.join(FORMATS)}")
+    writer = _by_suffix(motion, path) if format is None else FORMATS[format]
+    _saving(writer)  # or say that it cannot
+    return writer
+
+
+def _saving(writer: Format) -> Callable[[Motion, Path, Body | None], None]:
+    """What writes its files."""
+    if writer.save is None:
+        writable = ", ".join(name for name, known in FORMATS.items() if known.save)
+        raise InputError(f"format: '{writer.name}' can only be read, expected one of {writable}")
+    return writer.save
+
+
+def _by_suffix(motion: Motion, path: Path) -> Format:
+    from halfphysics.writers import KINDS
+
+    own = FORMATS.get(motion.origin.format) if motion.origin is not None else None
+    suffix = path.suffix.lower()
+    if own is not None and own.save and (suffix in own.suffixes or not suffix):
+        return own
+    usual = FORMATS[_BY_MODEL[motion.model]]
+    if not suffix or suffix in usual.suffixes:
+        return usual
+    for known in FORMATS.values():
+        if known.save and suffix in known.suffixes:
+            return known
+    written = sorted({s for known in FORMATS.values() if known.save for s in known.suffixes})
+    raise InputError(
+        f"{path}: found suffix {path.suffix!r}, expected one of {', '.join(written)} (animated "
+        f"scenes, by halfphysics.export: {', '.join(KINDS)}), or name the format with format="
+    )
+
+
+def _in_axes(motion: Motion, format: str, up: str, body: Body | None) -> Motion:
+    """The motion with `translation` as the files of a format mean it."""
+    from halfphysics.base.axes import axes_of
+
+    if (motion.axes == axes_of(up)).all():
+        return motion
+    if body is None:
+        raise InputError(
+            f"format: '{format}' has {up} up and the motion came from a file with "
+            "another axis up: what its translation is there depends on the pelvis of the body at "
+            "rest. Say whose motion it is with body="
+        )
+    return motion.rebased(body, up)
+
+
+def _options(
+    fps: float | None,
+    up: str | None,
+    hands: str | None,
+    model: str | os.PathLike[str] | None,
+    gender: str | None,
+    frames: tuple[int | None, int | None] | None,
+    clip: str | None,
+    assets: Assets,
+    objects: str = "free",
+) -> Options:
+    """What the caller said, checked."""
+    if up not in (None, "z", "y"):
+        raise InputError(f"up: found {up!r}, expected 'z' or 'y'")
+    if hands not in (None, "flat", "mean"):
+        raise InputError(f"hands: found {hands!r}, expected 'flat' or 'mean'")
+    if fps is not None:
+        fps = frame_rate(fps)
+    if model is not None and str(model) not in MODELS and not file_path(model).exists():
+        raise InputError(
+            f"model: found '{model}', expected one of {', '.join(MODELS)} or the path of a "
+            "body-model file that exists"
+        )
+    if gender is not None and gender not in GENDERS:
+        raise InputError(f"gender: found {gender!r}, expected one of {', '.join(GENDERS)}")
+    pair = isinstance(frames, list | tuple) and len(frames) == 2
+    if frames is not None and not (pair and all(isinstance(i, int | None) for i in frames)):
+        raise InputError(
+            f"frames: found {shown(frames)}, expected (start, stop), whole numbers or None"
+        )
+    if clip is not None and (not isinstance(clip, str) or not clip):
+        raise InputError(f"clip: found {shown(clip)}, expected the name of a clip in the file")
+    if assets is None:
+        assets = ()
+    elif isinstance(assets, str | os.PathLike) or not isinstance(assets, Iterable):
+        assets = (assets,)
+    folders = tuple(file_path(folder) for folder in assets)
+    for folder in folders:
+        if not folder.is_dir():
+            raise InputError(f"assets: found '{folder}', expected a folder that exists")
+    return Options(
+        fps=fps,
+        up=up,
+        hands=hands,
+        model=model,
+        gender=gender,
+        frames=slice(*frames) if frames else slice(None),
+        clip=clip or "",
+        assets=folders,
+        objects=objects,
+    )
+
+
+def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Format, Options]:
+    """The file and its format, and the options with the clip that is meant."""
+    import difflib
+    from dataclasses import replace
+    from itertools import islice
+
+    source = path if isinstance(path, Source) else Source(path)
+    format = identify(source)
+    if format is None:
+        raise unknown(source)
+    if format.clips is None:
+        if options.clip:
+            raise InputError(
+                f"clip: found {options.clip!r}, but {source.path} holds one motion only. Leave it "
+                "out"
+            )
+        return source, format, options
+    if not options.clip:
+        names = list(islice(format.clips(source), 13))
+        if len(names) == 1:
+            return source, format, replace(options, clip=names[0])
+        more = ", ..." if len(names) > 12 else ""
+        raise InputError(
+            f"{source.path}: holds several clips: {', '.join(names[:12])}{more}. Say which with "
+            "clip=; halfphysics.clips(path) goes through them all"
+        )
+    names = list(format.clips(source))
+    if options.clip not in names:
+        near = difflib.get_close_matches(options.clip, names, n=3)
+        hint = f"; did you mean {' or '.join(near)}?" if near else f", such as {names[0]!r}"
+        raise InputError(
+            f"clip: {source.path} has no {options.clip!r}, expected one of its {len(names)} clips"
+            f"{hint}"
+        )
+    return source, format, options
+
+
+def unknown(source: Source) -> FileError:
+    """What to raise for a file of no known format."""
+    npz = source.npz
+    if npz is not None and {"v_template", "J_regressor"} & set(npz):
+        return FileError(
+            f"{source.path}: this is a body model, expected a motion. Load it with Body.load"
+        )
+    known = "; ".join(
+        f"{format.name}: {format.expects}" for format in FORMATS.values() if format.sniff
+    )
+    if source.is_folder:
+        return FileError(
+            f"{source.path}: this is a folder of no known format, with "
+            f"{source.describe().removeprefix('a folder with ')}; expected a motion file in it "
+            "(halfphysics.clips(path) goes through a library)"
+        )
+    return FileError(
+        f"{source.path}: no known motion format. Found {source.describe()}. Expected one of: "
+        f"{known}"
+    )

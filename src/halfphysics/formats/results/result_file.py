@@ -1,0 +1,407 @@
+"""Result files: one npz that motion readers open, with everything else beside the motion.
+
+Keys are described in docs/result-files.md. Arrays are float64 and come back bit for bit; the
+people's motions are in the z-up world there, while the keys on top are those of the input file,
+in the axes of that file.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base.axes import turned
+from halfphysics.base.npz import Npz, write_npz
+from halfphysics.base.validation import file_path, shown
+from halfphysics.errors import FileError, InputError
+from halfphysics.formats import load_motion
+from halfphysics.formats.amass import smpl as amass_smpl
+from halfphysics.formats.amass import smplh as amass_smplh
+from halfphysics.formats.amass import smplx as amass_smplx
+from halfphysics.motion.motion import Motion
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.inside import Inside
+from halfphysics.results.records import BodyRecord, SceneRecord, checked_document
+from halfphysics.results.result import ObjectTrack, PersonResult, Result, Substeps, at_substeps
+from halfphysics.results.table import Table
+from halfphysics.settings import Settings
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.scene.scene import Scene
+
+Array = NDArray[np.float64]
+Fields = dict[str, NDArray[Any]]
+T = TypeVar("T", bound=Table)
+
+#: Version of the layout; a reader refuses newer ones.
+VERSION = 1
+VERSION_KEY = "meta/format_version"
+OBJECT = "object/"
+JOINT = "joint/"
+CONTACT = "contact/"
+INSIDE = "inside/"
+SUBSTEPS = "meta/substeps/"
+DIAGNOSTICS = "meta/diagnostics/"
+_LAYOUTS = {
+    "smplx": amass_smplx.LAYOUT,
+    "smplh": amass_smplh.LAYOUT,
+    "smpl": amass_smpl.LAYOUT,
+}
+# Rounding of turning a motion to the axes of its file and back [m, rad].
+_SAME = 1e-9
+_CLEAR = Inside.none()  # files without rows, as those of old
+
+
+def is_result(path: str | os.PathLike[str]) -> bool:
+    """Whether a file is a result file, by content."""
+    try:
+        if not Path(path).is_file():  # opening a pipe would wait for a writer
+            return False
+        with Path(path).open("rb") as handle:
+            if handle.read(2) != b"PK":
+                return False
+        return VERSION_KEY in Npz(path)
+    except (OSError, FileError):
+        return False
+
+
+def save_result(result: Result, path: str | os.PathLike[str]) -> None:
+    """The work behind `Result.save`; see there."""
+    write_npz(path, result_fields(result))
+
+
+def result_fields(result: Result) -> Fields:
+    """The arrays of a result file, by key."""
+    from halfphysics import __version__
+
+    fields: Fields = dict(_on_top(result.people[0]))
+    fields |= _track_fields("", result.objects)
+    fields |= {f"{JOINT}{name}": values for name, values in result.joints.items()}
+    fields |= _columns(CONTACT, result.contacts)
+    if len(result.inside):
+        fields |= _columns(INSIDE, result.inside)
+    people = []
+    for index, person in enumerate(result.people):
+        prefix = _prefix(index)
+        fields[f"{prefix}translation"] = person.motion.translation
+        fields[f"{prefix}rotations"] = person.motion.rotations
+        fields[f"{prefix}reference_translation"] = person.reference.translation
+        fields[f"{prefix}reference_rotations"] = person.reference.rotations
+        if person.torque is not None:
+            fields[f"{prefix}torque"] = person.torque
+        body = vars(person)["_body"]
+        record = body if isinstance(body, BodyRecord) else BodyRecord.of(body)
+        people.append(
+            {
+                "name": person.name,
+                "gender": person.motion.gender,
+                "model": person.motion.model,
+                "betas": None if person.motion.betas is None else person.motion.betas.tolist(),
+                "axes": person.motion.axes.tolist(),
+                "body": dict(record.data),
+            }
+        )
+    scene = vars(result)["_scene"]
+    record_of_scene = scene if isinstance(scene, SceneRecord) else SceneRecord.of(scene)
+    fields |= {
+        "meta/clearance": result.clearance,
+        "meta/lost_time": result.lost_time,
+        "meta/fps": np.array(result.fps),
+        "meta/names": np.array(result.names, dtype=np.str_),
+        "meta/settings": _json(_settings_document(result.settings)),
+        "meta/scene": _json(record_of_scene.document),
+        "meta/people": _json(people),
+        "meta/written_by": np.array(f"halfphysics {__version__}"),
+        VERSION_KEY: np.array(VERSION),
+    }
+    for name, values in result.diagnostics.items():
+        fields[f"{DIAGNOSTICS}{name}"] = values
+    if result.substeps is not None:
+        for index, motion in enumerate(result.substeps.motions):
+            fields[f"{SUBSTEPS}person/{index}/translation"] = motion.translation
+            fields[f"{SUBSTEPS}person/{index}/rotations"] = motion.rotations
+        fields[f"{SUBSTEPS}fps"] = np.array(result.substeps.motions[0].fps)
+        fields |= _track_fields(SUBSTEPS, result.substeps.objects)
+    return fields
+
+
+def load_result(
+    path: str | os.PathLike[str],
+    *,
+    scene: Scene | None = None,
+    body: Body | tuple[Body, ...] | list[Body] | None = None,
+) -> Result:
+    """The work behind `Result.load`; see there."""
+    path = file_path(path)
+    if scene is not None:
+        _check_scene(scene)
+    if not path.is_file():
+        kind = "this is a folder" if path.is_dir() else "no such file"
+        raise FileError(f"{path}: {kind}, expected a result file (Result.save writes one)")
+    try:
+        with path.open("rb") as handle:
+            head = handle.read(2)
+    except OSError as error:
+        raise FileError(f"{path}: cannot read: {error.strerror}") from None
+    if head != b"PK":
+        raise FileError(f"{path}: not an .npz archive, expected a result file (Result.save)")
+    npz = Npz(path)
+    if VERSION_KEY not in npz:
+        raise FileError(
+            f"{path}: found no '{VERSION_KEY}', expected a result file (Result.save writes one). "
+            "A motion file is read with Motion.load"
+        )
+    version = npz[VERSION_KEY]
+    if version.size != 1 or version.dtype.kind not in "iu" or int(version.flat[0]) != VERSION:
+        raise FileError(
+            f"{path}: field '{VERSION_KEY}': found {version.tolist()!r}, expected {VERSION}. A "
+            "newer halfphysics may read it"
+        )
+    try:
+        people = _parsed(npz, "meta/people")
+        if not isinstance(people, list) or not people:
+            raise InputError("field 'meta/people': found no people, expected at least one")
+    except InputError as error:
+        raise FileError(f"{path}: {error}") from None
+    bodies = None if body is None else _given(body, len(people))
+    try:
+        return _read(npz, people, scene, bodies)
+    except InputError as error:
+        raise FileError(f"{path}: {error}") from None
+
+
+def _check_scene(scene: Any) -> None:
+    from halfphysics.scene.scene import Scene
+
+    if not isinstance(scene, Scene):
+        raise InputError(f"scene: found {shown(scene)}, expected a halfphysics.Scene")
+
+
+def _given(body: Any, people: int) -> list[Body]:
+    """The bodies that the caller of `Result.load` passed, one a person."""
+    from halfphysics.body.body import Body
+
+    bodies = list(body) if isinstance(body, list | tuple) else [body] * people
+    for one in bodies:
+        if not isinstance(one, Body):
+            raise InputError(
+                f"body: found {shown(one)}, expected a halfphysics.Body, such as Body.default()"
+            )
+    if len(bodies) != people:
+        raise InputError(f"body: found {len(bodies)} bodies, expected {people}")
+    return bodies
+
+
+def _read(npz: Npz, people_data: list[Any], scene: Scene | None, bodies: Any) -> Result:
+    path = npz.path
+    if bodies is None:
+        bodies = _bodies(path, people_data)
+    fps = _scalar(npz, "meta/fps")
+    people = tuple(
+        _person(npz, index, data, fps, bodies[index]) for index, data in enumerate(people_data)
+    )
+    document = checked_document(_parsed(npz, "meta/scene"), "field 'meta/scene'", ("version",))
+    names = _field(npz, "meta/names")
+    if names.ndim != 1 or names.dtype.kind != "U":
+        raise InputError(
+            f"field 'meta/names': found {names.dtype} {names.shape}, expected text (n,)"
+        )
+    return Result(
+        people=people,
+        objects=_tracks(npz, OBJECT),
+        scene=SceneRecord(document, str(path)) if scene is None else scene,
+        names=tuple(str(name) for name in names),
+        contacts=_table(npz, CONTACT, Contacts),
+        clearance=_field(npz, "meta/clearance"),
+        lost_time=_field(npz, "meta/lost_time"),
+        settings=_settings(_parsed(npz, "meta/settings")),
+        substeps=_substeps(npz, people),
+        diagnostics={
+            key.removeprefix(DIAGNOSTICS): _field(npz, key)
+            for key in npz
+            if key.startswith(DIAGNOSTICS)
+        },
+        joints={k.removeprefix(JOINT): _field(npz, k) for k in npz if k.startswith(JOINT)},
+        inside=_table(npz, INSIDE, Inside) if any(k.startswith(INSIDE) for k in npz) else _CLEAR,
+    )
+
+
+def _bodies(path: Path, people: list[Any]) -> list[BodyRecord]:
+    keys = ("model", "gender", "betas", "stature", "source", "template_source")
+    return [
+        BodyRecord(
+            checked_document(
+                person.get("body") if isinstance(person, dict) else None,
+                f"field 'meta/people', body of person {index}",
+                keys,
+            ),
+            str(path),
+        )
+        for index, person in enumerate(people)
+    ]
+
+
+def _person(npz: Npz, index: int, data: Any, fps: float, body: Any) -> PersonResult:
+    keys = ("name", "gender", "model", "betas", "axes")
+    data = checked_document(data, f"field 'meta/people', person {index}", keys)
+    prefix = _prefix(index)
+    common: dict[str, Any] = {
+        "fps": fps,
+        "betas": data["betas"],
+        "gender": data["gender"],
+        "model": data["model"],
+        "axes": data["axes"],
+    }
+    motion = Motion(
+        _field(npz, f"{prefix}translation"), _field(npz, f"{prefix}rotations"), **common
+    )
+    reference = Motion(
+        _field(npz, f"{prefix}reference_translation"),
+        _field(npz, f"{prefix}reference_rotations"),
+        **common,
+    )
+    if index == 0:
+        motion, reference = _with_origin(npz.path, motion, reference)
+    key = f"{prefix}torque"
+    return PersonResult(
+        name=str(data["name"]),
+        motion=motion,
+        reference=reference,
+        body=body,
+        torque=_field(npz, key) if key in npz else None,
+    )
+
+
+def _with_origin(path: Path, motion: Motion, reference: Motion) -> tuple[Motion, Motion]:
+    """The motions with what the keys on top say besides, which must be the same motion."""
+    top = load_motion(path, gender=motion.gender, model=motion.model)
+    trans, rotations = top.translation, top.rotations
+    straight = np.array_equal(motion.axes, np.eye(3))
+    # Fingers are left out: on top they may be relative to a mean hand.
+    same = len(top) == len(motion) and (
+        np.abs(rotations[:, 1:22] - motion.rotations[:, 1:22]).max() < _SAME
+    )
+    if same and not straight and np.abs(rotations[:, 0] - motion.rotations[:, 0]).max() < _SAME:
+        # From a format with another axis up: on top is `Motion.rebased`, a shift of it.
+        shift = trans - motion.translation
+        if np.abs(shift - shift[0]).max() < _SAME:
+            return motion, reference
+    if same and not straight:
+        trans, rotations = turned(trans, rotations, motion.axes)
+    if not same or np.abs(trans - motion.translation).max() >= _SAME:
+        raise InputError(
+            "the fields on top ('trans', 'poses') are not the motion under 'meta/': the file was "
+            "changed after it was written. Motion.load reads the motion on top"
+        )
+    return tuple(  # type: ignore[return-value]
+        dataclasses.replace(m, origin=top.origin) for m in (motion, reference)
+    )
+
+
+def _substeps(npz: Npz, people: tuple[PersonResult, ...]) -> Substeps | None:
+    if f"{SUBSTEPS}fps" not in npz:
+        return None
+    fps = _scalar(npz, f"{SUBSTEPS}fps")
+    motions = [
+        at_substeps(
+            person.motion,
+            _field(npz, f"{SUBSTEPS}person/{index}/translation"),
+            _field(npz, f"{SUBSTEPS}person/{index}/rotations"),
+            fps,
+        )
+        for index, person in enumerate(people)
+    ]
+    return Substeps(motions=tuple(motions), objects=_tracks(npz, SUBSTEPS + OBJECT))
+
+
+def _columns(prefix: str, table: Table) -> Fields:
+    return {f"{prefix}{name}": getattr(table, name) for name in table.columns()}
+
+
+def _table(npz: Npz, prefix: str, kind: type[T]) -> T:
+    return kind(**{name: _field(npz, f"{prefix}{name}") for name in kind.columns()})
+
+
+def _track_fields(prefix: str, tracks: Mapping[str, ObjectTrack]) -> Fields:
+    fields: Fields = {}
+    for name, track in tracks.items():
+        fields[f"{prefix}{OBJECT}{name}/position"] = track.position
+        fields[f"{prefix}{OBJECT}{name}/quaternion"] = track.quaternion
+    return fields
+
+
+def _tracks(npz: Npz, prefix: str) -> dict[str, ObjectTrack]:
+    names = dict.fromkeys(k[len(prefix) :].rsplit("/", 1)[0] for k in npz if k.startswith(prefix))
+    return {
+        name: ObjectTrack(
+            position=_field(npz, f"{prefix}{name}/position"),
+            quaternion=_field(npz, f"{prefix}{name}/quaternion"),
+        )
+        for name in names
+    }
+
+
+def _prefix(index: int) -> str:
+    return "meta/" if index == 0 else f"person/{index}/"
+
+
+def _on_top(person: PersonResult) -> Fields:
+    """The keys of the AMASS file that the motion came from, or AMASS keys for its model."""
+    motion = person.motion
+    own = motion.origin.format if motion.origin is not None else None
+    by_name: Mapping[str | None, Any] = {layout.name: layout for layout in _LAYOUTS.values()}
+    if own not in by_name and not np.array_equal(motion.axes, np.eye(3)):
+        motion = motion.rebased(person.body)
+    return by_name.get(own, _LAYOUTS[motion.model]).encode(motion)
+
+
+def _json(data: Any) -> NDArray[Any]:
+    return np.array(json.dumps(data, ensure_ascii=False, sort_keys=False, allow_nan=False))
+
+
+def _field(npz: Npz, key: str) -> NDArray[Any]:
+    if key not in npz:
+        raise InputError(f"field '{key}' is missing; expected it in a result file")
+    return npz[key]
+
+
+def _scalar(npz: Npz, key: str) -> float:
+    value = _field(npz, key)
+    if value.size != 1 or value.dtype.kind not in "fiu":
+        raise InputError(f"field '{key}': found {value.dtype} {value.shape}, expected a number")
+    return float(value.flat[0])
+
+
+def _parsed(npz: Npz, key: str) -> Any:
+    value = _field(npz, key)
+    if value.size != 1 or value.dtype.kind != "U":
+        raise InputError(f"field '{key}': found {value.dtype} {value.shape}, expected JSON text")
+    try:
+        return json.loads(str(value.flat[0]))
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise InputError(f"field '{key}': not valid JSON ({error})") from None
+
+
+def _settings_document(settings: Settings) -> dict[str, Any]:
+    values = {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings)}
+    return {k: dict(v) if isinstance(v, Mapping) else v for k, v in values.items()}
+
+
+def _settings(data: Any) -> Settings:
+    known = {f.name for f in dataclasses.fields(Settings)}
+    checked_document(data, "field 'meta/settings'", ())
+    unknown = sorted(set(data) - known)
+    if unknown:
+        raise InputError(
+            f"field 'meta/settings': found unknown settings {unknown}, expected some of "
+            f"{sorted(known)}. A newer halfphysics may read it"
+        )
+    return Settings(**data)

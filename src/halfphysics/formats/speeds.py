@@ -1,0 +1,79 @@
+"""Speeds that no person has: wrong units or frame rates, cuts, markers that were swapped."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base.reader_warnings import warn
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
+
+Array = NDArray[np.float64]
+
+#: Fastest that somebody gets about [m/s]: a sprinter's best.
+ROOT_SPEED = 12.0
+#: Fastest that a joint moves [m/s]: a sprinter's foot on its way forward, most throws and kicks.
+JOINT_SPEED = 20.0
+
+#: The joints that are looked at: fingers, jaw and eyes go where hand and head go.
+_JOINTS = 22
+# How far the farthest of these joints can be from each of them, whoever it is [m].
+_REACH = np.zeros(_JOINTS)
+_REACH[[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]] = 1.3, 1.2, 1.2, 1.3, 0.7, 0.7, 1.2, 0.3, 0.3, 1.1
+_REACH[[12, 13, 14, 16, 17, 18, 19]] = 0.3, 0.9, 0.9, 0.8, 0.8, 0.4, 0.4
+# Frames whose joints are computed at once: bounds the memory.
+_CHUNK = 8192
+
+
+def warn_of_speed(where: str, motion: Motion) -> None:
+    """Warn of a root or a joint that moves faster than a person can."""
+    step = np.linalg.norm(np.diff(motion.translation, axis=0), axis=1) * motion.fps
+    fastest = int(np.argmax(step))
+    if step[fastest] > ROOT_SPEED:
+        _warn(where, "the root", step[fastest], fastest, motion.fps, ROOT_SPEED)
+        return
+    suspects = np.flatnonzero(_bounds(motion, step) > JOINT_SPEED)
+    speed, frame, joint = max(
+        (_fastest(motion, suspects[i : i + _CHUNK]) for i in range(0, len(suspects), _CHUNK)),
+        default=(0.0, 0, 0),
+    )
+    if speed > JOINT_SPEED:
+        _warn(where, JOINT_NAMES[joint], speed, frame, motion.fps, JOINT_SPEED)
+
+
+def _warn(where: str, what: str, speed: float, frame: int, fps: float, limit: float) -> None:
+    warn(
+        f"{where}: {what} moves at {speed:.3g} m/s between frames {frame} and {frame + 1}, "
+        f"expected under {limit:g}. Is the frame rate right ({fps:g}; fps= says another)? Where "
+        "the clip is cut or damaged there, read what is before or after it with frames="
+    )
+
+
+def _bounds(motion: Motion, root: Array) -> Array:
+    """What no joint's speed (T - 1,) [m/s] is above from a frame to the next.
+
+    A turn is no larger than the difference of its axis-angle vectors, and moves no joint faster
+    than its rate times the reach; along the tree these add up.
+    """
+    turns = np.diff(motion.rotations[:, :_JOINTS], axis=0)
+    rates = np.sqrt(np.einsum("tji,tji->tj", turns, turns)) * motion.fps
+    chains = np.eye(_JOINTS)
+    for joint in range(1, _JOINTS):
+        chains[joint] += chains[PARENTS[joint]]
+    return root + ((rates * _REACH) @ chains.T).max(axis=1)
+
+
+def _fastest(motion: Motion, frames: NDArray[np.intp]) -> tuple[float, int, int]:
+    """The fastest way from one of these frames to the next: speed [m/s], frame, joint."""
+    from halfphysics.body.body import Body
+    from halfphysics.body.skinning import kinematics
+
+    rest = Body.default().rest_joints
+    both = np.concatenate([frames, frames + 1])
+    # The pelvis at rest is the same in all frames: without it the differences are the same.
+    places, _ = kinematics(motion.rotations[both], motion.translation[both], rest)
+    before, after = places[: len(frames), :_JOINTS], places[len(frames) :, :_JOINTS]
+    speeds = np.linalg.norm(after - before, axis=2) * motion.fps
+    row, joint = np.unravel_index(int(np.argmax(speeds)), speeds.shape)
+    return float(speeds[row, joint]), int(frames[row]), int(joint)

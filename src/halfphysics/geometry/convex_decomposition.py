@@ -1,0 +1,239 @@
+"""A mesh of any shape as convex pieces, for contact: coacd, cached by content, its error measured.
+
+A mesh is cut into its connected solids first. What is convex to within the tolerance is taken as
+it is: a table of boxes needs no cutting. Holes are bridged first, as for every question about what
+is inside a mesh. The rest goes to coacd (Wei et al. 2022), whose threshold
+is a share of half the solid's longest extent.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError, MissingDependencyError
+from halfphysics.geometry import mesh_queries, piece_cache
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.piece_error import PieceError, piece_error
+
+Array = NDArray[np.float64]
+
+#: How far pieces may stick out of the mesh, unless said otherwise [m].
+THRESHOLD = 0.003
+#: Pieces that stick out by more, or leave more bare, are worth a warning [mm].
+WARN_MM = 5.0
+#: What makes coacd ready.
+MEND = "pip install 'halfphysics[pieces]'"
+
+#: A change of how pieces are made or measured: kept ones of another number are not used.
+_VERSION = 2
+#: More solids than this are cut as one.
+_MOST_SOLIDS = 64
+#: The range of coacd's own threshold.
+_LEAST, _MOST = 0.01, 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cut:
+    """What was asked for: "auto", "hull" or "given"; the threshold [m] and the most pieces."""
+
+    pieces: str = "auto"
+    threshold: float = THRESHOLD
+    max_pieces: int | None = None
+
+
+USUAL = Cut()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Decomposition(PieceError):
+    """Convex pieces that touch in place of a mesh, and how well they stand for it.
+
+    `pieces` in the mesh's frame; `outside_mm`, `inside_mm` and `volume_percent` as in `PieceError`.
+    """
+
+    pieces: tuple[Mesh, ...] = field(repr=False)
+
+
+def decompose(mesh: Mesh, cut: Cut) -> Decomposition:
+    """Pieces of a mesh: from the cache, or else made and kept there. The same each time.
+
+    Raises:
+        MissingDependencyError: coacd is needed and is not installed.
+        InputError: The mesh spans no volume.
+    """
+    key = content_key(mesh, cut)
+    kept = piece_cache.read(key)
+    if kept is not None and kept[1].shape == (3,):
+        outside, inside, volume = kept[1].tolist()
+        return Decomposition(
+            pieces=tuple(kept[0]), outside_mm=outside, inside_mm=inside, volume_percent=volume
+        )
+    made = judged(mesh, _pieces(_outward(mesh), cut))
+    figures = np.array([made.outside_mm, made.inside_mm, made.volume_percent])
+    piece_cache.write(key, list(made.pieces), figures)
+    return made
+
+
+def judged(mesh: Mesh, pieces: Sequence[Mesh]) -> Decomposition:
+    """Pieces with their error against the mesh."""
+    return Decomposition(pieces=tuple(pieces), **asdict(piece_error(_outward(mesh), pieces)))
+
+
+def _outward(mesh: Mesh) -> Mesh:
+    """The mesh, turned right side out where it is closed and the wrong one."""
+    if mesh.closed and _signed_volume(mesh) < 0.0:
+        return Mesh(mesh.vertices, mesh.faces[:, ::-1])
+    return mesh
+
+
+def content_key(mesh: Mesh, cut: Cut) -> str:
+    """Differs where vertices, faces or options do."""
+    digest = hashlib.sha256(f"{_VERSION} {cut.threshold!r} {cut.max_pieces} ".encode())
+    for array in (mesh.vertices, mesh.faces):
+        digest.update(repr(array.shape).encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def checked_pieces(what: str, given: Sequence[object]) -> list[Mesh]:
+    """The caller's own pieces: convex meshes or trimeshes, in the object's frame [m].
+
+    Raises:
+        InputError: None, no mesh, not convex, flat.
+    """
+    pieces = []
+    for index, one in enumerate(given):
+        here = f"{what}: pieces[{index}]"
+        if not isinstance(one, Mesh):
+            vertices, faces = getattr(one, "vertices", None), getattr(one, "faces", None)
+            if vertices is None or faces is None:
+                raise InputError(
+                    f"{here}: found {type(one).__name__}, expected a convex Mesh or trimesh.Trimesh"
+                )
+            one = Mesh(np.asarray(vertices), np.asarray(faces))
+        try:
+            hull = one.hull
+        except InputError as error:
+            raise InputError(f"{here}: {error}") from None
+        if not one.is_convex:
+            more = 1000.0 * (hull.volume - one.solid_volume)
+            raise InputError(
+                f"{here}: is not convex (its hull has {more:.3g} litres more), expected convex, "
+                'closed meshes; pieces="auto" cuts the mesh itself'
+            )
+        pieces.append(hull)
+    if not pieces:
+        raise InputError(f'{what}: pieces: found none, expected "auto", "hull" or convex meshes')
+    return pieces
+
+
+def _pieces(mesh: Mesh, cut: Cut) -> list[Mesh]:
+    solids = _solids(mesh)
+    most = cut.max_pieces
+    if len(solids) > (_MOST_SOLIDS if most is None else min(most, _MOST_SOLIDS)):
+        solids = [mesh]
+    hulls = [_hull_that_fits(solid, cut.threshold) for solid in solids]
+    ragged = sum(hull is None for hull in hulls)
+    each = -1 if most is None else 1 + (most - len(solids)) // max(ragged, 1)
+    pieces: list[Mesh] = []
+    for solid, hull in zip(solids, hulls, strict=True):
+        pieces += [hull] if hull is not None else _by_coacd(solid, cut.threshold, each)
+    return pieces
+
+
+def _solids(mesh: Mesh) -> list[Mesh]:
+    """Connected parts, holes bridged; the mesh itself where one of them is a hollow."""
+    faces = mesh.faces
+    of_face = _sheets(faces)
+    parts = [Mesh(mesh.vertices, faces[of_face == k]) for k in np.unique(of_face)]
+    if mesh.closed and not all(part.closed for part in parts):
+        # Solids that share edges all around a face: what hangs together at all is cut as one.
+        links = np.concatenate([faces[:, :2], faces[:, 1:]])
+        of_face = mesh_queries.components(len(mesh.vertices), links)[faces[:, 0]]
+        parts = [Mesh(mesh.vertices, faces[of_face == k]) for k in np.unique(of_face)]
+    solids = [_bridged(part) for part in parts]
+    if any(s.closed and _signed_volume(s) <= 0.0 for s in solids):
+        return [mesh]
+    return solids
+
+
+def _sheets(faces: NDArray) -> NDArray:
+    """Label (F,) of the surface every face is in: solids that share a corner or an edge are two."""
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    _, which, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    which = which.reshape(-1)
+    order = np.argsort(which, kind="stable")
+    twice = np.repeat(count == 2, count)
+    pairs = (order % len(faces))[twice].reshape(-1, 2)
+    return mesh_queries.components(len(faces), pairs)
+
+
+def _bridged(part: Mesh) -> Mesh:
+    """An open part with fans over its holes, as point queries have it."""
+    if part.closed:
+        return part
+    n = len(part.vertices)
+    rim = mesh_queries.boundary_edges(part.faces, n)
+    rims = mesh_queries.components(n, rim)
+    used, rank = np.unique(rims[rim[:, 0]], return_inverse=True)
+    apex = np.zeros((len(used), 3))
+    np.add.at(apex, rank, 0.5 * (part.vertices[rim[:, 0]] + part.vertices[rim[:, 1]]))
+    apex /= np.bincount(rank)[:, None]
+    fans = np.stack([rim[:, 1], rim[:, 0], n + rank], axis=1)
+    return Mesh(
+        np.concatenate([part.vertices, apex]), np.concatenate([part.faces, fans.astype(np.int32)])
+    )
+
+
+def _signed_volume(mesh: Mesh) -> float:
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces] - mesh.vertices[0], 1, 0)
+    return float(np.einsum("fi,fi->", a, np.cross(b, c))) / 6.0
+
+
+def _hull_that_fits(solid: Mesh, threshold: float) -> Mesh | None:
+    """The hull of a closed solid, if it sticks out by no more than the threshold."""
+    if not solid.closed:
+        return None
+    hull = solid.hull
+    if hull.volume > 2.0 * solid.solid_volume:
+        return None
+    return hull if piece_error(solid, [hull]).outside_mm <= 1000.0 * threshold else None
+
+
+def _by_coacd(solid: Mesh, threshold: float, most: int) -> list[Mesh]:
+    try:
+        import coacd
+    except ImportError as error:
+        raise MissingDependencyError(f"cutting a mesh into pieces needs coacd: {MEND}") from error
+    half = 0.5 * float(np.ptp(solid.vertices, axis=0).max())
+    coacd.set_log_level("error")
+    cut = coacd.run_coacd(
+        coacd.Mesh(solid.vertices, solid.faces),
+        threshold=min(max(threshold / half, _LEAST), _MOST),
+        max_convex_hull=most,
+        seed=0,
+    )
+    pieces = []
+    for vertices, _ in cut:
+        points = vertices[np.isfinite(vertices).all(axis=1)]
+        try:
+            hull = Mesh(points, _any_faces(len(points))).hull
+        except InputError:  # a sliver without volume touches nothing that its neighbours do not
+            continue
+        if math.isfinite(hull.volume) and hull.volume > 0.0:
+            pieces.append(hull)
+    return pieces or [solid.hull]
+
+
+def _any_faces(count: int) -> NDArray[np.int32]:
+    """Triangles that name every one of `count` vertices: of a hull only the points matter."""
+    if count < 3:
+        return np.zeros((0, 3), dtype=np.int32)
+    i = np.arange(count, dtype=np.int32)
+    return np.stack([i, np.roll(i, -1), np.roll(i, -2)], axis=1)

@@ -1,0 +1,1 @@
+"""SMPL-X motion: the skeleton, poses and motions."""

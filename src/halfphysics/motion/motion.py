@@ -1,0 +1,408 @@
+"""Motion: SMPL-X pose parameters of one person over T frames, in a z-up world."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.base import validation
+from halfphysics.base.axes import axes_of, turned
+from halfphysics.base.validation import frame_rate, number
+from halfphysics.errors import InputError
+from halfphysics.motion.file_metadata import SAME_TIME, Origin, neighbours
+from halfphysics.motion.pose import Pose, checked, checked_axes, flat_rotations
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.formats.format import Assets
+
+Array = NDArray[np.float64]
+
+GENDERS = ("neutral", "male", "female")
+MODELS = ("smplx", "smplh", "smpl")
+#: Fastest root a person can have [m/s]; beyond it the unit or the file is wrong.
+MAX_SPEED = 50.0
+#: Fastest rate that a motion is resampled to [1/s]: beyond it a minute takes gigabytes, and no
+#: camera, no muscle and no substep needs it.
+MAX_FPS = 10_000.0
+# Frames skinned at once when a whole clip is looked at: bounds the memory.
+_CHUNK = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """SMPL-X parameters of one person over T frames. Immutable: its arrays are read-only.
+
+    The world is z-up. The pelvis is at ``axes @ J0(betas) + translation`` where J0 is the
+    pelvis of the shaped body at rest: the SMPL family turns about the pelvis, not the origin.
+
+    Args:
+        translation: Of the SMPL-X origin [m], world, shape (T, 3), T >= 2.
+        rotations: Axis-angle [rad] of the 55 joints (`JOINT_NAMES`) in their parents' frames,
+            the pelvis in the world, shape (T, 55, 3) or (T, 165). Zero fingers: a flat hand.
+        fps: Frames per second.
+        betas: Shape components (n,), any number, or None where unknown.
+        gender: "neutral", "male" or "female": of the model that `betas` belong to.
+        model: "smplx", "smplh" or "smpl": the model that `betas` belong to.
+        axes: World from file axes, shape (3, 3); None: the identity.
+        origin: What the file said besides (set by loaders, used by writers).
+
+    Raises:
+        InputError: A wrong shape, NaN, fewer than two frames, an fps that is not positive, a
+            root faster than 50 m/s, or an unknown gender or model.
+    """
+
+    translation: Array
+    rotations: Array
+    fps: float
+    betas: Array | None = None
+    gender: str = "neutral"
+    model: str = "smplx"
+    axes: Array = field(default_factory=lambda: np.eye(3), repr=False)
+    origin: Origin | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        translation = checked("translation", self.translation, (None, 3), "(T, 3)")
+        rotations = checked(
+            "rotations", flat_rotations(self.rotations, 1), (None, 55, 3), "(T, 55, 3) or (T, 165)"
+        )
+        frames = len(translation)
+        if len(rotations) != frames:
+            raise InputError(
+                f"rotations: found {len(rotations)} frames but translation has {frames}; "
+                "expected the same number"
+            )
+        if frames < 2:
+            raise InputError(
+                f"motion: found {frames} frame(s), expected at least 2: velocities need a next "
+                "frame. Repeat the frame to hold a pose, or index with motion[i] for a Pose"
+            )
+        fps = frame_rate(self.fps)
+        speed = np.linalg.norm(np.diff(translation, axis=0), axis=1) * fps
+        if speed.max() > MAX_SPEED:
+            i = int(np.argmax(speed))
+            raise InputError(
+                f"translation: the root moves at {speed[i]:.3g} m/s between frames {i} and {i + 1} "
+                f"({fps:g} fps), expected under {MAX_SPEED:g}. Is it in metres and the fps right? "
+                "Where the clip has a cut, split it there (Motion.load(..., frames=(start, stop)))"
+            )
+        betas = self.betas
+        if betas is not None:
+            betas = checked("betas", betas, (None,), "a vector (n,)")
+        if self.gender not in GENDERS:
+            raise InputError(f"gender: found {self.gender!r}, expected one of {', '.join(GENDERS)}")
+        if self.model not in MODELS:
+            raise InputError(f"model: found {self.model!r}, expected one of {', '.join(MODELS)}")
+        for name, value in (
+            ("translation", translation),
+            ("rotations", rotations),
+            ("fps", fps),
+            ("betas", betas),
+            ("axes", checked_axes(self.axes)),
+        ):
+            object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        shape = "no betas" if self.betas is None else f"{len(self.betas)} betas"
+        return (
+            f"Motion({len(self)} frames at {self.fps:g} fps, {self.duration:.2f} s, "
+            f"{self.model} {self.gender}, {shape})"
+        )
+
+    # -- reading -------------------------------------------------------------------------
+
+    @property
+    def poses(self) -> Array:
+        """All rotations in AMASS order (root, body, jaw, eyes, hands), shape (T, 165)."""
+        return self.rotations.reshape(len(self), -1)
+
+    @property
+    def duration(self) -> float:
+        """Time from the first frame to the last [s]."""
+        return (len(self) - 1) / self.fps
+
+    def __len__(self) -> int:
+        return len(self.translation)
+
+    @overload
+    def __getitem__(self, index: int) -> Pose: ...
+    @overload
+    def __getitem__(self, index: slice) -> Motion: ...
+    def __getitem__(self, index: int | slice) -> Pose | Motion:
+        """A `Pose` for an integer, a `Motion` for a slice; a step keeps real time (fps / step)."""
+        if isinstance(index, slice):
+            step = 1 if index.step is None else abs(int(index.step))
+            origin = None if self.origin is None else self.origin.taken(index)
+            return self._replaced(
+                self.translation[index], self.rotations[index], self.fps / max(step, 1), origin
+            )
+        try:
+            return Pose(self.translation[index], self.rotations[index], self.axes)
+        except IndexError:
+            raise IndexError(f"frame {index} of a motion with {len(self)} frames") from None
+
+    # -- changing ------------------------------------------------------------------------
+
+    def _replaced(
+        self, translation: ArrayLike, rotations: ArrayLike, fps: float, origin: Origin | None
+    ) -> Motion:
+        return Motion(
+            np.asarray(translation, dtype=np.float64),
+            np.asarray(rotations, dtype=np.float64),
+            fps,
+            betas=self.betas,
+            gender=self.gender,
+            model=self.model,
+            axes=self.axes,
+            origin=origin,
+        )
+
+    def with_frames(
+        self, translation: ArrayLike, rotations: ArrayLike, fps: float | None = None
+    ) -> Motion:
+        """The same person and file conventions with other frames (world frame, as in `Motion`).
+
+        Extra per-frame data of the file is kept while the number of frames and fps stay.
+        """
+        fps = self.fps if fps is None else fps
+        origin = self.origin
+        if origin is not None and (len(np.asarray(translation)) != len(self) or fps != self.fps):
+            origin = Origin(format=origin.format, fields=origin.fields)
+        return self._replaced(translation, rotations, fps, origin)
+
+    def resample(self, fps: float) -> Motion:
+        """The motion at another frame rate: SLERP of rotations, linear translation.
+
+        Starts at the first frame. Frames at times that both rates share are copied bit for
+        bit, so 30 -> 60 -> 30 gives the same motion. Nothing is extrapolated: where the last
+        frame does not fall on the new grid the clip ends at the last grid time before it.
+
+        Raises:
+            InputError: `fps` is not positive, over 10,000, or leaves fewer than two frames.
+        """
+        fps = frame_rate(fps, "60.0")
+        if fps > MAX_FPS:
+            raise InputError(f"fps: found {fps:g}, expected at most {MAX_FPS:g} frames per second")
+        count = int(np.floor((len(self) - 1) * fps / self.fps + SAME_TIME)) + 1
+        if count < 2:
+            raise InputError(
+                f"fps: found {fps:g}, which leaves one frame of a clip of {self.duration:.3g} s; "
+                f"expected at least {1.0 / self.duration:.3g}"
+            )
+        position = np.minimum(np.arange(count) * (self.fps / fps), len(self) - 1.0)
+        low, high, weight = neighbours(position)
+        w = weight[:, None]
+        translation = (1.0 - w) * self.translation[low] + w * self.translation[high]
+        between = weight > 0.0
+        rotations = self.rotations[low]
+        rotations[between] = rot.log(
+            rot.slerp(
+                rot.exp(self.rotations[low[between]]),
+                rot.exp(self.rotations[high[between]]),
+                w[between],
+            )
+        )
+        origin = None if self.origin is None else self.origin.sampled(position)
+        return self._replaced(translation, rotations, fps, origin)
+
+    def grounded(self, body: Body, z: float = 0.0, *, percentile: float = 0.0) -> Motion:
+        """The motion moved along z so that its lowest skin vertex touches height `z` [m].
+
+        By default the lowest vertex of the whole clip: then no frame starts under a floor at
+        `z` and the floor disturbs nothing that the clip did not ask for. Where single noisy
+        frames would lift the rest, `percentile` takes that percentile of the per-frame lowest
+        heights instead (50: the median frame).
+
+        Raises:
+            InputError: Something that is no body, or an impossible height or percentile.
+        """
+        validation.body(body, "vertices")
+        z = number(z, "z", unit="m")
+        percentile = number(percentile, "percentile", least=0.0, most=100.0)
+        lowest = np.empty(len(self))
+        for start in range(0, len(self), _CHUNK):
+            frames = range(start, min(start + _CHUNK, len(self)))
+            lowest[start : frames.stop] = body.vertices(self, frames=frames)[..., 2].min(axis=1)
+        shift = z - float(np.percentile(lowest, percentile))
+        return self.with_frames(self.translation + np.array([0.0, 0.0, shift]), self.rotations)
+
+    # -- the names of the smplx package ----------------------------------------------------
+
+    @staticmethod
+    def from_smplx(
+        *,
+        fps: float,
+        global_orient: ArrayLike,
+        transl: ArrayLike,
+        body_pose: ArrayLike | None = None,
+        jaw_pose: ArrayLike | None = None,
+        leye_pose: ArrayLike | None = None,
+        reye_pose: ArrayLike | None = None,
+        left_hand_pose: ArrayLike | None = None,
+        right_hand_pose: ArrayLike | None = None,
+        betas: ArrayLike | None = None,
+        expression: ArrayLike | None = None,
+        gender: str = "neutral",
+        model: str = "smplx",
+        up: str = "z",
+        hands_mean: ArrayLike | None = None,
+    ) -> Motion:
+        """A motion from the parameters of the `smplx` package.
+
+        Args:
+            fps: Frames per second.
+            global_orient: Root rotations (T, 3); like all rotations here axis-angle [rad] with
+                any batch dimensions in front, or matrices (T, J, 3, 3); torch tensors too.
+            transl: Translations (T, 3) [m].
+            body_pose: 21 joints, (T, 63), or SMPL's 23, (T, 69), whose rigid hands are dropped.
+            jaw_pose: (T, 3), as leye_pose and reye_pose; missing parts are zero.
+            leye_pose: See jaw_pose.
+            reye_pose: See jaw_pose.
+            left_hand_pose: 15 joints, (T, 45); PCA coefficients are refused.
+            right_hand_pose: As left_hand_pose.
+            betas: Shape (n,), (1, n) or (T, n) with equal rows.
+            expression: Ignored, with a warning where it is not zero: the face is not simulated.
+            gender: As in `Motion`, as is `model`.
+            model: See gender.
+            up: The axis that is up in these parameters, "z" or "y".
+            hands_mean: (90,) mean hand of the model, left then right, to add to the fingers
+                where they were made with ``flat_hand_mean=False``.
+
+        Raises:
+            InputError: Shapes that do not fit together, and all that `Motion` refuses.
+        """
+        from halfphysics.motion.smplx_names import read_parameters
+
+        return read_parameters(
+            rotations={
+                "global_orient": global_orient,
+                "body_pose": body_pose,
+                "jaw_pose": jaw_pose,
+                "leye_pose": leye_pose,
+                "reye_pose": reye_pose,
+                "left_hand_pose": left_hand_pose,
+                "right_hand_pose": right_hand_pose,
+            },
+            transl=transl,
+            fps=fps,
+            betas=betas,
+            expression=expression,
+            gender=gender,
+            model=model,
+            axes=axes_of(up),
+            hands_mean=hands_mean,
+        )
+
+    def to_smplx(self) -> dict[str, Array]:
+        """Parameters under the names of the `smplx` package, float64, in the file's own axes.
+
+        ``global_orient (T,3) body_pose (T,63) jaw_pose leye_pose reye_pose (T,3)
+        left_hand_pose right_hand_pose (T,45) transl (T,3)`` and ``betas (1,n)`` where known;
+        fingers for ``flat_hand_mean=True``. For a motion that was y-up the parameters are
+        turned back (pass ``up="y"`` to `from_smplx`).
+        """
+        from halfphysics.motion.smplx_names import write_parameters
+
+        return write_parameters(self)
+
+    def in_file_axes(self) -> tuple[Array, Array]:
+        """Translation (T, 3) and rotations (T, 55, 3) turned back to the file's own axes."""
+        if np.array_equal(self.axes, np.eye(3)):
+            return self.translation.copy(), self.rotations.copy()
+        return turned(self.translation, self.rotations, self.axes.T)
+
+    def rebased(self, body: Body, up: str = "z") -> Motion:
+        """The same movement of `body`, with `translation` as files with `up` up have it.
+
+        `axes` says in which axes the pelvis at rest J0 is added to `translation`; with other
+        axes, the same place of the pelvis is another translation.
+
+        Args:
+            body: Whose pelvis at rest it is.
+            up: "z" or "y".
+        """
+        axes = axes_of(up)
+        if np.array_equal(self.axes, axes):
+            return self
+        shift = (self.axes - axes) @ body.rest_joints[0]
+        return dataclasses.replace(
+            self, translation=self.translation + shift, axes=axes, origin=None
+        )
+
+    # -- files -----------------------------------------------------------------------------
+
+    @staticmethod
+    def load(
+        path: str | os.PathLike[str],
+        fps: float | None = None,
+        up: str | None = None,
+        hands: str | None = None,
+        model: str | os.PathLike[str] | None = None,
+        *,
+        gender: str | None = None,
+        frames: tuple[int | None, int | None] | None = None,
+        clip: str | None = None,
+        assets: Assets = None,
+    ) -> Motion:
+        """Read a motion file; the format is found by content.
+
+        Args:
+            path: The file, or the folder of a data set that comes as one.
+            fps: Frames per second where the file does not say (or says it wrongly).
+            up: "z" or "y" where it is not what the format prescribes.
+            hands: "flat" or "mean": what zero fingers mean, where the format does not say.
+            model: A body-model file, needed for mean hands; or "smplx", "smplh", "smpl" where
+                the file does not say which model it is for.
+            gender: "neutral", "male" or "female" where the file does not say.
+            frames: Read only frames start <= i < stop, as in a slice.
+            clip: Which one, where the file holds several (`halfphysics.clips` names them).
+            assets: Folders of the data set's other files (meshes, templates), searched before
+                $HALFPHYSICS_MODELS and the file's own folder.
+
+        Raises:
+            FileError: The file is missing, damaged, of an unknown format, or holds a value that
+                is missing or impossible. The message names field, found, expected, way out.
+            InputError: An option is impossible.
+        """
+        from halfphysics.formats import load_motion
+
+        return load_motion(
+            path,
+            fps=fps,
+            up=up,
+            hands=hands,
+            model=model,
+            gender=gender,
+            frames=frames,
+            clip=clip,
+            assets=assets,
+        )
+
+    def save(
+        self, path: str | os.PathLike[str], format: str | None = None, *, body: Body | None = None
+    ) -> None:
+        """Write under the keys of the file it came from, else by suffix, else AMASS keys.
+
+        Reading back gives equal arrays: the file's number types are kept where they hold the
+        values exactly, otherwise float64 is written. The file appears whole or not at all.
+
+        Args:
+            path: Where to. The suffix chooses the format where it is not the origin's; .npz is
+                AMASS for the motion's `model`.
+            format: Name of another format to write (`halfphysics.formats.FORMATS`).
+            body: Whose motion it is, needed by formats that hold its joints (BVH) and for a
+                format whose up axis is another than that of the motion's file (`rebased`).
+
+        Raises:
+            FileError: The folder does not exist or cannot be written.
+            InputError: An unknown format name, or `body` is missing.
+        """
+        from halfphysics.formats import save_motion
+
+        save_motion(self, path, format=format, body=body)

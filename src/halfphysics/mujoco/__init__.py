@@ -1,0 +1,1 @@
+"""A person in a MuJoCo world that another program steps."""

@@ -1,0 +1,402 @@
+"""A person in somebody else's world: their MuJoCo model, their actuators, our person.
+
+`attach` adds the person to a `mujoco.MjSpec`; `Human.bind` makes a `Control` whose `step` replaces
+`mujoco.mj_step`. MuJoCo's own step gives everything that is not the person the velocity that it
+would have without; the impulses between person and world come on top (docs/physics.md).
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.baselines.modes import ENGINE_MODES, FORCED
+from halfphysics.body.mjcf_person import add_person, addresses
+from halfphysics.body.strength import limits_of
+from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.motion.joint_groups import stiffness_array
+from halfphysics.motion.pose import Pose
+from halfphysics.motion.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.mujoco import geoms
+from halfphysics.scene.scene import PERSON_FRICTION
+from halfphysics.settings import Settings
+from halfphysics.simulation.contact_rows import Touches, touches
+from halfphysics.simulation.person_shapes import add_person_movers
+from halfphysics.simulation.world import FINGER_INERTIA, Person, model_arrays, set_settings
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+
+Array = NDArray[np.float64]
+
+#: The drive needs steps as short as this [s] (METHOD: "The drive").
+LONGEST_STEP = 1.0 / 240.0
+#: MuJoCo's own choice of a sparse Jacobian begins at so many degrees of freedom.
+SPARSE = 60
+_WHOLE = 1e-6  # a frame is a whole number of steps to within this
+_SAME_MASS = 1e-9
+
+
+def attach(spec: Any, body: Body | None = None, prefix: str = "human/") -> Human:
+    """Add a person to a `mujoco.MjSpec`, to be driven after it is compiled.
+
+    The person's geoms are drawn and take no part in MuJoCo's own contacts.
+
+    Args:
+        spec: The `mujoco.MjSpec` of a world: a robot, a kitchen.
+        body: The person's body; None: `Body.default()`.
+        prefix: Put before the names of bodies, joints, meshes and geoms.
+
+    Raises:
+        InputError: `spec` is no MjSpec or has bodies of that prefix already.
+    """
+    import mujoco
+
+    from halfphysics.body.body import Body
+
+    if not isinstance(spec, mujoco.MjSpec):
+        raise InputError(
+            f"attach: found {type(spec).__name__}, expected a mujoco.MjSpec "
+            "(mujoco.MjSpec.from_file(path) reads one)"
+        )
+    if body is None:
+        body = Body.default()
+    if not isinstance(body, Body):
+        raise InputError(f"attach: body: found {body!r}, expected a halfphysics.Body")
+    if any(b.name.startswith(prefix) for b in spec.bodies):
+        raise InputError(
+            f"attach: the spec has bodies named {prefix}... already; give another prefix"
+        )
+    add_person(spec, body.variant, prefix, contype=0, conaffinity=0)
+    return Human(body, prefix)
+
+
+@dataclass(frozen=True, eq=False)
+class Human:
+    """A person that `attach` added to a spec."""
+
+    body: Body
+    prefix: str
+
+    def bind(self, model: Any, data: Any, *, settings: Settings | None = None) -> Control:
+        """Take over the person in a compiled model.
+
+        Args:
+            model, data: The `mujoco.MjModel` that the spec compiled to, and its `mujoco.MjData`.
+            settings: See `Settings`; `substeps` and `record` do not apply (a substep is a step
+                of the model), friction is that of the geoms.
+
+        Raises:
+            InputError: Another model, a person that the compiler has changed, or geoms that
+                cannot be touched.
+        """
+        return Control(self, model, data, settings or Settings())
+
+
+class Control:
+    """Steps a MuJoCo world with a person in it.
+
+    Attributes:
+        names: What contacts refer to: the world's geoms, and last the person.
+    """
+
+    def __init__(self, human: Human, model: Any, data: Any, settings: Settings) -> None:
+        from halfphysics import _native
+
+        if not isinstance(settings, Settings):
+            raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
+        if settings.self_contact:
+            raise InputError(
+                "bind: Settings.self_contact is True; a person in a MuJoCo world of one's own has "
+                "no contact with itself yet. Leave it False, or use halfphysics.Simulator"
+            )
+        if settings.mode in (*FORCED, *ENGINE_MODES):
+            raise InputError(
+                f"bind: Settings.mode is {settings.mode!r}; in a MuJoCo world of one's own a "
+                "person is driven. Expected mode='velocity', or use halfphysics.Simulator"
+            )
+        at = addresses(model, human.prefix)
+        _check_masses(model, human, at.body)
+        count = 7 + 4 * (N_JOINTS - 1)
+        self._model, self._data, self._human = model, data, human
+        self.settings = settings
+        self._stiffness = stiffness_array(settings.stiffness, "Settings.stiffness")
+        self._person = Person(
+            human.prefix.rstrip("/") or "human",
+            human.body,
+            int(at.body[0]),
+            at.root_position,
+            count,
+            at.quat,
+        )
+        self.people = (self._person,)
+        self._mine = model.body_rootid == at.body[0]
+        used = [g for g in range(model.ngeom) if geoms.collides(model, g)]
+        self._geoms = [g for g in used if not self._mine[model.geom_bodyid[g]]]
+        self.names: tuple[str, ...] = (
+            *(geoms.geom_name(model, g) for g in self._geoms),
+            self._person.name,
+        )
+        if len(set(self.names)) < len(self.names):
+            raise InputError(f"bind: two geoms of one name, or one named {self._person.name!r}")
+        self._stepper = _native.Stepper()
+        self._set_finger_armature(at.dof)
+        self._stepper.set_model(*model_arrays(model))
+        self._add_movers()
+        self._set_pairings()
+        set_settings(self._stepper, settings, np.array(model.opt.gravity))
+        self._stepper.finish([self._person.root])
+        if settings.strength is not None:
+            force, torque = limits_of(settings.strength, human.body)
+            limits = np.concatenate([[force], torque[self._person.balls]])
+            self._stepper.set_strength(0, limits)
+        self._dof_of = np.asarray(model.dof_bodyid, dtype=np.int64)
+        self._qpos_of = _qpos_bodies(model)
+        self._axes = np.eye(3)
+        self._started = False
+        _keep_jacobian(model, int(self._mine[self._dof_of].sum()))
+        if model.opt.timestep > LONGEST_STEP + 1e-12:
+            warnings.warn(
+                f"bind: the model's timestep is {model.opt.timestep:g} s; the drive wants at most "
+                f"{LONGEST_STEP:g} s (model.opt.timestep)",
+                HalfPhysicsWarning,
+                stacklevel=3,
+            )
+
+    # -- what a user calls -----------------------------------------------------------------
+
+    def reset(self, pose: Pose) -> None:
+        """Put the person at a pose, at rest; the world stays as `data` has it."""
+        import mujoco
+
+        self._axes = self._checked(pose).axes
+        data, person = self._data, self._person
+        first = person.qpos
+        data.qpos[first : first + person.count] = self._coordinates(pose)
+        data.qvel[self._mine[self._dof_of]] = 0.0
+        mujoco.mj_forward(self._model, data)
+        self._stepper.reset(np.array(data.qpos), np.array(data.qvel))
+        self._stepper.set_stiffness(self._stiffness[self._person.balls])
+        self._started = True
+
+    def step(self, pose: Pose, dt: float | None = None) -> None:
+        """Replaces `mujoco.mj_step`: drive the person to `pose` while the world goes on.
+
+        Args:
+            pose: Where the motion has the person at the end of the step.
+            dt: Length of the way there [s], a whole number of the model's timesteps; None: one.
+
+        Raises:
+            InputError: Before `reset`, or an impossible `dt`.
+        """
+        if not self._started:
+            raise InputError("step: the person has no pose yet; call reset(pose) first")
+        count, h = self._steps(dt), float(self._model.opt.timestep)
+        self._checked(pose)
+        self._stepper.begin_hosted(self._coordinates(pose), count * h)
+        for k in range(count):
+            self._substep(k, h)
+        self._stepper.end_hosted()
+        self._write_person()
+
+    def set_stiffness(self, value: float | Mapping[str, float] | Array) -> None:
+        """Change the firmness lambda of the joints from the next step on.
+
+        `reset` goes back to `Settings.stiffness`; a state keeps what it had.
+
+        Args:
+            value: A number, numbers by joint group or joint (those not named: 1), or (55,).
+
+        Raises:
+            InputError: Before `reset`; a joint that does not exist, a number below 0.
+        """
+        if not self._started:
+            raise InputError("set_stiffness: the person has no pose yet; call reset(pose) first")
+        firmness = stiffness_array(value, "set_stiffness")
+        self._stepper.set_stiffness(firmness[self._person.balls])
+
+    @property
+    def pose(self) -> Pose:
+        """Where the person is."""
+        return Pose.trusted(*self._person.pose(self._stepper.qpos(), self._axes), self._axes)
+
+    @property
+    def contacts(self) -> Touches:
+        """What touched the person during the last `step`; `other` indexes `names`."""
+        return touches(self, self._stepper.touches())[0]
+
+    @property
+    def torque(self) -> Array:
+        """What the drive exerted on the joints in the last `step`, its mean (55, 3) [N m]; row 0
+        acts on the whole body. See `PersonResult.torque`."""
+        found, out = self._stepper.torques(), np.zeros((N_JOINTS, 3))
+        if len(found):  # else nothing was exerted
+            out[self._person.balls] = found
+        return out
+
+    @property
+    def clearance(self) -> float:
+        """Distance of the person from what is fixed to the world [m]; inf beyond
+        `Settings.clearance_range`."""
+        return float(self._stepper.clearance())
+
+    def get_state(self) -> bytes:
+        """What is remembered of the person; save MuJoCo's own state beside it."""
+        return bytes(self._stepper.save().tobytes())
+
+    def set_state(self, state: bytes) -> None:
+        """Return to a state of `get_state`; put `data` back first.
+
+        Raises:
+            InputError: The state belongs to another model.
+        """
+        try:
+            self._stepper.load(np.frombuffer(state))
+        except ValueError as error:
+            raise InputError(f"set_state: {error}; expected one that get_state gave") from None
+        self._started = True
+        self._write_person()
+
+    # -- inside ----------------------------------------------------------------------------
+
+    def _substep(self, k: int, h: float) -> None:
+        import mujoco
+
+        data, stepper = self._data, self._stepper
+        self._write_person()
+        qpos, qvel = np.array(data.qpos), np.array(data.qvel)
+        mujoco.mj_step(self._model, data)
+        stepper.substep_hosted(
+            k, h, qpos, qvel, np.array(data.qvel), np.array(self._model.dof_damping)
+        )
+        # What nobody touched has made MuJoCo's own step, to the last bit.
+        pushed = stepper.disturbed()[self._model.body_rootid] != 0.0
+        if (pushed & ~self._mine).any():
+            pushed &= ~self._mine
+            places, dofs = pushed[self._qpos_of], pushed[self._dof_of]
+            data.qpos[places] = stepper.qpos()[places]
+            data.qvel[dofs] = stepper.qvel()[dofs]
+
+    def _write_person(self) -> None:
+        places, dofs = self._mine[self._qpos_of], self._mine[self._dof_of]
+        self._data.qpos[places] = self._stepper.qpos()[places]
+        self._data.qvel[dofs] = self._stepper.qvel()[dofs]
+
+    def _coordinates(self, pose: Pose) -> Array:
+        return self._person.coordinates(pose.translation[None], pose.rotations[None], pose.axes)[0]
+
+    def _checked(self, pose: Pose) -> Pose:
+        if not isinstance(pose, Pose):
+            raise InputError(
+                f"pose: found {type(pose).__name__}, expected a halfphysics.Pose (motion[i])"
+            )
+        return pose
+
+    def _steps(self, dt: float | None) -> int:
+        h = float(self._model.opt.timestep)
+        if dt is None:
+            return 1
+        count = round(float(dt) / h) if np.isfinite(dt) and dt > 0.0 else 0
+        if count < 1 or abs(count * h - dt) > _WHOLE * dt:
+            raise InputError(
+                f"step: dt is {dt!r} s, expected a whole number of the model's timesteps of {h:g} "
+                "s; set model.opt.timestep, or resample the motion"
+            )
+        return count
+
+    def _set_finger_armature(self, dof: NDArray[np.int64]) -> None:
+        # The compiled model has what suits a stiffness of 1; other settings want their own.
+        fingers = list(LEFT_HAND_JOINTS + RIGHT_HAND_JOINTS)
+        armature = FINGER_INERTIA / (1.0 + self._stiffness[fingers])
+        self._model.dof_armature[dof[fingers][:, None] + np.arange(3)] = armature[:, None]
+
+    def _add_movers(self) -> None:
+        model, person = self._model, self._person
+        index = len(self.names) - 1
+        parts = add_person_movers(
+            self._stepper,
+            model,
+            person.body,
+            self.settings,
+            prefix=self._human.prefix,
+            index=0,
+            name=lambda _: index,
+        )
+        mover_name, static_name = [index] * len(parts), []
+        rotations, positions = geoms.fixed_poses(model)
+        for name, g in enumerate(self._geoms):
+            body = int(model.geom_bodyid[g])
+            if model.body_weldid[body] == 0:
+                self._add_static(name, g, rotations[g], positions[g])
+                static_name.append(name)
+                continue
+            if model.body_mocapid[model.body_rootid[body]] >= 0:
+                raise InputError(
+                    f"bind: geom '{self.names[name]}' is on a mocap body, which nothing can "
+                    "touch; give the body joints, or set contype and conaffinity to 0"
+                )
+            rotation, position = geoms.pose_in_body(model, g)
+            collider = geoms.geom_collider(model, g).moved(rotation, position)
+            self._stepper.add_mover(body, name, -1, -1, *collider.arrays)
+            mover_name.append(name)
+            parts.append(-1)
+        self.mover_name = np.array(mover_name, dtype=np.int64)
+        self.mover_part = np.array(parts, dtype=np.int64)
+        self.static_name = np.array(static_name, dtype=np.int64)
+
+    def _add_static(self, name: int, geom: int, rotation: Array, position: Array) -> None:
+        from halfphysics import _native
+
+        kind = geoms.geom_kind(self._model, geom)
+        if kind == "plane":
+            normal = np.ascontiguousarray(rotation[:, 2])
+            self._stepper.add_half_space(name, normal, float(normal @ position))
+        elif kind in ("mesh", "hfield"):
+            vertices, faces = geoms.mesh_triangles(self._model, geom)
+            world = np.ascontiguousarray(vertices @ rotation.T + position)
+            self._stepper.add_mesh(name, _native.MeshTree(world, faces))
+        else:
+            collider = geoms.geom_collider(self._model, geom).moved(rotation, position)
+            self._stepper.add_hull(name, *collider.arrays)
+
+    def _set_pairings(self) -> None:
+        n = len(self.names)
+        friction, ignore = np.zeros((n, n)), np.ones((n, n))
+        each = np.minimum(self._model.geom_friction[self._geoms, 0], PERSON_FRICTION)
+        friction[-1, :-1] = friction[:-1, -1] = each
+        ignore[-1, :-1] = ignore[:-1, -1] = 0.0  # the rest is MuJoCo's
+        self._stepper.set_pairings(friction, np.zeros((n, n)), ignore)
+
+
+def _check_masses(model: Any, human: Human, body: NDArray[np.int64]) -> None:
+    """The compiler must have left the person alone (inertiafromgeom, settotalmass, ...)."""
+    found = np.asarray(model.body_mass)[body]
+    wanted = np.array([part.mass for part in human.body.variant.parts])
+    if not np.allclose(found, wanted, rtol=_SAME_MASS, atol=0.0):
+        raise InputError(
+            f"bind: the person weighs {found.sum():g} kg in this model, expected "
+            f"{wanted.sum():g} kg; the compiler changed it (inertiafromgeom, settotalmass, "
+            "boundmass), or the model is of another spec"
+        )
+
+
+def _keep_jacobian(model: Any, person_dofs: int) -> None:
+    """Small worlds stay dense: the person's degrees of freedom must not change MuJoCo's solver."""
+    import mujoco
+
+    if model.opt.jacobian == mujoco.mjtJacobian.mjJAC_AUTO and model.nv - person_dofs < SPARSE:
+        model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+
+
+def _qpos_bodies(model: Any) -> NDArray[np.int64]:
+    """The body that every coordinate belongs to (nq,)."""
+    owner = np.zeros(model.nq, dtype=np.int64)
+    ends: Sequence[int] = [*model.jnt_qposadr[1:], model.nq]
+    for first, end, body in zip(model.jnt_qposadr, ends, model.jnt_bodyid, strict=True):
+        owner[first:end] = body
+    return owner

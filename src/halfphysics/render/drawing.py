@@ -1,0 +1,288 @@
+"""What a result looks like: the meshes of one frame, shared by the pictures and the page.
+
+The person as simulated is solid, the person as asked for is a translucent ghost; things that
+move have accent colours, things that do not are pale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.errors import InputError
+from halfphysics.render.rasterizer import Color, Surface
+
+if TYPE_CHECKING:
+    from halfphysics.results.result import PersonResult, Result
+
+Array = NDArray[np.float64]
+
+GHOST: Color = (0.25, 0.51, 0.94)
+PEOPLE: tuple[Color, ...] = (
+    (0.84, 0.74, 0.66),
+    (0.66, 0.72, 0.64),
+    (0.76, 0.67, 0.76),
+    (0.62, 0.70, 0.76),
+)
+OBJECTS: tuple[Color, ...] = (
+    (0.94, 0.55, 0.22),
+    (0.13, 0.60, 0.57),
+    (0.93, 0.74, 0.24),
+    (0.83, 0.33, 0.36),
+    (0.52, 0.42, 0.74),
+)
+FURNITURE: tuple[Color, ...] = (
+    (0.74, 0.64, 0.52),
+    (0.60, 0.68, 0.66),
+    (0.67, 0.65, 0.72),
+    (0.72, 0.62, 0.60),
+)
+WALL: Color = (0.93, 0.93, 0.92)
+FLOOR: tuple[Color, Color] = ((0.92, 0.925, 0.93), (0.845, 0.855, 0.87))
+
+#: Opacity of the ghost, and of a wall that stands between the camera and the person.
+GHOST_ALPHA = 0.40
+FAINT_ALPHA = 0.22
+
+# A static thing this tall or wide [m] is part of the building, anything smaller is furniture.
+_WALL_HEIGHT, _WALL_WIDTH = 1.9, 3.0
+# Room around the story that a plane is drawn for [m]; it dissolves over the outer part.
+_PLANE_MARGIN = 7.0
+# The ghost shows where it is off the body by more than this [m]: where both agree, the body.
+_GHOST_BIAS = 0.004
+#: Edges of scene meshes that bend by more stay sharp [degrees].
+CREASE = 50.0
+
+
+def _crease(shape: Any) -> float:
+    from halfphysics.geometry.shapes import Capsule, Sphere
+
+    return 180.0 if isinstance(shape, Sphere | Capsule) else CREASE
+
+
+class StaticColors:
+    """Colours of what stands around: the building pale, each piece of furniture its own."""
+
+    def __init__(self) -> None:
+        self._pieces: dict[str, Color] = {}
+
+    def of(self, name: str, size: Array) -> Color:
+        """Of a thing that is `size` (3,) [m] along the world's axes."""
+        if size[2] >= _WALL_HEIGHT or max(size[:2]) >= _WALL_WIDTH:
+            return WALL
+        piece = name.split("_")[0]  # "table" and "table_leg_1" are of one piece of furniture
+        return self._pieces.setdefault(piece, FURNITURE[len(self._pieces) % len(FURNITURE)])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Item:
+    """A mesh of the scene, in its own frame, with the way it is drawn.
+
+    Attributes:
+        surface: Vertices in the local frame [m].
+        position, quaternion: World pose per frame, (T, 3) and (T, 4); one row when it never moves.
+    """
+
+    surface: Surface
+    position: Array
+    quaternion: Array
+
+    def at(self, frame: int) -> Surface:
+        """The surface in the world at a frame."""
+        k = min(frame, len(self.position) - 1)
+        world = rot.rotate(self.quaternion[k], self.surface.vertices) + self.position[k]
+        return replace(self.surface, vertices=world)
+
+
+def _plane_axes(normal: Array) -> Array:
+    """Rows: two directions in the plane (world x and y for a floor) and the normal."""
+    helper = np.array([1.0, 0.0, 0.0]) if abs(normal[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    first = helper - normal * (helper @ normal)
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(normal, first), normal])
+
+
+def _plane_surface(static: Any, middle: Array, radius: float) -> Surface:
+    """A square of the plane around the middle of the story that fades out, world frame."""
+    quaternion = np.asarray(static.quaternion, dtype=np.float64)
+    normal = rot.rotate(quaternion, np.asarray(static.shape.normal, dtype=np.float64))
+    normal = normal / np.linalg.norm(normal)
+    offset = float(static.shape.offset) + float(normal @ np.asarray(static.position))
+    axes = _plane_axes(normal)
+    centre = middle - normal * (normal @ middle - offset)
+    reach = radius + _PLANE_MARGIN
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * reach
+    level = normal[2] > 0.95
+    return Surface(
+        vertices=centre + corners @ axes[:2],
+        faces=np.array([[0, 1, 2], [0, 2, 3]]),
+        color=FLOOR[0] if level else WALL,
+        checker=FLOOR[1] if level else None,
+        checker_size=0.5,
+        cull="back",  # from below or behind, a plane does not hide the story
+        casts=False,
+        rim=0.0,
+        fade=(radius + 1.0, reach) if level else None,
+    )
+
+
+class Drawing:
+    """The meshes of a result, ready to be drawn at any frame.
+
+    Names are paths: `static/<name>`, `object/<name>`, `person/<k>`, `ghost/<k>`.
+
+    Attributes:
+        result: What is drawn.
+        statics, objects: Name -> `Item`.
+        middle: Centre of the story's bounding box (people and objects, all frames) [m].
+        radius: Half of its largest horizontal extent [m].
+    """
+
+    def __init__(self, result: Result) -> None:
+        self.result = result
+        low, high = self._extent()
+        self.middle: Array = 0.5 * (low + high)
+        self.radius = float(0.5 * max(high[0] - low[0], high[1] - low[1], 1.0))
+        self.statics: Mapping[str, Item] = MappingProxyType(self._build_statics())
+        self.objects: Mapping[str, Item] = MappingProxyType(self._build_objects())
+
+    def __len__(self) -> int:
+        """Number of frames."""
+        return len(self.result.motion)
+
+    def _extent(self) -> tuple[Array, Array]:
+        points = [np.asarray(track.position) for track in self.result.objects.values()]
+        for person in self.result.people:
+            points += [person.body.joints(m)[:, 0] for m in (person.motion, person.reference)]
+        stacked = np.concatenate(points)
+        return stacked.min(axis=0), stacked.max(axis=0)
+
+    def _build_statics(self) -> dict[str, Item]:
+        from halfphysics.geometry.shapes import Plane
+
+        items: dict[str, Item] = {}
+        colors = StaticColors()
+        for name, static in self.result.scene.statics.items():
+            if isinstance(static.shape, Plane):
+                surface = _plane_surface(static, self.middle, self.radius)
+                pose = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
+            else:
+                vertices, faces = static.mesh()
+                pose = (
+                    np.asarray(static.position, dtype=np.float64).reshape(1, 3),
+                    np.asarray(static.quaternion, dtype=np.float64).reshape(1, 4),
+                )
+                size = np.ptp(rot.rotate(pose[1][0], vertices), axis=0)
+                surface = Surface(
+                    vertices=vertices,
+                    faces=faces,
+                    color=colors.of(name, size),
+                    crease=_crease(static.shape),
+                )
+            items[f"static/{name}"] = Item(surface=surface, position=pose[0], quaternion=pose[1])
+        return items
+
+    def _build_objects(self) -> dict[str, Item]:
+        items = {}
+        for k, (name, thing) in enumerate(self.result.scene.objects.items()):
+            track = self.result.objects[name]
+            # Drawn as given, not as the hull that touches.
+            vertices, faces = thing.mesh() if thing.visual is None else thing.visual.triangles()
+            items[f"object/{name}"] = Item(
+                surface=Surface(
+                    vertices=vertices,
+                    faces=faces,
+                    color=OBJECTS[k % len(OBJECTS)],
+                    crease=_crease(thing.shape),
+                ),
+                position=np.asarray(track.position, dtype=np.float64),
+                quaternion=np.asarray(track.quaternion, dtype=np.float64),
+            )
+        for k, jointed in enumerate(self.result.scene.articulated.values()):
+            for link, name in zip(jointed.links, jointed.link_names, strict=True):
+                vertices, faces = link.mesh()
+                if not len(faces) or name not in self.result.objects:
+                    continue
+                track = self.result.objects[name]
+                color = OBJECTS[(len(items) + k) % len(OBJECTS)]
+                items[f"object/{name}"] = Item(
+                    surface=Surface(vertices=vertices, faces=faces, color=color, crease=CREASE),
+                    position=np.asarray(track.position, dtype=np.float64),
+                    quaternion=np.asarray(track.quaternion, dtype=np.float64),
+                )
+        return items
+
+    def check_frame(self, frame: int) -> int:
+        """`frame` as an index from 0; negative ones count from the end.
+
+        Raises:
+            InputError: There is no such frame.
+        """
+        total = len(self)
+        if isinstance(frame, bool) or not isinstance(frame, int | np.integer):
+            raise InputError(f"frame: found {frame!r}, expected a whole number")
+        if not -total <= frame < total:
+            raise InputError(
+                f"frame: found {frame}, but the result has {total} frames (0 to {total - 1})"
+            )
+        return int(frame) % total
+
+    def skin(self, index: int, ghost: bool) -> Surface:
+        """How person `index`, or its ghost, is drawn; vertices are the body's rest vertices."""
+        person: PersonResult = self.result.people[index]
+        body = person.body
+        if ghost:
+            return Surface(
+                vertices=body.rest_vertices,
+                faces=body.faces,
+                color=GHOST,
+                alpha=GHOST_ALPHA,
+                crease=180.0,
+                rim=0.45,
+                bias=_GHOST_BIAS,
+                casts=False,
+                receives=False,
+            )
+        color = PEOPLE[index % len(PEOPLE)]
+        return Surface(vertices=body.rest_vertices, faces=body.faces, color=color, crease=180.0)
+
+    def story(self, frame: int, *, ghost: bool = True) -> dict[str, Surface]:
+        """People, ghosts and objects at a frame, world frame: all that must be seen."""
+        surfaces = {name: item.at(frame) for name, item in self.objects.items()}
+        for k, person in enumerate(self.result.people):
+            poses = [("person", person.motion)]
+            if ghost:
+                poses.append(("ghost", person.reference))
+            for kind, motion in poses:
+                vertices = person.body.vertices(motion, frames=[frame])[0]
+                skin = self.skin(k, kind == "ghost")
+                surfaces[f"{kind}/{k}"] = replace(skin, vertices=vertices)
+        return surfaces
+
+    def still(self, faint: Collection[str] = ()) -> dict[str, Surface]:
+        """What never moves, world frame; the names in `faint` as thin glass."""
+        out = {}
+        for name, item in self.statics.items():
+            surface = item.at(0)
+            if name in faint:
+                surface = replace(surface, alpha=FAINT_ALPHA, rim=0.12, casts=False)
+            out[name] = surface
+        return out
+
+    def surfaces(
+        self, frame: int, *, ghost: bool = True, faint: Collection[str] = ()
+    ) -> dict[str, Surface]:
+        """Everything at a frame, world frame.
+
+        Args:
+            frame: Index, 0 to T-1.
+            ghost: With the motion as asked for.
+            faint: Names of statics to draw as thin glass, because they hide the story.
+        """
+        return self.still(faint) | self.story(frame, ghost=ghost)

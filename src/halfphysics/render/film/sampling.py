@@ -1,0 +1,92 @@
+"""A result at the times of a film: poses between its frames are interpolated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.motion.file_metadata import neighbours
+from halfphysics.motion.motion import Motion
+from halfphysics.results.result import ObjectTrack
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.results.result import Result
+    from halfphysics.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Someone:
+    """What is drawn of a person: the body, what it did and what was asked for."""
+
+    body: Body
+    motion: Motion
+    reference: Motion
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sampled:
+    """What is drawn of a result, at other times than its frames."""
+
+    people: tuple[Someone, ...]
+    objects: Mapping[str, ObjectTrack]
+    scene: Scene
+
+    @property
+    def motion(self) -> Motion:
+        """The first person's motion."""
+        return self.people[0].motion
+
+
+def sampled(result: Result, frames: Array) -> Sampled:
+    """The result at fractional frames (N,); whole ones are copied bit for bit.
+
+    Frames after the last show the last: of two results the shorter one waits.
+    """
+    low, high, weight = neighbours(np.clip(frames, 0.0, len(result.motion) - 1.0))
+
+    def track(given: Any) -> ObjectTrack:
+        q = np.asarray(given.quaternion)
+        return ObjectTrack(
+            position=_line(np.asarray(given.position), low, high, weight),
+            quaternion=_turn(q, low, high, weight),
+        )
+
+    return Sampled(
+        people=tuple(
+            Someone(
+                body=person.body,
+                motion=_motion(person.motion, low, high, weight),
+                reference=_motion(person.reference, low, high, weight),
+            )
+            for person in result.people
+        ),
+        objects={name: track(given) for name, given in result.objects.items()},
+        scene=result.scene,
+    )
+
+
+def _motion(motion: Motion, low: Any, high: Any, weight: Array) -> Motion:
+    rotations = motion.rotations[low]
+    between = weight > 0.0
+    before, after = (rot.exp(motion.rotations[k[between]]) for k in (low, high))
+    rotations[between] = rot.log(rot.slerp(before, after, weight[between, None]))
+    translation = _line(motion.translation, low, high, weight)
+    return Motion(translation, rotations, motion.fps, axes=motion.axes)
+
+
+def _line(values: Array, low: Any, high: Any, weight: Array) -> Array:
+    w = weight[:, None]
+    return np.where(w > 0.0, (1.0 - w) * values[low] + w * values[high], values[low])
+
+
+def _turn(quaternions: Array, low: Any, high: Any, weight: Array) -> Array:
+    turned = rot.slerp(quaternions[low], quaternions[high], weight)
+    return np.where(weight[:, None] > 0.0, turned, quaternions[low])

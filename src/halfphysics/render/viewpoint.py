@@ -1,0 +1,193 @@
+"""Where to look from: a camera that sees the story and not the back of a wall."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.render.drawing import Drawing
+from halfphysics.render.rasterizer import Camera, Surface, visible
+
+Array = NDArray[np.float64]
+
+FOV = 32.0
+# Directions tried: all round, at two heights above the horizon [degrees].
+_AZIMUTHS = 16
+_ELEVATIONS = (16.0, 28.0)
+# A three-quarter view: this far from face to face [degrees].
+_THREE_QUARTER = 50.0
+# Small pictures are enough to count what is hidden.
+_PROBE = (96, 72)
+# Frames looked at when choosing one direction for all.
+_PROBE_FRAMES = 5
+#: An object further from every person than this [m] does not pull the camera back.
+NEAR = 1.6
+# A static thing that hides more than this share of the story is drawn as glass.
+_HIDES = 0.02
+# Weights of what makes a view good: nothing hidden, seen from the front, across the correction.
+_OPEN, _FRONT, _ACROSS = 2.0, 0.3, 0.3
+# A view with this much of the story in the open is as good as any: what hides becomes glass.
+_ENOUGH = 0.85
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sight:
+    """What a camera sees of the story.
+
+    Attributes:
+        share: Part of the story's picture that no static thing hides, 0 to 1.
+        hiding: Name of a static thing -> the part of the story that it hides.
+    """
+
+    share: float
+    hiding: Mapping[str, float]
+
+
+def look_at(surfaces: Mapping[str, Surface], camera: Camera, size: tuple[int, int]) -> Sight:
+    """Counts, pixel by pixel, how much of the story is hidden and by what.
+
+    Args:
+        surfaces: Everything at a frame (`Drawing.surfaces`); names `static/...` may hide.
+        camera: Where from.
+        size: Picture to count in [pixels]; its ratio should be that of the final picture.
+    """
+    statics = {n: s for n, s in surfaces.items() if n.startswith("static/")}
+    story = [s for n, s in surfaces.items() if n not in statics]
+    # The story has nearly all triangles: it is drawn once, and what stands apart from it.
+    alone, behind = visible(story, camera, size)
+    nearest, depth = visible(list(statics.values()), camera, size)
+    shown = alone >= 0
+    total = int(shown.sum())
+    if not total:
+        return Sight(share=0.0, hiding={})
+    before = shown & (depth < behind)
+    hiding = {}
+    for k, name in enumerate(statics):
+        count = int((before & (nearest == k)).sum())
+        if count:
+            hiding[name] = count / total
+    return Sight(share=1.0 - sum(hiding.values()), hiding=hiding)
+
+
+def subject(drawing: Drawing, frame: int, story: Mapping[str, Surface]) -> Array:
+    """World points (N, 3) that belong in the picture: people, ghosts and objects near them."""
+    people = [s.vertices for n, s in story.items() if not n.startswith("object/")]
+    points = list(people)
+    # Corners of a coarse box are enough to measure how near a thing is.
+    low = np.array([p.min(axis=0) for p in people])
+    high = np.array([p.max(axis=0) for p in people])
+    for name, item in drawing.objects.items():
+        thing = story[name].vertices
+        centre = item.position[min(frame, len(item.position) - 1)]
+        gap = np.linalg.norm(np.maximum(np.maximum(low - centre, centre - high), 0.0), axis=1)
+        if gap.min() < NEAR:
+            points.append(thing)
+    return np.concatenate(points)
+
+
+def spread(total: int, count: int) -> list[int]:
+    """At most `count` frames of `total`, evenly spread, first and last among them."""
+    return sorted({round(float(k)) for k in np.linspace(0, total - 1, min(count, total))})
+
+
+def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, int]) -> Array:
+    """Unit world direction from the story to the camera, one for all frames.
+
+    Best is where nothing stands in the way, where the person is seen three-quarter from the
+    front, and across the line between the body and its ghost, so that they show apart.
+    """
+    picked = [frames[k] for k in spread(len(frames), _PROBE_FRAMES)]
+    scenes = [drawing.surfaces(f) for f in picked]
+    points = [subject(drawing, f, s) for f, s in _stories(picked, scenes)]
+    ways, apart = facing(drawing, picked), _apart(drawing, picked)
+    probe = (_PROBE[0], max(1, round(_PROBE[0] * size[1] / size[0])))
+    best, best_score = np.array([0.0, -1.0, 0.4]), -np.inf
+    for elevation in np.radians(_ELEVATIONS):
+        for azimuth in np.arange(_AZIMUTHS) * (2 * np.pi / _AZIMUTHS):
+            level = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+            towards = np.cos(elevation) * level + np.sin(elevation) * np.array([0, 0, 1.0])
+            shares = [
+                look_at(scene, Camera.framing(p, towards, size=probe, fov=FOV), probe).share
+                for scene, p in zip(scenes, points, strict=True)
+            ]
+            turned = np.arccos(np.clip(ways @ level, -1.0, 1.0))
+            front = float(np.cos(turned - np.radians(_THREE_QUARTER)).mean())
+            across = (
+                float(np.linalg.norm(np.cross(apart, level), axis=1).mean()) if len(apart) else 0.0
+            )
+            score = _OPEN * min(float(np.mean(shares)), _ENOUGH) + _FRONT * front + _ACROSS * across
+            if score > best_score + 1e-9:
+                best, best_score = towards, score
+    return best / np.linalg.norm(best)
+
+
+def _stories(
+    frames: Sequence[int], scenes: Sequence[Mapping[str, Surface]]
+) -> list[tuple[int, dict[str, Surface]]]:
+    return [
+        (frame, {n: s for n, s in scene.items() if not n.startswith("static/")})
+        for frame, scene in zip(frames, scenes, strict=True)
+    ]
+
+
+def _level(vectors: Array) -> Array:
+    """Horizontal unit vectors; those that have no direction are left out."""
+    flat = vectors * np.array([1.0, 1.0, 0.0])
+    norm = np.linalg.norm(flat, axis=1)
+    return flat[norm > 1e-6] / norm[norm > 1e-6, None]
+
+
+def facing(drawing: Drawing, frames: Sequence[int]) -> Array:
+    """Level directions that the people's bodies face, shape (N, 3); at least one."""
+    out = []
+    for person in drawing.result.people:
+        quaternion = person.body.joint_frames(person.motion)[1][list(frames), 0]
+        out.append(rot.rotate(quaternion, np.array([0.0, 0.0, 1.0])))
+    ways = _level(np.concatenate(out))
+    return ways if len(ways) else np.array([[0.0, -1.0, 0.0]])
+
+
+def _apart(drawing: Drawing, frames: Sequence[int]) -> Array:
+    """Level directions from body to ghost where they are a centimetre apart or more."""
+    out = []
+    for person in drawing.result.people:
+        bodies = [person.body.joints(m)[list(frames)] for m in (person.motion, person.reference)]
+        offset = (bodies[1] - bodies[0]).mean(axis=1)
+        out.append(offset[np.linalg.norm(offset, axis=1) > 0.01])
+    return _level(np.concatenate(out))
+
+
+def cameras(
+    drawing: Drawing, frames: Sequence[int], direction: Array, size: tuple[int, int]
+) -> list[Camera]:
+    """A camera per frame that follows the story from one direction, nearly at one scale."""
+    near = []
+    for frame in frames:
+        points = subject(drawing, frame, drawing.story(frame))
+        near.append((points, Camera.framing(points, direction, size=size, fov=FOV)))
+    distance = [float(np.linalg.norm(c.position - c.target)) for _, c in near]
+    common = float(np.median(distance))
+    return [
+        Camera.framing(points, direction, size=size, fov=FOV, distance=common) for points, _ in near
+    ]
+
+
+def glass(surfaces: Mapping[str, Surface], camera: Camera, size: tuple[int, int]) -> set[str]:
+    """Names of the static things that stand before the story and should be seen through."""
+    probe = (2 * _PROBE[0], max(1, round(2 * _PROBE[0] * size[1] / size[0])))
+    faint: set[str] = set()
+    scene = dict(surfaces)
+    # What is behind the first wall hides as well: look again without those already found.
+    for _ in range(len(surfaces)):
+        hiding = look_at(scene, camera, probe).hiding
+        found = {name for name, share in hiding.items() if share > _HIDES}
+        if not found:
+            break
+        faint |= found
+        for name in found:
+            del scene[name]
+    return faint

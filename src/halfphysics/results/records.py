@@ -1,0 +1,186 @@
+"""What a result file says of bodies and scenes: plain data that leads back to them.
+
+Licensed models and meshes are named by path and SHA-256; their content never enters a file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from halfphysics.base.digests import sha256_of
+from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.body.shape_space import Source
+    from halfphysics.scene.scene import Scene
+
+#: Key of a mesh that came from no file: only what identifies it is kept.
+IN_MEMORY = "in_memory"
+_MEND_BODY = "Put it back, or pass body= to Result.load"
+_SAME_STATURE = 1e-9  # rounding of a sum of shape directions [m]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneRecord:
+    """A scene as the data of a scene file (`Scene.save`), its meshes by absolute path."""
+
+    document: Mapping[str, Any]
+    origin: str
+
+    @staticmethod
+    def of(scene: Scene) -> SceneRecord:
+        """The record of a scene."""
+        from halfphysics.scene.scene_file import scene_document
+
+        document = json.loads(json.dumps(scene_document(scene)))
+        for group in ("statics", "objects", "moving"):
+            for thing in document.get(group, {}).values():
+                if isinstance(thing.get("mesh"), dict):
+                    thing["mesh"] = {IN_MEMORY: _identity(thing["mesh"])}
+                if isinstance(thing.get("pieces"), list):
+                    thing["pieces"] = {IN_MEMORY: [_identity(piece) for piece in thing["pieces"]]}
+        return SceneRecord(document, "this session")
+
+    def missing(self) -> dict[str, str]:
+        """Things that cannot be built again: name -> why."""
+        lost = {}
+        for group in ("statics", "objects", "moving"):
+            for name, thing in self.document.get(group, {}).items():
+                mesh = thing.get("mesh")
+                if isinstance(mesh, dict):
+                    lost[name] = "its mesh came from no file"
+                elif isinstance(thing.get("pieces"), dict):
+                    lost[name] = "its pieces came from no file"
+                elif mesh is not None and not Path(mesh).is_file():
+                    lost[name] = f"{mesh} is not there"
+        for name, thing in self.document.get("articulated", {}).items():
+            if "file" in thing and not Path(thing["file"]).is_file():
+                lost[name] = f"{thing['file']} is not there"
+        return lost
+
+    def make(self) -> Scene:
+        """The scene, without what is missing (with a warning; built once)."""
+        return self._scene
+
+    @cached_property
+    def _scene(self) -> Scene:
+        from halfphysics.scene.scene_file import scene_from_document
+
+        lost = self.missing()
+        if lost:
+            warnings.warn(
+                f"{self.origin}: left out of the scene: "
+                + "; ".join(f"{name} ({why})" for name, why in lost.items())
+                + ". Put the files back, or pass scene= to Result.load",
+                HalfPhysicsWarning,
+                stacklevel=4,
+            )
+        document = dict(self.document)
+        for group in ("statics", "objects", "moving", "articulated"):
+            things = document.get(group, {})
+            document[group] = {name: thing for name, thing in things.items() if name not in lost}
+        for group in ("friction", "ignore"):
+            pairs = document.get(group, [])
+            document[group] = [pair for pair in pairs if not set(pair[:2]) & set(lost)]
+        with warnings.catch_warnings():
+            # Said when the scene was first built.
+            warnings.filterwarnings("ignore", ".*(convex hull|pieces)", HalfPhysicsWarning)
+            return scene_from_document(document, Path(self.origin))
+
+
+@dataclass(frozen=True, eq=False)
+class BodyRecord:
+    """A body as its model file (None: the default body), gender and shape."""
+
+    data: Mapping[str, Any]
+    origin: str
+
+    @staticmethod
+    def of(body: Body) -> BodyRecord:
+        """The record of a body."""
+        return BodyRecord(
+            {
+                "model": body.model,
+                "gender": body.gender,
+                "betas": body.betas.tolist(),
+                "stature": body.stature,
+                "source": _source(body.source),
+                "template_source": _source(body.template_source),
+            },
+            "this session",
+        )
+
+    def make(self) -> Body:
+        """The body (built once).
+
+        Raises:
+            FileError: Its model file has gone or changed, or it came from no file.
+        """
+        return self._body
+
+    @cached_property
+    def _body(self) -> Body:
+        from halfphysics.body.body import FREE, Body
+
+        betas = np.array(self.data["betas"], dtype=np.float64)
+        stature = self.data["stature"]
+        if self.data["model"] == FREE:
+            body = Body.default(betas)
+            same = abs(body.stature - stature) < _SAME_STATURE
+            return body if same else Body.default(betas, stature=stature)
+        if self.data["source"] is None:
+            raise FileError(
+                f"{self.origin}: the {self.data['model']} body came from no file. {_MEND_BODY}"
+            )
+        template = self.data["template_source"]
+        return Body.load(
+            self._unchanged(self.data["source"], "body model"),
+            betas=betas,
+            gender=self.data["gender"],
+            v_template=None if template is None else self._unchanged(template, "template"),
+        )
+
+    def _unchanged(self, source: Mapping[str, str], kind: str) -> Path:
+        path = Path(source["path"])
+        if not path.is_file():
+            raise FileError(f"{self.origin}: the {kind} {path} is not there. {_MEND_BODY}")
+        found = sha256_of(path)
+        if found != source["sha256"]:
+            raise FileError(
+                f"{self.origin}: the {kind} {path} has changed: found SHA-256 {found[:12]}..., "
+                f"expected {source['sha256'][:12]}.... {_MEND_BODY}"
+            )
+        return path
+
+
+def _identity(mesh: Mapping[str, Any]) -> dict[str, Any]:
+    content = json.dumps(mesh, sort_keys=True).encode()
+    return {
+        "vertices": len(mesh["vertices"]),
+        "faces": len(mesh["faces"]),
+        "sha256": hashlib.sha256(content).hexdigest(),
+    }
+
+
+def _source(source: Source | None) -> dict[str, str] | None:
+    if source is None:
+        return None
+    return {"path": str(Path(source.path).resolve()), "sha256": source.sha256}
+
+
+def checked_document(data: Any, what: str, keys: tuple[str, ...]) -> dict[str, Any]:
+    """`data` as a dict that has `keys`; raises `InputError` naming `what`."""
+    if not isinstance(data, dict) or any(key not in data for key in keys):
+        found = sorted(data) if isinstance(data, dict) else type(data).__name__
+        raise InputError(f"{what}: found {found}, expected {', '.join(keys)}")
+    return data

@@ -1,0 +1,391 @@
+"""Result: what a simulation gives back, in memory and as a file.
+
+World z-up, metres, seconds, newton seconds; quaternions wxyz; T frames at `Result.fps`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base.validation import frame_rate, shown
+from halfphysics.errors import InputError
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.pose import checked
+from halfphysics.motion.skeleton import N_JOINTS
+from halfphysics.results.contacts import Contacts
+from halfphysics.results.inside import Inside
+from halfphysics.settings import Settings
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.metrics.part_report import PartReport
+    from halfphysics.scene.scene import Scene
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+
+#: Time after a contact until the body is on its reference again: a deviation of 2 rad returns in
+#: 0.25 s at the default `Settings.recovery_rate`, then twelve time constants of the drive [s].
+SETTLE = 0.5
+
+
+class Record(Protocol[T_co]):
+    """Stands for a value that a file only refers to; `make` builds it (once)."""
+
+    def make(self) -> T_co: ...
+
+
+class Deferred(Generic[T]):
+    """A dataclass field that holds a value, or a `Record` that makes it when first read.
+
+    So a thousand results can be looked through without loading the meshes they refer to.
+    """
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._key = f"_{name}"
+
+    def __get__(self, instance: Any, owner: type | None = None) -> T:
+        if instance is None:
+            raise AttributeError("a field without a default")  # what dataclasses ask for
+        held = vars(instance)[self._key]
+        return held.make() if hasattr(held, "make") else held
+
+    def __set__(self, instance: Any, value: T | Record[T]) -> None:
+        vars(instance)[self._key] = value
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ObjectTrack:
+    """How an object moved: `position` (T, 3) [m] and `quaternion` (T, 4) of its own frame."""
+
+    position: Array
+    quaternion: Array
+
+    def __post_init__(self) -> None:
+        _set(self, "position", checked("position", self.position, (None, 3), "(T, 3)"))
+        _set(self, "quaternion", checked("quaternion", self.quaternion, (None, 4), "(T, 4)"))
+        if len(self.position) != len(self.quaternion):
+            raise InputError(
+                f"position has {len(self.position)} frames and quaternion {len(self.quaternion)}; "
+                "expected the same number"
+            )
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PersonResult:
+    """One person of a result.
+
+    Attributes:
+        name: As in `Result.names`.
+        motion: What the person did.
+        reference: What was asked for; as many frames, the same frame rate.
+        body: Their body. In a result from a file it is loaded when first read; raises
+            `FileError` where a licensed model has gone or changed (see `Result.load`).
+        torque: What the drive exerted on the joints (T, 55, 3) [N m], mean over (t-1, t], in the
+            frame of the joint's child, row 0 on the whole body: zero where the motion is followed
+            freely, against the contacts where something is held. See docs/physics.md. None:
+            unknown (older files).
+    """
+
+    name: str
+    motion: Motion
+    reference: Motion
+    body: Deferred[Body] = Deferred()
+    torque: Array | None = None
+
+    def __post_init__(self) -> None:
+        from halfphysics.body.body import Body
+
+        _typed("motion", self.motion, Motion)
+        _typed("reference", self.reference, Motion)
+        _deferred("body", vars(self)["_body"], Body)
+        if len(self.motion) != len(self.reference):
+            raise InputError(
+                f"person {self.name!r}: the motion has {len(self.motion)} frames and the "
+                f"reference {len(self.reference)}; expected the same number"
+            )
+        if self.torque is not None:
+            shape = (len(self.motion), N_JOINTS, 3)
+            # What is read-only is the core's own: mostly zeros, which take no memory.
+            own = isinstance(self.torque, np.ndarray) and not self.torque.flags.writeable
+            if not own or self.torque.shape != shape:
+                _set(self, "torque", checked("torque", self.torque, shape, "(T, 55, 3)"))
+
+    def joint_errors(self) -> tuple[Array, Array]:
+        """Distances (T, 55) [m] of joints from the reference: relative to the pelvis, global."""
+        p, q = self.body.joints(self.motion), self.body.joints(self.reference)
+        local = np.linalg.norm((p - p[:, :1]) - (q - q[:, :1]), axis=-1)
+        return local, np.linalg.norm(p - q, axis=-1)
+
+
+def at_substeps(motion: Motion, translation: Array, rotations: Array, fps: float) -> Motion:
+    """A person's poses at all substeps, `fps` of them a second; those that are set may jump.
+
+    Arguments as of `Motion.with_frames`.
+    """
+    # No motion is asked for here: how fast the root may be is not looked at.
+    poses = motion.with_frames(translation, rotations, fps=1.0)
+    _set(poses, "fps", frame_rate(fps))
+    return poses
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Substeps:
+    """Every committed pose of a run with ``Settings(record="substeps")``: S + 1 of them.
+
+    Attributes:
+        motions: The people's motions at the substeps, the start first.
+        objects: Name -> `ObjectTrack` at the substeps.
+    """
+
+    motions: tuple[Motion, ...]
+    objects: Mapping[str, ObjectTrack]
+
+    def __post_init__(self) -> None:
+        _set(self, "motions", tuple(self.motions))
+        _set(self, "objects", MappingProxyType(dict(self.objects)))
+
+
+#: What the core says of a frame: planes and contact points (the most in any substep), solves and
+#: the sweeps and steps they took, substeps that were shortened, and the largest gap that was
+#: missing at the end of a substep [m].
+DIAGNOSTICS = ("planes", "contacts", "passes", "sweeps", "shortened", "residual")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Result:
+    """What `simulate` gives back.
+
+    Attributes:
+        people: One entry a person.
+        objects: Name -> `ObjectTrack` of T frames.
+        scene: As simulated. In a result from a file it is loaded when first read; things whose
+            mesh file has gone are left out, with a warning.
+        names: What `contacts` refers to: statics, objects, people, in this order.
+        contacts: Who touched what.
+        clearance: Smallest distance of the people from the statics in every frame (T,) [m]; inf
+            beyond `Settings.clearance_range`, negative: penetration.
+        lost_time: Time by which blocked steps were shortened, per frame (T,) [s].
+        settings: How it was simulated.
+        substeps: Every committed pose, with ``Settings(record="substeps")``, else None.
+        diagnostics: Name -> number of every frame (T,), see `DIAGNOSTICS`; empty where unknown.
+        joints: "NAME/JOINT" of an articulated object -> its value of every frame (T,) [rad or m],
+            quaternions (T, 4) of a ball joint. Links are among the `objects`: "NAME/LINK".
+        inside: Which parts were inside statics or objects, and which objects inside statics,
+            when and how deep; empty where everything started clear.
+
+    Raises:
+        InputError: Parts that do not belong together, or of a wrong type.
+    """
+
+    people: tuple[PersonResult, ...]
+    objects: Mapping[str, ObjectTrack]
+    scene: Deferred[Scene] = Deferred()
+    names: tuple[str, ...]
+    contacts: Contacts
+    clearance: Array
+    lost_time: Array
+    settings: Settings
+    substeps: Substeps | None = None
+    diagnostics: Mapping[str, Array] = field(default_factory=dict)
+    inside: Inside = field(default_factory=Inside.none)
+    joints: Mapping[str, Array] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        from halfphysics.scene.scene import Scene
+
+        _set(self, "people", tuple(self.people))
+        for index, person in enumerate(self.people):
+            _typed(f"people[{index}]", person, PersonResult)
+        _deferred("scene", vars(self)["_scene"], Scene)
+        _typed("contacts", self.contacts, Contacts)
+        _typed("inside", self.inside, Inside)
+        _typed("settings", self.settings, Settings)
+        _set(self, "names", tuple(self.names))
+        _set(self, "objects", MappingProxyType(dict(self.objects)))
+        if not self.people:
+            raise InputError("people: found none, expected at least one")
+        frames = len(self.people[0].motion)
+        lengths = {f"people[{i}]": len(p.motion) for i, p in enumerate(self.people)}
+        lengths |= {f"objects[{name!r}]": len(track) for name, track in self.objects.items()}
+        for name in ("clearance", "lost_time"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if array.ndim != 1 or np.isnan(array).any():
+                raise InputError(
+                    f"{name}: found shape {array.shape} with {int(np.isnan(array).sum())} NaN, "
+                    f"expected numbers of shape ({frames},)"
+                )
+            array.setflags(write=False)
+            _set(self, name, array)
+            lengths[name] = len(array)
+        numbers = {}
+        for name, given in self.diagnostics.items():
+            numbers[name] = np.array(given, dtype=np.float64)
+            numbers[name].setflags(write=False)
+            lengths[f"diagnostics[{name!r}]"] = len(np.atleast_1d(numbers[name]))
+        _set(self, "diagnostics", MappingProxyType(numbers))
+        joints = {}
+        for name, given in self.joints.items():
+            joints[name] = np.array(given, dtype=np.float64)
+            joints[name].setflags(write=False)
+            lengths[f"joints[{name!r}]"] = len(np.atleast_1d(joints[name]))
+        _set(self, "joints", MappingProxyType(joints))
+        wrong = {name: length for name, length in lengths.items() if length != frames}
+        if wrong:
+            raise InputError(f"result: found lengths {wrong}, expected {frames} frames in each")
+        expected = [*self.objects, *(p.name for p in self.people)]
+        if list(self.names[len(self.names) - len(expected) :]) != expected:
+            raise InputError(
+                f"names: found {', '.join(self.names)}; expected statics, then {expected}"
+            )
+        limits = {
+            "frame": (0, frames),
+            "person": (-1, len(self.people)),
+            "part": (-1, N_JOINTS),
+            "other": (0, len(self.names)),
+            "subject": (-1, len(self.names)),
+            "other_part": (-1, N_JOINTS),
+        }
+        self.contacts.check_within(limits)
+        self.inside.check_within(limits)
+
+    def __len__(self) -> int:
+        """Number of frames."""
+        return len(self.people[0].motion)
+
+    def __repr__(self) -> str:
+        return (
+            f"Result({len(self)} frames at {self.fps:g} fps, {len(self.people)} person(s), "
+            f"{len(self.objects)} object(s), {len(self.contacts)} contacts)"
+        )
+
+    @property
+    def fps(self) -> float:
+        """Frames per second."""
+        return self.people[0].motion.fps
+
+    @property
+    def motion(self) -> Motion:
+        """The first person's corrected motion."""
+        return self.people[0].motion
+
+    @property
+    def reference(self) -> Motion:
+        """The motion that was asked of the first person."""
+        return self.people[0].reference
+
+    def free_frames(self, person: int = 0, settle: float = SETTLE) -> NDArray[np.bool_]:
+        """Frames (T,) in which nothing acts on a person: no contact within the last `settle` [s].
+
+        After a contact the deviation decays over a few `Settings.drive_time`; `settle` covers it.
+        """
+        self._check_person(person)
+        touched = np.zeros(len(self), dtype=bool)
+        hurt = self.contacts.person == person
+        touched[self.contacts.frame[hurt & self.contacts.impulse.any(axis=1)]] = True
+        reach = int(np.ceil(settle * self.fps))
+        last = np.where(touched, np.arange(len(self)), -reach - 1)
+        return np.arange(len(self)) - np.maximum.accumulate(last) > reach
+
+    def parts(self, person: int = 0) -> PartReport:
+        """Clearance, contact, force and displacement of every part in every frame.
+
+        Worked out when first asked for, for everybody at once, from the poses at the frames.
+
+        Raises:
+            InputError: There is no such person.
+            FileError: In a result from a file: a body or a mesh of the scene has gone. Put it
+                back, or pass scene= or body= to `Result.load`.
+        """
+        self._check_person(person)
+        return self._parts[person]
+
+    @cached_property
+    def _parts(self) -> tuple[PartReport, ...]:
+        from halfphysics.metrics.part_report import part_reports
+
+        return part_reports(self)
+
+    def _check_person(self, person: int) -> None:
+        whole = isinstance(person, int | np.integer) and not isinstance(person, bool)
+        if not (whole and 0 <= person < len(self.people)):
+            raise InputError(
+                f"person: found {shown(person)}, expected 0 to {len(self.people) - 1} "
+                f"({len(self.people)} in this result)"
+            )
+
+    def summary(self) -> str:
+        """The result in words and numbers, 10 to 20 lines to be read by a person.
+
+        How exactly the motion was followed, what touched what and how hard, how far from the
+        motion the body got, what was inside what at the start, what moved, the smallest
+        distance, lost time. Forces are impulses of a frame divided by its length. What a result
+        from a file does not know any more (a body or a mesh that has gone) is said.
+        """
+        from halfphysics.metrics.result_report import summary
+
+        return summary(self)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything into one npz, whole or not at all.
+
+        On top stand the keys of the file that the first person's motion came from (AMASS keys
+        by default), so that whatever reads those files reads the corrected motion; the rest is
+        under object/, contact/, person/ and meta/ (docs/result-files.md). Body models and meshes
+        are named by path and SHA-256, their content is not written.
+
+        Raises:
+            FileError: The folder does not exist or cannot be written.
+        """
+        from halfphysics.formats.results.result_file import save_result
+
+        save_result(self, path)
+
+    @staticmethod
+    def load(
+        path: str | os.PathLike[str],
+        *,
+        scene: Scene | None = None,
+        body: Body | tuple[Body, ...] | list[Body] | None = None,
+    ) -> Result:
+        """Read a file that `save` wrote. Arrays come back bit for bit.
+
+        Args:
+            path: The file.
+            scene: Use this scene instead of the one the file names (its meshes may have moved).
+            body: Use this body, or one each, likewise.
+
+        Raises:
+            FileError: Missing, damaged, no result file, or of a newer version.
+            InputError: Another number of bodies than people.
+        """
+        from halfphysics.formats.results.result_file import load_result
+
+        return load_result(path, scene=scene, body=body)
+
+
+def _set(instance: Any, name: str, value: Any) -> None:
+    object.__setattr__(instance, name, value)
+
+
+def _typed(name: str, value: Any, kind: type) -> None:
+    if not isinstance(value, kind):
+        raise InputError(f"{name}: found {shown(value)}, expected a halfphysics {kind.__name__}")
+
+
+def _deferred(name: str, held: Any, kind: type) -> None:
+    """Refuse what is neither a value of a kind nor a `Record` of one."""
+    if not hasattr(held, "make"):
+        _typed(name, held, kind)

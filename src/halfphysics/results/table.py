@@ -1,0 +1,97 @@
+"""Table: rows as columns of one length; what the tables of a result have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.errors import InputError
+from halfphysics.motion.pose import checked
+
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Table:
+    """Columns of one length n: whole numbers (n,), but for those that are said to be others.
+
+    Raises:
+        InputError: Columns of different lengths, or that hold something else.
+    """
+
+    NAME: ClassVar[str]  # in messages
+    VECTORS: ClassVar[frozenset[str]] = frozenset()  # columns (n, 3) of float64
+    NUMBERS: ClassVar[frozenset[str]] = frozenset()  # columns (n,) of float64
+
+    def __post_init__(self) -> None:
+        first = fields(self)[0].name
+        n = len(np.atleast_1d(getattr(self, first)))
+        for column in self.columns():
+            value = getattr(self, column)
+            name = f"{self.NAME}.{column}"
+            array: NDArray[Any]
+            if column in self.VECTORS:
+                array = checked(name, value, (None, 3), "(n, 3)")
+            elif column in self.NUMBERS:
+                array = checked(name, value, (None,), "numbers (n,)")
+            else:
+                array = _whole(name, value)
+            if len(array) != n:
+                raise InputError(
+                    f"{name}: found {len(array)} rows and {n} in {self.NAME}.{first}; "
+                    "expected the same number"
+                )
+            object.__setattr__(self, column, array)
+
+    @classmethod
+    def columns(cls) -> tuple[str, ...]:
+        """The names of the columns."""
+        return tuple(f.name for f in fields(cls))
+
+    def __len__(self) -> int:
+        return len(getattr(self, fields(self)[0].name))
+
+    def __getitem__(self, rows: Any) -> Self:
+        """The rows that a slice, a mask (n,) or indices choose."""
+        if isinstance(rows, int | np.integer):
+            rows = [rows]
+        return type(self)(**{name: getattr(self, name)[rows] for name in self.columns()})
+
+    @classmethod
+    def none(cls) -> Self:
+        """No rows at all."""
+        empty: dict[str, Any] = {
+            name: np.zeros((0, 3) if name in cls.VECTORS else 0)
+            if name in cls.VECTORS | cls.NUMBERS
+            else np.zeros(0, dtype=np.int64)
+            for name in cls.columns()
+        }
+        return cls(**empty)
+
+    def check_within(self, limits: Mapping[str, tuple[int, int]]) -> None:
+        """Refuse a column with a number outside its limits, low <= x < high."""
+        for name in self.columns():
+            values = getattr(self, name)
+            if name not in limits or not len(values):
+                continue
+            low, high = limits[name]
+            if not (values.min() >= low and values.max() < high):
+                raise InputError(
+                    f"{self.NAME}.{name}: found {values.min()} to {values.max()}, expected "
+                    f"{low} to {high - 1}"
+                )
+
+
+def _whole(name: str, value: Any) -> Ints:
+    array = np.asarray(value)
+    if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+        raise InputError(
+            f"{name}: found shape {array.shape} of {array.dtype}, expected whole numbers (n,)"
+        )
+    result = array.astype(np.int64)
+    result.setflags(write=False)
+    return result

@@ -1,0 +1,1 @@
+"""How people move in the scenarios: gait, reach, grip, hands."""

@@ -1,0 +1,130 @@
+"""Arms: the joints of shoulder, elbow and wrist that put a hand where it should be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.motion.skeleton import JOINT_INDEX
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+
+Array = NDArray[np.float64]
+
+#: An arm is never stretched further than this part of its length: a straight elbow snaps.
+REACH = 0.99
+
+
+@dataclass(frozen=True)
+class Arm:
+    """One arm of a body at rest, rest frame [m].
+
+    Attributes:
+        collar: Index of the joint it hangs from.
+        joints: Indices of shoulder, elbow and wrist.
+        upper: Elbow from shoulder, (3,).
+        fore: Wrist from elbow, (3,).
+    """
+
+    collar: int
+    joints: tuple[int, int, int]
+    upper: Array
+    fore: Array
+
+    @property
+    def length(self) -> float:
+        """Longest distance from shoulder to wrist that the arm is used at [m]."""
+        return REACH * float(np.linalg.norm(self.upper) + np.linalg.norm(self.fore))
+
+
+def arm_of(body: Body, side: str) -> Arm:
+    """The `side` ("left" or "right") arm of a body."""
+    collar, *joints = (JOINT_INDEX[f"{side}_{n}"] for n in ("collar", "shoulder", "elbow", "wrist"))
+    shoulder, elbow, wrist = np.asarray(body.rest_joints)[joints]
+    return Arm(
+        collar,
+        (joints[0], joints[1], joints[2]),
+        elbow - shoulder,
+        wrist - elbow,
+    )
+
+
+def solve(
+    arm: Arm, collar: Array, shoulder: Array, wrist: Array, hand: Array, pole: Array
+) -> dict[int, Array]:
+    """Rotations of one arm that put its wrist and hand where they should be.
+
+    Two bones in the plane of shoulder, wrist and pole, the elbow on the pole's side; a wrist out
+    of reach is approached along its own line. Of the forearm's twist elbow and wrist take half
+    each; it is followed through the frames, so that it may exceed half a turn.
+
+    Args:
+        arm: Which arm.
+        collar: World rotation of the collar, (T, 3, 3).
+        shoulder: World position of the shoulder [m], (T, 3).
+        wrist: Where the wrist should be [m], (T, 3).
+        hand: World rotation that the hand should have, (T, 3, 3).
+        pole: Where the elbow points to, (3,) or (T, 3), not along the line from shoulder to wrist.
+
+    Returns:
+        Joint index -> axis-angle (T, 3) in the parent's frame.
+    """
+    a, b = float(np.linalg.norm(arm.upper)), float(np.linalg.norm(arm.fore))
+    line = wrist - shoulder
+    distance = np.clip(np.linalg.norm(line, axis=1), abs(a - b) + 1e-6, arm.length)
+    line = line / np.linalg.norm(line, axis=1, keepdims=True)
+    pole = np.broadcast_to(pole, line.shape)
+    front = pole - np.sum(pole * line, axis=1, keepdims=True) * line
+    front = front / np.linalg.norm(front, axis=1, keepdims=True)
+    cosine = (a * a + distance**2 - b * b) / (2.0 * a * distance)
+    sine = np.sqrt(np.clip(1.0 - cosine**2, 0.0, None))
+    along = cosine[:, None] * line + sine[:, None] * front  # of the upper arm, unit
+    end = (distance[:, None] * line - a * along) / b
+    # The elbow bends about what is y at rest.
+    hinge = np.cross(line, front) * np.sign(arm.upper[0])
+    upper, fore = _bone(arm.upper, along, hinge), _bone(arm.fore, end, hinge)
+    turn = rot.normalize(rot.from_matrix(np.swapaxes(fore, 1, 2) @ hand))
+    axis = arm.fore / b
+    twist = np.unwrap(2.0 * np.arctan2(turn[:, 1:] @ axis, turn[:, 0]))
+    half = rot.rotvec_to_matrix(0.5 * twist[:, None] * axis)
+    locals_ = (
+        np.swapaxes(collar, 1, 2) @ upper,
+        np.swapaxes(upper, 1, 2) @ fore @ half,
+        np.swapaxes(fore @ half, 1, 2) @ hand,
+    )
+    return {j: rot.matrix_to_rotvec(m) for j, m in zip(arm.joints, locals_, strict=True)}
+
+
+def palm_frame(side: str, fingers: Array, facing: Array) -> Array:
+    """World rotation (T, 3, 3) of a flat hand.
+
+    Args:
+        side: "left" or "right".
+        fingers: Where the fingers point, (T, 3) or (3,).
+        facing: Where the palm faces, (T, 3) or (3,), made square to `fingers`.
+    """
+    left = 1.0 if side == "left" else -1.0
+    along, facing = np.broadcast_arrays(np.atleast_2d(fingers), np.atleast_2d(facing))
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    facing = facing - np.sum(facing * along, axis=1, keepdims=True) * along
+    facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)
+    # At rest the fingers of the left hand point along x, those of the right one back, palms down.
+    x, y = left * along, -facing
+    return np.stack([x, y, np.cross(x, y)], axis=-1)
+
+
+def _bone(rest: Array, actual: Array, hinge: Array) -> Array:
+    """Rotations (T, 3, 3) taking a rest vector (3,) to `actual` (T, 3) and y toward `hinge`."""
+
+    def frame(along: Array, across: Array) -> Array:
+        along = along / np.linalg.norm(along, axis=-1, keepdims=True)
+        across = across - np.sum(across * along, axis=-1, keepdims=True) * along
+        across = across / np.linalg.norm(across, axis=-1, keepdims=True)
+        return np.stack([along, across, np.cross(along, across)], axis=-1)
+
+    return frame(actual, hinge) @ frame(rest, np.array([0.0, 1.0, 0.0])).T

@@ -1,0 +1,324 @@
+"""Walking: feet planned on the ground, a pelvis carried by the legs, arms that swing against them.
+
+Everything is a function of the phase, which counts steps: step k swings one foot from phase
+k + d/2 to k + 1 - d/2, where d is the part of a step that both feet are down. A foot on the
+ground rolls over its heel, lies flat, and rolls over its toe joint: it never slides. The pelvis
+is as high as legs of that length allow. Step length follows from speed by the walk ratio, which
+is the same for most adults at most speeds (Sekiya and Nagasaki 1998).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.errors import InputError
+from halfphysics.motion.motion import MODELS, Motion
+from halfphysics.motion.pose import Pose
+from halfphysics.scenarios.acting import posture
+from halfphysics.scenarios.acting.legs import WORLD_FROM_REST, Leg, about, leg_of, planted, solve
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+
+Array = NDArray[np.float64]
+
+#: Step length over steps per second [m s].
+WALK_RATIO = 0.0064 * 60.0
+#: Part of a step that both feet are on the ground.
+DOUBLE = 0.24
+_HEEL_STRIKE = np.radians(20.0)
+_TOE_OFF = np.radians(55.0)
+# Width of a stride over the distance of the hip joints.
+_WIDTH = 0.75
+_TOES_OUT = np.radians(6.0)
+# The ankle's lift in mid-swing on top of what rolling off gives [m].
+_LIFT = 0.045
+# Time step of the plan [s]; frames are read off it.
+_FINE = 1.0 / 240.0
+
+
+def ease(x: ArrayLike) -> Array:
+    """0 below 0, 1 above 1, between them a polynomial without a jump in acceleration."""
+    x = np.clip(np.asarray(x, dtype=np.float64), 0.0, 1.0)
+    return x * x * x * (10.0 + x * (6.0 * x - 15.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kick:
+    """A step that swings its foot through a ball.
+
+    Attributes:
+        step: Which step of the walk, counted from 0.
+        slow: How much longer than an ordinary step it takes (1: twice as long).
+    """
+
+    step: int
+    slow: float = 0.8
+
+
+@dataclass(frozen=True, kw_only=True)
+class Walk:
+    """A straight walk along +x, from standing to standing.
+
+    Attributes:
+        distance: Of the whole walk [m].
+        speed: Of the pelvis between the first and the last step [m/s].
+        start: Where it starts, (x, y) [m].
+        heading: Direction of walking about z [rad], 0 along +x.
+        before: Time standing before the first step [s].
+        after: Time standing after the last step [s].
+        first: The foot that steps first.
+        kick: A kick on the way, or None.
+        lift: Height of the soles over the ground at z = 0 [m]: more than the simulator's
+            clearance, so that the floor disturbs nothing.
+    """
+
+    distance: float
+    speed: float = 1.2
+    start: tuple[float, float] = (0.0, 0.0)
+    heading: float = 0.0
+    before: float = 0.5
+    after: float = 0.5
+    first: str = "right"
+    kick: Kick | None = None
+    lift: float = 0.004
+
+    def __post_init__(self) -> None:
+        if not 0.2 <= self.speed <= 2.2:
+            raise InputError(f"speed: found {self.speed!r}, expected a walk: 0.2 to 2.2 m/s")
+        if not self.distance > 0.0:
+            raise InputError(f"distance: found {self.distance!r}, expected over 0 m")
+        if self.first not in ("left", "right"):
+            raise InputError(f"first: found {self.first!r}, expected 'left' or 'right'")
+        if self.kick is not None and not 1 <= self.kick.step < self.steps - 2:
+            raise InputError(
+                f"kick: found step {self.kick.step}, expected 1 to {self.steps - 3} in a walk of "
+                f"{self.steps} steps"
+            )
+
+    @property
+    def steps(self) -> int:
+        """Number of steps, the shorter first and last ones included."""
+        return max(3, round(self.distance / np.sqrt(WALK_RATIO * self.speed)) + 1)
+
+    @property
+    def stride(self) -> float:
+        """Length of an ordinary step [m]."""
+        return self.distance / (self.steps - 1)
+
+    def swinging(self, step: int) -> str:
+        """The foot that swings in a step."""
+        other = "left" if self.first == "right" else "right"
+        return self.first if step % 2 == 0 else other
+
+    def travelled(self, phase: ArrayLike) -> Array:
+        """How far the pelvis is along the path at a phase [m]."""
+        phase = np.asarray(phase, dtype=np.float64)
+
+        def risen(x: Array) -> Array:  # integral of `ease` from 0
+            x1 = np.clip(x, 0.0, 1.0)
+            return x1**4 * (2.5 + x1 * (x1 - 3.0)) + np.clip(x - 1.0, 0.0, None)
+
+        n = self.steps
+        return self.stride * (risen(phase) - risen(phase - (n - 1.0)))
+
+    def mark(self, step: int) -> float:
+        """Where along the path the foot of a step lands [m]; both start at 0."""
+        if step < 0:
+            return 0.0
+        return min(float(self.travelled(step + 1.0)) + 0.5 * self.stride, self.distance)
+
+    def clock(self) -> tuple[Array, Array]:
+        """Times [s] and the phases at them, fine enough to interpolate."""
+        phase = np.linspace(0.0, self.steps, 400 * self.steps + 1)
+        pace = np.full_like(phase, self.stride / self.speed)
+        if self.kick is not None:
+            x = (phase - self.kick.step + 0.35) / 1.7
+            pace *= 1.0 + self.kick.slow * ease(3.0 * x) * ease(3.0 * (1.0 - x))
+        ticks = 0.5 * (pace[1:] + pace[:-1]) * np.diff(phase)
+        time = self.before + np.concatenate([[0.0], np.cumsum(ticks)])
+        time = np.concatenate([[0.0], time, [time[-1] + self.after]])
+        return time, np.concatenate([[0.0], phase, [phase[-1]]])
+
+
+def _pitch(walk: Walk, step: int, phase: Array) -> tuple[Array, Array]:
+    """Pitch of a foot that landed with `step`: (rolling down onto it, rolling off it) [rad]."""
+    half = 0.5 * walk.stride
+    down = np.zeros_like(phase)
+    if step >= 0:
+        strike = step + 1.0 - 0.5 * DOUBLE
+        ahead = np.clip((walk.mark(step) - walk.travelled(strike)) / half, 0.0, 1.0)
+        down = _HEEL_STRIKE * ahead * (1.0 - ease((phase - strike) / (0.9 * DOUBLE)))
+    off = np.zeros_like(phase)
+    lift = step + 2.0 + 0.5 * DOUBLE
+    if step + 2 < walk.steps:
+        behind = np.clip((walk.travelled(lift) - walk.mark(step)) / half, 0.0, 1.0)
+        off = -_TOE_OFF * max(float(behind), 0.15) * ease((phase - lift + 0.78) / 0.95)
+    return down, off
+
+
+# Where the kicking ankle is, over the swing: time, ahead of the standing foot, height above the
+# standing ankle (both as parts of leg length), pitch of the foot [degrees], toes down negative.
+_KICK = np.array(
+    [
+        [0.00, -0.62, 0.12, -60.0],
+        [0.22, -0.62, 0.36, -80.0],
+        [0.36, -0.45, 0.33, -72.0],
+        [0.49, -0.05, 0.19, -38.0],
+        [0.57, 0.28, 0.15, -25.0],
+        [0.66, 0.66, 0.25, -18.0],
+        [0.78, 0.94, 0.42, -14.0],
+        [0.90, 0.78, 0.24, -5.0],
+        [1.00, 0.50, 0.10, 5.0],
+    ]
+)
+#: The part of the kick's swing at which the foot meets a ball lying on the ground.
+IMPACT = 0.54
+
+
+def _kick_path(leg: Leg, u: Array) -> tuple[Array, Array, Array]:
+    """Of the kicking ankle at swing time u: ahead of the standing foot, height, pitch."""
+    from scipy.interpolate import PchipInterpolator
+
+    ahead, above, tilt = PchipInterpolator(_KICK[:, 0], _KICK[:, 1:])(u).T
+    return ahead * leg.length, leg.height + above * leg.length, np.radians(tilt)
+
+
+def _foot(walk: Walk, leg: Leg, side: str, phase: Array, width: float) -> tuple[Array, ...]:
+    """Ankle (T, 3) in path coordinates, pitch (T,) and toe bend (T,) of one foot."""
+    left = 1.0 if side == "left" else -1.0
+    yaw = left * _TOES_OUT
+    ankle, pitch, bend = np.empty((len(phase), 3)), np.empty(len(phase)), np.empty(len(phase))
+    parity = 0 if walk.first == side else 1
+    own = [-2 + parity, *range(parity, walk.steps, 2)]
+    for i, step in enumerate(own):
+        start = -np.inf if i == 0 else step + 0.5 * DOUBLE
+        end = own[i + 1] + 0.5 * DOUBLE if i + 1 < len(own) else np.inf
+        rows = np.flatnonzero((phase >= start) & (phase < end))
+        if not len(rows):
+            continue
+        p = phase[rows]
+        # The pose it lands in and stands in, continued back into the swing before.
+        down, off = _pitch(walk, step, p)
+        to_pitch = down + off
+        to = planted(leg, np.array([walk.mark(step), left * width]), yaw, to_pitch)
+        to_bend = np.maximum(-to_pitch, 0.0)
+        if i == 0:
+            ankle[rows], pitch[rows], bend[rows] = to, to_pitch, to_bend
+            continue
+        # The pose it lifts off from, continued forward into the swing.
+        before = own[i - 1]
+        from_pitch = np.add(*_pitch(walk, before, p))
+        mark = np.array([walk.mark(before), left * width])
+        away = planted(leg, mark, yaw, from_pitch)
+        u = (p - start) / (1.0 - DOUBLE)
+        w = u * u * (3.0 - 2.0 * u)
+        w = np.where(u < 1.0, w, 1.0)
+        # Up at once, so that no toe scuffs, and down without a jolt.
+        bump = 6.75 * u * (1.0 - u) ** 2 * (u < 1.0)
+        ankle[rows] = (1.0 - w)[:, None] * away + w[:, None] * to
+        pitch[rows] = (1.0 - w) * from_pitch + w * to_pitch
+        bend[rows] = (1.0 - ease(2.2 * u)) * np.maximum(-from_pitch, 0.0) + (u > 0.6) * to_bend
+        far = min(1.0, (walk.mark(step) - walk.mark(before)) / walk.stride)
+        ankle[rows, 2] += _LIFT * max(far, 0.8) * bump
+        if walk.kick is not None and step == walk.kick.step:
+            x, z, tilt = _kick_path(leg, np.clip(u, 0.0, 1.0))
+            share = ease(u / 0.25) * ease((1.0 - u) / 0.25)
+            ankle[rows, 0] += share * (walk.mark(step - 1) + x - ankle[rows, 0])
+            ankle[rows, 2] += share * (z - ankle[rows, 2])
+            pitch[rows] += share * (tilt - pitch[rows])
+    return ankle, pitch, bend
+
+
+def _carried(limit: Array, window: int) -> Array:
+    """The smoothest height that stays under `limit` (T,): a running minimum, then averaged.
+
+    Every value averaged is a minimum over a window that holds the frame itself, so none of the
+    averages exceeds the limit there.
+    """
+    from scipy.ndimage import convolve1d, minimum_filter1d
+
+    low = minimum_filter1d(limit, 2 * window + 1, mode="nearest")
+    weights = np.hanning(2 * window + 3)[1:-1]
+    return convolve1d(low, weights / weights.sum(), mode="nearest")
+
+
+def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
+    """The motion of `plan` for this body's proportions.
+
+    Args:
+        body: Whose legs walk; the motion gets its betas, gender and model where that is one
+            of the SMPL family.
+        plan: What to do.
+        fps: Frames per second of the motion.
+
+    Raises:
+        InputError: An `fps` that is not positive, or leaves fewer than two frames.
+    """
+    fps = float(fps)
+    if not (np.isfinite(fps) and fps > 0.0):
+        raise InputError(f"fps: found {fps!r}, expected a positive number, such as 30.0")
+    count = int(np.floor(plan.clock()[0][-1] * fps + 1e-9)) + 1
+    translation, rotations = _sampled(body, plan, np.arange(count) / fps)
+    smpl = body.model in MODELS
+    return Motion(
+        translation,
+        rotations,
+        fps,
+        betas=body.betas if smpl else None,
+        gender=body.gender if smpl else "neutral",
+        model=body.model if smpl else "smplx",
+    )
+
+
+def pose_at(body: Body, plan: Walk, time: float) -> Pose:
+    """The pose of a walk at one time [s] after its start."""
+    translation, rotations = _sampled(body, plan, np.array([time]))
+    return Pose(translation[0], rotations[0])
+
+
+def _sampled(body: Body, plan: Walk, frames: Array) -> tuple[Array, Array]:
+    """Translation (T, 3) and rotations (T, 55, 3) at times `frames` (T,) [s]."""
+    joints = np.asarray(body.rest_joints)
+    legs = {side: leg_of(body, side) for side in ("left", "right")}
+    width = _WIDTH * 0.5 * float(legs["left"].hip[0] - legs["right"].hip[0])
+    times, phases = plan.clock()
+    fine = np.arange(int(np.floor(times[-1] / _FINE)) + 1) * _FINE
+    phase = np.interp(fine, times, phases)
+    going = posture.envelope(plan, phase)
+    feet = {side: _foot(plan, leg, side, phase, width) for side, leg in legs.items()}
+    root = posture.pelvis(plan, phase, going) @ WORLD_FROM_REST
+    pelvis = np.zeros((len(fine), 3))
+    pelvis[:, 0] = plan.travelled(phase) + posture.forward(legs["left"])
+    pelvis[:, 1] = posture.sway(plan, phase, going)
+    limit = np.full(len(fine), np.inf)
+    for side, leg in legs.items():
+        hip = pelvis + root @ leg.hip
+        away = feet[side][0] - hip
+        reach = np.sqrt(np.clip(leg.length**2 - away[:, 0] ** 2 - away[:, 1] ** 2, 1e-4, None))
+        limit = np.minimum(limit, feet[side][0][:, 2] + reach - (root @ leg.hip)[:, 2])
+    pelvis[:, 2] = _carried(limit, max(1, int(0.22 * plan.stride / plan.speed / _FINE)))
+
+    def at(values: Array) -> Array:
+        flat = values.reshape(len(values), -1)
+        out = np.stack([np.interp(frames, fine, column) for column in flat.T], axis=1)
+        return out.reshape(len(frames), *values.shape[1:])
+
+    phase, going, pelvis = at(phase), at(going), at(pelvis)
+    root = posture.pelvis(plan, phase, going) @ WORLD_FROM_REST
+    rotations = posture.upper_body(plan, phase, going)
+    for side, leg in legs.items():
+        ankle, pitch, bend = (at(values) for values in feet[side])
+        yaw = _TOES_OUT if side == "left" else -_TOES_OUT
+        foot = about(2, np.full(len(frames), yaw)) @ WORLD_FROM_REST @ about(0, -pitch)
+        for joint, rotvec in solve(leg, root, pelvis + root @ leg.hip, ankle, foot, bend).items():
+            rotations[:, joint] = rotvec
+    heading = about(2, plan.heading)
+    rotations[:, 0] = rot.matrix_to_rotvec(heading @ root)
+    pelvis = pelvis @ heading.T + np.array([*plan.start, plan.lift])
+    return pelvis - joints[0], rotations

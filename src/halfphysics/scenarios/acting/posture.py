@@ -1,0 +1,120 @@
+"""Posture of a walker above the legs: pelvis, trunk, arms and hands as functions of the phase."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.motion import skeleton
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.scenarios.acting.legs import Leg, about
+
+if TYPE_CHECKING:
+    from halfphysics.scenarios.acting.gait import Walk
+
+Array = NDArray[np.float64]
+
+# Amplitudes at 1.2 m/s [rad], within what gait laboratories report for adults.
+_PELVIS_YAW, _PELVIS_LIST, _LEAN = np.radians([4.5, 3.0, 3.0])
+_CHEST_YAW = np.radians(5.0)
+_ARM_SWING, _ELBOW, _ELBOW_SWING, _PRONATION = np.radians([19.0, 18.0, 8.0, 30.0])
+# Arms hang this far from horizontal; the collars take a little of it.
+_ARM_DOWN, _COLLAR_DOWN = np.radians([77.0, 4.0])
+_CURL = np.radians(18.0)
+_SWAY = 0.022  # [m]
+_USUAL = 1.2  # [m/s]
+
+
+def envelope(plan: Walk, phase: Array) -> Array:
+    """How much of the walk is on, (T,): 0 standing, 1 under way, scaled with speed."""
+    n = plan.steps
+    on = np.clip(phase / 0.9, 0.0, 1.0) * np.clip((n - phase) / 0.9, 0.0, 1.0)
+    return on * on * (3.0 - 2.0 * on) * min(plan.speed / _USUAL, 1.5)
+
+
+def _left_ahead(plan: Walk, phase: Array) -> Array:
+    """1 where the left foot is in front, -1 where the right one is, (T,)."""
+    sign = 1.0 if plan.first == "right" else -1.0
+    return sign * np.cos(np.pi * phase)
+
+
+def _left_swings(plan: Walk, phase: Array) -> Array:
+    """1 in the middle of a step of the left foot, -1 in the middle of one of the right, (T,)."""
+    sign = -1.0 if plan.first == "right" else 1.0
+    return sign * np.sin(np.pi * phase)
+
+
+def sway(plan: Walk, phase: Array, going: Array) -> Array:
+    """Of the pelvis toward the standing foot, to the left [m], (T,)."""
+    return -_SWAY * np.minimum(going, 1.0) * _left_swings(plan, phase)
+
+
+def forward(leg: Leg) -> float:
+    """Of the pelvis before the ankles so that it is over the middle of the feet [m]."""
+    middle = 0.35 * leg.heel[2] + 0.65 * leg.toe[2]
+    rest = leg.hip[2] + leg.thigh[2] + leg.shank[2]
+    return float(0.5 * (middle - rest))
+
+
+def pelvis(plan: Walk, phase: Array, going: Array) -> Array:
+    """Turn of the pelvis in path coordinates (x ahead, y left, z up), (T, 3, 3)."""
+    yaw = about(2, -_PELVIS_YAW * going * _left_ahead(plan, phase))
+    # The side whose foot swings sinks.
+    roll = about(0, -_PELVIS_LIST * going * _left_swings(plan, phase))
+    return yaw @ roll @ about(1, _LEAN * going)
+
+
+def _kicking(plan: Walk, phase: Array) -> Array:
+    """0 away from the kick, 1 around its impact, (T,)."""
+    if plan.kick is None:
+        return np.zeros_like(phase)
+    return np.exp(-(((phase - plan.kick.step - 0.6) / 0.33) ** 2))
+
+
+def upper_body(plan: Walk, phase: Array, going: Array) -> Array:
+    """Rotations (T, 55, 3) of trunk, head, arms and hands; legs and root are zero."""
+    rotations = np.zeros((len(phase), skeleton.N_JOINTS, 3))
+    ahead = _left_ahead(plan, phase)
+    swings = _left_swings(plan, phase)
+    kick = _kicking(plan, phase)
+
+    def put(name: str, *matrices: Array) -> None:
+        product = matrices[0]
+        for matrix in matrices[1:]:
+            product = product @ matrix
+        rotations[:, JOINT_INDEX[name]] = rot.matrix_to_rotvec(product)
+
+    # Rest frame: x left, y up, z forward. The chest turns against the pelvis, the head stays.
+    yaw = (_CHEST_YAW + _PELVIS_YAW) * going * ahead
+    roll = 0.9 * _PELVIS_LIST * going * swings
+    lean = np.radians(-7.0) * kick
+    for name in ("spine1", "spine2", "spine3"):
+        put(name, about(1, yaw / 3.0), about(2, roll / 3.0), about(0, lean / 3.0))
+    nod = 0.5 * (-_LEAN * going - lean)
+    for name in ("neck", "head"):
+        put(name, about(1, -0.5 * _CHEST_YAW * going * ahead), about(0, nod))
+    for side, left in (("left", 1.0), ("right", -1.0)):
+        # An arm is behind while the foot of its side is in front. About x, forward is negative.
+        swing = _ARM_SWING * (left * ahead * going + 0.12)
+        reach = np.zeros_like(phase)
+        if plan.kick is not None:
+            kicks = plan.swinging(plan.kick.step) == side
+            reach = kick * np.radians(18.0 if kicks else -38.0)
+        wide = kick * np.radians(22.0)
+        down = -left * (_ARM_DOWN - _COLLAR_DOWN - wide)
+        put(f"{side}_collar", about(2, np.full_like(phase, -left * _COLLAR_DOWN)))
+        put(f"{side}_shoulder", about(0, swing + reach), about(2, down))
+        bend = _ELBOW * (0.6 + 0.4 * np.minimum(going, 1.0))
+        bend = bend - _ELBOW_SWING * left * ahead * going + np.radians(12.0) * kick
+        # Thumbs forward and inward: half in the forearm, half at the wrist.
+        twist = about(0, np.full_like(phase, 0.5 * _PRONATION))
+        put(f"{side}_elbow", about(1, -left * np.maximum(bend, 0.05)), twist)
+        put(f"{side}_wrist", twist)
+        curl = np.full_like(phase, -left * _CURL)
+        for finger in ("index", "middle", "pinky", "ring"):
+            for knuckle in (1, 2, 3):
+                put(f"{side}_{finger}{knuckle}", about(2, curl))
+    return rotations

@@ -1,0 +1,75 @@
+"""Reaching: a motion whose one hand leaves what it does, goes where it should be, and returns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.motion.motion import Motion
+from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.scenarios.acting import arms
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+
+Array = NDArray[np.float64]
+
+
+def between(start: Array, end: Array, share: Array) -> Array:
+    """Rotations (T, 3) that are `share` (T,) of the way from `start` to `end` (T, 3)."""
+    first = rot.exp(start)
+    way = rot.log(rot.multiply(rot.conjugate(first), rot.exp(end)))
+    return rot.log(rot.multiply(first, rot.exp(share[:, None] * way)))
+
+
+def palm_depth(body: Body, side: str) -> float:
+    """How far the palm is from the wrist's middle, the way it faces [m]."""
+    wrist = JOINT_INDEX[f"{side}_wrist"]
+    own = np.argmax(body.weights, axis=1) == wrist
+    return float(np.asarray(body.rest_joints)[wrist, 1] - body.rest_vertices[own, 1].min())
+
+
+def knuckle_ahead(body: Body, side: str) -> float:
+    """How far the middle finger's knuckle is before the wrist [m]."""
+    joints = np.asarray(body.rest_joints)
+    knuckle, wrist = (JOINT_INDEX[f"{side}_{name}"] for name in ("middle1", "wrist"))
+    return float(np.linalg.norm(joints[knuckle] - joints[wrist]))
+
+
+def reach(
+    body: Body,
+    base: Motion,
+    side: str,
+    wrist: Array,
+    hand: Array,
+    share: Array,
+    *,
+    pole: ArrayLike,
+    fingers: Mapping[int, Array],
+) -> Motion:
+    """A motion with one hand taken where it should be.
+
+    Args:
+        body: Whose motion.
+        base: What everything else does, T frames, z up.
+        side: "left" or "right".
+        wrist: Where the wrist should be [m], (T, 3).
+        hand: World rotation that the hand should have, (T, 3, 3), as of `arms.palm_frame`.
+        share: How much of that is done at every frame, 0 (as in `base`) to 1, (T,).
+        pole: Where the elbow points to, (3,) or (T, 3).
+        fingers: Rotations of the finger joints, joint index -> axis-angle (T, 3).
+    """
+    positions, quaternions = body.joint_frames(base)
+    arm = arms.arm_of(body, side)
+    collar = rot.to_matrix(quaternions[:, arm.collar])
+    held = arms.solve(
+        arm, collar, positions[:, arm.joints[0]], wrist, hand, np.asarray(pole, dtype=np.float64)
+    )
+    rotations = np.array(base.rotations)
+    for joint, turn in (held | dict(fingers)).items():
+        rotations[:, joint] = between(rotations[:, joint], turn, share)
+    return base.with_frames(base.translation, rotations)

@@ -1,0 +1,1 @@
+"""What stands around and lies in hands in the scenarios."""

@@ -1,0 +1,45 @@
+"""Scenario: sitting down on a sofa."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from halfphysics.scenarios.acting.acting import Act
+from halfphysics.scenarios.props import stage
+from halfphysics.scenarios.props.furniture import CLOTH, block
+from halfphysics.simulation.sequence import Sequence
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+
+# The sofa [m]: height and front edge of its seat, front of its back rest, half its width inside.
+_SEAT, _FRONT, _REST, _HALF = 0.44, -0.16, -0.68, 0.75
+
+
+def build(*, fps: float = 30.0, sink: float = 0.09, body: Body | None = None) -> Sequence:
+    """A person sits down on a sofa, sinks into its seat and leans back into its rest.
+
+    Args:
+        fps: Frames per second.
+        sink: How far into the seat the motion goes [m].
+        body: Who sits; None: the default body, whose size the sofa has.
+    """
+    actor = stage.actor(body)
+    scene = stage.floor()
+    out = _HALF + 0.16
+    block(scene, "seat", (_REST, -_HALF, 0.08), (_FRONT, _HALF, _SEAT), CLOTH)
+    block(scene, "rest", (_REST - 0.2, -out, 0.08), (_REST, out, 0.86), CLOTH)
+    for side, low, high in (("left", _HALF, out), ("right", -out, -_HALF)):
+        block(scene, f"{side}_arm", (_REST, low, 0.08), (_FRONT, high, 0.62), CLOTH)
+
+    act = Act(actor)
+    act.begin(turn=(0.0, 2.0, 0.0))
+    sat = _SEAT + 0.115
+    act.move(0.3, 1.1, turn=(0.0, 38.0, 0.0), bend=(18.0, 0.0, 0.0), nod=-18.0)
+    act.move(0.3, 1.5, pelvis=(-0.42, 0.0, sat))
+    act.move(0.2, 0.9, **act.both(arm=(0.36, 0.10, -0.28)))
+    act.move(1.4, 1.2, turn=(0.0, -8.0, 0.0), bend=(4.0, 0.0, 0.0), nod=4.0)
+    act.move(1.7, 1.3, pelvis=(-0.50, 0.0, sat - sink))
+    act.move(2.4, 1.2, turn=(0.0, -22.0, 0.0), bend=(2.0, 0.0, 0.0), nod=18.0)
+    act.move(2.2, 1.2, **act.both(arm=(0.26, 0.16, -0.36)))
+    return Sequence(act.motion(4.2, fps), scene, actor)

@@ -1,0 +1,1 @@
+"""What is around a person: static geometry, objects, articulated and kinematic items."""

@@ -1,0 +1,139 @@
+"""What a scene is made of: statics and objects, and the checks on what they are made from."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.base.validation import number, quaternion, shown, vector
+from halfphysics.errors import InputError
+from halfphysics.geometry.convex_decomposition import USUAL, Cut, Decomposition
+from halfphysics.geometry.mesh import Mesh, MeshSource
+from halfphysics.geometry.object_pieces import joined
+from halfphysics.geometry.shape_base import Shape, Triangles
+
+Array = NDArray[np.float64]
+
+#: Coulomb friction where nothing else is said; a pair has the smaller of its two.
+PERSON_FRICTION = 1.0
+STATIC_FRICTION = 1.0
+OBJECT_FRICTION = 0.8
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Static:
+    """Something that never moves; `position` (3,), `quaternion` (4,) of its frame in the world."""
+
+    name: str
+    shape: Shape
+    position: Array
+    quaternion: Array
+    friction: float = STATIC_FRICTION
+    restitution: float = 0.0
+    source: MeshSource | None = None
+
+    def mesh(self) -> Triangles:
+        """Vertices (V, 3) [m] and faces (F, 3) in its own frame; a plane is a large square."""
+        return self.shape.triangles()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Object:
+    """Something that moves by contact and gravity alone.
+
+    `pieces` are what touches, all convex: one primitive or mesh, or those that a mesh was cut
+    into, with their error in `decomposition` (None where it is convex by itself). `shape` is the
+    one piece, or the solid that several stand for; the mesh as given is kept as `visual` (None
+    for a primitive). `mass` [kg], `com` (3,) centre of mass [m] and `inertia` (3, 3) about it
+    [kg m^2] in the object's frame; at the start `position` (3,) and `quaternion` (4,) of that
+    frame, `velocity` (3,) of its origin [m/s] and `angular_velocity` (3,) [rad/s], all in the
+    world; `start` "awake", or "asleep": held where it is until something that moves touches it.
+    """
+
+    name: str
+    shape: Shape
+    mass: float
+    com: Array
+    inertia: Array
+    friction: float = OBJECT_FRICTION
+    restitution: float = 0.0
+    position: Array
+    quaternion: Array
+    velocity: Array
+    angular_velocity: Array
+    source: MeshSource | None = None
+    visual: Mesh | None = None
+    start: str = "awake"
+    cut: Cut = USUAL
+    decomposition: Decomposition | None = None
+
+    @property
+    def pieces(self) -> tuple[Shape, ...]:
+        """The convex pieces that touch, in the object's frame."""
+        return (self.shape,) if self.decomposition is None else self.decomposition.pieces
+
+    def mesh(self) -> Triangles:
+        """Vertices (V, 3) [m] and faces (F, 3) of what touches, in the object's frame."""
+        return self.shape.triangles() if len(self.pieces) == 1 else joined(self.pieces).triangles()
+
+    @property
+    def filling(self) -> Shape:
+        """The solid whose even filling mass, centre and inertia come from."""
+        given = self.visual
+        return given if given is not None and given.closed else self.shape
+
+
+def fixed(array: Array) -> Array:
+    result = np.array(array, dtype=np.float64)
+    result.setflags(write=False)
+    return result
+
+
+def checked_pose(what: str, position: ArrayLike, turn: ArrayLike) -> dict[str, Any]:
+    return {
+        "position": vector(position, f"{what}: position", unit="m"),
+        "quaternion": quaternion(turn, f"{what}: quaternion"),
+    }
+
+
+def checked_material(what: str, friction: float, restitution: float) -> dict[str, Any]:
+    return {
+        "friction": number(friction, f"{what}: friction", least=0.0),
+        "restitution": number(restitution, f"{what}: restitution", least=0.0, most=1.0),
+    }
+
+
+def checked_shape(
+    what: str, given: Any, scale: float, up: str | None
+) -> tuple[Shape, MeshSource | None]:
+    """The shape that was meant, and its file if it came from one."""
+    from halfphysics.geometry import mesh_files as meshes
+
+    scale = number(scale, f"{what}: scale", above=0.0)
+    if up not in (None, "y", "z"):
+        raise InputError(f"{what}: up: expected 'y', 'z' or None, found {shown(up)}")
+    if isinstance(given, str | os.PathLike):
+        return meshes.load_mesh(given, scale=scale, up=up)
+    if isinstance(given, Shape) and not isinstance(given, Mesh):
+        if scale != 1.0 or up is not None:
+            name = type(given).__name__
+            raise InputError(f"{what}: scale and up are for meshes; give the {name} its size")
+        return given, None
+    if not isinstance(given, Mesh):
+        try:
+            if hasattr(given, "graph") and hasattr(given, "geometry"):
+                given = Mesh(*meshes.flatten(given))
+            elif hasattr(given, "vertices") and hasattr(given, "faces"):
+                given = Mesh(np.asarray(given.vertices), np.asarray(given.faces))
+        except InputError as error:
+            raise InputError(f"{what}: {error}") from None
+    if not isinstance(given, Mesh):
+        raise InputError(
+            f"{what}: found {shown(given)} as shape, expected Plane, Box, Sphere, Capsule, "
+            "Cylinder, Mesh, the path of a mesh file or a trimesh.Trimesh"
+        )
+    return meshes.turned(given, scale=scale, up=up or "z"), None

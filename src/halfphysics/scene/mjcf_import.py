@@ -1,0 +1,390 @@
+"""Articulated objects from MJCF or URDF: MuJoCo compiles, links and joints are read off."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from halfphysics.base import rotations as rot
+from halfphysics.base.validation import number, quaternion, shown, vector
+from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
+from halfphysics.geometry.mesh import Mesh, MeshSource
+from halfphysics.geometry.shape_base import Shape
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Sphere
+from halfphysics.scene.articulated import SIZES, Articulated, Link, LinkGeom, LinkJoint
+
+#: Name of the link that what stands on no body belongs to.
+WORLD = "world"
+_KINDS = ("free", "ball", "slide", "hinge")
+_SOURCES = "the path of a .xml or .urdf file, MJCF or URDF text, or a mujoco.MjSpec"
+_ELLIPSOID_POINTS = 300
+_MOST_INCLUDES = 100
+
+
+def load_articulated(
+    name: str,
+    source: Any,
+    *,
+    joints: Mapping[str, Any] | None,
+    velocities: Mapping[str, Any] | None,
+    **place: Any,
+) -> Articulated:
+    """The work behind `Scene.add_articulated`; see there."""
+    what = f"articulated {name!r}"
+    spec, origin = _spec(what, source)
+    try:
+        model = spec.compile()
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(
+            f"{what}: MuJoCo cannot compile it: {reason}. Expected a model that MuJoCo itself "
+            "loads, with its mesh files in their place and masses of all that moves"
+        ) from None
+    links = _links(what, model)
+    named = {j.name: j for link in links for j in link.joints}
+    if not any(joint.kind != "free" for joint in named.values()):
+        raise InputError(
+            f"{what}: found no joints, expected at least one hinge, slide or ball joint; "
+            "add_object and add_static take what is rigid"
+        )
+    if origin.get("xml") is None and origin.get("source") is None:
+        origin["xml"] = spec.to_xml()
+    _warn_of_ignored(what, model)
+    return Articulated(
+        name=name,
+        links=links,
+        joints=_starts(what, named, joints),
+        velocities=_speeds(what, named, velocities),
+        **place,
+        **origin,
+    )
+
+
+def _spec(what: str, source: Any) -> tuple[Any, dict[str, Any]]:
+    """An MjSpec that is ours to change, and where it came from."""
+    import mujoco
+
+    if isinstance(source, mujoco.MjSpec):
+        return source.copy(), {}
+    text = source.decode() if isinstance(source, bytes) else source
+    if isinstance(text, str) and text.lstrip().startswith("<"):
+        root = _checked_xml(what, text, None)
+        made = _parsed(what, lambda: mujoco.MjSpec.from_string(text))
+        _prepare(what, root, made)
+        return made, {"xml": text}
+    if not isinstance(text, str | os.PathLike):
+        raise InputError(f"{what}: found {shown(source)} as source, expected {_SOURCES}")
+    path = Path(text)
+    if not path.is_file():
+        raise FileError(f"{what}: {path}: there is no such file, expected {_SOURCES}")
+    content = path.read_bytes()
+    try:
+        root = _checked_xml(what, content.decode(), path)
+    except UnicodeDecodeError:
+        raise FileError(f"{what}: {path}: found no text, expected {_SOURCES}") from None
+    made = _parsed(what, lambda: mujoco.MjSpec.from_file(str(path)))
+    _prepare(what, root, made)
+    digest = hashlib.sha256(content).hexdigest()
+    return made, {"source": MeshSource(path=str(path.resolve()), sha256=digest)}
+
+
+def _parsed(what: str, read: Any) -> Any:
+    try:
+        return read()
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(
+            f"{what}: MuJoCo cannot read it: {reason}. Expected MJCF or URDF"
+        ) from None
+
+
+def _checked_xml(what: str, text: str, path: Path | None, folder: Path | None = None) -> Any:
+    """The root element; refuses what would reach out of the file's folder, or is neither format."""
+    where = f"{what}: {path}" if path is not None else what
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise InputError(f"{where}: found XML entities, expected plain MJCF or URDF; remove them")
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise InputError(f"{where}: not XML ({error}), expected {_SOURCES}") from None
+    if folder is None and root.tag not in ("mujoco", "robot"):
+        raise InputError(f"{where}: found <{root.tag}>, expected <mujoco> (MJCF) or <robot> (URDF)")
+    base = folder if folder is not None else None if path is None else path.resolve().parent
+    _check_includes(what, where, root, base, [])
+    return root
+
+
+def _check_includes(what: str, where: str, root: Any, base: Path | None, seen: list[Path]) -> None:
+    for element in root.iter("include"):
+        name = element.get("file", "")
+        if base is None:
+            raise InputError(
+                f"{where}: found an include of {name!r} in text that has no folder; give the path "
+                "of a file instead"
+            )
+        target = (base / name).resolve()
+        if not target.is_relative_to(base):
+            raise InputError(
+                f"{where}: the include {name!r} leaves the folder {base}; expected files within "
+                "it. Copy it there"
+            )
+        if not target.is_file():
+            raise FileError(f"{where}: the included file {target} is not there; put it back")
+        if target in seen or len(seen) > _MOST_INCLUDES:
+            continue
+        seen.append(target)
+        inner = target.read_text(errors="replace")
+        if "<!DOCTYPE" in inner or "<!ENTITY" in inner:
+            raise InputError(f"{where}: found XML entities in {target}; remove them")
+        try:
+            child = ElementTree.fromstring(inner)
+        except ElementTree.ParseError as error:
+            raise InputError(f"{where}: the included file {target} is not XML ({error})") from None
+        _check_includes(what, where, child, base, seen)
+
+
+def _prepare(what: str, root: Any, spec: Any) -> None:
+    """What a URDF must say by itself."""
+    import mujoco
+
+    if root.tag != "robot":
+        return
+    # A mass is not to be guessed from volumes.
+    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
+    spec.compiler.fusestatic = False
+    weighed = {e.get("name") for e in root.iter("link") if e.find("inertial") is not None}
+    rigid: dict[str, list[str]] = {}
+    moved = []
+    for joint in root.iter("joint"):
+        parent, child = joint.find("parent"), joint.find("child")
+        if parent is None or child is None:
+            continue
+        ends = str(parent.get("link")), str(child.get("link"))
+        if joint.get("type") == "fixed":
+            rigid.setdefault(ends[0], []).append(ends[1])
+        else:
+            moved.append(ends[1])
+    for link in moved:
+        reach, todo = {link}, [link]
+        while todo:
+            more = [n for n in rigid.get(todo.pop(), []) if n not in reach]
+            reach.update(more)
+            todo += more
+        if not reach & weighed:
+            raise InputError(
+                f"{what}: link {link!r} moves and has no <inertial>, expected its mass and "
+                'inertia: <inertial><mass value="..."/><inertia ixx="..." .../></inertial>'
+            )
+
+
+def _links(what: str, model: Any) -> tuple[Link, ...]:
+    geoms: dict[int, list[LinkGeom]] = {}
+    for g in range(model.ngeom):
+        if model.geom_contype[g] or model.geom_conaffinity[g]:
+            geoms.setdefault(int(model.geom_bodyid[g]), []).append(_geom(what, model, g))
+    links: list[Link] = []
+    index: dict[int, int] = {}
+    taken: set[str] = set()
+    for b in range(model.nbody):
+        mine = tuple(geoms.get(b, ()))
+        if b == 0 and not mine:
+            continue
+        base = (WORLD if b == 0 else model.body(b).name) or f"link{b}"
+        link = _unique(base, taken)
+        joints = tuple(
+            _joint(what, model, j, link)
+            for j in range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])
+        )
+        parent = index.get(int(model.body_parentid[b]), -1) if b else -1
+        # What stands on MuJoCo's world stands in our frame.
+        if b and model.body_parentid[b] == 0:
+            parent = -1
+        fixed = not joints and (parent < 0 or links[parent].fixed)
+        index[b] = len(links)
+        links.append(
+            Link(
+                name=link,
+                parent=parent,
+                position=_fixed(model.body_pos[b]),
+                quaternion=_fixed(model.body_quat[b]),
+                mass=float(model.body_mass[b]),
+                com=_fixed(model.body_ipos[b]),
+                inertia=_fixed(model.body_inertia[b]),
+                inertia_quaternion=_fixed(model.body_iquat[b]),
+                joints=joints,
+                geoms=mine,
+                fixed=fixed,
+            )
+        )
+    joints_of = [j.name for link in links for j in link.joints]
+    if len(set(joints_of)) < len(joints_of):
+        raise InputError(
+            f"{what}: two joints have one name among {', '.join(joints_of)}; name them"
+        )
+    return tuple(links)
+
+
+def _unique(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
+def _joint(what: str, model: Any, j: int, link: str) -> LinkJoint:
+    kind = _KINDS[int(model.jnt_type[j])]
+    body = int(model.jnt_bodyid[j])
+    only = int(model.body_jntnum[body]) == 1
+    name = model.joint(j).name or (link if only else f"{link}_{j - model.body_jntadr[body]}")
+    limited = bool(model.jnt_limited[j])
+    if limited and kind not in ("hinge", "slide"):
+        raise InputError(
+            f"{what}: joint {name!r} is a {kind} joint with a range, expected hinges or slides "
+            "with ranges; remove the range, or make it of hinges"
+        )
+    at, dof = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
+    scalar = kind in ("hinge", "slide")
+    return LinkJoint(
+        name=name,
+        kind=kind,
+        position=_fixed(model.jnt_pos[j]),
+        axis=_fixed(model.jnt_axis[j]),
+        reference=float(model.qpos0[at]) if scalar else 0.0,
+        lower=float(model.jnt_range[j, 0]) if limited else -np.inf,
+        upper=float(model.jnt_range[j, 1]) if limited else np.inf,
+        damping=float(model.dof_damping[dof]),
+        stiffness=float(model.jnt_stiffness[j]),
+        springref=float(model.qpos_spring[at]) if scalar else 0.0,
+        armature=float(model.dof_armature[dof]),
+    )
+
+
+def _geom(what: str, model: Any, g: int) -> LinkGeom:
+    import mujoco
+
+    kinds = mujoco.mjtGeom
+    kind, size = kinds(int(model.geom_type[g])), [float(s) for s in model.geom_size[g]]
+    shape: Shape
+    if kind == kinds.mjGEOM_BOX:
+        shape = Box([2 * s for s in size])
+    elif kind == kinds.mjGEOM_SPHERE:
+        shape = Sphere(size[0])
+    elif kind == kinds.mjGEOM_CAPSULE:
+        shape = Capsule(size[0], 2 * size[1])
+    elif kind == kinds.mjGEOM_CYLINDER:
+        shape = Cylinder(size[0], 2 * size[1])
+    elif kind == kinds.mjGEOM_ELLIPSOID:
+        shape = _hull(_sphere_points() * np.array(size))
+    elif kind == kinds.mjGEOM_MESH:
+        data = int(model.geom_dataid[g])
+        first, count = model.mesh_vertadr[data], model.mesh_vertnum[data]
+        shape = _hull(np.array(model.mesh_vert[first : first + count], dtype=np.float64))
+    else:
+        found = kind.name.removeprefix("mjGEOM_").lower()
+        raise InputError(
+            f"{what}: found a {found} in {model.body(int(model.geom_bodyid[g])).name or WORLD!r}, "
+            "expected boxes, spheres, capsules, cylinders, ellipsoids and meshes. Add planes with "
+            'add_static(name, Plane()); contype="0" conaffinity="0" keeps a geom for looks alone'
+        )
+    return LinkGeom(
+        shape=shape,
+        position=_fixed(model.geom_pos[g]),
+        quaternion=_fixed(rot.normalize(model.geom_quat[g])),
+    )
+
+
+def _hull(points: Any) -> Mesh:
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        faces = ConvexHull(points).simplices
+    except QhullError:
+        raise InputError("a mesh of an articulated object is flat, expected a solid") from None
+    return Mesh(points, faces).hull
+
+
+def _sphere_points() -> Any:
+    """Points spread evenly over the unit sphere (n, 3)."""
+    i = np.arange(_ELLIPSOID_POINTS) + 0.5
+    z, turn = 1.0 - 2.0 * i / _ELLIPSOID_POINTS, np.pi * (1.0 + np.sqrt(5.0)) * i
+    r = np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)
+
+
+def _warn_of_ignored(what: str, model: Any) -> None:
+    """One warning for each kind of thing that plays no part."""
+    counts = {
+        "actuators": model.nu,
+        "tendons": model.ntendon,
+        "equality constraints": model.neq,
+        "flexible bodies": model.nflex,
+        "friction losses of joints": int(np.count_nonzero(model.dof_frictionloss)),
+        "gravity compensations": int(np.count_nonzero(model.body_gravcomp)),
+        # Older versions of MuJoCo have no such thing.
+        "damping and stiffness that are not linear": sum(
+            int(np.count_nonzero(getattr(model, field, ())))
+            for field in ("dof_dampingpoly", "jnt_stiffnesspoly")
+        ),
+    }
+    for kind, count in counts.items():
+        if count:
+            warnings.warn(
+                f"{what}: {count} {kind} ignored; joints, ranges, damping and springs are kept",
+                HalfPhysicsWarning,
+                stacklevel=4,
+            )
+
+
+def _known(what: str, key: str, named: Mapping[str, LinkJoint], given: Any) -> dict[str, Any]:
+    given = {} if given is None else given
+    if not isinstance(given, Mapping):
+        raise InputError(f"{what}: {key}: found {shown(given)}, expected joint names and values")
+    for name in given:
+        if name not in named or named[name].kind == "free":
+            known = ", ".join(n for n, j in named.items() if j.kind != "free")
+            raise InputError(
+                f"{what}: {key}: found no joint {shown(name)}; it has: {known or 'none'}"
+            )
+    return dict(given)
+
+
+def _starts(what: str, named: Mapping[str, LinkJoint], given: Any) -> dict[str, Any]:
+    values = _known(what, "joints", named, given)
+    for name, joint in named.items():
+        if joint.kind in ("free", "ball"):
+            if name in values:
+                values[name] = quaternion(values[name], f"{what}: joints[{name!r}]").tolist()
+            continue
+        at = joint.reference
+        if name in values:
+            at = values[name] = number(values[name], f"{what}: joints[{name!r}]")
+        if not joint.lower <= at <= joint.upper:
+            raise InputError(
+                f"{what}: joint {name!r} starts at {at:g}, expected {joint.lower:g} to "
+                f"{joint.upper:g}; say where with joints={{{name!r}: ...}}"
+            )
+    return values
+
+
+def _speeds(what: str, named: Mapping[str, LinkJoint], given: Any) -> dict[str, Any]:
+    speeds = _known(what, "velocities", named, given)
+    for name, value in speeds.items():
+        label = f"{what}: velocities[{name!r}]"
+        if SIZES[named[name].kind][1] == 1:
+            speeds[name] = number(value, label)
+        else:
+            speeds[name] = vector(value, label).tolist()
+    return speeds
+
+
+def _fixed(values: Any) -> Any:
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array

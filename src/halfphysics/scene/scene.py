@@ -1,0 +1,499 @@
+"""A scene: what stands around a person (statics) and what can be pushed about (objects).
+
+World z-up, metres, kilograms, seconds; quaternions wxyz.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Collection, Mapping, Sequence
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.base.validation import number, shown, vector
+from halfphysics.errors import InputError
+from halfphysics.geometry.convex_decomposition import THRESHOLD
+from halfphysics.geometry.mesh import Mesh
+from halfphysics.geometry.object_pieces import asked, touching
+from halfphysics.geometry.shape_base import Shape
+from halfphysics.geometry.shapes import Plane
+from halfphysics.scene.items import (
+    OBJECT_FRICTION,
+    PERSON_FRICTION,
+    STATIC_FRICTION,
+    Object,
+    Static,
+    checked_material,
+    checked_pose,
+    checked_shape,
+    fixed,
+)
+from halfphysics.scene.material_pairs import PERSON, check_part, ends, of_person, wider
+
+if TYPE_CHECKING:
+    from halfphysics.scene.articulated import Articulated
+    from halfphysics.scene.rays import Hit
+    from halfphysics.scene.trajectories import Moving
+
+Array = NDArray[np.float64]
+
+
+class Scene:
+    """Statics, objects, gravity, and what holds between pairs of them.
+
+    gravity: acceleration downward (-z) [m/s^2], or its vector (3,).
+    """
+
+    def __init__(self, gravity: float | ArrayLike = 9.81) -> None:
+        if isinstance(gravity, list | tuple) or np.ndim(gravity) > 0:
+            self._gravity = vector(gravity, "Scene: gravity", unit="m/s^2")
+        else:
+            down = number(gravity, "Scene: gravity (downward; a vector points anywhere)", least=0.0)
+            self._gravity = vector([0.0, 0.0, 0.0 - down], "Scene: gravity")
+        self._statics: dict[str, Static] = {}
+        self._objects: dict[str, Object] = {}
+        self._articulated: dict[str, Articulated] = {}
+        self._friction: dict[frozenset[str], float] = {}
+        self._ignored: dict[frozenset[str], None] = {}
+
+    @property
+    def gravity(self) -> Array:
+        """Acceleration of free fall (3,) [m/s^2]; (0, 0, -9.81) unless said otherwise."""
+        return self._gravity
+
+    @property
+    def statics(self) -> Mapping[str, Static]:
+        """What never moves, by name, in the order added (read-only)."""
+        return MappingProxyType(self._statics)
+
+    @property
+    def objects(self) -> Mapping[str, Object]:
+        """What moves, by name, in the order added (read-only)."""
+        return MappingProxyType(self._objects)
+
+    @property
+    def articulated(self) -> Mapping[str, Articulated]:
+        """What has joints, by name, in the order added (read-only)."""
+        return MappingProxyType(self._articulated)
+
+    def __repr__(self) -> str:
+        jointed = f", articulated={list(self._articulated)}" if self._articulated else ""
+        return f"Scene(statics={list(self._statics)}, objects={list(self._objects)}{jointed})"
+
+    def add_static(
+        self,
+        name: str,
+        shape: Shape | str | os.PathLike[str] | Any,
+        *,
+        scale: float = 1.0,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        quaternion: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        up: str | None = None,
+        friction: float = STATIC_FRICTION,
+        restitution: float = 0.0,
+    ) -> Static:
+        """Add something that never moves.
+
+        Args:
+            name: New in this scene.
+            shape: A shape, the path of a mesh file, a `trimesh.Trimesh` or `trimesh.Scene`.
+            scale: Metres per unit of a mesh.
+            position, quaternion: Pose of its frame in the world (3,) [m], (4,).
+            up: Axis of a mesh that points up, "y" or "z"; None: y for glTF files, else z.
+            friction: Coulomb coefficient; a pair has the smaller of the two.
+            restitution: 0 to 1; a pair has the larger of the two.
+
+        Raises:
+            InputError: An impossible value. FileError: A mesh file that cannot be used.
+        """
+        what = self._new(name, "static")
+        pose = checked_pose(what, position, quaternion)
+        material = checked_material(what, friction, restitution)
+        made, source = checked_shape(what, shape, scale, up)
+        static = Static(name=name, shape=made, source=source, **pose, **material)
+        self._statics[name] = static
+        return static
+
+    def add_object(
+        self,
+        name: str,
+        shape: Shape | str | os.PathLike[str] | Any,
+        *,
+        mass: float | None = None,
+        density: float | None = None,
+        friction: float = OBJECT_FRICTION,
+        restitution: float = 0.0,
+        com: ArrayLike | None = None,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        quaternion: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        velocity: ArrayLike = (0.0, 0.0, 0.0),
+        angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
+        scale: float = 1.0,
+        up: str | None = None,
+        start: str = "awake",
+        pieces: str | Sequence[Any] = "auto",
+        threshold: float = THRESHOLD,
+        max_pieces: int | None = None,
+    ) -> Object:
+        """Add something that moves by contact and gravity.
+
+        Args:
+            name: New in this scene.
+            shape: A shape that has a volume, the path of a mesh file, or a trimesh. A mesh that
+                is not convex touches as convex pieces, whose error is in `decomposition`.
+            mass, density: Exactly one of them [kg], [kg/m^3]; a mesh that is not closed needs a
+                mass.
+            friction, restitution: As for statics.
+            com: Centre of mass (3,) in the object's frame [m]; None: that of an even filling.
+                The inertia about it stays that of the even filling.
+            position, quaternion: Pose of its frame in the world at the start.
+            velocity, angular_velocity: Of its origin [m/s], [rad/s], in the world, at the start.
+            scale, up: As for statics.
+            start: "asleep": it is held where it is, whatever carries it or not, until a person or
+                something else that moves touches it (or something asleep that lies on it); then
+                it is awake for good.
+            pieces: How a mesh touches. "auto": as it is where it is convex, else cut by coacd
+                (kept in a cache). "hull": as its convex hull. Or a sequence of convex meshes, in
+                the object's frame [m].
+            threshold: How far pieces that are cut should stick out of the mesh at most [m].
+            max_pieces: The most pieces to cut into; None: as many as the threshold asks for.
+
+        Warns (`HalfPhysicsWarning`) where pieces are off by more than 5 mm, where coacd is needed
+        and not installed (the hull is taken), and where a mesh is not closed.
+
+        Raises:
+            InputError: An impossible value. FileError: A mesh file that cannot be used.
+        """
+        what = self._new(name, "object")
+        pose = checked_pose(what, position, quaternion)
+        material = checked_material(what, friction, restitution)
+        if (mass is None) == (density is None):
+            found = "neither" if mass is None else f"both, {shown(mass)} and {shown(density)}"
+            raise InputError(f"{what}: expected mass= [kg] or density= [kg/m^3], found {found}")
+        if mass is not None:
+            mass = number(mass, f"{what}: mass", above=0.0, unit="kg")
+        if density is not None:
+            density = number(density, f"{what}: density", above=0.0, unit="kg/m^3")
+        motion: dict[str, Any] = {
+            "velocity": vector(velocity, f"{what}: velocity", unit="m/s"),
+            "angular_velocity": vector(angular_velocity, f"{what}: angular_velocity", unit="rad/s"),
+        }
+        if start not in ("awake", "asleep"):
+            raise InputError(f"{what}: start: expected 'awake' or 'asleep', found {shown(start)}")
+        if start == "asleep" and any(v.any() for v in motion.values()):
+            raise InputError(
+                f"{what}: found a velocity and start='asleep'; what is asleep does not move. "
+                "Leave one of them out"
+            )
+        given, source = checked_shape(what, shape, scale, up)
+        if isinstance(given, Plane):
+            raise InputError(
+                f"{what}: a Plane has no volume to move, expected Box, Sphere, "
+                "Capsule, Cylinder or a mesh; add_static takes planes"
+            )
+        own, cut = asked(what, given, pieces, threshold, max_pieces)
+        visual = given if isinstance(given, Mesh) else None
+        if visual is not None and not visual.closed and density is not None:
+            raise InputError(
+                f"{what}: the mesh is not a closed surface, so it has no volume for a density; "
+                "expected mass= [kg], or a mesh without holes"
+            )
+        solid, decomposition = touching(what, given, cut, own)
+        filled = given if visual is None or visual.closed else solid
+        properties = filled.mass_properties(mass=mass, density=density)
+        centre = properties.com if com is None else vector(com, f"{what}: com", unit="m")
+        thing = Object(
+            name=name,
+            shape=solid,
+            mass=properties.mass,
+            com=fixed(centre),
+            inertia=fixed(properties.inertia),
+            source=source,
+            visual=visual,
+            start=start,
+            cut=cut,
+            decomposition=decomposition,
+            **pose,
+            **material,
+            **motion,
+        )
+        self._keep(thing)
+        return thing
+
+    def add_moving(
+        self,
+        name: str,
+        shape: Shape | str | os.PathLike[str] | Any,
+        positions: ArrayLike,
+        quaternions: ArrayLike | None = None,
+        *,
+        fps: float,
+        friction: float = STATIC_FRICTION,
+        restitution: float = 0.0,
+        loop: bool = False,
+        scale: float = 1.0,
+        up: str | None = None,
+    ) -> Moving:
+        """Add something that moves along a given trajectory and pushes what is in its way.
+
+        Nothing pushes it: it has the velocity of its trajectory and, to whatever it meets, infinite
+        mass; it passes through statics and others of its kind. Where no step can be made, because
+        somebody is wedged between it and what stands, it waits, and then goes on along its
+        trajectory that much later (`Result.lost_time`).
+
+        Args:
+            name: New in this scene.
+            shape: As for objects.
+            positions, quaternions: Of its frame in the world, (K, 3) [m] and (K, 4), straight lines
+                and SLERP between them; None: never turned.
+            fps: So many of them to the second, whatever the motion's frame rate is. The first one
+                is where it is at the start.
+            friction, restitution: As for statics.
+            loop: After the last one comes the first again, 1/fps later; else it stays at the last.
+            scale, up: As for statics.
+
+        Raises:
+            InputError: An impossible value. FileError: A mesh file that cannot be used.
+        """
+        from halfphysics.scene.trajectories import Moving, start_velocity, trajectory
+
+        what = self._new(name, "moving thing")
+        material = checked_material(what, friction, restitution)
+        places, turns = trajectory(what, positions, quaternions)
+        rate = number(fps, f"{what}: fps", above=0.0, unit="1/s")
+        if not isinstance(loop, bool):
+            raise InputError(f"{what}: loop: expected True or False, found {shown(loop)}")
+        given, source = checked_shape(what, shape, scale, up)
+        if isinstance(given, Plane):
+            raise InputError(
+                f"{what}: a Plane has no volume to move, expected Box, Sphere, "
+                "Capsule, Cylinder or a mesh; add_static takes planes"
+            )
+        own, cut = asked(what, given, "auto", THRESHOLD, None)
+        solid, decomposition = touching(what, given, cut, own)
+        velocity, spin = start_velocity(places, turns, rate)
+        thing = Moving(
+            name=name,
+            shape=solid,
+            cut=cut,
+            decomposition=decomposition,
+            mass=np.inf,
+            com=fixed(np.zeros(3)),
+            inertia=fixed(np.diag([np.inf] * 3)),
+            position=fixed(places[0]),
+            quaternion=fixed(turns[0]),
+            velocity=fixed(velocity),
+            angular_velocity=fixed(spin),
+            source=source,
+            visual=given if isinstance(given, Mesh) else None,
+            positions=places,
+            quaternions=turns,
+            fps=rate,
+            loop=loop,
+            **material,
+        )
+        self._keep(thing)
+        return thing
+
+    def add_articulated(
+        self,
+        name: str,
+        source: str | os.PathLike[str] | Any,
+        *,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        quaternion: ArrayLike = (1.0, 0.0, 0.0, 0.0),
+        friction: float = OBJECT_FRICTION,
+        restitution: float = 0.0,
+        joints: Mapping[str, Any] | None = None,
+        velocities: Mapping[str, Any] | None = None,
+    ) -> Articulated:
+        """Add links and joints from MJCF or URDF: a door, a drawer, a laptop.
+
+        Joints keep their ranges, damping, springs and armature. Links of one articulated object
+        do not touch each other; meshes touch as their convex hulls; geoms whose contype and
+        conaffinity are 0 are for looks alone. Actuators, tendons, equalities and friction losses
+        are ignored, with a `HalfPhysicsWarning` each.
+
+        Args:
+            name: New in this scene. Results name its links "NAME/LINK", its joints "NAME/JOINT".
+            source: The path of a .xml or .urdf file, MJCF or URDF text, or a `mujoco.MjSpec`.
+            position, quaternion: Pose of its world frame in ours.
+            friction, restitution: Of all its links; as for statics.
+            joints: What joints start at: name -> value [rad or m], or (4,) of a ball joint.
+            velocities: What joints start with: name -> [rad/s or m/s], or (3,) of a ball joint.
+
+        Raises:
+            InputError: A model that cannot be used, an unknown joint, a start beyond its range.
+            FileError: A file that is not there.
+        """
+        from halfphysics.scene.mjcf_import import load_articulated
+
+        what = self._new(name, "articulated")
+        pose = checked_pose(what, position, quaternion)
+        material = checked_material(what, friction, restitution)
+        thing = load_articulated(
+            name, source, joints=joints, velocities=velocities, **pose, **material
+        )
+        self._articulated[name] = thing
+        return thing
+
+    def friction(self, a: str, b: str, mu: float) -> None:
+        """Coulomb friction `mu` between two things, instead of the smaller of their own.
+
+        `a`, `b`: names of this scene, or "person" for every part of every person, or one part of
+        every person by its joint, "person/left_foot" (`JOINT_NAMES`), which counts before
+        "person". Raises `InputError` for a name that is not there and for a negative mu.
+        """
+        pair = self._pair("friction", a, b)
+        self._friction[pair] = number(mu, f"friction between {a!r} and {b!r}", least=0.0)
+
+    def ignore(self, a: str, b: str) -> None:
+        """Let two things pass through each other; names as in `friction`."""
+        self._ignored[self._pair("ignore", a, b)] = None
+
+    def friction_of(self, a: str, b: str) -> float:
+        """Coulomb friction between two things (names as in `friction`)."""
+        self._pair("friction_of", a, b)
+        said = [self._friction[p] for p in wider(a, b) if p in self._friction]
+        return said[0] if said else min(self._own_friction(a), self._own_friction(b))
+
+    def restitution_of(self, a: str, b: str) -> float:
+        """Restitution between two things: the larger of the two (a person has 0)."""
+        self._pair("restitution_of", a, b)
+        things: dict[str, Any] = {**self._statics, **self._objects, **self._articulated}
+        return max(0.0 if of_person(n) else things[n].restitution for n in (a, b))
+
+    def ignores(self, a: str, b: str) -> bool:
+        """Whether two things pass through each other (names as in `friction`)."""
+        self._pair("ignores", a, b)
+        return any(pair in self._ignored for pair in wider(a, b))
+
+    def ray(
+        self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
+    ) -> Hit | None:
+        """What a ray from `origin` (3,) [m] along `direction` (3,) meets first; None: nothing.
+
+        Statics, and objects where they start, by the surfaces that touch; whoever starts inside
+        something meets its surface from within. `ignore`: names to pass through. `Simulator.ray`
+        asks the same of a simulation, with its people.
+
+        Raises:
+            InputError: No vector, a direction of no length, an unknown name.
+        """
+        from halfphysics.scene.rays import scene_ray
+
+        return scene_ray(self, origin, direction, ignore)
+
+    @property
+    def friction_pairs(self) -> tuple[tuple[str, str, float], ...]:
+        """What `friction` was called with: (a, b, mu), names sorted."""
+        return tuple((*ends(pair), mu) for pair, mu in self._friction.items())
+
+    @property
+    def ignored_pairs(self) -> tuple[tuple[str, str], ...]:
+        """What `ignore` was called with: (a, b), names sorted."""
+        return tuple(ends(pair) for pair in self._ignored)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Scene:
+        """Scene from a YAML or JSON file; see docs/scene-files.md.
+
+        Raises:
+            FileError: The file or a mesh it names is missing or wrong: says where and how to mend.
+        """
+        from halfphysics.scene.scene_file import load_scene
+
+        return load_scene(path)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a scene file (.yaml, .yml or .json); mesh files are named relative to it.
+
+        Meshes that came from no file are written out in full. Raises `InputError` for another
+        suffix and `FileError` where it cannot be written.
+        """
+        from halfphysics.scene.scene_file import save_scene
+
+        save_scene(self, path)
+
+    def _copied(self, without: str | None = None) -> Scene:
+        """The same things in a scene of its own, but for one and what was said of it."""
+        scene = Scene(self._gravity)
+        scene._statics = {n: s for n, s in self._statics.items() if n != without}
+        scene._objects = {n: o for n, o in self._objects.items() if n != without}
+        scene._articulated = dict(self._articulated)
+        scene._friction = {p: mu for p, mu in self._friction.items() if without not in p}
+        scene._ignored = {p: None for p in self._ignored if without not in p}
+        return scene
+
+    def _with(
+        self,
+        things: Mapping[str, Static | Object | Articulated],
+        friction: Mapping[tuple[str, str], float],
+    ) -> Scene:
+        """A scene of its own: some things in the place of those of their names, pairs said anew."""
+        scene = self._copied()
+        groups: tuple[dict[str, Any], ...] = (scene._statics, scene._objects, scene._articulated)
+        for group in groups:
+            group.update({name: things[name] for name in group if name in things})
+        for (a, b), mu in friction.items():
+            scene.friction(a, b, mu)
+        return scene
+
+    def _keep(self, thing: Object) -> None:
+        """What moves on a trajectory comes last: the order in files and results."""
+        from halfphysics.scene.trajectories import Moving
+
+        self._objects[thing.name] = thing
+        if not isinstance(thing, Moving):
+            for name in [n for n, o in self._objects.items() if isinstance(o, Moving)]:
+                self._objects[name] = self._objects.pop(name)
+
+    def _new(self, name: object, kind: str) -> str:
+        if not isinstance(name, str) or not name.strip() or "/" in name or not name.isprintable():
+            raise InputError(
+                f"{kind}: found name {shown(name)}, expected text without '/' or line breaks"
+            )
+        if name == PERSON:
+            raise InputError(f"{kind} {name!r}: this name means the people; choose another")
+        groups: tuple[tuple[str, Mapping[str, Any]], ...] = (
+            ("static", self._statics),
+            ("object", self._objects),
+            ("articulated object", self._articulated),
+        )
+        for there, things in groups:
+            if name in things:
+                raise InputError(
+                    f"{kind} {name!r}: the scene has {_article(there)} of this name already; "
+                    "names are unique among statics and objects together"
+                )
+        return f"{kind} {name!r}"
+
+    def _pair(self, what: str, a: str, b: str) -> frozenset[str]:
+        known = [*self._statics, *self._objects, *self._articulated, PERSON]
+        for name in (a, b):
+            if isinstance(name, str) and name.startswith(f"{PERSON}/"):
+                check_part(what, name)
+            elif name not in known:
+                close = difflib.get_close_matches(str(name), known, n=1)
+                hint = f"; did you mean {close[0]!r}?" if close else ""
+                raise InputError(
+                    f"{what}: the scene has nothing called {shown(name)}{hint}. "
+                    f"It has: {', '.join(known)}. Add it first."
+                )
+        if a == b and not of_person(a):
+            raise InputError(f"{what}: found {a!r} twice, expected two different things")
+        return frozenset((a, b))
+
+    def _own_friction(self, name: str) -> float:
+        if of_person(name):
+            return PERSON_FRICTION
+        things: dict[str, Any] = {**self._statics, **self._objects, **self._articulated}
+        return float(things[name].friction)
+
+
+def _article(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"

@@ -1,0 +1,405 @@
+"""Scene files, YAML or JSON: read strictly, written back. The format: docs/scene-files.md."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from halfphysics.base.atomic import atomic_write
+from halfphysics.base.document_entries import (
+    Read,
+    choice,
+    flag,
+    guarded,
+    items,
+    mapping,
+    named_entries,
+    number,
+    sequence,
+    text,
+    vector,
+)
+from halfphysics.base.document_tree import Entry, plain_tree, read_tree
+from halfphysics.base.validation import file_path
+from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
+from halfphysics.geometry.convex_decomposition import USUAL
+from halfphysics.geometry.shapes import (
+    Box,
+    Capsule,
+    Cylinder,
+    Mesh,
+    MeshSource,
+    Plane,
+    Shape,
+    Sphere,
+)
+from halfphysics.scene.scene import OBJECT_FRICTION, STATIC_FRICTION, Object, Scene, Static
+from halfphysics.scene.trajectories import Moving
+
+if TYPE_CHECKING:
+    from halfphysics.scene.articulated import Articulated
+
+#: Written into files; a reader of another version refuses with both numbers.
+VERSION = 1
+
+_SUFFIXES = (".yaml", ".yml", ".json")
+
+#: Shape by its name in files, and the keys that its constructor takes.
+_SHAPES: dict[str, tuple[type[Shape], tuple[str, ...], tuple[str, ...]]] = {
+    # name: class, keys needed, keys that may be left out
+    "plane": (Plane, (), ("normal", "offset")),
+    "box": (Box, ("size",), ()),
+    "sphere": (Sphere, ("radius",), ()),
+    "capsule": (Capsule, ("radius", "length"), ()),
+    "cylinder": (Cylinder, ("radius", "length"), ()),
+}
+_MESH_KEYS = ("scale", "up", "sha256")
+_STATIC_KEYS = ("position", "quaternion", "friction", "restitution")
+_OBJECT_KEYS = ("mass", "density", "com", *_STATIC_KEYS, "velocity", "angular_velocity", "start")
+_MOVING_KEYS = ("positions", "quaternions", "fps", "loop", "friction", "restitution")
+_ARTICULATED_KEYS = ("file", "xml", "sha256", *_STATIC_KEYS, "joints", "velocities")
+_SCENE_KEYS = (
+    "version",
+    "gravity",
+    "statics",
+    "objects",
+    "moving",
+    "articulated",
+    "friction",
+    "ignore",
+)
+_PIECE_KEYS = ("pieces", "threshold", "max_pieces")
+
+
+def load_scene(path: str | os.PathLike[str]) -> Scene:
+    """The work behind `Scene.load`; see there."""
+    path = file_path(path)
+    if path.suffix.lower() not in _SUFFIXES:
+        raise FileError(
+            f"{path}: found suffix {path.suffix!r}, expected a scene file {', '.join(_SUFFIXES)}"
+            "; add a single mesh with Scene().add_static(name, path)"
+        )
+    if not path.is_file():
+        raise FileError(f"{path}: there is no such file, expected a scene ({', '.join(_SUFFIXES)})")
+    return _scene(read_tree(path, "statics, objects"), path.parent)
+
+
+def scene_from_document(document: Mapping[str, Any], origin: Path) -> Scene:
+    """The scene of plain data as `scene_document` gives it.
+
+    Args:
+        document: In the file's format; relative mesh paths are relative to `origin`'s folder.
+        origin: Where it was found, for messages.
+
+    Raises:
+        FileError: As for a file.
+    """
+    return _scene(plain_tree(document, origin), origin.parent)
+
+
+def _scene(tree: Entry, base: Path) -> Scene:
+    root = mapping(tree, _SCENE_KEYS)
+    if "version" in root:
+        version = number(root["version"])
+        if version != VERSION:
+            raise root["version"].error(
+                f"found version {version:g}, expected {VERSION}; a newer halfphysics may read it"
+            )
+    gravity = root.get("gravity")
+    scene = guarded(gravity, Scene, _gravity(gravity)) if gravity else Scene()
+    for name, entry in _named(root.get("statics")):
+        _add(scene.add_static, name, entry, _STATIC_KEYS, base)
+    for name, entry in _named(root.get("objects")):
+        _add(scene.add_object, name, entry, _OBJECT_KEYS, base)
+    for name, entry in _named(root.get("moving")):
+        for key in ("positions", "fps"):
+            if key not in named_entries(entry, "a moving thing: shape or mesh, positions, fps"):
+                raise entry.error(f"a moving thing needs {key}")
+        _add(scene.add_moving, name, entry, _MOVING_KEYS, base)
+    for name, entry in _named(root.get("articulated")):
+        _add_articulated(scene, name, entry, base)
+    for entry in items(root.get("friction")):
+        a, b, mu = sequence(entry, 3, "[name, name, coefficient]")
+        guarded(entry, scene.friction, text(a), text(b), number(mu))
+    for entry in items(root.get("ignore")):
+        a, b = sequence(entry, 2, "[name, name]")
+        guarded(entry, scene.ignore, text(a), text(b))
+    return scene
+
+
+def _add(
+    add: Callable[..., Any], name: str, entry: Entry, keys: tuple[str, ...], base: Path
+) -> None:
+    given = named_entries(entry, "a thing of a scene: shape or mesh, and more")
+    shape, mesh = given.get("shape"), given.get("mesh")
+    if shape is None and mesh is None:
+        sizes = [key for _, needed, optional in _SHAPES.values() for key in (*needed, *optional)]
+        mapping(entry, ("shape", "mesh", *dict.fromkeys(sizes), *_MESH_KEYS, *keys))
+    if (shape is None) == (mesh is None):
+        found = "neither" if shape is None else "both"
+        raise entry.error(
+            f"expected shape ({', '.join(_SHAPES)}) or mesh (path of a file), found {found}"
+        )
+    if shape is not None:
+        kind = choice(shape, tuple(_SHAPES))
+        cls, needed, optional = _SHAPES[kind]
+        mapping(entry, ("shape", *needed, *optional, *keys), f" for a {kind}")
+        missing = [key for key in needed if key not in given]
+        if missing:
+            raise entry.error(f"a {kind} needs {' and '.join(missing)}")
+        size = {key: _READ[key](given[key]) for key in (*needed, *optional) if key in given}
+        options = {key: _READ[key](given[key]) for key in keys if key in given}
+        guarded(entry, lambda: add(name, cls(**size), **options))
+    elif mesh is not None:
+        if "mass" in keys:  # of an object
+            keys = (*keys, *_PIECE_KEYS)
+        mapping(entry, ("mesh", *_MESH_KEYS, *keys), " for a mesh")
+        _add_mesh(add, name, entry, keys, base)
+
+
+def _add_mesh(
+    add: Callable[..., Any], name: str, entry: Entry, keys: tuple[str, ...], base: Path
+) -> None:
+    given: dict[str, Entry] = entry.value
+    mesh = given["mesh"]
+    options = {key: _READ[key](given[key]) for key in (*keys, "scale", "up") if key in given}
+    source: Any = _written_out(mesh) if isinstance(mesh.value, dict) else base / text(mesh)
+    try:
+        added = add(name, source, **options)
+    except HalfPhysicsError as error:
+        # What is wrong with a file stands at its path, what is wrong with a value at the thing.
+        place = mesh if isinstance(error, FileError) else entry
+        raise place.error(str(error)) from error
+    if "sha256" in given and added.source is not None:
+        noted = text(given["sha256"])
+        if noted != added.source.sha256:
+            warnings.warn(
+                f"{mesh.file}, line {given['sha256'].line}, {given['sha256'].where}: "
+                f"{source} has changed since this scene was written (its SHA-256 is "
+                f"{added.source.sha256[:12]}..., noted is {noted[:12]}...)",
+                HalfPhysicsWarning,
+                stacklevel=6,
+            )
+
+
+def _add_articulated(scene: Scene, name: str, entry: Entry, base: Path) -> None:
+    given = mapping(entry, _ARTICULATED_KEYS, " for an articulated object")
+    if ("file" in given) == ("xml" in given):
+        found = "both" if "file" in given else "neither"
+        raise entry.error(f"expected file (path of MJCF or URDF) or xml (its text), found {found}")
+    options = {key: _READ[key](given[key]) for key in _STATIC_KEYS if key in given}
+    for key in ("joints", "velocities"):
+        if key in given:
+            named = named_entries(given[key], "from joints to numbers")
+            options[key] = {joint: _joint_value(value) for joint, value in named.items()}
+    source = base / text(given["file"]) if "file" in given else text(given["xml"])
+    added = guarded(entry, lambda: scene.add_articulated(name, source, **options))
+    if "sha256" in given and added.source is not None:
+        noted = text(given["sha256"])
+        if noted != added.source.sha256:
+            warnings.warn(
+                f"{entry.file}: {source} has changed since this scene was written",
+                HalfPhysicsWarning,
+                stacklevel=5,
+            )
+
+
+def _joint_value(entry: Entry) -> Any:
+    if isinstance(entry.value, list):
+        return [number(child) for child in entry.value]
+    return number(entry)
+
+
+def _written_out(mesh: Entry) -> Mesh:
+    arrays = mapping(mesh, ("vertices", "faces"))
+    if len(arrays) != 2:
+        raise mesh.error("a mesh written out needs vertices and faces")
+    rows = (_rows(arrays["vertices"], float), _rows(arrays["faces"], int))
+    return guarded(mesh, Mesh, *rows)
+
+
+def _pieces(entry: Entry) -> str | list[Mesh]:
+    if isinstance(entry.value, list):
+        return [_written_out(piece) for piece in entry.value]
+    return choice(entry, ("auto", "hull"))
+
+
+def _named(entry: Entry | None) -> list[tuple[str, Entry]]:
+    if entry is None or entry.value is None:
+        return []
+    return list(named_entries(entry, "from names to things").items())
+
+
+def _gravity(entry: Entry) -> Any:
+    return vector(3)(entry) if isinstance(entry.value, list) else number(entry)
+
+
+def _rows(entry: Entry, kind: type) -> np.ndarray:
+    rows = [vector(3)(row) for row in items(entry)]
+    array = np.array(rows, dtype=np.float64).reshape(-1, 3)
+    if kind is int:
+        if (array != np.round(array)).any():
+            raise entry.error("expected whole numbers (indices of vertices)")
+        return array.astype(np.int64)
+    return array
+
+
+_READ: dict[str, Read] = {
+    **dict.fromkeys(
+        ("radius", "length", "offset", "mass", "density", "friction", "restitution", "scale"),
+        number,
+    ),
+    **dict.fromkeys(
+        ("size", "normal", "com", "position", "velocity", "angular_velocity"), vector(3)
+    ),
+    "quaternion": vector(4),
+    "up": lambda entry: choice(entry, ("y", "z")),
+    "start": lambda entry: choice(entry, ("awake", "asleep")),
+    "fps": number,
+    "loop": flag,
+    "positions": lambda entry: np.array([vector(3)(row) for row in items(entry)]),
+    "quaternions": lambda entry: np.array([vector(4)(row) for row in items(entry)]),
+    "threshold": number,
+    "max_pieces": number,
+    "pieces": _pieces,
+}
+
+
+def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
+    """The work behind `Scene.save`; see there."""
+    path = file_path(path)
+    if path.suffix.lower() not in _SUFFIXES:
+        raise InputError(f"{path}: found suffix {path.suffix!r}, expected {', '.join(_SUFFIXES)}")
+    document = scene_document(scene, path.parent)
+    if path.suffix.lower() == ".json":
+        written = json.dumps(document, indent=1, ensure_ascii=False)
+    else:
+        import yaml
+
+        written = yaml.safe_dump(document, sort_keys=False, default_flow_style=None, width=100)
+    with atomic_write(path) as handle:
+        handle.write((written.rstrip() + "\n").encode())
+
+
+def scene_document(scene: Scene, base: Path | None = None) -> dict[str, Any]:
+    """The scene as plain data in the file's format; mesh paths relative to `base` if given."""
+    down = -scene.gravity[2]
+    plain = down >= 0.0 and not scene.gravity[:2].any()
+    document: dict[str, Any] = {
+        "version": VERSION,
+        "gravity": float(down) + 0.0 if plain else scene.gravity.tolist(),
+        "statics": {name: _thing(s, base) for name, s in scene.statics.items()},
+        "objects": {
+            name: _thing(o, base) | _moving(o)
+            for name, o in scene.objects.items()
+            if not isinstance(o, Moving)
+        },
+        "moving": {
+            name: _thing(o, base) | _track(o)
+            for name, o in scene.objects.items()
+            if isinstance(o, Moving)
+        },
+        "articulated": {n: _jointed(a, base) for n, a in scene.articulated.items()},
+        "friction": [list(pair) for pair in scene.friction_pairs],
+        "ignore": [list(pair) for pair in scene.ignored_pairs],
+    }
+    return {key: value for key, value in document.items() if value not in ({}, [])}
+
+
+def _thing(thing: Static | Object, base: Path | None) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    shape = (thing.visual if isinstance(thing, Object) else None) or thing.shape
+    if isinstance(shape, Mesh):
+        result |= _mesh(shape, thing.source, base)
+    else:
+        kind = next(name for name, (cls, _, _) in _SHAPES.items() if type(shape) is cls)
+        _, needed, optional = _SHAPES[kind]
+        result["shape"] = kind
+        for key in (*needed, *optional):
+            value = getattr(shape, key)
+            result[key] = list(value) if isinstance(value, tuple) else value
+    pushed = isinstance(thing, Object) and not isinstance(thing, Moving)
+    default = OBJECT_FRICTION if pushed else STATIC_FRICTION
+    if not isinstance(thing, Moving):
+        result["position"] = thing.position.tolist()
+    if not isinstance(thing, Moving) and thing.quaternion.tolist() != [1.0, 0.0, 0.0, 0.0]:
+        result["quaternion"] = thing.quaternion.tolist()
+    if thing.friction != default:
+        result["friction"] = thing.friction
+    if thing.restitution:
+        result["restitution"] = thing.restitution
+    return result
+
+
+def _track(thing: Moving) -> dict[str, Any]:
+    result: dict[str, Any] = {"fps": thing.fps, "positions": thing.positions.tolist()}
+    if (thing.quaternions != [1.0, 0.0, 0.0, 0.0]).any():
+        result["quaternions"] = thing.quaternions.tolist()
+    if thing.loop:
+        result["loop"] = True
+    return result
+
+
+def _jointed(thing: Articulated, base: Path | None) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    if thing.source is not None:
+        result["file"] = _relative(thing.source.path, base)
+        result["sha256"] = thing.source.sha256
+    else:
+        result["xml"] = thing.xml
+    result["position"] = thing.position.tolist()
+    result["quaternion"] = thing.quaternion.tolist()
+    result |= {"friction": thing.friction, "restitution": thing.restitution}
+    for key in ("joints", "velocities"):
+        if getattr(thing, key):
+            result[key] = dict(getattr(thing, key))
+    return result
+
+
+def _relative(path: str, base: Path | None) -> str:
+    if base is not None:
+        try:
+            return Path(os.path.relpath(path, base.resolve())).as_posix()
+        except ValueError:  # another drive: no relative path leads there
+            pass
+    return Path(path).as_posix()
+
+
+def _mesh(mesh: Mesh, source: MeshSource | None, base: Path | None) -> dict[str, Any]:
+    if source is None:
+        return {"mesh": {"vertices": mesh.vertices.tolist(), "faces": mesh.faces.tolist()}}
+    return {
+        "mesh": _relative(source.path, base),
+        "scale": source.scale,
+        "up": source.up,
+        "sha256": source.sha256,
+    }
+
+
+def _moving(thing: Object) -> dict[str, Any]:
+    result: dict[str, Any] = {"mass": thing.mass}
+    if thing.com.tolist() != thing.filling.centre.tolist():
+        result["com"] = thing.com.tolist()
+    cut = thing.cut
+    if thing.decomposition is not None and cut.pieces == "given":
+        pieces = thing.decomposition.pieces
+        result["pieces"] = [
+            {"vertices": p.vertices.tolist(), "faces": p.faces.tolist()} for p in pieces
+        ]
+    elif thing.visual is not None:
+        for key in _PIECE_KEYS:
+            if getattr(cut, key) != getattr(USUAL, key):
+                result[key] = getattr(cut, key)
+    for key in ("velocity", "angular_velocity"):
+        value = getattr(thing, key).tolist()
+        if any(value):
+            result[key] = value
+    if thing.start != "awake":
+        result["start"] = thing.start
+    return result

@@ -1,0 +1,64 @@
+"""A short text that differs where people or things do: which states fit which simulator."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import fields, is_dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from halfphysics.geometry.mesh import Mesh
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from halfphysics.body.body import Body
+    from halfphysics.geometry.shapes import Shape
+    from halfphysics.scene.scene import Scene
+
+
+def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
+    """Of what moves and what it meets: names, places, geometry and masses, not of settings."""
+    from halfphysics.scene.trajectories import Moving
+
+    number = 0
+
+    def add(*values: Any) -> None:
+        nonlocal number
+        for value in values:
+            data = value.encode() if isinstance(value, str) else np.asarray(value).tobytes()
+            number = zlib.crc32(data, number)
+
+    def add_shape(shape: Shape) -> None:
+        add(type(shape).__name__)
+        if isinstance(shape, Mesh):
+            add(shape.vertices, shape.faces)
+        elif is_dataclass(shape):
+            add(*(np.asarray(getattr(shape, f.name), dtype=float) for f in fields(shape)))
+
+    for static in scene.statics.values():
+        add(static.name, static.position, static.quaternion)
+        add_shape(static.shape)
+    for thing in scene.objects.values():
+        add(thing.name, thing.com, thing.inertia, np.float64(thing.mass))
+        for piece in thing.pieces:
+            add_shape(piece)
+        if isinstance(thing, Moving):
+            add(thing.positions, thing.quaternions, np.float64(thing.fps), np.float64(thing.loop))
+        elif thing.start == "asleep":
+            add(thing.start)
+    for jointed in scene.articulated.values():
+        add(jointed.name, jointed.position, jointed.quaternion)
+        for link in jointed.links:
+            add(link.name, link.position, link.quaternion, link.com, link.inertia)
+            add(np.float64(link.mass))
+            for joint in link.joints:
+                add(joint.name, joint.kind, joint.position, joint.axis)
+                add(np.array([joint.lower, joint.upper, joint.damping, joint.stiffness]))
+            for geom in link.geoms:
+                add(geom.position, geom.quaternion)
+                add_shape(geom.shape)
+    for body in bodies:
+        add(body.rest_joints, *(part.vertices for part in body.variant.parts))
+    return f"{len(scene.statics)} statics, {len(scene.objects)} objects, {number:08x}"

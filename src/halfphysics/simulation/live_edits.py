@@ -1,0 +1,201 @@
+"""A simulation that runs: its objects pushed, new ones brought, old ones taken away, rays."""
+
+from __future__ import annotations
+
+import difflib
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.base.validation import shown, vector
+from halfphysics.errors import InputError
+from halfphysics.motion.pose import Pose
+from halfphysics.scene.rays import Ray, checked_names
+from halfphysics.scene.trajectories import Moving
+from halfphysics.simulation import holding
+from halfphysics.simulation.world import Thing, World
+
+if TYPE_CHECKING:
+    from halfphysics.scene.rays import Hit
+    from halfphysics.scene.scene import Object, Scene
+    from halfphysics.simulation.holding import HeldThing, Hold
+
+Array = NDArray[np.float64]
+
+
+def velocity(world: World, name: str) -> tuple[Array, Array]:
+    """Velocity (3,) [m/s] of an object's origin and angular velocity (3,) [rad/s], in the world."""
+    place, thing = _found(world, "velocity", name)
+    if not isinstance(place, Thing):
+        return holding.velocity(world, place)
+    quat, six = _turn(world, place), world.stepper.qvel()[place.dof : place.dof + 6]
+    spin = rot.rotate(quat, six[3:])
+    return six[:3] - np.cross(spin, rot.rotate(quat, thing.com)), spin
+
+
+def set_velocity(
+    world: World, name: str, linear: ArrayLike, angular: ArrayLike | None = None
+) -> None:
+    """The work behind `Simulator.set_velocity`."""
+    place, thing = _pushed(world, "set_velocity", name)
+    what = f"set_velocity of {name!r}"
+    v = vector(linear, f"{what}: velocity", unit="m/s")
+    w = velocity(world, name)[1]
+    if angular is not None:
+        w = vector(angular, f"{what}: angular_velocity", unit="rad/s")
+    quat = _turn(world, place)
+    six = np.concatenate(
+        [v + np.cross(w, rot.rotate(quat, thing.com)), rot.rotate(rot.conjugate(quat), w)]
+    )
+    world.stepper.set_velocity(_body(world, name), six)
+
+
+def apply_impulse(
+    world: World,
+    name: str,
+    impulse: ArrayLike,
+    point: ArrayLike | None,
+    angular: ArrayLike | None,
+) -> None:
+    """The work behind `Simulator.apply_impulse`."""
+    place, thing = _pushed(world, "apply_impulse", name)
+    what = f"apply_impulse on {name!r}"
+    p = vector(impulse, f"{what}: impulse", unit="N s")
+    turning = np.zeros(3)
+    if point is not None:
+        centre = world.stepper.qpos()[place.qpos : place.qpos + 3]
+        turning += np.cross(vector(point, f"{what}: point", unit="m") - centre, p)
+    if angular is not None:
+        turning += vector(angular, f"{what}: angular", unit="N m s")
+    six = np.array(world.stepper.qvel()[place.dof : place.dof + 6])
+    six[:3] += p / thing.mass
+    own = rot.rotate(rot.conjugate(_turn(world, place)), turning)
+    six[3:] += np.linalg.solve(thing.inertia, own)
+    world.stepper.set_velocity(_body(world, name), six)
+
+
+def ray(
+    world: World,
+    axes: Sequence[Array],
+    origin: ArrayLike,
+    direction: ArrayLike,
+    ignore: Collection[str],
+) -> Hit | None:
+    """The work behind `Simulator.ray`."""
+    cast = Ray(origin, direction)
+    skipped = checked_names(ignore, world.names)
+    qpos = world.stepper.qpos()
+    for static in world.scene.statics.values():
+        if static.name not in skipped:
+            cast.meet(static.name, static.shape, static.position, static.quaternion)
+    for place in world.things:
+        if place.name not in skipped:
+            cast.meet(place.name, world.scene.objects[place.name].shape, *place.pose(qpos))
+    for person, its in zip(world.people, axes, strict=True):
+        if person.name not in skipped:
+            cast.meet_person(person.name, person.body, Pose.trusted(*person.pose(qpos, its), its))
+    return cast.hit
+
+
+def rebuilt(
+    world: World, scene: Scene, started: bool, held: Mapping[str, Hold] | None = None
+) -> World:
+    """The same people and what is in both scenes, as they are now, in another scene.
+
+    `held`: who holds what from now on; None: as before.
+    """
+    if held is None:
+        held = {name: hold for name, hold in world.held.items() if name in scene.objects}
+    new = World(world.bodies, scene, world.settings, held)
+    if not started:
+        return new
+    was, qpos, qvel = world.stepper.qpos(), np.zeros(new.nq), np.zeros(new.nv)
+    new.place_things(qpos, qvel)
+    # What is held by another, or by nobody any more, is new: what it rested on is asked again.
+    other = {n for n in scene.objects if world.held.get(n) != held.get(n)}
+    bodies = {world.model.body(i).name: i for i in range(world.model.nbody)}
+    bodies = {name: i for name, i in bodies.items() if name.removeprefix("object/") not in other}
+    body = [bodies.get(new.model.body(i).name, -1) for i in range(new.model.nbody)]
+    for b, old in enumerate(body):
+        if old >= 0:
+            qpos[_coordinates(new.model, b)] = was[_coordinates(world.model, old)]
+    let_go = [p for p in world.things if p.name in other and not isinstance(p, Thing)]
+    free = {p.name: p for p in new.things if isinstance(p, Thing)}
+    let_go = [p for p in let_go if p.name in free]
+    for place in let_go:
+        position, quat = place.pose(was)
+        at = free[place.name].qpos
+        qpos[at : at + 3] = position + rot.rotate(quat, place.com)
+        qpos[at + 3 : at + 7] = quat
+    new.stepper.reset(qpos, qvel)
+    movers = {key: i for i, key in enumerate(_movers(world)) if key[0] not in other}
+    mover = [movers.get(key, -1) for key in _movers(new)]
+    new.stepper.adopt(
+        world.stepper, np.array(body, dtype=np.int32), np.array(mover, dtype=np.int32)
+    )
+    for place in let_go:
+        set_velocity(new, place.name, *velocity(world, place.name))
+    return new
+
+
+def _coordinates(model: Any, body: int) -> slice:
+    """Where a body's own joints stand in qpos."""
+    first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+    if count == 0:
+        return slice(0, 0)
+    ends = [*model.jnt_qposadr, model.nq]
+    return slice(int(ends[first]), int(ends[first + count]))
+
+
+def removable(world: World, name: str) -> None:
+    """Raises `InputError` where there is no such object."""
+    _found(world, "remove_object", name)
+
+
+def _movers(world: World) -> list[tuple[str, int, int]]:
+    """What tells the core's shapes apart: name, part, and which of several."""
+    seen: Counter[tuple[str, int]] = Counter()
+    keys = []
+    for name, part in zip(world.mover_name, world.mover_part, strict=True):
+        key = (world.names[name], int(part))
+        keys.append((*key, seen[key]))
+        seen[key] += 1
+    return keys
+
+
+def _pushed(world: World, what: str, name: str) -> tuple[Thing, Object]:
+    """What can be given a velocity."""
+    place, thing = _found(world, what, name)
+    if isinstance(thing, Moving):
+        raise InputError(
+            f"{what}: {name!r} moves along its trajectory and nothing pushes it; expected an "
+            "object of add_object"
+        )
+    if not isinstance(place, Thing):
+        raise holding.not_free(world, what, name)
+    return place, thing
+
+
+def _found(world: World, what: str, name: str) -> tuple[Thing | HeldThing, Object]:
+    for place in world.things:
+        if place.name == name:
+            return place, world.scene.objects[name]
+    known = [thing.name for thing in world.things]
+    close = difflib.get_close_matches(str(name), known, n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    raise InputError(
+        f"{what}: there is no object called {shown(name)}{hint}. "
+        f"There are: {', '.join(known) or 'none'}"
+    )
+
+
+def _turn(world: World, place: Thing) -> Array:
+    return np.array(world.stepper.qpos()[place.qpos + 3 : place.qpos + 7])
+
+
+def _body(world: World, name: str) -> int:
+    return int(world.model.body(f"object/{name}").id)

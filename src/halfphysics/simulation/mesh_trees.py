@@ -1,0 +1,37 @@
+"""Trees of static meshes in the world: the simulators of a scene share them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from halfphysics.geometry.mesh import Mesh
+    from halfphysics.scene.scene import Static
+
+Array = NDArray[np.float64]
+
+#: For as long as their scenes are there.
+_trees: WeakKeyDictionary[Static, Any] = WeakKeyDictionary()
+
+
+def mesh_tree(static: Static, rotation: Array, position: Array) -> Any:
+    """The tree of a static mesh in the world; other statics of the same triangles share it.
+
+    Args:
+        static: What has the mesh.
+        rotation: World from its frame (3, 3).
+        position: Of its frame in the world (3,) [m].
+    """
+    from halfphysics import _native
+
+    tree = _trees.get(static)
+    if tree is None:
+        mesh = cast("Mesh", static.shape)
+        vertices = np.ascontiguousarray(mesh.vertices @ rotation.T + position)
+        tree = _native.MeshTree(vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32))
+        _trees[static] = tree
+    return tree

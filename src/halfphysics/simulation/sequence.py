@@ -1,0 +1,48 @@
+"""Sequence: a motion together with all that is needed to simulate it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from halfphysics.motion.motion import Motion
+from halfphysics.settings import Settings
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.results.result import ObjectTrack
+    from halfphysics.scene.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Sequence:
+    """What `simulate` takes, in one piece: from a data set or from `halfphysics.scenarios`.
+
+    Attributes:
+        motion: What the person wants to do; a tuple where there are several people.
+        scene: What stands and lies around, objects as they are at the first frame.
+        body: The person's body, a tuple of one each where there are several people; None where
+            the source names none.
+        settings: How to simulate it.
+        recorded: Name of an object -> how it moved in the data set, frame by frame of the motion;
+            empty where nothing was recorded.
+    """
+
+    motion: Motion | tuple[Motion, ...]
+    scene: Scene
+    body: Body | tuple[Body, ...] | None = None
+    settings: Settings = field(default_factory=Settings)
+    recorded: Mapping[str, ObjectTrack] = field(default_factory=dict)
+
+    @property
+    def motions(self) -> tuple[Motion, ...]:
+        """What each person wants to do, also where there is only one."""
+        return (self.motion,) if isinstance(self.motion, Motion) else self.motion
+
+    @property
+    def bodies(self) -> tuple[Body | None, ...]:
+        """Of each person the body, as `motions`; None where the source names none."""
+        if isinstance(self.body, tuple):
+            return self.body
+        return (self.body,) * len(self.motions)

@@ -1,0 +1,463 @@
+"""One frame at a time: the stateful simulator. `simulate` runs it over a whole motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from halfphysics.baselines.modes import ENGINE_MODES, FORCED
+from halfphysics.errors import InputError
+from halfphysics.motion.joint_groups import stiffness_array
+from halfphysics.motion.pose import Pose
+from halfphysics.motion.skeleton import N_JOINTS
+from halfphysics.results.inside import Depths, inside_of
+from halfphysics.settings import Settings
+from halfphysics.simulation.contact_rows import Touches, touches
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.scene.rays import Hit
+    from halfphysics.scene.scene import Scene
+    from halfphysics.simulation.holding import Hold
+    from halfphysics.simulation.world import World
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Frame:
+    """The state after one `Simulator.step`.
+
+    Poses, objects, contacts and what is inside are worked out when first read: stepping pays for
+    none of them.
+
+    Attributes:
+        poses: The people's corrected poses.
+        objects: Name -> (position (3,) [m], quaternion (4,)); links of articulated objects too.
+        joints: Name of an articulated object's joint -> its value () [rad or m], (4,) of a ball.
+        contacts: What touched during the frame.
+        inside: Which parts and objects are inside what, and how deep.
+        clearance: Smallest distance of the people from the statics [m]; inf beyond
+            `Settings.clearance_range`, negative where they penetrate.
+        lost_time: Time by which blocked steps were shortened [s].
+        torques: What the drive exerted on the people's joints, see `PersonResult.torque`.
+        diagnostics: Numbers of the frame, see `halfphysics.results.result.DIAGNOSTICS`.
+        substeps: With `Settings.record="substeps"`: model coordinates (N, nq) after every
+            substep, else (0, nq).
+    """
+
+    clearance: float
+    lost_time: float
+    diagnostics: Mapping[str, float]
+    substeps: Array
+    _world: World
+    _qpos: Array
+    _axes: tuple[Array, ...]
+    _set: tuple[Pose, ...] | None  # poses that were set, as they were given
+    _touches: Array
+    _inside: Array
+    _torques: Array
+
+    @cached_property
+    def poses(self) -> tuple[Pose, ...]:
+        if self._set is not None:
+            return self._set
+        people = zip(self._world.people, self._axes, strict=True)
+        return tuple(Pose.trusted(*person.pose(self._qpos, axes), axes) for person, axes in people)
+
+    @cached_property
+    def objects(self) -> Mapping[str, tuple[Array, Array]]:
+        return {thing.name: thing.pose(self._qpos) for thing in self._world.tracked}
+
+    @cached_property
+    def joints(self) -> Mapping[str, Array]:
+        return {joint.name: joint.values(self._qpos) for joint in self._world.joints}
+
+    @cached_property
+    def contacts(self) -> Touches:
+        return touches(self._world, self._touches)[0]
+
+    @cached_property
+    def inside(self) -> Depths:
+        return inside_of(self._world, self._inside, np.zeros(len(self._inside), dtype=int)).at(0)
+
+    @cached_property
+    def torques(self) -> tuple[Array, ...]:
+        people = self._world.people
+        if not len(self._torques):
+            return tuple(np.zeros((N_JOINTS, 3)) for _ in people)
+        return tuple(self._world.torques(self._torques))
+
+    @property
+    def torque(self) -> Array:
+        """The first person's (55, 3) [N m], in the joints' own frames."""
+        return self.torques[0]
+
+    @property
+    def pose(self) -> Pose:
+        """The first person's pose."""
+        return self.poses[0]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies and other processes: everything worked out, the simulator left behind."""
+        done = {
+            "poses": self.poses,
+            "objects": self.objects,
+            "joints": self.joints,
+            "contacts": self.contacts,
+            "inside": self.inside,
+            "torques": self.torques,
+        }
+        return done | {name: v for name, v in vars(self).items() if not name.startswith("_")}
+
+    def __repr__(self) -> str:
+        return (
+            f"Frame({len(self.poses)} people, {len(self.objects)} objects, "
+            f"{len(self.contacts.part)} contacts, clearance {self.clearance:g} m)"
+        )
+
+
+@dataclass(frozen=True)
+class State:
+    """All that a simulation remembers between frames; `Simulator.set_state` resumes bit-exactly."""
+
+    numbers: bytes
+    axes: tuple[Array, ...]
+    signature: str
+    held: Mapping[str, Hold] = field(default_factory=dict)
+
+
+class Simulator:
+    """Half-physics, one frame at a time; the numbers are those of `simulate`.
+
+    Args:
+        scene: Statics and objects; None: an empty one.
+        body: The person's body, or a sequence for several people (empty: objects alone); None:
+            `Body.default()`.
+        settings: See `Settings`.
+        fps: Frame rate that `step` assumes where it is given no `dt`.
+
+    Raises:
+        InputError: An impossible value.
+    """
+
+    def __init__(
+        self,
+        scene: Scene | None = None,
+        *,
+        body: Body | Sequence[Body] | None = None,
+        settings: Settings | None = None,
+        fps: float = 30.0,
+    ) -> None:
+        from halfphysics.body.body import Body
+        from halfphysics.scene.scene import Scene
+        from halfphysics.simulation.world import World
+
+        if body is None:
+            body = Body.default()
+        bodies = several(body)
+        for one in bodies:
+            if not isinstance(one, Body):
+                raise InputError(f"body: found {one!r}, expected a halfphysics.Body")
+        if scene is not None and not isinstance(scene, Scene):
+            raise InputError(f"scene: found {scene!r}, expected a halfphysics.Scene")
+        if settings is not None and not isinstance(settings, Settings):
+            raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
+        self.settings = settings or Settings()
+        self.dt = 1.0 / _positive("fps", fps)
+        self.world = World(bodies, scene or Scene(), self.settings)
+        self._axes: tuple[Array, ...] = tuple(np.eye(3) for _ in bodies)
+        self._started = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What contacts refer to: statics, objects, people."""
+        return self.world.names
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The people's bodies."""
+        return self.world.bodies
+
+    def reset(self, pose: Pose | Sequence[Pose]) -> Frame:
+        """Put the people at a pose (one each), objects at their start; everything forgets."""
+        self._must_be_native()
+        poses = self._checked(pose)
+        if self.world.held:
+            self.world = running().rebuilt(self.world, self.world.scene, False, {})
+        self._axes = tuple(np.array(p.axes, dtype=np.float64) for p in poses)
+        self.world.stepper.reset(*self.world.start(poses))
+        self._set_firmness(np.tile(self.world.stiffness, (len(poses), 1)))
+        self._started = True
+        return self._frame(np.zeros((0, self.world.nq)), poses, moved=False)
+
+    def step(self, pose: Pose | Sequence[Pose], dt: float | None = None) -> Frame:
+        """Drive the people towards a pose (one each) for one frame of `dt` [s] (None: 1/fps).
+
+        Raises:
+            InputError: Before `reset`, for another number of poses, or an impossible `dt`.
+        """
+        poses = self._checked(pose)
+        if not self._started:
+            raise InputError("step: the simulator has no pose yet; call reset(pose) first")
+        dt = self.dt if dt is None else _positive("dt", dt)
+        return self._frame(self._move(self.world.targets(poses), dt), poses)
+
+    def _move(self, targets: Array, dt: float) -> Array:
+        """One frame of the core; what `Settings.record` asks to keep of it (., nq)."""
+        count = self.settings.substeps_for(dt)
+        record = self.settings.record == "substeps"
+        return self.world.stepper.frame(targets, dt, count, record)
+
+    def set_stiffness(
+        self, value: float | Mapping[str, float] | Array, *, person: int | None = None
+    ) -> None:
+        """Change the firmness lambda of the joints from the next step on.
+
+        `reset` goes back to `Settings.stiffness`; a state keeps what it had.
+
+        Args:
+            value: A number, numbers by joint group or joint (those not named: 1), or (55,).
+            person: Index of the one person whose joints are meant; None: everybody's.
+
+        Raises:
+            InputError: Before `reset`; a joint that does not exist, a number below 0.
+        """
+        if not self._started:
+            raise InputError("set_stiffness: the simulator has no pose yet; call reset(pose) first")
+        firmness = stiffness_array(value, "set_stiffness")
+        people = len(self.world.people)
+        if person is not None and not 0 <= person < people:
+            raise InputError(f"set_stiffness: found person {person}, expected 0 to {people - 1}")
+        chosen = slice(None) if person is None else person
+        self._firmness[chosen] = firmness
+        self._set_firmness(self._firmness)
+
+    def _set_firmness(self, stiffness: Array) -> None:
+        """Firmness of everybody's joints (people, 55)."""
+        self._firmness = stiffness
+        self.world.stepper.set_stiffness(self.world.firmness(stiffness))
+
+    def get_state(self) -> State:
+        """Everything the simulation remembers: continue from it with `set_state`, bit for bit."""
+        if not self._started:
+            raise InputError("get_state: the simulator has no pose yet; call reset(pose) first")
+        world = self.world
+        return State(world.stepper.save().tobytes(), self._axes, world.signature, world.held)
+
+    def set_state(self, state: State) -> None:
+        """Return to a state of this simulator or of one with the same people, scene and settings.
+
+        What was held then is held again, nothing else is.
+
+        Raises:
+            InputError: The state belongs to another model.
+        """
+        self._must_be_native()
+        if not isinstance(state, State) or state.signature != self.world.signature:
+            raise InputError(
+                "set_state: the state is of another simulator; expected one with the same people "
+                f"and things: {', '.join(self.names)}"
+            )
+        world = self.world
+        if state.held != world.held:
+            world = running().rebuilt(world, world.scene, False, state.held)
+        try:
+            world.stepper.load(np.frombuffer(state.numbers))
+        except ValueError as error:
+            raise InputError(f"set_state: {error}; expected one that get_state gave") from None
+        self.world = world
+        self._axes = state.axes
+        self._firmness = self.world.firmness_of(self.world.stepper.stiffness())
+        self._started = True
+
+    def velocity(self, name: str) -> tuple[Array, Array]:
+        """An object's velocity (3,) [m/s] of its origin and angular (3,) [rad/s], in the world."""
+        self._must_run("velocity")
+        return running().velocity(self.world, name)
+
+    def set_velocity(
+        self, name: str, velocity: ArrayLike, angular_velocity: ArrayLike | None = None
+    ) -> None:
+        """Give an object a velocity; what is asleep wakes.
+
+        Args:
+            name: Of an object.
+            velocity: Of its origin (3,), in the world [m/s].
+            angular_velocity: In the world (3,) [rad/s]; None: as it is.
+
+        Raises:
+            InputError: Before `reset`, another name, something that moves on a trajectory, or
+                what is no vector.
+        """
+        self._must_run("set_velocity")
+        running().set_velocity(self.world, name, velocity, angular_velocity)
+
+    def apply_impulse(
+        self,
+        name: str,
+        impulse: ArrayLike,
+        point: ArrayLike | None = None,
+        angular: ArrayLike | None = None,
+    ) -> None:
+        """Push an object, now: its velocities change at once; what is asleep wakes.
+
+        Args:
+            name: Of an object.
+            impulse: In the world (3,) [N s].
+            point: Where in the world it acts (3,) [m]; None: at the centre of mass.
+            angular: A turning impulse besides, in the world (3,) [N m s].
+
+        Raises:
+            InputError: As for `set_velocity`.
+        """
+        self._must_run("apply_impulse")
+        running().apply_impulse(self.world, name, impulse, point, angular)
+
+    def add_object(self, name: str, shape: Any, **options: Any) -> None:
+        """Bring in an object, where and as fast as its options say; all else goes on.
+
+        Arguments are those of `Scene.add_object`. The simulator's scene is one of its own from
+        then on (the one it was made with stays as it is), `names` has the new name, and states
+        from before do not fit any more.
+
+        Raises:
+            InputError: As `Scene.add_object` does. FileError: A mesh file that cannot be used.
+        """
+        scene = self.world.scene._copied()
+        scene.add_object(name, shape, **options)
+        self.world = running().rebuilt(self.world, scene, self._started)
+
+    def remove_object(self, name: str) -> None:
+        """Take an object away; all else goes on. See `add_object`.
+
+        Raises:
+            InputError: There is none of this name.
+        """
+        running().removable(self.world, name)
+        scene = self.world.scene._copied(without=name)
+        self.world = running().rebuilt(self.world, scene, self._started)
+
+    def attach(self, name: str, part: str = "right_wrist", person: int = 0) -> None:
+        """Tie an object to a part of a person, where it is at this moment.
+
+        From then on it moves with the part as one rigid body: the part has its mass and inertia,
+        and what it meets acts on the person. It meets everything but its holder and what the same
+        person holds. It takes over the part's velocity; what is asleep wakes. `reset` lets go.
+
+        Args:
+            name: Of an object.
+            part: Name of a joint; `"right_wrist"` is the right hand.
+            person: Index of who holds it.
+
+        Raises:
+            InputError: Before `reset`; another name, part or person; something held already, on a
+                trajectory or articulated; a mode other than "velocity", internal forces or joint
+                damping.
+        """
+        self._must_run("attach")
+        if self.settings.mode in FORCED:
+            raise InputError(
+                f"attach: with Settings.mode={self.settings.mode!r} the person's pose is set, and "
+                "nothing hangs on it; expected another mode, such as 'velocity'"
+            )
+        held = running().holding.with_held(self.world, name, part, person)
+        self.world = running().rebuilt(self.world, self.world.scene, True, held)
+
+    def release(self, name: str) -> None:
+        """Let go of what `attach` tied: a free object again, with the velocity that it has.
+
+        Raises:
+            InputError: Before `reset`, another name, or something that nobody holds.
+        """
+        self._must_run("release")
+        held = running().holding.without_held(self.world, name)
+        self.world = running().rebuilt(self.world, self.world.scene, True, held)
+
+    @property
+    def held(self) -> Mapping[str, tuple[int, str]]:
+        """Name of what is held -> index of the person and name of the part."""
+        return {name: (hold.person, hold.part) for name, hold in self.world.held.items()}
+
+    def ray(
+        self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
+    ) -> Hit | None:
+        """What a ray from `origin` (3,) [m] along `direction` (3,) meets first now; None: nothing.
+
+        Like `Scene.ray`, with the objects where they are and the people's skin. `ignore`: names to
+        pass through, as in `names`.
+
+        Raises:
+            InputError: Before `reset`, no vector, a direction of no length, an unknown name.
+        """
+        self._must_run("ray")
+        return running().ray(self.world, self._axes, origin, direction, ignore)
+
+    # -- inside ----------------------------------------------------------------------------
+
+    def _must_run(self, what: str) -> None:
+        if not self._started:
+            raise InputError(f"{what}: the simulator has no pose yet; call reset(pose) first")
+
+    def _must_be_native(self) -> None:
+        if self.settings.mode in ENGINE_MODES:
+            raise InputError(
+                f"Settings.mode is {self.settings.mode!r}, which follows whole motions only; "
+                "expected another mode here. Use halfphysics.simulate"
+            )
+
+    def _checked(self, pose: Pose | Sequence[Pose]) -> list[Pose]:
+        poses = several(pose)
+        if len(poses) != len(self.world.people) or not all(isinstance(p, Pose) for p in poses):
+            found = ", ".join(type(p).__name__ for p in poses) or "none"
+            raise InputError(
+                f"pose: found {found}; expected one halfphysics.Pose per person, "
+                f"{len(self.world.people)} in all (motion[i] gives one)"
+            )
+        return poses
+
+    def _frame(self, substeps: Array, poses: list[Pose], moved: bool = True) -> Frame:
+        stepper = self.world.stepper
+        numbers = stepper.diagnostics() if moved else {"lost_time": 0.0}
+        return Frame(
+            clearance=stepper.clearance(),
+            lost_time=numbers.pop("lost_time"),
+            diagnostics=numbers,
+            substeps=substeps,
+            _world=self.world,
+            _qpos=stepper.qpos(),
+            _axes=self._axes,
+            _set=tuple(poses) if self.settings.mode in FORCED else None,
+            _touches=stepper.touches(),
+            _inside=stepper.inside(),
+            _torques=stepper.torques() if moved else np.zeros((0, 3)),
+        )
+
+
+def running() -> Any:
+    """The module, when it is needed: imports stay quick."""
+    from halfphysics.simulation import live_edits as module
+
+    return module
+
+
+def _positive(name: str, value: float) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not (math.isfinite(number) and number > 0.0):
+        raise InputError(f"{name}: found {value!r}, expected a positive number")
+    return number
+
+
+def several(value: T | Sequence[T]) -> list[T]:
+    """One thing, or a list or tuple of them, as a list."""
+    return list(value) if isinstance(value, list | tuple) else [cast(T, value)]

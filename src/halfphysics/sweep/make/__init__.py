@@ -1,0 +1,1 @@
+"""One variant: its scene and motion, its simulation, its sample."""

@@ -1,0 +1,242 @@
+"""The card of a sample: what it was made from, whether all went well, and what happened in it.
+
+Plain JSON values, the same for the same simulation on every machine: no time of day, no folder of
+a machine, no number that is not finite (null stands for those).
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.sweep.store.provenance import versions
+
+if TYPE_CHECKING:
+    from halfphysics.labels.events import Events
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import PersonResult, Result
+    from halfphysics.settings import Settings
+    from halfphysics.sweep.plan.plan import Plan
+    from halfphysics.sweep.plan.variants import Variant
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: Of the card's own layout.
+VERSION = 1
+#: What a simulation has to be to be a success, see `checks`.
+CHECKS = ("whole", "finite", "clear", "in_time")
+
+
+class Made(Protocol):
+    """What the card asks of a variant that was made ready (`vary.Ready`)."""
+
+    @property
+    def motions(self) -> tuple[Motion, ...]:
+        """What each person was asked to do."""
+
+    @property
+    def settings(self) -> Settings:
+        """How it was simulated."""
+
+    @property
+    def sources(self) -> tuple[Mapping[str, str], ...]:
+        """ "path" and "sha256" of every file that was read."""
+
+
+class Labelled(Protocol):
+    """What the card asks of the labels (`labels.ContactLabels`)."""
+
+    @property
+    def threshold_m(self) -> float:
+        """Up to how far apart things touch [m]."""
+
+
+@dataclass(frozen=True)
+class Checks:
+    """Whether a simulation went well; all four are a success.
+
+    Attributes:
+        whole: As many frames came back as were asked for.
+        finite: Every number of people, objects and contacts is one.
+        clear: Nobody and nothing is ever inside something again once nothing is: from the first
+            frame where nothing starts inside something, else from the frame in which all are
+            out. Who never gets out fails.
+        in_time: No blocked step had to be shortened.
+    """
+
+    whole: bool
+    finite: bool
+    clear: bool
+    in_time: bool
+
+    @property
+    def failed(self) -> list[str]:
+        """Names of those that do not hold."""
+        return [name for name in CHECKS if not getattr(self, name)]
+
+
+def checks(result: Result, motions: Iterable[Motion]) -> Checks:
+    """Whether a simulation went well; see docs/sweeps.md.
+
+    Args:
+        result: What came back.
+        motions: What each person was asked to do.
+    """
+    asked = [len(motion) for motion in motions]
+    return Checks(
+        whole=[len(person.motion) for person in result.people] == asked,
+        finite=_finite(result),
+        clear=_stays_clear(result),
+        in_time=not result.lost_time.any(),
+    )
+
+
+def _finite(result: Result) -> bool:
+    arrays = [
+        *(a for p in result.people for a in (p.motion.translation, p.motion.rotations)),
+        *(a for t in result.objects.values() for a in (t.position, t.quaternion)),
+        *result.joints.values(),
+        *(getattr(result.contacts, name) for name in ("position", "normal", "impulse")),
+        result.lost_time,
+    ]
+    return all(bool(np.isfinite(array).all()) for array in arrays)
+
+
+def _stays_clear(result: Result) -> bool:
+    clear = result.clearance >= 0.0
+    clear[result.inside.frame] = False
+    return bool(clear.any() and clear[clear.argmax() :].all())
+
+
+def card_of(
+    plan: Plan, variant: Variant, ready: Made, result: Result, labels: Labelled, events: Events
+) -> dict[str, Any]:
+    """The card of one sample.
+
+    Args:
+        plan: The sweep's.
+        variant: Which simulation it was.
+        ready: What it was made from.
+        result: What came of it.
+        labels: Its contact labels.
+        events: Its holds, slips and drops.
+
+    Returns:
+        JSON values; docs/sweeps.md says what each is.
+    """
+    found = checks(result, ready.motions)
+    local, everywhere = _deviation(result.people)
+    contacts, slips = result.contacts, events.slips
+    strength = contacts.strength
+    by_people = contacts.person >= 0
+    reach = result.settings.clearance_range
+    statics = len(result.names) - len(result.objects) - len(result.people)
+    objects = {name: _travel(result, name) for name in result.objects}
+    return {
+        "card": VERSION,
+        # What it was made from.
+        "number": variant.number,
+        "plan": plan.identity,
+        "seed": plan.seed,
+        "input": variant.input.name,
+        "body": variant.body.name,
+        "scene": variant.scene.name,
+        "factors": plain(variant.factors),
+        "settings": plain(ready.settings),
+        "sources": [_source(source, variant, plan.base) for source in ready.sources],
+        "versions": versions(),
+        # Whether it went well.
+        "success": not found.failed,
+        "checks": plain(found),
+        "frames": len(result),
+        "fps": result.fps,
+        "seconds": (len(result) - 1) / result.fps,
+        "lost_time": _number(result.lost_time.sum()),
+        "clearance_min": _number(np.minimum(result.clearance, reach).min()) if statics else reach,
+        "started_inside": int(np.count_nonzero(result.inside.frame == 0)),
+        "joint_error_mean_mm": _number(1000.0 * everywhere.mean()),
+        "joint_error_max_mm": _number(1000.0 * everywhere.max()),
+        "pose_error_mean_mm": _number(1000.0 * local.mean()),
+        # What happened.
+        "contacts": int(np.count_nonzero(strength)),
+        "threshold_m": float(labels.threshold_m),
+        "impulse": _number(strength[by_people].sum()),
+        "force_max": _number(strength[by_people].max(initial=0.0) * result.fps),
+        "holds": len(events.holds),
+        "held_seconds": sum(hold.end - hold.start for hold in events.holds),
+        "lost_grasps": events.lost,
+        "slips": len(slips),
+        "slid": sum(slip.distance for slip in slips),
+        "drops": len(events.drops),
+        "objects": objects,
+        "travel_max": max((its["travel"] or 0.0 for its in objects.values()), default=0.0),
+        "events": events.document(),
+    }
+
+
+def _deviation(people: Iterable[PersonResult]) -> tuple[Array, Array]:
+    """Distances of all joints from the reference [m]: as seen from the pelvis, and in the world."""
+    pairs = [person.joint_errors() for person in people]
+    return np.stack([p[0] for p in pairs]), np.stack([p[1] for p in pairs])
+
+
+def _travel(result: Result, name: str) -> dict[str, float | None]:
+    """How far an object moved: along its way, from its start at most [m], turned at most [rad]."""
+    track = result.objects[name]
+    turns = rot.normalize(track.quaternion)
+    turned = np.linalg.norm(rot.log(rot.multiply(rot.conjugate(turns[0]), turns)), axis=1)
+    away = np.linalg.norm(track.position - track.position[0], axis=1)
+    return {
+        "travel": _number(np.linalg.norm(np.diff(track.position, axis=0), axis=1).sum()),
+        "away_max": _number(away.max()),
+        "turn_max": _number(turned.max()),
+    }
+
+
+def _source(source: Mapping[str, str], variant: Variant, base: Path) -> dict[str, str]:
+    """A file that was read: its path as the plan has it, or its name where the plan has none."""
+    path = os.path.abspath(os.path.join(base, source["path"]))
+    said = {
+        os.path.abspath(where): name
+        for where, name in (
+            (variant.input.path, variant.input.name),
+            (variant.scene.path, variant.scene.file),
+            (variant.body.path, variant.body.model),
+        )
+        if where is not None and name is not None
+    }
+    name = said.get(path, os.path.basename(path))
+    # The folder may be a link, and a path may have been followed to where it is.
+    for root in (os.path.abspath(base), os.path.realpath(base)):
+        if path not in said and Path(path).is_relative_to(root):
+            name = Path(path).relative_to(root).as_posix()
+    return {"path": name, "sha256": source["sha256"]}
+
+
+def plain(value: Any) -> Any:
+    """Dataclasses, mappings, paths and numpy's numbers as what JSON has."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): plain(its) for key, its in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    if isinstance(value, np.generic | np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, Path):
+        return value.as_posix()
+    return _number(value) if isinstance(value, float) else value
+
+
+def _number(value: float | np.floating[Any]) -> float | None:
+    """A number for JSON, which has none that are not finite."""
+    return float(value) if math.isfinite(value) else None

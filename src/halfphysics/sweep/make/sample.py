@@ -1,0 +1,111 @@
+"""A sample: the files that a simulation leaves in a data set, as InterAct and GRAB name them.
+
+The first person and the first object have no number, others are ``human.1.npz``, ``object.1.npz``
+and so on, in the order of `Result.people` and `Result.objects`. docs/sweeps.md says what is in
+each file. World z-up, metres, radians, newtons, seconds; everything is in one world.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.base.npz_bytes import npz_bytes
+from halfphysics.motion.skeleton import SMPLH_JOINTS
+from halfphysics.sweep.store.documents import text_of
+
+if TYPE_CHECKING:
+    from halfphysics.results.result import PersonResult, Result
+
+Fields = dict[str, NDArray[Any]]
+_JAW, _EYES = 22, (23, 24)
+
+
+class Labels(Protocol):
+    """What is known of the contacts (`labels.ContactLabels`)."""
+
+    def arrays(self) -> Mapping[str, NDArray[Any]]:
+        """The arrays of ``contact.npz``."""
+
+
+def files_of(
+    result: Result, labels: Labels, card: Mapping[str, Any], *, whole: bool = False
+) -> dict[str, bytes]:
+    """The files of a sample by name; the same values give the same bytes.
+
+    Motions are float64: as float32 a place ten metres away is known to 0.5 micrometres only, and
+    what is verified bit by bit could not be simulated on from.
+
+    Args:
+        result: Of the simulation.
+        labels: Its contact labels.
+        card: What the simulation was made from, JSON values.
+        whole: Also ``result.npz``, the result file (`Result.save`).
+    """
+    files = {"card.json": text_of(card).encode() + b"\n"}
+    for index, person in enumerate(result.people):
+        files[_numbered("human", index)] = npz_bytes(human(person))
+    for index, name in enumerate(result.objects):
+        files[_numbered("object", index)] = npz_bytes(thing(result, name))
+    files["contact.npz"] = npz_bytes(labels.arrays())
+    if whole:
+        from halfphysics.formats.results.result_file import result_fields
+
+        files["result.npz"] = npz_bytes(result_fields(result))
+    return files
+
+
+def _numbered(name: str, index: int) -> str:
+    return f"{name}.npz" if index == 0 else f"{name}.{index}.npz"
+
+
+def human(person: PersonResult) -> Fields:
+    """The arrays of ``human.npz``: the corrected motion, with the shape that was simulated.
+
+    ``poses`` (T, 156) is root, body, left hand, right hand, as in all of InterAct and in AMASS's
+    SMPL-H files; hands are bent from flat. ``pose_jaw`` (T, 3) and ``pose_eye`` (T, 6) are the
+    rest. The pelvis is at the model's own, for these betas, plus ``trans`` (T, 3).
+    """
+    body, motion = person.body, person.motion.rebased(person.body)
+    gender = motion.gender if body.gender == "unknown" else body.gender
+    frames, turned = len(motion), motion.rotations
+    return {
+        "poses": turned[:, list(SMPLH_JOINTS)].reshape(frames, -1),
+        "betas": body.betas,
+        "trans": motion.translation,
+        "gender": np.array(gender),
+        "pose_jaw": turned[:, _JAW],
+        "pose_eye": turned[:, list(_EYES)].reshape(frames, -1),
+        "fps": np.array(motion.fps),
+        "surface_model_type": np.array(motion.model),
+        "body_model": np.array(body.model),
+    }
+
+
+def thing(result: Result, name: str) -> Fields:
+    """The arrays of ``object.npz``: ``angles`` (T, 3) axis-angle, ``trans`` (T, 3), ``name``.
+
+    A link of an articulated object has besides ``arti``, the values of all its joints that have
+    one number [rad or m]: (T,) for one joint, (T, n) for several, with their names in ``joints``.
+    """
+    track = result.objects[name]
+    fields = {
+        "angles": rot.log(track.quaternion),
+        "trans": track.position,
+        "name": np.array(name),
+    }
+    owner = name.rpartition("/")[0]
+    values = {
+        key: value
+        for key, value in result.joints.items()
+        if owner and key.rpartition("/")[0] == owner and value.ndim == 1
+    }
+    if values:
+        columns = np.stack(list(values.values()), axis=1)
+        fields["arti"] = columns[:, 0] if len(values) == 1 else columns
+        fields["joints"] = np.array(list(values))
+    return fields

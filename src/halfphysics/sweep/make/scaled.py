@@ -1,0 +1,118 @@
+"""Shapes and things in another size, about their own origin; pieces are scaled, never cut again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.errors import InputError
+from halfphysics.geometry.colliders import convex_collider
+from halfphysics.geometry.convex_decomposition import Cut, Decomposition
+from halfphysics.geometry.mesh import Mesh, MeshSource
+from halfphysics.geometry.shape_base import Shape
+from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
+from halfphysics.scene.items import Object, Static, fixed
+from halfphysics.scene.trajectories import Moving
+
+Array = NDArray[np.float64]
+
+
+def scaled_shape(shape: Shape, factor: float) -> Shape:
+    """A shape `factor` times as large about its own origin; a plane has no size and stays."""
+    if isinstance(shape, Mesh):
+        return Mesh(factor * shape.vertices, shape.faces)
+    if isinstance(shape, Box):
+        return Box([factor * s for s in shape.size])
+    if isinstance(shape, Sphere):
+        return Sphere(factor * shape.radius)
+    if isinstance(shape, Capsule | Cylinder):
+        return type(shape)(factor * shape.radius, factor * shape.length)
+    if isinstance(shape, Plane):
+        return shape
+    raise InputError(
+        f"scale: found a {type(shape).__name__}, expected a Box, Sphere, Capsule, Cylinder or Mesh"
+    )
+
+
+def scaled_static(static: Static, factor: float) -> Static:
+    """A static `factor` times as large, its frame where it was."""
+    return replace(
+        static,
+        shape=scaled_shape(static.shape, factor),
+        source=_scaled_source(static.source, factor),
+    )
+
+
+def scaled_object(thing: Object, factor: float) -> Object:
+    """An object `factor` times as large, its frame where it was.
+
+    Its mass stays, its centre of mass moves with the size, its inertia grows with the square.
+    How far its pieces are off its mesh, and the threshold that was asked for, grow too.
+    """
+    made: dict[int, Any] = {}
+
+    def scaled(shape: Any) -> Any:
+        # The piece that an object touches by may be its shape: they stay one.
+        if shape is not None and id(shape) not in made:
+            made[id(shape)] = scaled_shape(shape, factor)
+        return made.get(id(shape))
+
+    decomposition = thing.decomposition
+    if decomposition is not None:
+        decomposition = Decomposition(
+            pieces=tuple(scaled(piece) for piece in decomposition.pieces),
+            outside_mm=factor * decomposition.outside_mm,
+            inside_mm=factor * decomposition.inside_mm,
+            volume_percent=decomposition.volume_percent,
+        )
+    large = replace(
+        thing,
+        shape=scaled(thing.shape),
+        visual=scaled(thing.visual),
+        source=_scaled_source(thing.source, factor),
+        decomposition=decomposition,
+        cut=_scaled_cut(thing.cut, factor),
+    )
+    if isinstance(thing, Moving):
+        return large
+    even = np.array_equal(thing.com, thing.filling.centre)
+    com = large.filling.centre if even else factor * thing.com
+    return weighing(replace(large, com=fixed(com)), thing.mass)
+
+
+def weighing(thing: Object, mass: float) -> Object:
+    """An object of another mass [kg], evenly filled as before: its inertia goes along."""
+    return replace(thing, mass=mass, inertia=fixed(mass * thing.filling.unit_inertia()))
+
+
+def lowest(thing: Static | Object) -> float:
+    """How far the lowest point of what touches is above a thing's origin [m]; a plane: -inf."""
+    pieces = thing.pieces if isinstance(thing, Object) else (thing.shape,)
+    up = rot.to_matrix(thing.quaternion)[2]  # of its axes in the world
+    return min(_lowest(shape, up) for shape in pieces)
+
+
+def _lowest(shape: Shape, up: Array) -> float:
+    if isinstance(shape, Plane):
+        return -np.inf
+    if isinstance(shape, Mesh):
+        return float((shape.vertices @ up).min())
+    collider = convex_collider(shape)
+    disc = float(np.linalg.norm(collider.rim))
+    tilt = 0.0
+    if disc > 0.0:
+        along = float(collider.rim @ up) / disc
+        tilt = disc * float(np.sqrt(max(0.0, 1.0 - along * along)))
+    return float((collider.vertices @ up).min()) - collider.radius - tilt
+
+
+def _scaled_source(source: MeshSource | None, factor: float) -> MeshSource | None:
+    return None if source is None else replace(source, scale=factor * source.scale)
+
+
+def _scaled_cut(cut: Cut, factor: float) -> Cut:
+    return cut if cut.pieces == "given" else replace(cut, threshold=factor * cut.threshold)

@@ -1,0 +1,109 @@
+"""What stands on what in a scene: so that what is raised carries what stands on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.shapes import Plane
+from halfphysics.scene.articulated import Articulated, start_poses
+from halfphysics.scene.items import Object, Static
+from halfphysics.scene.scene import Scene
+from halfphysics.scene.trajectories import Moving
+from halfphysics.sweep.make.scaled import lowest
+
+Array = NDArray[np.float64]
+
+#: What is no farther than this above something [m], or below its surface, stands on it.
+NEAR = 0.02
+
+
+@dataclass(frozen=True)
+class Support:
+    """What something stands on.
+
+    Attributes:
+        name: Of the static or object beneath.
+        height: Of its surface there over its lowest point [m]; 0 on a plane.
+    """
+
+    name: str
+    height: float
+
+
+@dataclass(frozen=True)
+class _Extent:
+    """Where something is: its bounding box in the world, `low` and `high` (3,) [m]."""
+
+    low: Array
+    high: Array
+
+    @property
+    def middle(self) -> Array:
+        return 0.5 * (self.low + self.high)
+
+
+def supports(scene: Scene) -> dict[str, Support]:
+    """Of everything that stands on a static or an object: on which.
+
+    It is the first thing straight below the middle of its bounding box, within `NEAR` of its lowest
+    point; if there is none, the first whose top is as near and whose own middle is below it (a leg
+    of a table top). Things that move as told stand on nothing; nothing stands on an articulated
+    object.
+    """
+    things: dict[str, Static | Object] = {**scene.statics, **scene.objects}
+    extents = {
+        name: _extent(rot.rotate(thing.quaternion, thing.mesh()[0]) + thing.position, thing)
+        for name, thing in things.items()
+        if not isinstance(thing.shape, Plane)
+    }
+    found = {
+        name: _beneath(scene, extents, extent, name)
+        for name, extent in extents.items()
+        if not isinstance(things[name], Moving)
+    }
+    for name, jointed in scene.articulated.items():
+        vertices = _vertices(jointed)
+        if len(vertices):
+            extent = _Extent(vertices.min(axis=0), vertices.max(axis=0))
+            found[name] = _beneath(scene, extents, extent, name)
+    return {name: support for name, support in found.items() if support is not None}
+
+
+def _beneath(
+    scene: Scene, extents: Mapping[str, _Extent], mine: _Extent, name: str
+) -> Support | None:
+    bottom = float(mine.low[2])
+    # Only what reaches lower can carry: no two things carry each other.
+    above = [n for n, other in extents.items() if n == name or other.low[2] >= bottom]
+    start = (mine.middle[0], mine.middle[1], bottom + NEAR)
+    hit = scene.ray(start, (0.0, 0.0, -1.0), ignore=above)
+    if hit is not None and hit.distance <= 2.0 * NEAR:
+        plane = hit.name not in extents
+        foot = hit.position[2] if plane else extents[hit.name].low[2]
+        return Support(hit.name, float(hit.position[2] - foot))
+    for other, its in extents.items():
+        under = (np.abs(its.middle - mine.middle) <= 0.5 * (mine.high - mine.low))[:2].all()
+        if other not in above and under and abs(its.high[2] - bottom) <= NEAR:
+            return Support(other, float(its.high[2] - its.low[2]))
+    return None
+
+
+def _extent(vertices: Array, thing: Static | Object) -> _Extent:
+    """Of what touches; its lowest point to the last digit, which triangles of round shapes miss."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low[2] = thing.position[2] + lowest(thing)
+    return _Extent(low, high)
+
+
+def _vertices(thing: Articulated) -> Array:
+    """Vertices (n, 3) [m] of all that touches, in the world, where it starts."""
+    placed = [
+        rot.rotate(quaternion, link.mesh()[0]) + position
+        for link, (position, quaternion) in zip(thing.links, start_poses(thing), strict=True)
+    ]
+    return np.concatenate(placed or [np.zeros((0, 3))])

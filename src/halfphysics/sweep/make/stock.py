@@ -1,0 +1,276 @@
+"""What variants are made from: clips, bodies and scenes, read once and kept for the neighbours.
+
+Neighbouring variants share them, so the last few are kept and no more. Everything kept follows
+from its key alone: what was asked for before changes nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from halfphysics.base.digests import sha256_of
+from halfphysics.errors import FileError, InputError
+from halfphysics.formats.datasets.assets import noted
+from halfphysics.formats.inputs import betas_for, furnished, model_for
+from halfphysics.sweep.make.kept import Kept
+from halfphysics.sweep.make.motion_factors import recorded_in_step, retimed
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.body.shape_space import ShapeSpace
+    from halfphysics.body.shape_space import Source as ModelSource
+    from halfphysics.geometry.mesh import MeshSource
+    from halfphysics.motion.motion import Motion
+    from halfphysics.scene.scene import Scene
+    from halfphysics.simulation.sequence import Sequence as Clip
+    from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
+    from halfphysics.sweep.plan.inputs import Input
+
+#: A file that was read: its absolute "path", and "sha256" of its content.
+Source: TypeAlias = dict[str, str]
+
+#: How many of each are kept. A body is some megabytes, a clip or a scene may be tens of them.
+CLIPS, MODELS, BODIES, SCENES, DIGESTS = 2, 2, 4, 3, 10_000
+
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """A clip, and the files that it was read from."""
+
+    clip: Clip
+    sources: tuple[Source, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Furnished:
+    """A scene as it is before any factor of things, and the files that it was read from."""
+
+    scene: Scene
+    sources: tuple[Source, ...]
+
+
+class Stock:
+    """Clips, body models, bodies, clips on the ground and scenes: the last few of each."""
+
+    def __init__(self) -> None:
+        self._digests: Kept[str] = Kept(DIGESTS)
+        # Where a key has the id of something, that something is kept beside the value: no id is
+        # taken again while its key is there.
+        self._clips: Kept[tuple[Any, Loaded]] = Kept(CLIPS)
+        self._models: Kept[ShapeSpace] = Kept(MODELS)
+        self._bodies: Kept[Body] = Kept(BODIES)
+        self._grounded: Kept[tuple[Any, tuple[Motion, ...]]] = Kept(BODIES)
+        self._timed: Kept[tuple[Any, tuple[Motion, ...]]] = Kept(BODIES)
+        self._scenes: Kept[tuple[Any, Furnished]] = Kept(SCENES)
+
+    def clip(self, input: Input, options: Mapping[str, Any], body: Body | None) -> Loaded:
+        """The clip in a file, or a scenario.
+
+        Args:
+            input: Which one.
+            options: Of a scenario, besides its input's own.
+            body: Of a scenario; None: its own.
+        """
+        if input.kind == "file":
+            key: Hashable = ("file", str(input.path), _key(input.options))
+            return self._clips.get(key, lambda: (None, self._read(input)))[1]
+
+        def make() -> tuple[Any, Loaded]:
+            from halfphysics import scenarios
+
+            given = {} if body is None else {"body": body}
+            chosen = {**input.options, **options, **given}
+            return body, Loaded(scenarios.load(input.name, **chosen), ())
+
+        key = ("scenario", input.name, _key(input.options), _key(options), id(body))
+        return self._clips.get(key, make)[1]
+
+    def body(
+        self,
+        choice: BodyChoice,
+        motion: Motion | None,
+        shape: Mapping[str, float],
+        own: Body | None,
+    ) -> Body:
+        """The body chosen, with the shape that factors give it.
+
+        Args:
+            choice: Which one.
+            motion: Whose betas it has, where they are its model's; None: of a scenario.
+            shape: Factors of the body by what they say: "stature" [m], "betas.K".
+            own: The body that the clip brings, if it does.
+
+        Raises:
+            InputError: A shape that the body cannot have.
+        """
+        asked = choice.model is not None or choice.stature is not None or bool(shape)
+        if own is not None and not asked:
+            return own
+        betas = {int(k.removeprefix("betas.")): v for k, v in shape.items() if k != "stature"}
+        stature = shape.get("stature", choice.stature)
+        if choice.model is None and own is not None and own.source and stature is None:
+            return self._reshaped(own, own.source, betas)
+        if choice.model is None:
+            key: Hashable = ("default", _key(betas), stature)
+            return self._bodies.get(key, lambda: _default(betas, stature))
+        if "stature" in shape:
+            raise InputError(
+                f"body.stature: is for the default body, found it with the model {choice.model}, "
+                "whose shape comes from betas. Leave it out, or vary body.betas.K"
+            )
+        return self._modelled(choice, motion, betas)
+
+    def _reshaped(self, own: Body, source: ModelSource, betas: Mapping[int, float]) -> Body:
+        """A body that a data set brings, with other shape numbers on its subject's template."""
+        from halfphysics.body.body import Body
+
+        template = own.template_source
+
+        def make() -> Body:
+            return Body.load(
+                source.path,
+                betas=_with_betas(own.betas, betas, "subject's body"),
+                gender=own.gender,
+                v_template=None if template is None else template.path,
+            )
+
+        return self._bodies.get((source, template, own.betas.tobytes(), _key(betas)), make)
+
+    def _modelled(
+        self, choice: BodyChoice, motion: Motion | None, betas: Mapping[int, float]
+    ) -> Body:
+        from halfphysics.body.body import Body
+        from halfphysics.body.model_files import read_model
+
+        path = choice.path or Path(choice.model or "")
+
+        def read(path: Any, **which: Any) -> ShapeSpace:
+            return self._models.get((str(path), _key(which)), lambda: read_model(path, **which))
+
+        if motion is None:
+            # A scenario is anybody's: its people follow the body.
+            space = read(path, gender="neutral" if path.is_dir() else None)
+            given = None
+        else:
+            space = model_for(motion, path, read)
+            given = betas_for(motion, space)
+        full = space.betas(given, stacklevel=3)
+        full = _with_betas(full, betas, choice.name)
+        key = (str(path), space.model, space.gender, full.tobytes())
+        return self._bodies.get(key, lambda: Body.shaped(space, full))
+
+    def grounded(self, loaded: Loaded, bodies: tuple[Body, ...]) -> tuple[Motion, ...]:
+        """The clip's motions, each with its lowest skin vertex at z = 0."""
+
+        def make() -> tuple[Any, tuple[Motion, ...]]:
+            pairs = zip(loaded.clip.motions, bodies, strict=True)
+            return (loaded, bodies), tuple(motion.grounded(body) for motion, body in pairs)
+
+        return self._grounded.get((id(loaded), *map(id, bodies)), make)[1]
+
+    def timed(self, motions: tuple[Motion, ...], timing: Mapping[str, float]) -> tuple[Motion, ...]:
+        """Motions at the speed and frame rate that factors say (`motion_factors.retimed`)."""
+        speed, fps = timing.get("speed", 1.0), timing.get("fps")
+        if speed == 1.0 and fps is None:
+            return motions
+        key = (*map(id, motions), speed, fps)
+        return self._timed.get(key, lambda: (motions, retimed(motions, timing)))[1]
+
+    def scene(self, choice: SceneChoice, loaded: Loaded, ground: bool, speed: float) -> Furnished:
+        """The scene around a clip.
+
+        Args:
+            choice: A file, or what the clip brings.
+            loaded: The clip.
+            ground: Whether a floor at z = 0 is added, where there is no plane yet.
+            speed: How many times as fast what the clip recorded moves along its trajectories.
+        """
+
+        def make() -> tuple[Any, Furnished]:
+            own = loaded.clip.scene
+            own = own if speed == 1.0 else recorded_in_step(own, speed)
+            words = (f"scenes: {choice.name}:", "objects: none", "ground: false")
+            scene = furnished(own, choice.path or choice.file, (), (), ground, words=words)
+            return loaded, Furnished(scene, self._sources_of(scene, choice))
+
+        key = (str(choice.path or choice.file), id(loaded), ground, speed)
+        return self._scenes.get(key, make)[1]
+
+    def _read(self, input: Input) -> Loaded:
+        options, path = input.motion_options, Path(input.path or input.name)
+        with noted() as others:
+            clip = options.sequence(path)
+        if options.model is not None and Path(options.model).is_file():
+            others.append(Path(options.model))
+        # Meshes are named by the scene.
+        meshes = {Path(source.path) for source in _sources_in(clip.scene)}
+        left = [other for other in dict.fromkeys(others) if other.resolve() not in meshes]
+        return Loaded(clip, self._sources([path, *left]))
+
+    def _sources_of(self, scene: Scene, choice: SceneChoice) -> tuple[Source, ...]:
+        """The scene's file and those of its meshes and articulated things."""
+        file = choice.path or choice.file
+        return (
+            *self._sources([] if file is None else [Path(file)]),
+            *({"path": source.path, "sha256": source.sha256} for source in _sources_in(scene)),
+        )
+
+    def _sources(self, paths: Iterable[Path]) -> tuple[Source, ...]:
+        """Files by content; of a folder all that is in it."""
+        files: list[Path] = []
+        for path in paths:
+            inner = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+            files += [file.absolute() for file in inner]
+        return tuple({"path": str(file), "sha256": self._digest(file)} for file in files)
+
+    def _digest(self, file: Path) -> str:
+        """SHA-256 (hex) of a file, read again where it looks otherwise than before."""
+
+        try:
+            look = file.stat()
+            key = (str(file), look.st_size, look.st_mtime_ns)
+            return self._digests.get(key, lambda: sha256_of(file))
+        except OSError as error:
+            raise FileError(f"{file}: cannot be read: {error.strerror}") from None
+
+
+def _sources_in(scene: Scene) -> Iterable[MeshSource]:
+    """Where the meshes and articulated things of a scene came from."""
+    things: Iterable[Any] = (
+        *scene.statics.values(),
+        *scene.objects.values(),
+        *scene.articulated.values(),
+    )
+    return (thing.source for thing in things if thing.source is not None)
+
+
+def _default(betas: Mapping[int, float], stature: float | None) -> Body:
+    from halfphysics.body.body import Body
+
+    if not betas:
+        return Body.default(stature=stature)
+    full = _with_betas(Body.default().betas, betas, "default body")
+    return Body.default(full, stature=stature)
+
+
+def _with_betas(full: Any, betas: Mapping[int, float], name: str) -> Any:
+    """Shape numbers (n,) with some of them replaced."""
+    made = np.array(full, dtype=np.float64)
+    for k, value in betas.items():
+        if k >= len(made):
+            raise InputError(
+                f"body.betas.{k}: the {name} has {len(made)} shape numbers, betas.0 to "
+                f"betas.{len(made) - 1}"
+            )
+        made[k] = value
+    return made
+
+
+def _key(options: Mapping[Any, Any]) -> Hashable:
+    """Options as a key: the same for the same values, whatever their order."""
+    return tuple(sorted((str(name), repr(value)) for name, value in options.items()))

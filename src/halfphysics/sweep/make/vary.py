@@ -1,0 +1,181 @@
+"""From a variant to what `simulate` takes, and to its result.
+
+In this order: the input is read (or the scenario built), its body chosen and shaped, its motions
+put on the ground where the plan says so, played faster and sampled, turned and moved; its scene is
+furnished, then changed thing by thing. What neighbouring variants share is kept (`stock`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from halfphysics.body.body import check_match
+from halfphysics.errors import InputError
+from halfphysics.settings import Settings
+from halfphysics.simulation.simulate import follow
+from halfphysics.simulation.simulator import Simulator
+from halfphysics.simulation.world_cache import use_again
+from halfphysics.sweep.make.motion_factors import placed, said_of_motion
+from halfphysics.sweep.make.scene_factors import SceneFactors
+from halfphysics.sweep.make.stock import Loaded, Source, Stock
+from halfphysics.sweep.plan.factors import NOT_PLAIN, FactorName
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import Result
+    from halfphysics.scene.scene import Scene
+    from halfphysics.sweep.plan.plan import Plan
+    from halfphysics.sweep.plan.variants import Variant
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ready:
+    """What `simulate` takes, for one variant.
+
+    Attributes:
+        motions: What each person wants to do.
+        scene: What stands and lies around.
+        bodies: Of each person.
+        settings: How to simulate it.
+        sources: Of every file read (motion, scene, meshes, models): its absolute "path", and
+            "sha256" of its content.
+        allow_mismatch: As in `simulate`.
+    """
+
+    motions: tuple[Motion, ...]
+    scene: Scene
+    bodies: tuple[Body, ...]
+    settings: Settings
+    sources: tuple[Source, ...] = ()
+    allow_mismatch: bool = False
+
+
+class Workshop:
+    """Makes the variants of a plan and simulates them, one after the other.
+
+    What a variant comes to never depends on what was made before it.
+
+    Args:
+        plan: Its `settings` and `grounded` are the same for all variants.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._stock = Stock()
+        self._things = SceneFactors()
+        self._simulator: Simulator | None = None
+
+    def make(self, variant: Variant) -> Ready:
+        """What to simulate.
+
+        Raises:
+            InputError: A factor that this variant has nothing for, or an impossible value.
+            FileError: A file that cannot be used.
+        """
+        said = _by_group(variant.factors)
+        timing = said_of_motion(variant.factors)
+        loaded, bodies = self._people(variant, said)
+        clip = loaded.clip
+        motions = self._stock.grounded(loaded, bodies) if self._plan.grounded else clip.motions
+        motions = placed(self._stock.timed(motions, timing), bodies, timing)
+        around = self._stock.scene(
+            variant.scene, loaded, variant.input.ground, timing.get("speed", 1.0)
+        )
+        models = [source for body in bodies for source in (body.source, body.template_source)]
+        files = [
+            *loaded.sources,
+            *around.sources,
+            *({"path": str(s.path), "sha256": s.sha256} for s in models if s is not None),
+        ]
+        return Ready(
+            motions=motions,
+            scene=self._things.varied(around.scene, variant.factors),
+            bodies=bodies,
+            settings=_settings(clip.settings, self._plan.settings, said["settings"]),
+            sources=tuple({(s["path"], s["sha256"]): s for s in files}.values()),
+            allow_mismatch=variant.body.allow_mismatch,
+        )
+
+    def run(self, ready: Ready) -> Result:
+        """The result of `simulate`, to the last bit.
+
+        Where the neighbour before had the same people and shapes, its world is used
+        again: preparing one takes as long as a second of a motion that meets little.
+
+        Raises:
+            MismatchError: A body of another gender or model than the motion's.
+        """
+        for motion, body in zip(ready.motions, ready.bodies, strict=True):
+            check_match(motion, body, allow_mismatch=ready.allow_mismatch)
+        return follow(self._simulator_for(ready), ready.motions)
+
+    def _simulator_for(self, ready: Ready) -> Simulator:
+        last, fps = self._simulator, ready.motions[0].fps
+        if (
+            last is not None
+            and len(last.bodies) == len(ready.bodies)
+            and all(a is b for a, b in zip(last.bodies, ready.bodies, strict=True))
+            and use_again(last, ready.scene, ready.settings, fps)
+        ):
+            return last
+        # Forgotten first: two at a time would take twice the memory.
+        self._simulator = None
+        self._simulator = Simulator(
+            ready.scene, body=list(ready.bodies), settings=ready.settings, fps=fps
+        )
+        return self._simulator
+
+    def _people(
+        self, variant: Variant, said: Mapping[str, Mapping[str, Any]]
+    ) -> tuple[Loaded, tuple[Body, ...]]:
+        """The clip, and the body of each person in it."""
+        from halfphysics.body.body import Body
+
+        input, choice, shape = variant.input, variant.body, said["body"]
+        if input.kind == "file":
+            if said["scenario"]:
+                option = next(iter(said["scenario"]))
+                raise InputError(
+                    f"scenario.{option}: {input.name} is a file, which has no options to vary"
+                )
+            loaded = self._stock.clip(input, {}, None)
+            pairs = zip(loaded.clip.motions, loaded.clip.bodies, strict=True)
+            return loaded, tuple(self._stock.body(choice, m, shape, own) for m, own in pairs)
+        _check_options(input.name, said["scenario"])
+        asked = choice.model is not None or choice.stature is not None or bool(shape)
+        body = self._stock.body(choice, None, shape, None) if asked else None
+        loaded = self._stock.clip(input, said["scenario"], body)
+        return loaded, tuple(Body.default() if b is None else b for b in loaded.clip.bodies)
+
+
+def _by_group(factors: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Factors of the body, the scenario and the settings, by what they say."""
+    groups: dict[str, dict[str, Any]] = {"body": {}, "scenario": {}, "settings": {}}
+    for factor, value in factors.items():
+        name = FactorName.parse(factor)
+        if name.group in groups:
+            if name.bounds is not None:
+                name.bounds.check(factor, value)
+            groups[name.group][name.what] = value
+    return groups
+
+
+def _check_options(scenario: str, options: Iterable[str]) -> None:
+    from halfphysics import scenarios
+
+    known = [option for option in scenarios.options(scenario) if option not in NOT_PLAIN]
+    for option in options:
+        if option not in known:
+            raise InputError(
+                f"scenario.{option}: the scenario {scenario} has no such option, expected one of "
+                f"{', '.join(known)}"
+            )
+
+
+def _settings(base: Settings, plan: Mapping[str, Any], factors: Mapping[str, Any]) -> Settings:
+    """The clip's settings, with what the plan says instead, with what factors say instead."""
+    changes = {**plan, **factors}
+    return replace(base, **changes) if changes else base

@@ -1,0 +1,90 @@
+"""What a sweep writes: how contact is labelled, where results go and cut how."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from halfphysics.base.validation import number, shown
+from halfphysics.errors import InputError
+
+FORMATS = ("webdataset", "hdf5")
+#: Layouts of labels that data sets have at thresholds of their own.
+ALSO = ("behave", "omomo", "chois", "arctic")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Labels:
+    """How contact is labelled.
+
+    Attributes:
+        threshold: A vertex this near to a thing touches it [m]; None: clearance plus 1 mm.
+        also: Data sets whose labels are written too, at their own thresholds.
+    """
+
+    threshold: float | None = None
+    also: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.threshold is not None:
+            number(self.threshold, "threshold", above=0.0, unit="m")
+        object.__setattr__(self, "also", _names(self.also, "also", ALSO))
+
+    def document(self) -> dict[str, Any]:
+        """As plain data."""
+        return {"threshold": self.threshold, "also": list(self.also)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outputs:
+    """Where results go, and cut how.
+
+    Attributes:
+        folder: Relative to the plan's folder.
+        formats: "webdataset" (tar), "hdf5", or both.
+        variants_per_shard: Variants in a shard, rounded up to whole batches.
+        batch: Consecutive variants that are computed and written together.
+        results: Whether each sample also has the whole result (result.npz).
+    """
+
+    folder: str = "sweep"
+    formats: tuple[str, ...] = ("webdataset",)
+    variants_per_shard: int = 1000
+    batch: int = 8
+    results: bool = False
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.folder, str) or not self.folder:
+            raise InputError(f"folder: found {shown(self.folder)}, expected the path of a folder")
+        object.__setattr__(self, "formats", _names(self.formats, "formats", FORMATS))
+        if not self.formats:
+            raise InputError(f"formats: found none, expected {' or '.join(FORMATS)}, or both")
+        for name in ("variants_per_shard", "batch"):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+                raise InputError(
+                    f"{name}: found {shown(value)}, expected a whole number of at least 1"
+                )
+        if not isinstance(self.results, bool):
+            raise InputError(f"results: found {shown(self.results)}, expected true or false")
+
+    def document(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "folder": self.folder,
+            "formats": list(self.formats),
+            "variants_per_shard": self.variants_per_shard,
+            "batch": self.batch,
+            "results": self.results,
+        }
+
+
+def _names(value: Any, what: str, known: tuple[str, ...]) -> tuple[str, ...]:
+    """Some of the known names, each once, in the order in which they are known."""
+    names = (value,) if isinstance(value, str) else value
+    if not isinstance(names, list | tuple):
+        raise InputError(f"{what}: found {shown(value)}, expected a list of {', '.join(known)}")
+    for name in names:
+        if name not in known:
+            raise InputError(f"{what}: found {shown(name)}, expected some of {', '.join(known)}")
+    return tuple(name for name in known if name in names)

@@ -1,0 +1,177 @@
+"""Verifying a sweep: some of its samples are made again and compared bit by bit."""
+
+from __future__ import annotations
+
+import os
+import random
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import accumulate
+from pathlib import Path
+
+from halfphysics.base.validation import shown
+from halfphysics.errors import FileError, InputError
+from halfphysics.sweep.make.making import Maker, Sample
+from halfphysics.sweep.store.contents import DAMAGE
+from halfphysics.sweep.store.layout import INPUTS, PLAN, key_of
+from halfphysics.sweep.store.pieces import Piece, ranges_made
+from halfphysics.sweep.store.provenance import changed
+from halfphysics.sweep.store.sources import Sources
+
+#: So many variants are looked at for each one asked for, where filters leave most of them out.
+_TRIES = 100
+#: Differences that are told; there may be many more, and the first ones say enough.
+_TOLD = 20
+
+
+@dataclass(frozen=True)
+class Report:
+    """What verifying a sweep found.
+
+    Attributes:
+        equal: Samples that are equal bit by bit.
+        out: Variants without a sample that again have none.
+        differences: What differs, in words.
+        notes: What is worth knowing besides, such as another version of the program.
+    """
+
+    equal: int
+    out: int
+    differences: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """As lines of text."""
+        if not (self.equal or self.out or self.differences):
+            return "\n".join(["no sample to compare: none is there", *self.notes])
+        lines = [f"{self.equal} sample(s) made again are equal bit by bit"]
+        if self.out:
+            lines.append(f"{self.out} variant(s) without a sample again have none")
+        lines += self.notes
+        if self.differences:
+            lines.append(f"{len(self.differences)} difference(s):")
+            lines += [f"  {text}" for text in self.differences[:_TOLD]]
+            if len(self.differences) > _TOLD:
+                lines.append(f"  and {len(self.differences) - _TOLD} more")
+        return "\n".join(lines)
+
+
+def verify(
+    folder: str | os.PathLike[str],
+    count: int = 10,
+    seed: int = 0,
+    progress: Callable[[int], None] | None = None,
+) -> Report:
+    """Make some samples of a sweep again, and compare them with what is stored, bit by bit.
+
+    The files that they are in are compared with their SHA-256 as well, and the inputs with theirs.
+    Variants that failed are not tried again.
+
+    Args:
+        folder: Of the sweep, finished or not.
+        count: How many samples; all where there are fewer.
+        seed: Which ones.
+        progress: Told after each sample how many have been compared.
+
+    Returns:
+        What was found; no differences are among it.
+
+    Raises:
+        FileError: Something differs: the report is the message. Or no sweep is in the folder.
+        InputError: There is nothing to compare yet, or an impossible count.
+    """
+    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+        raise InputError(f"verify: count: found {shown(count)}, expected 1 or more samples")
+    return _Verifier(Path(folder)).run(count, seed, progress)
+
+
+class _Verifier:
+    """The state of one verification."""
+
+    def __init__(self, folder: Path) -> None:
+        from halfphysics.sweep.plan.plan import InputList, Plan
+        from halfphysics.sweep.plan.variants import Variants
+        from halfphysics.sweep.store.store import Store
+
+        if not (folder / PLAN).is_file():
+            raise FileError(
+                f"{folder}: no {PLAN} in it, expected the folder that `halfphysics sweep` wrote to"
+            )
+        plan = Plan.load(folder / PLAN)
+        self._folder = folder
+        self._variants = Variants(plan, InputList(folder / INPUTS))
+        # Its own: what the workers of this process have read may have changed since.
+        self._maker = Maker(plan, self._variants)
+        self._layout = Store(folder, plan).layout
+        self._sources = Sources(since=0, base=plan.base)
+        self._equal = self._out = 0
+        self._differences: list[str] = []
+        self._notes: dict[str, None] = {}
+
+    def run(self, count: int, seed: int, progress: Callable[[int], None] | None) -> Report:
+        """Compare so many samples."""
+        ranges = list(ranges_made(self._layout))
+        ends = list(accumulate(len(numbers) for numbers in ranges))
+        if not ranges:
+            raise InputError(
+                f"{self._folder}: nothing to compare yet. Run the sweep, then verify what it made"
+            )
+        pieces: dict[int, Piece] = {}
+        compared = 0
+        for place in random.Random(seed).sample(range(ends[-1]), min(ends[-1], _TRIES * count)):
+            if compared == count:
+                break
+            index = bisect_right(ends, place)
+            numbers = ranges[index]
+            if index not in pieces:
+                pieces[index] = Piece.open(self._layout, numbers)
+                self._differences += pieces[index].damage()
+            number = numbers[place - ends[index]]
+            if number not in pieces[index]:
+                self._absent(pieces[index], number, count)
+                continue
+            self._compare(pieces[index], number)
+            compared += 1
+            if progress is not None:
+                progress(compared)
+        report = Report(self._equal, self._out, tuple(self._differences), tuple(self._notes))
+        if report.differences:
+            raise FileError(f"{self._folder}: not what is made now\n{report}")
+        return report
+
+    def _absent(self, piece: Piece, number: int, most: int) -> None:
+        """A variant without a sample: one that failed, or one that a condition leaves out."""
+        if number in piece.failed or not self._variants.keeps(self._variants[number]):
+            return
+        if self._out < most:
+            made = self._maker.sample(number)
+            if not isinstance(made, Sample) or made.files:
+                self._differences.append(f"{key_of(number)}: has no sample there, and is made now")
+            self._out += 1
+
+    def _compare(self, piece: Piece, number: int) -> None:
+        """Make a sample again, and say where it differs."""
+        made = self._maker.sample(number)
+        if not isinstance(made, Sample) or not made.files:
+            why = f"fails: {made['cause']}" if isinstance(made, dict) else "is left out"
+            self._differences.append(f"{key_of(number)}: has a sample there, and {why} now")
+            return
+        changes = [
+            f"{name} is not the file any more that samples were made from (SHA-256)"
+            for name, digest in self._sources.named(made.inputs).items()
+            if piece.inputs.get(name, digest) != digest
+        ]
+        if changes:  # then all else may differ
+            self._differences += [text for text in changes if text not in self._differences]
+            return
+        try:
+            card = piece.card(number)
+            others = changed(card["versions"])
+            self._notes |= {f"made by another program: {text}": None for text in others}
+            # What another program made should be the same but for its name.
+            differ = piece.differ(number, made.files, ("versions",) if others else ())
+        except DAMAGE as error:
+            differ = [f"cannot be read ({error})"]
+        self._differences += [f"{key_of(number)}: {text}" for text in differ]
+        self._equal += not differ

@@ -1,0 +1,85 @@
+"""The processes of this machine: what a sweep runs on if nothing else is said."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from halfphysics.base import machine
+from halfphysics.base.workers import Death, Pool
+from halfphysics.errors import InputError
+from halfphysics.sweep.run.work import Done, Task, do
+
+GIB = 2**30
+
+#: Of the machine's memory, what a sweep takes if nothing else is said.
+PART = 0.8
+#: What a worker can live on [bytes]: the program, and a clip, a body, a scene and a result.
+LEAST = int(0.5 * GIB)
+#: What a worker should have [bytes]; where memory is short there are fewer of them.
+GOOD = int(1.0 * GIB)
+
+
+def shares(jobs: int | None = None, gib: float | None = None) -> tuple[int, int]:
+    """How many worker processes, and what each may hold [bytes].
+
+    Args:
+        jobs: So many; None: one per core, fewer where memory is short.
+        gib: Memory for all of them [GiB]; None: 80 % of the machine's.
+
+    Raises:
+        InputError: Impossible numbers, or less memory than the workers can live on.
+    """
+    if jobs is not None and jobs < 1:
+        raise InputError(f"jobs: found {jobs}, expected at least 1")
+    if gib is not None and not GIB * gib >= LEAST:
+        raise InputError(f"memory: found {gib:g} GiB, expected at least {LEAST / GIB:g}")
+    total = int(PART * machine.memory() if gib is None else GIB * gib)
+    if jobs is None:
+        jobs = max(1, min(machine.cores(), total // GOOD))
+    share = total // jobs
+    if share < LEAST:
+        raise InputError(
+            f"memory: {total / GIB:.3g} GiB for {jobs} processes is {share / GIB:.2g} GiB each, "
+            f"expected at least {LEAST / GIB:g}: at most {max(1, total // LEAST)} processes"
+        )
+    return jobs, share
+
+
+class LocalEngine:
+    """Worker processes of this machine.
+
+    Args:
+        folder: The sweep's.
+        jobs, memory: See `shares`.
+        function: What the processes run.
+
+    Raises:
+        InputError: Impossible numbers.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        jobs: int | None = None,
+        memory: float | None = None,
+        *,
+        function: Callable[[str, Task], Done] = do,
+    ) -> None:
+        self.slots, self.share = shares(jobs, memory)
+        self._pool: Pool[Task, Done] = Pool(
+            partial(function, str(folder)), self.slots, memory=self.share
+        )
+
+    def submit(self, task: Task) -> None:
+        """Hand over a task."""
+        self._pool.submit(task, alone=task.kind == "variants")
+
+    def wait(self) -> list[tuple[Task, Done | Death]]:
+        """How tasks ended, at least one; nothing only where none is under way."""
+        return self._pool.wait()
+
+    def close(self) -> None:
+        """End all processes."""
+        self._pool.close()

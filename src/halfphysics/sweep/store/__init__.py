@@ -1,0 +1,1 @@
+"""The folder of a sweep: fragments, shards, records."""

@@ -1,0 +1,92 @@
+"""Reading what a sweep made: samples one at a time, from a folder, a tar or an HDF5 file.
+
+for sample in halfphysics.sweep.read("out"):
+    sample["card"]["factors"], sample["human"]["poses"], sample["contact"]["body"]
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from typing import Any
+
+from halfphysics.base.validation import file_path
+from halfphysics.errors import FileError, InputError
+from halfphysics.sweep.store import tar
+from halfphysics.sweep.store.contents import DAMAGE, contents
+
+
+def read(
+    path: str | os.PathLike[str], parts: Collection[str] | None = None
+) -> Iterator[dict[str, Any]]:
+    """Samples in the order of their numbers, each read when it is asked for.
+
+    Args:
+        path: A folder that a sweep wrote (also while it is being written: what is sealed), or one
+            of its shards, .tar or .h5.
+        parts: Which files of a sample to look into, such as ("human", "card"); None: all.
+
+    Yields:
+        A dict: "key" its number as text, "card" what it was made from, and for each file its
+        arrays by name: "human", "object", "contact", "human.1" (a second person), "result".
+
+    Raises:
+        FileError: Missing, damaged, or not what a sweep writes. Nothing is unpickled.
+        InputError: `parts` is not a collection of names.
+    """
+    path = file_path(path)
+    if isinstance(parts, str):
+        raise InputError(f"parts: found {parts!r}, expected several names, such as ({parts!r},)")
+    if path.is_dir():
+        return _of_folder(path, parts)
+    if not path.is_file():
+        raise FileError(f"{path}: no such file, expected a folder of a sweep, a .tar or a .h5")
+    if path.suffix == ".h5":
+        from halfphysics.sweep.store.hdf5 import samples
+
+        return samples(path, parts)
+    return _of_tar(path, parts)
+
+
+def _of_folder(folder: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
+    root = folder / "shards" if (folder / "shards").is_dir() else folder
+    # A shard counts once its record is there.
+    records = sorted(path for path in root.rglob("*.json") if path.stem.isdecimal())
+    if not records and root == folder:
+        raise FileError(
+            f"{folder}: no shards here, expected the folder that `halfphysics sweep` wrote to"
+        )
+    return _of_records(records, parts)
+
+
+def _of_records(records: list[Path], parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
+    for record in records:
+        shard = record.with_suffix(".tar")
+        if not shard.exists():
+            shard = record.with_suffix(".h5")
+        if not shard.exists():
+            raise FileError(
+                f"{record.with_suffix('')}: neither .tar nor .h5 is there, expected what "
+                f"{record.name} tells of. Run the sweep again in its folder: it is made again"
+            )
+        yield from read(shard, parts)
+
+
+def _of_tar(path: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
+    def wanted(name: str) -> bool:
+        return parts is None or _part(name) in parts
+
+    try:
+        for key, files in tar.samples(path, wanted):
+            yield {"key": key} | {_part(name): contents(name, files[name]) for name in files}
+    except DAMAGE as error:
+        raise FileError(
+            f"{path}: damaged, or no shard of a sweep ({error}). Delete it and run the sweep "
+            "again in its folder: what is missing is made again"
+        ) from None
+
+
+def _part(name: str) -> str:
+    """What a file of a sample is called in what is read: "human" of human.npz."""
+    return name.rpartition(".")[0]

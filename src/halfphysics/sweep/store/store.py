@@ -1,0 +1,291 @@
+"""The folder of a sweep: what is in it, what is left to do, and how to never lose work.
+
+Everything appears whole or not at all, and counts once a record says so. Whoever is killed at
+any moment leaves files that count and files that do not; the next start removes the latter.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from halfphysics.base.code_hash import program as this_program
+from halfphysics.errors import FileError, InputError
+from halfphysics.sweep.report import manifest
+from halfphysics.sweep.store import documents, hdf5, reopening, sealing
+from halfphysics.sweep.store.documents import reported
+from halfphysics.sweep.store.fixed_inputs import check_inputs
+from halfphysics.sweep.store.fixed_plan import check_plan
+from halfphysics.sweep.store.fixed_program import check_program, check_same
+from halfphysics.sweep.store.fragments import Fragments, Sample
+from halfphysics.sweep.store.layout import INPUTS, PLAN, Layout
+from halfphysics.sweep.store.locking import Lock
+from halfphysics.sweep.store.sources import Sources
+
+if TYPE_CHECKING:
+    from halfphysics.sweep.plan.plan import Plan
+
+# Clocks of a machine and of its file server may differ so much [ns].
+_CLOCKS = 2_000_000_000
+
+
+class Store:
+    """The folder of a sweep.
+
+    A driver calls `begin` first and `finish` at the end; workers write fragments and seal shards,
+    from any process. Whatever two of them do twice leaves the same bytes.
+
+    Args:
+        folder: Where it is or will be.
+        plan: What is made.
+        program: Of which program the data is; None: this one.
+        remake: Whether what another program made is made again, instead of refused.
+    """
+
+    def __init__(
+        self,
+        folder: str | os.PathLike[str],
+        plan: Plan,
+        program: str | None = None,
+        *,
+        remake: bool = False,
+    ) -> None:
+        self.folder = Path(folder)
+        self.plan = plan
+        self._remake = remake
+        self._program = program = this_program() if program is None else program
+        self.identity = hashlib.sha256(f"{plan.identity} {program}".encode()).hexdigest()
+        self._lock = Lock(self.folder / "work" / "driver.lock")
+
+    # -- the folder ------------------------------------------------------------------------
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Which variants, batches and shards there are, and where they lie."""
+        from halfphysics.sweep.plan.inputs import InputList
+        from halfphysics.sweep.plan.variants import Variants
+
+        outputs = self.plan.outputs
+        variants = len(Variants(self.plan, InputList(self.folder / INPUTS)))
+        return Layout(self.folder, variants, outputs.batch, outputs.variants_per_shard)
+
+    @cached_property
+    def _sources(self) -> Sources:
+        try:
+            since = os.stat(self._lock.path).st_mtime_ns - _CLOCKS
+        except OSError:
+            since = 0  # nobody began: what files look like is not to be trusted
+        return Sources(since, self.plan.base)
+
+    @cached_property
+    def _fragments(self) -> Fragments:
+        return Fragments(self.layout, self.identity, self._sources)
+
+    def begin(self) -> None:
+        """Make or open the folder, keep others out, and remove what a killed run left.
+
+        Raises:
+            InputError: The folder holds another plan or other things, or what another program has
+                made; its inputs are not what they were; or another sweep works in it.
+            FileError: It cannot be written.
+            MissingDependencyError: The plan wants HDF5 and h5py is not installed.
+        """
+        if self.folder.exists() and not self.folder.is_dir():
+            raise FileError(
+                f"{self.folder}: this is a file, expected a folder. Give another (--out)"
+            )
+        if "hdf5" in self.plan.outputs.formats:
+            hdf5.check()
+        if self.folder.is_dir() and not (self.folder / PLAN).exists():
+            self._check_empty()
+        self._lock.take()
+        try:
+            self._begin()
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def _begin(self) -> None:
+        from halfphysics.sweep.plan.plan import resolve_inputs
+
+        self._clean(self.folder)
+        there = check_plan(self.folder, self.plan)
+        if there is None or there.base.resolve() != self.plan.base.resolve():
+            self.plan.save(self.folder / PLAN)
+        check_inputs(self.folder / INPUTS, resolve_inputs(self.plan))
+        layout = self.layout
+        check_program(layout, self._program, self.identity, remake=self._remake)
+        for folder in (layout.shard_folder, layout.work):
+            with reported(folder):
+                folder.mkdir(exist_ok=True)
+        for parent in (layout.shard_folder, layout.work):
+            for folder in sorted(p for p in parent.iterdir() if p.is_dir()):
+                self._clean(folder)
+        self._remove_sealed()
+
+    def join(self) -> None:
+        """What a worker calls instead of `begin`.
+
+        Raises:
+            InputError: The sweep was begun by another program than this.
+        """
+        check_same(self.layout, self._program)
+
+    def close(self) -> None:
+        """Let others in."""
+        self._lock.release()
+
+    def __enter__(self) -> Store:
+        self.begin()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _check_empty(self) -> None:
+        others = sorted(
+            p.name
+            for p in self.folder.iterdir()
+            if p.name not in ("work", INPUTS) and not p.name.endswith(".part")
+        )
+        if others:
+            raise InputError(
+                f"{self.folder}: found {', '.join(others[:5])}{', ...' * (len(others) > 5)} and no "
+                "plan.yaml, expected an empty folder or that of a sweep. Give another (--out)"
+            )
+
+    @staticmethod
+    def _clean(folder: Path) -> None:
+        """Remove what was being written when somebody was killed."""
+        with reported(folder):
+            for path in sorted(folder.glob(".*.part")):
+                path.unlink(missing_ok=True)
+
+    def _remove_sealed(self) -> None:
+        """Remove the fragments of shards that are sealed."""
+        for folder in sorted(p for p in self.layout.work.iterdir() if p.name.isdecimal()):
+            if self.done(int(folder.name)):
+                self._fragments.remove(int(folder.name))
+
+    # -- what is done --------------------------------------------------------------------------
+
+    def batches(self, shard: int) -> range:
+        """The batches of a shard."""
+        return self.layout.batches_of(shard)
+
+    def record(self, shard: int) -> dict[str, Any] | None:
+        """The record of a shard that was sealed for this plan by this program, else None."""
+        record = documents.read(self.layout.shard_file(shard, ".json"))
+        if record is None or record.get("of") != self.identity or record.get("shard") != shard:
+            return None
+        return record if sealing.whole(record) else None
+
+    def done(self, shard: int) -> bool:
+        """Whether a shard is sealed, its files have their size, and its inputs are what they were.
+
+        Raises:
+            InputError: A file that it was made from has gone.
+        """
+        record = self.record(shard)
+        if record is None or not sealing.sizes_fit(self.layout, record):
+            return False
+        return self._sources.changed(record["inputs"], self._stats(shard)) is None
+
+    def _stats(self, shard: int) -> dict[str, Any]:
+        return documents.read(self.layout.stats(shard)) or {}
+
+    def left(self, shard: int) -> list[int]:
+        """The batches of a shard that have to be made, in order.
+
+        Warns where that is because a file has changed.
+
+        Raises:
+            InputError: A file that a fragment was made from has gone.
+        """
+        if self.done(shard):
+            return []
+        record = self.record(shard)
+        if record is not None:
+            self._sources.warn(record["inputs"], self._stats(shard))
+        if not self.layout.open_shard(shard).is_dir():
+            return list(self.batches(shard))  # one look instead of one for each batch
+        return [b for b in self.batches(shard) if not self._fragments.current(b)]
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """The records of all sealed shards, in order, one at a time."""
+        for shard in range(self.layout.shards):
+            record = self.record(shard)
+            if record is not None:
+                yield record
+
+    # -- writing ---------------------------------------------------------------------------
+
+    def write_fragment(
+        self, batch: int, samples: Iterable[Sample], record: Mapping[str, Any]
+    ) -> dict[str, Any]:
+        """Write the samples of a batch as they come.
+
+        Args:
+            batch: Its number.
+            samples: Key and files (name -> content) of each variant that is kept, in order.
+            record: What else is to be known of the batch: "skipped", "failures", "sums", "inputs"
+                (path -> SHA-256 of what was read); looked at after the last sample, so that it may
+                be filled while they are made.
+
+        Returns:
+            The record as written: with "samples", "bytes" and "sha256".
+
+        Raises:
+            FileError: It cannot be written (a full disk); nothing is left behind.
+        """
+        return self._fragments.write(batch, samples, record)
+
+    def seal(self, shard: int) -> None:
+        """Make the files of a shard from its fragments; does nothing where that is done.
+
+        Raises:
+            FileError: A fragment is missing or damaged, or it cannot be written.
+            InputError: An input changed while the fragments were made from it.
+        """
+        if not self.done(shard):
+            formats = self.plan.outputs.formats
+            sealing.seal(self.layout, self._fragments, self.identity, formats, shard)
+        self._fragments.remove(shard)
+
+    def drop_failed(self) -> int:
+        """Make all batches with failures count as not there; says how many variants failed.
+
+        Raises:
+            InputError: A file that a shard was made from has gone.
+            FileError: A shard is damaged, or something cannot be written.
+        """
+        count = 0
+        for shard in range(self.layout.shards):
+            record = self.record(shard)
+            if record is not None:
+                if record["failures"]:
+                    count += len(record["failures"])
+                    if not self.done(shard):
+                        continue  # all of it is made again anyway
+                    reopening.reopen(self.layout, self._fragments, record)
+                continue
+            if self.layout.open_shard(shard).is_dir():
+                for batch in self.layout.batches_of(shard):
+                    fragment = self._fragments.read(batch)
+                    if fragment is not None and fragment.get("failures"):
+                        count += len(fragment["failures"])
+                        self._fragments.forget(batch)
+        return count
+
+    def finish(self) -> dict[str, Any]:
+        """Write manifest, data card and list of failures of all that is sealed.
+
+        Returns:
+            The numbers of shards, samples, skipped variants and failures.
+        """
+        self._remove_sealed()
+        return manifest.write(self.plan, self.layout, self.records())

@@ -1,0 +1,104 @@
+"""What a page has beside the player: a key, and a camera that fits the window it is opened in."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.render.drawing import GHOST, PEOPLE, Drawing
+from halfphysics.render.rasterizer import Color
+from halfphysics.viewer.arrange import Arrangement
+from halfphysics.viewer.contacts import KINDS
+from halfphysics.viewer.figure import rgb
+
+Array = NDArray[np.float64]
+
+# Shapes of windows that there is a camera for, width over height: of the widest that is not wider
+# than the window, so that the whole story is in view.
+_SHAPES = (0.4, 0.46, 0.55, 0.7, 0.85, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5)
+_HEIGHT = 720
+# The bar below the scene [pixels].
+_BAR = 42
+
+_STYLE = """
+#key { position: fixed; left: 12px; bottom: %(bottom)dpx; z-index: 1; pointer-events: none;
+  max-width: calc(100vw - 24px); box-sizing: border-box; padding: 6px 10px; border-radius: 4px;
+  background: rgba(255, 255, 255, 0.85); color: #282c34; line-height: 1.5;
+  font: 13px system-ui, sans-serif; }
+#key b { margin-right: 12px; }
+#key span { display: inline-block; margin-right: 12px; white-space: nowrap; }
+#key i { display: inline-block; width: 10px; height: 10px; margin-right: 5px; border-radius: 2px; }
+.mantine-Select-wrapper { width: 4.4em !important; }
+.mantine-Select-input, .mantine-NumberInput-input { font-size: 12px !important; }
+"""
+
+# The player reads where to look from in the address; what is asked for there stays.
+_AIM = """
+(() => {
+  const known = new URLSearchParams(location.search);
+  if (known.has("initialCameraPosition") && !known.has("fitted")) return;
+  const shape = innerWidth / Math.max(innerHeight - %(bar)d, 1);
+  const fitting = %(cameras)s.filter((camera) => camera[0] <= shape);
+  const [, position, target] = fitting.length ? fitting[fitting.length - 1] : %(first)s;
+  known.set("initialCameraPosition", position);
+  known.set("initialCameraLookAt", target);
+  known.set("fitted", "1");
+  try { history.replaceState(null, "", "?" + known); } catch { /* inside another page */ }
+})();
+"""
+
+_SHOW = """
+addEventListener("DOMContentLoaded", () => {
+  const key = document.createElement("div");
+  key.id = "key";
+  key.innerHTML = %s;
+  document.body.append(key);
+});
+"""
+
+
+def head(title: str, drawing: Drawing, row: Arrangement, contacts: Sequence[int]) -> str:
+    """HTML for the head of a page.
+
+    Args:
+        title: Of the page.
+        drawing: What it shows.
+        row: Where it is looked at from.
+        contacts: Kinds of contacts that it shows, indices into `KINDS`.
+    """
+    cameras = []
+    for shape in _SHAPES:
+        camera = row.camera((round(shape * _HEIGHT), _HEIGHT))
+        cameras.append([shape, _text(camera.position), _text(camera.target)])
+    aim = _AIM % {"bar": _BAR, "cameras": json.dumps(cameras), "first": json.dumps(cameras[0])}
+    # A title may hold anything, also what would end a script.
+    key = json.dumps(_key(title, drawing, contacts)).replace("<", "\\u003c")
+    style = _STYLE % {"bottom": _BAR + 10}
+    return f"<style>{style}</style><script>{aim}{_SHOW % key}</script>"
+
+
+def _key(title: str, drawing: Drawing, contacts: Sequence[int]) -> str:
+    """The title and what the colours mean."""
+    people = len(drawing.result.people)
+    bodies = [PEOPLE[k % len(PEOPLE)] for k in range(people)]
+    entries = [([GHOST], "asked for"), (bodies, "with a body" if people == 1 else "with bodies")]
+    for k, kind in enumerate(contacts):
+        label = KINDS[kind].label.removeprefix("on a person, ")
+        entries.append(([KINDS[kind].color], label if k else f"force {label}"))
+    said = "".join(
+        f"<span>{''.join(map(_patch, colors))}{html.escape(label)}</span>"
+        for colors, label in entries
+    )
+    return f"<b>{html.escape(title)}</b>{said}"
+
+
+def _patch(color: Color) -> str:
+    return f'<i style="background: rgb{rgb(color)}"></i>'
+
+
+def _text(point: Array) -> str:
+    return ",".join(f"{value:.4f}" for value in point)

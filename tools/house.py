@@ -136,9 +136,8 @@ class Cpp:
                 inner.type in ("field_declaration", "declaration") and is_function(inner)
             ):
                 methods += 1
-            elif inner.type == "field_declaration":
-                if not any(c.type == "storage_class_specifier" for c in inner.children):
-                    members += len(inner.children_by_field_name("declarator"))
+            elif inner.type == "field_declaration" and not is_static(inner):
+                members += len(inner.children_by_field_name("declarator"))
         if methods > METHODS:
             yield Piece("methods", where, name, methods)
         if members > MEMBERS:
@@ -153,6 +152,10 @@ def is_function(node) -> bool:
             return True
         pending += inner.children_by_field_name("declarator")
     return False
+
+
+def is_static(node) -> bool:
+    return any(c.type == "storage_class_specifier" for c in node.children)
 
 
 def constant(node) -> str | None:

@@ -141,13 +141,13 @@ def test_it_plays_at_the_motions_own_rate_with_nobody_there(playground):
 
 def test_what_a_hand_does_reaches_the_simulator(playground):
     session, panel = playground.session, playground.panel
-    moved(panel.mass, 12.0)
-    moved(panel.friction, 0.3)
-    moved(panel.stiffness, 0.5)
-    moved(panel.strength, "weak")
-    moved(panel.substeps, 5)
-    moved(panel.speed, 2.0)
-    moved(panel.loop, False)
+    moved(panel.items.mass, 12.0)
+    moved(panel.items.friction, 0.3)
+    moved(panel.person.stiffness, 0.5)
+    moved(panel.person.strength, "weak")
+    moved(panel.person.substeps, 5)
+    moved(panel.player.speed, 2.0)
+    moved(panel.player.loop, False)
     settled(playground, do.Play())
     ball = session.simulator.world.scene.objects["ball"]
     assert (ball.mass, ball.friction) == (12.0, 0.3)
@@ -155,42 +155,47 @@ def test_what_a_hand_does_reaches_the_simulator(playground):
         stiffness=0.5, strength="weak", substeps=5, masses={"ball": 12.0}, frictions={"ball": 0.3}
     )
     assert (session.speed, session.loop) == (2.0, False)
-    for callback in panel.untouched._impl.update_cb:
-        callback(SimpleNamespace(client_id=7, client=None, target=panel.untouched))
+    for callback in panel.person.untouched._impl.update_cb:
+        callback(SimpleNamespace(client_id=7, client=None, target=panel.person.untouched))
     settled(playground, do.Change("speed", 1.0))
     assert session.knobs == Knobs()
     settled(playground, do.Change("loop", True))
     # The panel says it too, once the hands are off.
-    until(lambda: (panel.mass.value, panel.substeps.value, panel.speed.value) == (0.43, 8, 1.0))
-    assert (panel.strength.value, panel.loop.value) == ("unlimited", True)
+    until(
+        lambda: (
+            (panel.items.mass.value, panel.person.substeps.value, panel.player.speed.value)
+            == (0.43, 8, 1.0)
+        )
+    )
+    assert (panel.person.strength.value, panel.player.loop.value) == ("unlimited", True)
 
 
 @pytest.mark.parametrize("value", [math.nan, -5.0])
 def test_an_impossible_value_is_said_in_the_page_and_taken_back(playground, value):
     panel = playground.panel
-    moved(panel.friction, value)
+    moved(panel.items.friction, value)
     settled(playground, do.LetGo("nobody"))
     assert "friction of 'ball'" in playground.session.trouble
     until(lambda: panel.trouble.visible and "friction of 'ball'" in panel.trouble.content)
-    until(lambda: panel.friction.value == 0.6)
+    until(lambda: panel.items.friction.value == 0.6)
     settled(playground, do.Play())
     until(lambda: not panel.trouble.visible)
 
 
 def test_another_scenario_is_another_stage_with_its_own_controls(playground):
     old = playground.stage
-    moved(playground.panel.place, "meet")
+    moved(playground.panel.player.place, "meet")
     until(lambda: playground.session.choice.scenario == "meet" and playground.stage is not old)
     settled(playground, do.Play())
     assert len(playground.stage.people) == 2
-    assert not playground.panel.things.visible
+    assert not playground.panel.items.folder.visible
     names = list(playground.server.scene._handle_from_node_name)
     assert not [name for name in names if name.startswith(old.prefix + "/")]
-    moved(playground.panel.place, "kick_ball")
+    moved(playground.panel.player.place, "kick_ball")
     until(lambda: playground.session.choice.scenario == "kick_ball")
     settled(playground, do.Play())
-    assert playground.panel.things.visible
-    assert playground.panel.mass.value == 0.43
+    assert playground.panel.items.folder.visible
+    assert playground.panel.items.mass.value == 0.43
 
 
 def test_cameras_that_follow_do_so_in_the_next_scenario_too(playground):
@@ -231,19 +236,19 @@ def test_anything_from_any_thread_at_any_time(playground):
             while not stop.wait(rng.uniform(0.0, 0.05)):
                 rng.choice(
                     [
-                        lambda: moved(panel.mass, rng.choice([0.1, 90.0, math.nan])),
-                        lambda: moved(panel.friction, rng.choice([0.0, 1.0, math.nan])),
-                        lambda: moved(panel.stiffness, rng.uniform(-0.1, 9.0)),
-                        lambda: moved(panel.strength, rng.choice(list(STRENGTHS))),
-                        lambda: moved(panel.paper, rng.random() < 0.5),
-                        lambda: moved(panel.frozen, rng.random() < 0.3),
+                        lambda: moved(panel.items.mass, rng.choice([0.1, 90.0, math.nan])),
+                        lambda: moved(panel.items.friction, rng.choice([0.0, 1.0, math.nan])),
+                        lambda: moved(panel.person.stiffness, rng.uniform(-0.1, 9.0)),
+                        lambda: moved(panel.person.strength, rng.choice(list(STRENGTHS))),
+                        lambda: moved(panel.person.paper, rng.random() < 0.5),
+                        lambda: moved(panel.player.frozen, rng.random() < 0.3),
                         lambda: playground.post(do.Restart()),
                         lambda: playground.post(do.Play(rng.random() < 0.9)),
                         lambda: playground.post(do.Grab(seed, "ball", point, point)),
                         lambda: playground.post(do.Pull(seed, (rng.random(), math.nan, 0.5))),
                         lambda: playground.post(do.Pull(seed, (rng.random(), 2.0, 0.5))),
                         lambda: playground.post(do.LetGo(seed)),
-                        lambda: moved(panel.place, rng.choice(["kick_ball", "sit_on_sofa"])),
+                        lambda: moved(panel.player.place, rng.choice(["kick_ball", "sit_on_sofa"])),
                     ]
                 )()
         except Exception as error:

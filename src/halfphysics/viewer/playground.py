@@ -14,7 +14,7 @@ from halfphysics.viewer.dragging import draggable
 from halfphysics.viewer.framing import WINDOW
 from halfphysics.viewer.live_contacts import LiveContacts
 from halfphysics.viewer.pace import Pace
-from halfphysics.viewer.panel import Panel
+from halfphysics.viewer.panel.panel import Panel
 from halfphysics.viewer.provisional import provisional
 from halfphysics.viewer.served import Served
 from halfphysics.viewer.session import Command, Grab, LetGo, Pull, Session

@@ -44,8 +44,10 @@ CXX=$cxx "${pip[@]}" install --disable-pip-version-check --no-input --quiet --no
   --target "$site" --config-settings=build-dir=build/sanitize/cmake \
   --config-settings=cmake.build-type=RelWithDebInfo --config-settings=install.strip=false \
   --config-settings=cmake.define.CMAKE_CXX_FLAGS="$flags" .
-grep -q __asan_init "$site"/halfphysics/_native*.so ||
-  die "the module in $site is not instrumented"
+for module in _native _render; do
+  grep -q __asan_init "$site/halfphysics/$module".*so ||
+    die "the module $module in $site is not instrumented"
+done
 
 if [ $# -eq 0 ]; then
   set -- tests/test_{tree,convex,mesh_trees,reference,simulator,objects,fuzz}.py \

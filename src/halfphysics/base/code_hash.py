@@ -13,8 +13,10 @@ from types import MappingProxyType
 
 from halfphysics.base.digests import sha256_of
 
-#: What numbers come from beside the native core: code, the default body and what else is read.
+#: What numbers come from beside the compiled modules: code, the default body and what else is read.
 _KINDS = frozenset({".py", ".npz", ".json", ".yaml", ".xml"})
+#: Compiled modules of the package.
+_EXTENSIONS = ("_native", "_render")
 #: Packages whose version decides numbers; the last one is optional and cuts meshes into pieces.
 _ENGINES = ("mujoco", "numpy", "scipy", "trimesh", "coacd")
 
@@ -44,11 +46,12 @@ def program() -> str:
         for path in folder.rglob("*")
         if path.suffix in _KINDS
     }
-    # The one that is used: there may be others beside it, and in an editable install it is
-    # somewhere else.
-    native = find_spec("halfphysics._native")
-    if native is not None and native.origin is not None:
-        files["_native"] = Path(native.origin)
+    # The extensions that are used: there may be others beside them, and in an editable install
+    # they are somewhere else.
+    for extension in _EXTENSIONS:
+        spec = find_spec(f"halfphysics.{extension}")
+        if spec is not None and spec.origin is not None:
+            files[extension] = Path(spec.origin)
     for name, path in sorted(files.items()):
         content = sha256_of(path)
         digest.update(f"{name} {content}\n".encode())

@@ -305,7 +305,7 @@ def render(
     Raises:
         InputError: An impossible size or sample count.
     """
-    from halfphysics import _native
+    from halfphysics import _render
 
     width, height = _checked_size(size)
     if samples not in (1, 2, 3, 4):
@@ -318,7 +318,7 @@ def render(
         [[*light.towards, light.strength, light.softness, light.wrap] for light in look.lights],
         dtype=np.float64,
     ).reshape(-1, 6)
-    return _native.raster_render(
+    return _render.picture(
         *_pack(surfaces), camera.table(size), table, lights, width, height, samples, threads
     )
 
@@ -332,10 +332,10 @@ def visible(
         Index of the nearest surface, -1 for none, shape (height, width), and its depth along the
         viewing direction [m] (inf for none).
     """
-    from halfphysics import _native
+    from halfphysics import _render
 
     width, height = _checked_size(size)
-    return _native.raster_visible(*_pack(surfaces), camera.table(size), width, height)
+    return _render.visible(*_pack(surfaces), camera.table(size), width, height)
 
 
 def save_png(image: NDArray[np.uint8], path: str | os.PathLike[str]) -> None:

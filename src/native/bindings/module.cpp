@@ -5,8 +5,7 @@ NB_MODULE(_native, m) {
   m.doc() = "Native core of halfphysics.";
   bind_physics(m);
   bind_skinning(m);
-  bind_winding(m);
-  bind_raster(m);
+  bind_triangle_tree(m);
   bind_touching(m);
   bind_gaps(m);
   bind_part_balls(m);

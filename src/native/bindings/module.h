@@ -13,8 +13,7 @@ using i32 = nb::ndarray<const int, nb::c_contig, nb::device::cpu, Shape...>;
 
 void bind_physics(nb::module_& m);
 void bind_skinning(nb::module_& m);
-void bind_winding(nb::module_& m);
-void bind_raster(nb::module_& m);
+void bind_triangle_tree(nb::module_& m);
 void bind_touching(nb::module_& m);
 void bind_gaps(nb::module_& m);
 void bind_part_balls(nb::module_& m);

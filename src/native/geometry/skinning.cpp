@@ -1,34 +1,20 @@
-// Forward kinematics and linear blend skinning with pose blend shapes, float64.
-//
-// The readable reference is src/halfphysics/skinning.py; tests hold the two equal. Every output
-// value is computed by one thread, in an order that depends on nothing but its own frame and
-// vertex: the bytes are the same for any number of threads, any batch and any subset.
-#include "bindings/module.h"
+#include "geometry/skinning.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
-#include <nanobind/stl/optional.h>
-#include <optional>
-#include <stdexcept>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
 
-namespace {
+namespace hp {
 
-using out64 = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
+namespace {
 
 constexpr int kLanes = 8;         // frames whose blend shapes are summed side by side
 constexpr int kChunk = 256;       // vertices per task
-constexpr int kJointFeatures = 9; // entries of one rotation matrix
-
-void require(bool ok, const char* what) {
-  if (!ok) throw std::invalid_argument(std::string("skinning: ") + what);
-}
+constexpr int kJointFeatures = skinning_features;
 
 // Unit quaternion (wxyz) of an axis-angle vector [rad].
 void exponential(const double* r, double* q) {
@@ -62,48 +48,6 @@ void matrix(const double* q, double* m, int stride) {
   m[2] = 1 - 2 * (x * x + y * y);
 }
 
-void kinematics(f64<nb::shape<-1, -1, 3>> rotations, f64<nb::shape<-1, 3>> root,
-                f64<nb::shape<-1, 3>> rest_joints, i32<nb::shape<-1>> parents, out64 positions,
-                out64 quaternions) {
-  const size_t frames = rotations.shape(0), joints = rotations.shape(1);
-  require(root.shape(0) == frames, "root has another number of frames than rotations");
-  require(rest_joints.shape(0) == joints && parents.shape(0) == joints,
-          "rest_joints and parents must have one row per joint");
-  require(positions.size() == frames * joints * 3 && quaternions.size() == frames * joints * 4,
-          "wrong size of an output");
-  const int* parent = parents.data();
-  for (size_t j = 0; j < joints; ++j)
-    require(parent[j] < int(j) && (parent[j] >= 0) == (j > 0), "parents must precede children");
-  const double *turn = rotations.data(), *base = root.data(), *rest = rest_joints.data();
-  double *x = positions.data(), *q = quaternions.data();
-
-  nb::gil_scoped_release release;
-  for (size_t f = 0; f < frames; ++f, x += 3 * joints, q += 4 * joints, turn += 3 * joints) {
-    exponential(turn, q);
-    for (int i = 0; i < 3; ++i) x[i] = base[3 * f + i];
-    for (size_t j = 1; j < joints; ++j) {
-      const size_t p = size_t(parent[j]);
-      double local[4], m[9], arm[3];
-      exponential(turn + 3 * j, local);
-      product(q + 4 * p, local, q + 4 * j);
-      matrix(q + 4 * p, m, 3);
-      for (int i = 0; i < 3; ++i) arm[i] = rest[3 * j + i] - rest[3 * p + i];
-      for (int i = 0; i < 3; ++i)
-        x[3 * j + i] =
-            x[3 * p + i] + (m[3 * i] * arm[0] + m[3 * i + 1] * arm[1] + m[3 * i + 2] * arm[2]);
-    }
-  }
-}
-
-struct Skin {
-  const double *rest, *joints, *weights, *posedirs;
-  const int *first, *joint, *subset;
-  size_t n_joints, n_out, n_features;
-  // Groups of the vertices that come out: where each starts, and in which frames it is wanted.
-  const int* group_first;
-  const unsigned char* wanted;
-  size_t n_groups;
-};
 
 constexpr size_t kAffine = 16;  // numbers of a transform: four columns of three, and one to spare
 
@@ -117,16 +61,11 @@ struct Block {
   int lanes = 1;
 };
 
-Block make_block(const Skin& s, size_t start, size_t frames, const double* rotations,
-                 const double* positions, const double* quaternions) {
-  Block b;
-  b.start = start;
-  b.frames = frames;
-  b.lanes = frames > 4 ? 8 : frames > 2 ? 4 : frames > 1 ? 2 : 1;
-  b.affine.resize(frames * s.n_joints * kAffine);
-  for (size_t f = 0; f < frames; ++f) {
-    const double* x = positions + (start + f) * s.n_joints * 3;
-    const double* q = quaternions + (start + f) * s.n_joints * 4;
+// Column by column R | x - x_root - R j of every joint in the frames of a block.
+void fill_transforms(const SkinnedMesh& s, const JointPoses& poses, Block& b) {
+  for (size_t f = 0; f < b.frames; ++f) {
+    const double* x = poses.positions + (b.start + f) * s.n_joints * 3;
+    const double* q = poses.quaternions + (b.start + f) * s.n_joints * 4;
     for (size_t j = 0; j < s.n_joints; ++j) {
       double* a = &b.affine[(f * s.n_joints + j) * kAffine];
       const double* rest = s.joints + 3 * j;
@@ -139,11 +78,20 @@ Block make_block(const Skin& s, size_t start, size_t frames, const double* rotat
       }
     }
   }
+}
+
+Block make_block(const SkinnedMesh& s, size_t start, size_t frames, const JointPoses& poses) {
+  Block b;
+  b.start = start;
+  b.frames = frames;
+  b.lanes = frames > 4 ? 8 : frames > 2 ? 4 : frames > 1 ? 2 : 1;
+  b.affine.resize(frames * s.n_joints * kAffine);
+  fill_transforms(s, poses, b);
   if (!s.posedirs) return b;
   for (size_t j = 1; j < s.n_joints; ++j) {
     bool moves = false;
     for (size_t f = 0; f < frames && !moves; ++f) {
-      const double* r = rotations + ((start + f) * s.n_joints + j) * 3;
+      const double* r = poses.rotations + ((start + f) * s.n_joints + j) * 3;
       moves = r[0] != 0.0 || r[1] != 0.0 || r[2] != 0.0;
     }
     if (!moves) continue;
@@ -152,7 +100,7 @@ Block make_block(const Skin& s, size_t start, size_t frames, const double* rotat
     b.features.resize(at + size_t(kJointFeatures * b.lanes), 0.0);
     for (size_t f = 0; f < frames; ++f) {
       double q[4], m[9];
-      exponential(rotations + ((start + f) * s.n_joints + j) * 3, q);
+      exponential(poses.rotations + ((start + f) * s.n_joints + j) * 3, q);
       matrix(q, m, 3);
       for (int k = 0; k < kJointFeatures; ++k)
         b.features[at + size_t(k * b.lanes) + f] = m[k] - (k % 4 == 0 ? 1.0 : 0.0);
@@ -186,7 +134,7 @@ struct Lanes4 {
 // Summed joint by joint, so that a single lane too has independent sums for the processor to
 // overlap. The order of the sums is the same for every V and Count, and so are the bits.
 template <typename V, int Count>
-HP_INLINE void blend(const Skin& s, const Block& b, size_t vertex, double* offset) {
+HP_INLINE void blend(const SkinnedMesh& s, const Block& b, size_t vertex, double* offset) {
   constexpr int lanes = Count * int(sizeof(V) / sizeof(double));
   V sum[3][Count] = {};
   const double* rows = s.posedirs + vertex * 3 * s.n_features;
@@ -211,14 +159,14 @@ HP_INLINE void blend(const Skin& s, const Block& b, size_t vertex, double* offse
 
 #if defined(__x86_64__) && defined(__GNUC__)
 // The same operations, four lanes in one instruction.
-__attribute__((target("avx2"))) void blend8_avx2(const Skin& s, const Block& b, size_t vertex,
+__attribute__((target("avx2"))) void blend8_avx2(const SkinnedMesh& s, const Block& b, size_t vertex,
                                                  double* offset) {
   blend<Lanes4, 2>(s, b, vertex, offset);
 }
 #endif
 
 // One vertex in one frame: transforms blended column by column, three rows side by side.
-HP_INLINE void carry(const Skin& s, const double* affine, size_t v, const double* root,
+HP_INLINE void carry(const SkinnedMesh& s, const double* affine, size_t v, const double* root,
                      const double* x, double* y) {
   Lanes4 m[4] = {};
   for (int e = s.first[v]; e < s.first[v + 1]; ++e) {
@@ -238,7 +186,7 @@ HP_INLINE void carry(const Skin& s, const double* affine, size_t v, const double
 }
 
 template <typename Blend8>
-HP_INLINE void range(const Skin& s, const Block& b, size_t from, size_t to,
+HP_INLINE void range(const SkinnedMesh& s, const Block& b, size_t from, size_t to,
                      const double* positions, double* out, const Blend8& blend8) {
   double offset[3 * kLanes] = {};
   size_t group = 0;
@@ -278,13 +226,13 @@ HP_INLINE void range(const Skin& s, const Block& b, size_t from, size_t to,
 
 #if defined(__x86_64__) && defined(__GNUC__)
 // The same operations, four lanes in one instruction.
-__attribute__((target("avx2"))) void range_avx2(const Skin& s, const Block& b, size_t from,
+__attribute__((target("avx2"))) void range_avx2(const SkinnedMesh& s, const Block& b, size_t from,
                                                 size_t to, const double* positions, double* out) {
   range(s, b, from, to, positions, out, blend8_avx2);
 }
 #endif
 
-void skin_range(const Skin& s, const Block& b, size_t from, size_t to, const double* positions,
+void skin_range(const SkinnedMesh& s, const Block& b, size_t from, size_t to, const double* positions,
                 double* out) {
 #if defined(__x86_64__) && defined(__GNUC__)
   static const bool wide = __builtin_cpu_supports("avx2");
@@ -293,61 +241,33 @@ void skin_range(const Skin& s, const Block& b, size_t from, size_t to, const dou
   range(s, b, from, to, positions, out, blend<Lanes4, 2>);
 }
 
-void skin(f64<nb::shape<-1, 3>> rest_vertices, f64<nb::shape<-1, 3>> rest_joints,
-          i32<nb::shape<-1>> first, i32<nb::shape<-1>> joint, f64<nb::shape<-1>> weights,
-          f64<nb::shape<-1, 3, -1>> posedirs, f64<nb::shape<-1, -1, 3>> rotations,
-          f64<nb::shape<-1, -1, 3>> positions, f64<nb::shape<-1, -1, 4>> quaternions,
-          i32<nb::shape<-1>> subset, bool all, int threads, out64 out,
-          std::optional<i32<nb::shape<-1>>> group_first,
-          std::optional<nb::ndarray<const uint8_t, nb::c_contig, nb::device::cpu,
-                                    nb::shape<-1, -1>>> wanted) {
-  Skin s{};
-  const size_t vertices = rest_vertices.shape(0), frames = rotations.shape(0);
-  s.n_joints = rest_joints.shape(0);
-  s.n_features = posedirs.shape(2);
-  s.rest = rest_vertices.data();
-  s.joints = rest_joints.data();
-  s.first = first.data();
-  s.joint = joint.data();
-  s.weights = weights.data();
-  s.posedirs = posedirs.shape(0) ? posedirs.data() : nullptr;
-  s.subset = all ? nullptr : subset.data();
-  s.n_out = all ? vertices : subset.shape(0);
-  // Indices come from Python: one wrong value would read foreign memory.
-  require(threads >= 1, "threads must be at least 1");
-  require(first.shape(0) == vertices + 1 && joint.shape(0) == weights.shape(0) &&
-              s.first[0] == 0 && size_t(s.first[vertices]) == weights.shape(0),
-          "the sparse weights do not fit the vertices");
-  for (size_t v = 0; v < vertices; ++v)
-    require(s.first[v] <= s.first[v + 1], "the sparse weights are not sorted by vertex");
-  for (size_t e = 0; e < weights.shape(0); ++e)
-    require(s.joint[e] >= 0 && size_t(s.joint[e]) < s.n_joints, "a weight names no joint");
-  require(!s.posedirs || (posedirs.shape(0) == vertices &&
-                          s.n_features == (s.n_joints - 1) * kJointFeatures),
-          "posedirs must be (vertices, 3, 9 x (joints - 1))");
-  require(rotations.shape(1) == s.n_joints && positions.shape(0) == frames &&
-              positions.shape(1) == s.n_joints && quaternions.shape(0) == frames &&
-              quaternions.shape(1) == s.n_joints,
-          "rotations, positions and quaternions must be (frames, joints, .)");
-  for (size_t i = 0; s.subset && i < s.n_out; ++i)
-    require(s.subset[i] >= 0 && size_t(s.subset[i]) < vertices, "a vertex index is out of range");
-  require(out.size() == frames * s.n_out * 3, "wrong size of the output");
-  require(group_first.has_value() == wanted.has_value(), "group_first and wanted go together");
-  if (wanted) {
-    s.n_groups = wanted->shape(1);
-    s.group_first = group_first->data();
-    s.wanted = wanted->data();
-    require(wanted->shape(0) == frames && group_first->shape(0) == s.n_groups + 1 &&
-                s.group_first[0] == 0 && size_t(s.group_first[s.n_groups]) == s.n_out,
-            "group_first and wanted do not fit the vertices and frames");
-    for (size_t g = 0; g < s.n_groups; ++g)
-      require(s.group_first[g] <= s.group_first[g + 1], "group_first is out of order");
-  }
-  if (!frames || !s.n_out) return;
-  const double *turn = rotations.data(), *x = positions.data(), *q = quaternions.data();
-  double* y = out.data();
+}  // namespace
 
-  nb::gil_scoped_release release;
+void joint_frames(const double* rotations, const double* root, const double* rest_joints,
+                  const int* parents, size_t frames, size_t joints, double* positions,
+                  double* quaternions) {
+  double *x = positions, *q = quaternions;
+  const double* turn = rotations;
+  for (size_t f = 0; f < frames; ++f, x += 3 * joints, q += 4 * joints, turn += 3 * joints) {
+    exponential(turn, q);
+    for (int i = 0; i < 3; ++i) x[i] = root[3 * f + i];
+    for (size_t j = 1; j < joints; ++j) {
+      const size_t p = size_t(parents[j]);
+      double local[4], m[9], arm[3];
+      exponential(turn + 3 * j, local);
+      product(q + 4 * p, local, q + 4 * j);
+      matrix(q + 4 * p, m, 3);
+      for (int i = 0; i < 3; ++i) arm[i] = rest_joints[3 * j + i] - rest_joints[3 * p + i];
+      for (int i = 0; i < 3; ++i)
+        x[3 * j + i] =
+            x[3 * p + i] + (m[3 * i] * arm[0] + m[3 * i + 1] * arm[1] + m[3 * i + 2] * arm[2]);
+    }
+  }
+}
+
+void skin(const SkinnedMesh& s, const JointPoses& poses, int threads, double* out) {
+  const size_t frames = poses.frames;
+  if (!frames || !s.n_out) return;
   const size_t blocks = (frames + kLanes - 1) / kLanes;
   const size_t chunks = (s.n_out + kChunk - 1) / kChunk;
   const size_t workers = std::min(size_t(threads), blocks * chunks);
@@ -359,37 +279,25 @@ void skin(f64<nb::shape<-1, 3>> rest_vertices, f64<nb::shape<-1, 3>> rest_joints
     ready.reserve(end - begin);
     for (size_t k = begin; k < end; ++k) {
       const size_t start = k * kLanes;
-      ready.push_back(make_block(s, start, std::min<size_t>(kLanes, frames - start), turn, x, q));
+      ready.push_back(make_block(s, start, std::min<size_t>(kLanes, frames - start), poses));
     }
     std::atomic<size_t> next{0};
     auto work = [&] {
       for (size_t t; (t = next.fetch_add(1)) < ready.size() * chunks;) {
         const size_t from = (t % chunks) * kChunk;
-        skin_range(s, ready[t / chunks], from, std::min(s.n_out, from + kChunk), x, y);
+        skin_range(s, ready[t / chunks], from, std::min(s.n_out, from + kChunk), poses.positions,
+                   out);
       }
     };
     std::vector<std::thread> pool;
     try {
       for (size_t w = 1; w < workers; ++w) pool.emplace_back(work);
     } catch (const std::system_error&) {
-      // No more threads to be had: the ones there, and this one, do all the work.
+      // The system gives no more threads: those that run, and this one, do all the work.
     }
     work();
     for (std::thread& thread : pool) thread.join();
   }
 }
 
-}  // namespace
-
-void bind_skinning(nb::module_& m) {
-  m.def("kinematics", &kinematics, nb::arg("rotations"), nb::arg("root"), nb::arg("rest_joints"),
-        nb::arg("parents"), nb::arg("positions"), nb::arg("quaternions"),
-        "World positions (T, J, 3) and quaternions (T, J, 4) of the joints, into the last two.");
-  m.def("skin", &skin, nb::arg("rest_vertices"), nb::arg("rest_joints"), nb::arg("first"),
-        nb::arg("joint"), nb::arg("weights"), nb::arg("posedirs"), nb::arg("rotations"),
-        nb::arg("positions"), nb::arg("quaternions"), nb::arg("subset"), nb::arg("all"),
-        nb::arg("threads"), nb::arg("out"), nb::arg("group_first") = nb::none(),
-        nb::arg("wanted") = nb::none(),
-        "Skinned vertices (T, n, 3) into `out`; `posedirs` of zero rows: no pose blend shapes. Of "
-        "vertices in groups only those in frames where their group is `wanted` (T, groups).");
-}
+}  // namespace hp

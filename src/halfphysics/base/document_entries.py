@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import sys
 from collections.abc import Callable
 from typing import Any
 
 from halfphysics.base.document_tree import Entry
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.errors import HalfPhysicsError
 
@@ -28,8 +28,7 @@ def mapping(entry: Entry, allowed: tuple[str, ...], suffix: str = "") -> dict[st
         raise entry.error(f"expected a mapping with {', '.join(allowed)}, found {describe(entry)}")
     for key, child in entry.value.items():
         if key not in allowed:
-            close = difflib.get_close_matches(key, allowed, n=1, cutoff=0.6)
-            hint = f"; did you mean {close[0]}?" if close else "."
+            hint = did_you_mean(key, allowed, otherwise=".")
             raise child.error(f"unknown key {key!r}{suffix}{hint} Allowed: {', '.join(allowed)}")
     return entry.value
 
@@ -91,8 +90,7 @@ def flag(entry: Entry) -> bool:
 def choice(entry: Entry, options: tuple[str, ...]) -> str:
     """One of the options."""
     if entry.value not in options:
-        close = difflib.get_close_matches(str(entry.value), options, n=1)
-        hint = f"; did you mean {close[0]}?" if close else ""
+        hint = did_you_mean(entry.value, options)
         raise entry.error(f"expected one of {', '.join(options)}, found {describe(entry)}{hint}")
     return entry.value
 

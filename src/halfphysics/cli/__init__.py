@@ -7,7 +7,6 @@ on its first argument has a function `read` instead.
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import re
 import sys
@@ -16,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 
 #: Command -> what it does in one line. The module of that name in this package is the command.
@@ -70,8 +70,7 @@ def _run(arguments: list[str]) -> int:
         print(f"halfphysics {__version__}")
         return 0
     if name not in COMMANDS:
-        close = difflib.get_close_matches(name, COMMANDS, n=1)
-        hint = f"; did you mean {close[0]}?" if close else ""
+        hint = did_you_mean(name, COMMANDS)
         raise InputError(
             f"unknown command {name!r}{hint} Expected one of {', '.join(COMMANDS)}. "
             "halfphysics --help explains them"

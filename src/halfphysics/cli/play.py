@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions
 from halfphysics.errors import InputError
 
@@ -67,8 +68,6 @@ class Command:
 
     def _sorted(self) -> tuple[list[str], dict[str, Callable[[], Sequence]]]:
         """The scenarios and the files that were named."""
-        import difflib
-
         from halfphysics import scenarios
         from halfphysics.base.validation import file_path
 
@@ -79,8 +78,7 @@ class Command:
                 continue
             path = Path(text)
             if not path.suffix and not path.exists():
-                close = difflib.get_close_matches(text, scenarios.names(), n=1)
-                hint = f"; did you mean {close[0]}?" if close else "."
+                hint = did_you_mean(text, scenarios.names(), otherwise=".")
                 raise InputError(
                     f"play: found {text!r}, which is no scenario and no file{hint} "
                     f"Scenarios: {', '.join(scenarios.names())}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import textwrap
 import time
 from collections.abc import Sequence as Several
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import tyro
 
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.cli.options import check_output, progress
 from halfphysics.cli.parsing import Exit, parse
 from halfphysics.errors import InputError
@@ -113,8 +113,7 @@ def read(prog: str, arguments: Several[str]) -> Play | Exit:
         )
     name, *rest = arguments
     if name not in scenarios.names():
-        close = difflib.get_close_matches(name, scenarios.names(), n=1)
-        hint = f"; did you mean {close[0]}?" if close else ""
+        hint = did_you_mean(name, scenarios.names())
         raise InputError(
             f"unknown scenario {name!r}{hint} Expected one of {', '.join(scenarios.names())}. "
             f"{prog} --list explains them"

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from halfphysics.base import stored_objects as stored
 from halfphysics.base.npy import Npy
 from halfphysics.base.npz import Npz
+from halfphysics.base.suggestions import closest
 from halfphysics.base.validation import file_path, shown
 from halfphysics.errors import FileError
 from halfphysics.formats.record import Record
@@ -61,14 +62,12 @@ class Source:
         return str(self.path)
 
     def _near(self) -> str:
-        import difflib
-
         if not self.path.parent.is_dir():
             return f" The folder {self.path.parent} does not exist either"
         if not os.access(self.path.parent, os.R_OK):
             return ""
         names = [entry.name for entry in self.path.parent.iterdir() if entry.is_file()]
-        near = difflib.get_close_matches(self.path.name, names, n=3)
+        near = closest(self.path.name, names, count=3)
         return f" In that folder: {', '.join(near)}" if near else ""
 
     @cached_property

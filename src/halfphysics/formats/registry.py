@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import body as checked_body
 from halfphysics.base.validation import file_path, frame_rate, shown
 from halfphysics.errors import FileError, InputError
@@ -283,7 +284,6 @@ def _options(
 
 def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Format, Options]:
     """The file and its format, and the options with the clip that is meant."""
-    import difflib
     from dataclasses import replace
     from itertools import islice
 
@@ -309,8 +309,7 @@ def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Form
         )
     names = list(format.clips(source))
     if options.clip not in names:
-        near = difflib.get_close_matches(options.clip, names, n=3)
-        hint = f"; did you mean {' or '.join(near)}?" if near else f", such as {names[0]!r}"
+        hint = did_you_mean(options.clip, names, count=3, otherwise=f", such as {names[0]!r}")
         raise InputError(
             f"clip: {source.path} has no {options.clip!r}, expected one of its {len(names)} clips"
             f"{hint}"

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.digests import sha256_of
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError, InputError, MissingDependencyError
 from halfphysics.geometry.mesh import Mesh, MeshSource
@@ -94,15 +95,12 @@ def flatten(scene: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
 
 
 def _similar(path: Path) -> str:
-    import difflib
-
     if not path.parent.is_dir():
         return f"; the folder {path.parent} does not exist"
     if not os.access(path.parent, os.R_OK):
         return ""
     names = [entry.name for entry in path.parent.iterdir() if entry.is_file()]
-    close = difflib.get_close_matches(path.name, names, n=1)
-    return f"; did you mean {path.parent / close[0]}?" if close else ""
+    return did_you_mean(path.name, names, form=lambda name: str(path.parent / name))
 
 
 def _trimesh() -> Any:

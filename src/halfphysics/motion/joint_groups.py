@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, LEFT_HAND_JOINTS, N_JOINTS
@@ -121,8 +121,7 @@ def joint_values(
     checked = {}
     for key, given in value.items():
         if key not in known:
-            close = difflib.get_close_matches(str(key), known, n=3)
-            hint = f"; did you mean {' or '.join(map(repr, close))}?" if close else "."
+            hint = did_you_mean(key, known, count=3, form=repr, otherwise=".")
             raise InputError(
                 f"{what}: there is no joint {key!r}{hint} Expected one of the groups "
                 f"{', '.join((*JOINT_GROUPS, *extra))}, or a name of halfphysics.JOINT_NAMES"

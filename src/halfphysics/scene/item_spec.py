@@ -6,13 +6,13 @@ then key=value pairs; several numbers of one value are joined by colons.
 
 from __future__ import annotations
 
-import difflib
 import math
 import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Shape, Sphere
 
@@ -80,8 +80,7 @@ def _parse(text: str, keys: dict[str, tuple[str, int]], kind: str, example: str)
     for pair in pairs:
         key, equals, value = (part.strip() for part in pair.partition("="))
         if key not in keys:
-            close = difflib.get_close_matches(key, keys, n=1)
-            hint = f" (did you mean {close[0]}?)" if close else ""
+            hint = did_you_mean(key, keys, brackets=True)
             problems.append(f"unknown key {key!r}{hint}, allowed: {', '.join(keys)}")
             continue
         argument, count = keys[key]
@@ -128,8 +127,7 @@ def _shape(text: str, problems: list[str]) -> Shape | str | None:
         suffix = Path(text).suffix
         if any(c.isalpha() for c in suffix) or os.path.exists(text):
             return text
-        close = difflib.get_close_matches(word, _SHAPES, n=1)
-        hint = f" (did you mean {close[0]}?)" if close else ""
+        hint = did_you_mean(word, _SHAPES, brackets=True)
         forms = ", ".join(form for _, _, form in _SHAPES.values())
         problems.append(
             f"unknown shape {text!r}{hint}, expected {forms} or the path of a mesh file"

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
 
@@ -26,8 +25,7 @@ def check_part(what: str, name: str) -> None:
     """Raises `InputError` where a person has no such part."""
     part = name.removeprefix(f"{PERSON}/")
     if part not in JOINT_NAMES:
-        close = difflib.get_close_matches(part, JOINT_NAMES, n=1)
-        hint = f"; did you mean '{PERSON}/{close[0]}'?" if close else ""
+        hint = did_you_mean(part, JOINT_NAMES, form=lambda name: f"'{PERSON}/{name}'")
         raise InputError(
             f"{what}: a person has no part called {part!r}{hint}. Parts are named by their joints, "
             "see halfphysics.JOINT_NAMES"

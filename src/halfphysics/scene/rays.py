@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown, vector
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh import Mesh
@@ -100,8 +100,7 @@ def checked_names(ignore: Collection[str], known: Collection[str]) -> set[str]:
         )
     for name in ignore:
         if name not in known:
-            close = difflib.get_close_matches(str(name), known, n=1)
-            hint = f"; did you mean {close[0]!r}?" if close else ""
+            hint = did_you_mean(name, known, form=repr)
             raise InputError(
                 f"ray: ignore: there is nothing called {shown(name)}{hint}. "
                 f"There are: {', '.join(known) or 'none'}"

@@ -5,7 +5,6 @@ World z-up, metres, kilograms, seconds; quaternions wxyz.
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import number, shown, vector
 from halfphysics.errors import InputError
 from halfphysics.geometry.convex_decomposition import THRESHOLD
@@ -478,8 +478,7 @@ class Scene:
             if isinstance(name, str) and name.startswith(f"{PERSON}/"):
                 check_part(what, name)
             elif name not in known:
-                close = difflib.get_close_matches(str(name), known, n=1)
-                hint = f"; did you mean {close[0]!r}?" if close else ""
+                hint = did_you_mean(name, known, form=repr)
                 raise InputError(
                     f"{what}: the scene has nothing called {shown(name)}{hint}. "
                     f"It has: {', '.join(known)}. Add it first."

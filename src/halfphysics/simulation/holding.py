@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
@@ -116,8 +116,7 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
     if not isinstance(place, Thing):
         raise InputError(f"{what}: {_holder(world, name)} holds it already; release({name!r}) it")
     if part not in JOINT_NAMES:
-        close = difflib.get_close_matches(str(part), JOINT_NAMES, n=1)
-        hint = f"; did you mean {close[0]!r}?" if close else ""
+        hint = did_you_mean(part, JOINT_NAMES, form=repr)
         raise InputError(
             f"{what}: part: found {shown(part)}, expected a joint's name such as 'right_wrist' "
             f"or 'head'{hint}"
@@ -168,6 +167,5 @@ def _stranger(world: World, name: str) -> str:
             "add_object"
         )
     known = [thing.name for thing in world.things]
-    close = difflib.get_close_matches(str(name), known, n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
+    hint = did_you_mean(name, known, form=repr)
     return f"there is no object called {shown(name)}{hint}. There are: {', '.join(known) or 'none'}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown, vector
 from halfphysics.errors import InputError
 from halfphysics.motion.pose import Pose
@@ -185,8 +185,7 @@ def _found(world: World, what: str, name: str) -> tuple[Thing | HeldThing, Objec
         if place.name == name:
             return place, world.scene.objects[name]
     known = [thing.name for thing in world.things]
-    close = difflib.get_close_matches(str(name), known, n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
+    hint = did_you_mean(name, known, form=repr)
     raise InputError(
         f"{what}: there is no object called {shown(name)}{hint}. "
         f"There are: {', '.join(known) or 'none'}"

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 
@@ -57,8 +57,7 @@ class FilmOptions:
             object.__setattr__(self, name, (given,) if isinstance(given, str) else tuple(given))
         for camera in self.camera:
             if camera not in CAMERAS:
-                close = difflib.get_close_matches(str(camera), CAMERAS, n=1)
-                hint = f" (did you mean {close[0]}?)" if close else ""
+                hint = did_you_mean(camera, CAMERAS, brackets=True)
                 raise InputError(
                     f"camera: found {camera!r}{hint}, expected one of {', '.join(CAMERAS)}"
                 )

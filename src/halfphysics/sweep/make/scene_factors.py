@@ -6,7 +6,6 @@ Angles in degrees, lengths in metres, masses in kilograms; docs/sweeps.md says w
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, TypeAlias, cast
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Plane
 from halfphysics.scene.articulated import Articulated
@@ -156,8 +156,7 @@ def _named(scene: Scene, factor: str, name: FactorName) -> Iterable[str]:
     refusals = {n: _refusal(thing, name.what) for n, thing in group.items()}
     if name.group == kind:
         if name.thing not in refusals:
-            close = difflib.get_close_matches(name.thing, refusals, n=1)
-            hint = f"; did you mean {close[0]!r}?" if close else "."
+            hint = did_you_mean(name.thing, refusals, form=repr, otherwise=".")
             raise InputError(
                 f"{factor}: this variant's scene has no {kind} called {name.thing!r}{hint} "
                 f"It has {_listed(scene)}"

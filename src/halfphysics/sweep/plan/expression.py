@@ -9,13 +9,13 @@ is of numbers only. A name with other characters stands in backticks: `object.te
 from __future__ import annotations
 
 import ast
-import difflib
 import keyword
 import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NoReturn
 
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 
@@ -92,8 +92,7 @@ class Expression:
         known = tuple(known)
         for name, column in found.columns.items():
             if name not in known:
-                close = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
-                hint = f"; did you mean {close[0]}?" if close else "."
+                hint = did_you_mean(name, known, otherwise=".")
                 raise _error(text, column, f"unknown name {name}{hint} Known: {', '.join(known)}")
         self.names = tuple(found.columns)
         self._numbers = tuple(name for name in self.names if name in check.numbers)

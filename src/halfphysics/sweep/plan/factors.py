@@ -11,13 +11,13 @@ statics.X, static.NAME.X       the same without mass and mass_factor
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal, TypeAlias
 
+from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
@@ -264,5 +264,4 @@ def _check_setting(
 
 
 def _meant(word: str, known: Iterable[str]) -> str:
-    close = difflib.get_close_matches(word, list(known), n=1, cutoff=0.6)
-    return f"; did you mean {close[0]}?" if close else "."
+    return did_you_mean(word, known, otherwise=".")

@@ -92,7 +92,7 @@ class Stage:
         live: bool = False,
         figure: Callable[..., Figure] = Figure,
     ) -> None:
-        self.drawing = drawing = result if isinstance(result, Drawing) else Drawing(result)
+        self.drawing = result if isinstance(result, Drawing) else Drawing(result)
         self.prefix, self.offset = prefix, np.asarray(offset, dtype=np.float64)
         if self.offset.any() and not prefix:
             raise InputError("offset: found one without a prefix, expected a node to move")
@@ -105,13 +105,26 @@ class Stage:
             self._root = server.scene.add_frame(
                 prefix, show_axes=False, position=tuple(self.offset)
             )
+        self._add_items(faint, without)
+        self._add_people(figure, live)
+        layers = {
+            "body": Layer("Body", [*self.people]),
+            "ghost": Layer("Ghost", [*self.ghosts]),
+            "objects": Layer("Objects", [*self._objects.values()]),
+            "scene": Layer("Scene", [*self._statics.values()]),
+        }
+        self.layers = {name: layer for name, layer in layers.items() if layer.parts}
+
+    def _add_items(self, faint: Collection[str], without: Collection[str]) -> None:
+        """Add the meshes of static geometry and of objects."""
+        drawing = self.drawing
         self._statics = {
             name.removeprefix("static/"): self._add_static(name, item, name in faint)
             for name, item in drawing.statics.items()
             if name not in without
         }
         self._objects = {
-            name.removeprefix("object/"): add_mesh(server, self.path(name), item, None)
+            name.removeprefix("object/"): add_mesh(self._server, self.path(name), item, None)
             for name, item in drawing.objects.items()
         }
         self._tracks = {
@@ -121,27 +134,23 @@ class Stage:
             )
             for name in self._objects
         }
+
+    def _add_people(self, figure: Callable[..., Figure], live: bool) -> None:
+        """Add a figure for every person and one for their ghost."""
         self._frames: list[tuple[tuple[Array, Array], ...]] = []
         self._joints: list[Array] = []
         self.people: list[Figure] = []
         self.ghosts: list[Figure] = []
-        for k, person in enumerate(drawing.result.people):
+        for k, person in enumerate(self.drawing.result.people):
             motions = (person.motion, person.reference)
             frames = tuple(person.body.joint_frames(motion) for motion in motions)
             joints = None if live else moving_joints(*(q for _, q in frames))
             for kind, figures in zip(_KINDS, (self.people, self.ghosts), strict=True):
-                skin = drawing.skin(k, kind == "ghost")
+                skin = self.drawing.skin(k, kind == "ghost")
                 name = self.path(f"{kind}/{k}")
-                figures.append(figure(server, name, skin, person.body, joints))
+                figures.append(figure(self._server, name, skin, person.body, joints))
             self._frames.append(frames)
             self._joints.append(frames[0][0][0])
-        self.layers = {
-            "body": Layer("Body", [*self.people]),
-            "ghost": Layer("Ghost", [*self.ghosts]),
-            "objects": Layer("Objects", [*self._objects.values()]),
-            "scene": Layer("Scene", [*self._statics.values()]),
-        }
-        self.layers = {name: layer for name, layer in self.layers.items() if layer.parts}
 
     def __len__(self) -> int:
         """Number of frames."""

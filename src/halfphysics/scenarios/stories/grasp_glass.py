@@ -78,6 +78,17 @@ def planned(
     hold = number(hold, "hold", least=0.0, unit="s")
     actor = stage.actor(body)
     held = vessel(shape)
+    plan, steps, shake = _plan(stages, hold)
+    motion = glass.perform(actor, plan, fps, squeeze, held=held, steps=steps, shake=shake)
+    scene = stage.floor()
+    at = glass.start(actor)
+    glass.add_stand(scene, "stand", at, held)
+    glass.add_glass(scene, at, held, mass, friction)
+    return Sequence(motion, scene, actor), plan.times
+
+
+def _plan(stages: Many[str], hold: float) -> tuple[glass.Plan, Walk | None, glass.Shake | None]:
+    """The stages one after the other, the walk and the shake, where they are among them."""
     plan = glass.Plan()
     plan.grasp()
     if "lift" in stages:
@@ -106,9 +117,4 @@ def planned(
         plan.stage("turn", begin)
     if "open" in stages:
         plan.open(_FALLING)
-    motion = glass.perform(actor, plan, fps, squeeze, held=held, steps=steps, shake=shake)
-    scene = stage.floor()
-    at = glass.start(actor)
-    glass.add_stand(scene, "stand", at, held)
-    glass.add_glass(scene, at, held, mass, friction)
-    return Sequence(motion, scene, actor), plan.times
+    return plan, steps, shake

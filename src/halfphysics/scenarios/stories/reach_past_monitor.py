@@ -19,6 +19,8 @@ from halfphysics.simulation.sequence import Sequence
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -53,6 +55,14 @@ def build(
     if not -0.5 <= beside <= 0.3:
         raise InputError(f"beside: found {beside!r}, expected -0.5 to 0.3 m")
     actor = stage.actor(body)
+    motion, middle = _reach(actor, fps, beside)
+    scene = stage.floor()
+    _add_desk(scene, middle, mass, friction)
+    return Sequence(motion, scene, actor)
+
+
+def _reach(actor: Body, fps: float, beside: float) -> tuple[Motion, float]:
+    """The motion of the person, and where the person's middle is along the reach [m]."""
     stands = pose_at(actor, Walk(distance=1.0), 0.0)
     count = round((_BACK + 0.3) * fps) + 1
     base = stage.held(actor, stands, count, fps)
@@ -81,7 +91,11 @@ def build(
     collar, shoulder = turns[:, arm.collar], positions[:, arm.joints[0]]
     for joint, turn in arms.solve(arm, collar, shoulder, wrist, hand, elbow).items():
         rotations[:, joint] = turn
-    scene = stage.floor()
+    return base.with_frames(base.translation, rotations), middle
+
+
+def _add_desk(scene: Scene, middle: float, mass: float, friction: float) -> None:
+    """Add the table with the monitor and the mouse before a person who stands at `middle` [m]."""
     length, width, height, thickness = TABLE
     centre = middle + _EDGE + 0.5 * length
     scene.add_static(
@@ -109,4 +123,3 @@ def build(
         mass=0.1,
         position=(middle + _MOUSE[0], _MOUSE[1], height + 0.5 * mouse.size[2]),
     )
-    return Sequence(base.with_frames(base.translation, rotations), scene, actor)

@@ -133,17 +133,17 @@ def card_of(
     Returns:
         JSON values; docs/sweeps.md says what each is.
     """
-    found = checks(result, ready.motions)
-    local, everywhere = _deviation(result.people)
-    contacts, slips = result.contacts, events.slips
-    strength = contacts.strength
-    by_people = contacts.person >= 0
-    reach = result.settings.clearance_range
-    statics = len(result.names) - len(result.objects) - len(result.people)
-    objects = {name: _travel(result, name) for name in result.objects}
     return {
         "card": VERSION,
-        # What it was made from.
+        **_made_from(plan, variant, ready),
+        **_outcome(ready, result),
+        **_happened(result, labels, events),
+    }
+
+
+def _made_from(plan: Plan, variant: Variant, ready: Made) -> dict[str, Any]:
+    """The part of a card that says what the sample was made from."""
+    return {
         "number": variant.number,
         "plan": plan.identity,
         "seed": plan.seed,
@@ -154,7 +154,16 @@ def card_of(
         "settings": plain(ready.settings),
         "sources": [_source(source, variant, plan.base) for source in ready.sources],
         "versions": versions(),
-        # Whether it went well.
+    }
+
+
+def _outcome(ready: Made, result: Result) -> dict[str, Any]:
+    """The part of a card that says whether the simulation went well."""
+    found = checks(result, ready.motions)
+    local, everywhere = _deviation(result.people)
+    reach = result.settings.clearance_range
+    statics = len(result.names) - len(result.objects) - len(result.people)
+    return {
         "success": not found.failed,
         "checks": plain(found),
         "frames": len(result),
@@ -166,7 +175,16 @@ def card_of(
         "joint_error_mean_mm": _number(1000.0 * everywhere.mean()),
         "joint_error_max_mm": _number(1000.0 * everywhere.max()),
         "pose_error_mean_mm": _number(1000.0 * local.mean()),
-        # What happened.
+    }
+
+
+def _happened(result: Result, labels: Labelled, events: Events) -> dict[str, Any]:
+    """The part of a card that says what happened: contacts, holds, slips, drops, travel."""
+    slips = events.slips
+    strength = result.contacts.strength
+    by_people = result.contacts.person >= 0
+    objects = {name: _travel(result, name) for name in result.objects}
+    return {
         "contacts": int(np.count_nonzero(strength)),
         "threshold_m": float(labels.threshold_m),
         "impulse": _number(strength[by_people].sum()),

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from evidence.runs.playing import free_joints, joint_angles, pelvis_distance
 from halfphysics import metrics
-from halfphysics.bench.paper.runs.playing import free_joints, joint_angles, pelvis_distance
 from halfphysics.simulation.simulate import simulate
 
 

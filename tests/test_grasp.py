@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from evidence.runs.grasping import judge
 from halfphysics import scenarios
 from halfphysics.base import rotations as rot
-from halfphysics.bench.paper.runs.grasping import judge
 from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS

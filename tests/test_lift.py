@@ -7,9 +7,9 @@ import os
 import numpy as np
 import pytest
 
+from evidence.runs.lifting import slip
 from halfphysics import scenarios
 from halfphysics.base import rotations as rot
-from halfphysics.bench.paper.runs.lifting import slip
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from halfphysics.scenarios.acting import arms

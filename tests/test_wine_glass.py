@@ -10,9 +10,9 @@ import pytest
 import trimesh
 from test_grasp import CREEP, FALL, FORCE, FREED, JITTER, PEAK, SETTLED, SLIP, SPREAD, TURN
 
+from evidence.runs.grasping import judge
 from halfphysics import scenarios
 from halfphysics.base import rotations as rot
-from halfphysics.bench.paper.runs.grasping import judge
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
 from halfphysics.scenarios.props.lathe import turn

@@ -11,7 +11,7 @@ import importlib
 import re
 import sys
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -43,13 +43,23 @@ _USAGE = "usage: halfphysics COMMAND ...   (halfphysics COMMAND --help explains 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code (0, 2 for a user's mistake, 130 for Ctrl-C)."""
     arguments = list(sys.argv[1:] if argv is None else argv)
+    return guarded(lambda: _run(arguments))
+
+
+def guarded(run: Callable[[], int], program: str = "halfphysics") -> int:
+    """The exit code of `run`: a user's mistake and a warning become one line each on stderr.
+
+    Args:
+        run: A command; returns its exit code.
+        program: The name that a message begins with.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("always", HalfPhysicsWarning)
-        warnings.showwarning = _show_warning(warnings.showwarning)
+        warnings.showwarning = _show_warning(warnings.showwarning, program)
         try:
-            return _run(arguments)
+            return run()
         except HalfPhysicsError as error:
-            print(f"halfphysics: error: {_as_options(str(error))}", file=sys.stderr)
+            print(f"{program}: error: {_as_options(str(error))}", file=sys.stderr)
             return MISTAKE
         except KeyboardInterrupt:
             return INTERRUPTED
@@ -119,12 +129,12 @@ def _as_options(message: str) -> str:
     )
 
 
-def _show_warning(other: Any) -> Any:
+def _show_warning(other: Any, program: str) -> Any:
     """Our warnings as one line; those of others as they are."""
 
     def show(message: Any, category: type[Warning], *rest: Any, **named: Any) -> None:
         if issubclass(category, HalfPhysicsWarning):
-            print(f"halfphysics: warning: {_as_options(str(message))}", file=sys.stderr)
+            print(f"{program}: warning: {_as_options(str(message))}", file=sys.stderr)
         else:
             other(message, category, *rest, **named)
 

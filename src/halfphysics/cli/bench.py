@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\
 halfphysics bench
-halfphysics bench paper --quick
 halfphysics bench --case free --case wall
 halfphysics bench --case free --motion walk.npz --json bench.json
 halfphysics bench --quick --repeats 1"""
@@ -34,7 +33,6 @@ class Command:
 
     Ratios are medians over the runs of each turn; over 1 ours is faster.
     Rates are of this machine and of what else it does now. docs/benchmarks.md says more.
-    halfphysics bench paper makes a report of all that the paper claims.
     """
 
     case: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
@@ -83,16 +81,6 @@ class Command:
         motion = None if self.motion is None else Motion.load(self.motion)
         name = "" if self.motion is None else self.motion.stem
         return Options(motion=motion, motion_name=name, quick=self.quick, repeats=self.repeats)
-
-
-def read(prog: str, arguments: list[str]) -> Any:
-    """The command that the arguments describe: `bench paper ...` is one of its own."""
-    from halfphysics.cli import bench_paper
-    from halfphysics.cli.parsing import parse
-
-    if arguments[:1] == ["paper"]:
-        return parse(bench_paper.Command, f"{prog} paper", bench_paper.EXAMPLES, arguments[1:])
-    return parse(Command, prog, EXAMPLES, arguments)
 
 
 def _machine() -> dict[str, Any]:

@@ -1,0 +1,134 @@
+"""Outcomes on disk: what has been computed is not computed again.
+
+One JSON file per task, its pictures beside it, each written whole or not at all. What is damaged,
+or was computed by another program, from other arguments or other files, counts as not there.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from evidence.model import Outcome, Task, plain
+from halfphysics.base import code_hash
+from halfphysics.base.atomic import atomic_write
+from halfphysics.base.digests import sha256_of
+from halfphysics.errors import FileError, InputError
+
+_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_. -]*")
+
+
+class Store:
+    """Outcomes in a folder, which is made when the first one is kept."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def load(self, section: str, task: Task) -> Any | None:
+        """The values of a task, None if they have to be computed."""
+        path = self._path(section, task)
+        try:
+            kept = json.loads(path.read_bytes())
+        except (OSError, ValueError):
+            return None
+        if not isinstance(kept, dict) or kept.get("of") != identity(task):
+            return None
+        if _sum(kept.get("values")) != kept.get("sum"):
+            return None
+        for name, expected in kept["pictures"].items():
+            found = self.picture(section, task.key, name)
+            if found is None or hashlib.sha256(found).hexdigest() != expected:
+                return None
+        return kept["values"]
+
+    def keep(self, section: str, task: Task, outcome: Outcome, of: Any = None) -> None:
+        """Remember an outcome; `of`: the task's `identity` before it began, if files may change.
+
+        Raises:
+            InputError: Values that JSON cannot say.
+            FileError: The folder cannot be written.
+        """
+        values = plain(outcome.values, f"{section}/{task.key}")
+        path = self._path(section, task)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileError(f"{path.parent}: cannot make this folder: {error.strerror}") from None
+        sums = {}
+        for name, png in outcome.pictures.items():
+            with atomic_write(self._picture(section, task.key, name)) as handle:
+                handle.write(png)
+            sums[name] = hashlib.sha256(png).hexdigest()
+        kept = {"of": of or identity(task), "sum": _sum(values), "values": values, "pictures": sums}
+        with atomic_write(path) as handle:
+            handle.write(json.dumps(kept, indent=1).encode())
+
+    def picture(self, section: str, key: str, name: str) -> bytes | None:
+        """The PNG that a task made."""
+        path = self._picture(section, key, name)
+        return path.read_bytes() if path.is_file() else None
+
+    def _path(self, section: str, task: Task) -> Path:
+        return self._place(section, task.key, ".json")
+
+    def _picture(self, section: str, key: str, name: str) -> Path:
+        return self._place(section, key, f".{name}.png")
+
+    def _place(self, section: str, key: str, end: str) -> Path:
+        parts = (section, *f"{key}{end}".split("/"))
+        if not all(_NAME.fullmatch(part) for part in parts):
+            raise InputError(
+                f"task {key + end!r} of {section!r}: expected letters, digits, spaces, '-', '_', "
+                "'.' and '/'"
+            )
+        return self.folder.joinpath(*parts)
+
+
+def identity(task: Task) -> dict[str, Any]:
+    """What has to be the same for an outcome to be this task's."""
+    return {
+        "program": program(),
+        "function": task.function,
+        "arguments": plain(task.arguments, task.key),
+        "inputs": [_file_sum(path) for path in task.inputs],
+    }
+
+
+@cache
+def program() -> str:
+    """SHA-256 of the code that computes outcomes: of the evidence and of halfphysics."""
+    digest = hashlib.sha256(code_hash.program().encode())
+    folder = Path(__file__).parent
+    for path in sorted(folder.rglob("*.py")):
+        digest.update(f"{path.relative_to(folder).as_posix()} {sha256_of(path)}\n".encode())
+    return digest.hexdigest()
+
+
+def _file_sum(path: str) -> str:
+    """Of a file's content; of a folder's entries, for what is in it may be large."""
+    if os.path.isdir(path):
+        return _sum(sorted(_entries(path)))
+    try:
+        return sha256_of(path)
+    except OSError:
+        return ""  # the task itself says what is wrong with it
+
+
+def _entries(folder: str) -> Iterator[tuple[str, int, int]]:
+    for path, _, names in os.walk(folder):
+        for name in names:
+            file = os.path.join(path, name)
+            with contextlib.suppress(OSError):  # gone meanwhile, or a link to nowhere
+                about = os.stat(file)
+                yield os.path.relpath(file, folder), about.st_size, about.st_mtime_ns
+
+
+def _sum(values: Any) -> str:
+    return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()

@@ -9,7 +9,8 @@ namespace {
 
 using namespace raster;
 
-constexpr int kStyleColumns = 13;
+// Numbers of a row of `styles`.
+const std::size_t style_columns = 13;
 
 using Table = nb::ndarray<const double, nb::c_contig, nb::device::cpu, nb::ndim<2>>;
 
@@ -39,7 +40,7 @@ Meshes read_meshes(f64<nb::shape<-1, 3>> vertices, i32<nb::shape<-1, 3>> faces,
                    const Camera& cam) {
   Meshes m;
   const std::size_t nv = vertices.shape(0), nf = faces.shape(0), nm = styles.shape(0);
-  if (styles.shape(1) != kStyleColumns || flags.shape(0) != nm || mesh_of_face.shape(0) != nf)
+  if (styles.shape(1) != style_columns || flags.shape(0) != nm || mesh_of_face.shape(0) != nf)
     throw std::invalid_argument("raster: tables of different lengths");
   for (std::size_t v = 0; v < nv; ++v) {
     m.world.push_back(vec(vertices.data() + 3 * v));
@@ -56,7 +57,7 @@ Meshes read_meshes(f64<nb::shape<-1, 3>> vertices, i32<nb::shape<-1, 3>> faces,
     m.faces.push_back({t[0], t[1], t[2]});
   }
   for (std::size_t k = 0; k < nm; ++k) {
-    const double* r = styles.data() + kStyleColumns * k;
+    const double* r = styles.data() + style_columns * k;
     const int* g = flags.data() + 3 * k;
     Style s;
     s.color = vec(r);

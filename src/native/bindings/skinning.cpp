@@ -86,7 +86,7 @@ void skin(Vertices rest_vertices, Vertices rest_joints, Indices first, Indices j
           "the sparse weights do not fit the vertices");
   check(s, vertices, weights.shape(0));
   require(!s.posedirs || (posedirs.shape(0) == vertices &&
-                          s.n_features == (s.n_joints - 1) * hp::skinning_features),
+                          s.n_features == (s.n_joints - 1) * hp::SkinnedMesh::joint_features),
           "posedirs must be (vertices, 3, 9 x (joints - 1))");
   require(rotations.shape(1) == s.n_joints && positions.shape(0) == frames &&
               positions.shape(1) == s.n_joints && quaternions.shape(0) == frames &&

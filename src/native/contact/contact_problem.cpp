@@ -3,41 +3,11 @@
 #include <cmath>
 
 #include "math/simd.h"
+#include "tuning.h"
 
 namespace hp {
 
-namespace {
-
-// Sweeps after which the tolerance itself will do, and after which kEnough tolerances will.
-constexpr int kPatience = 6, kNoPatience = 12;
-// Sweeps before Newton steps are tried, and tried again: of many contacts a step costs many sweeps.
-constexpr int kSweeps = 3, kSweepsOfFew = 1, kFew = 16;
-// Newton steps in a row; those that may fail; shares of a step that are tried, each half of the one
-// before; the damping relative to the diagonal of A, and how it adapts (Levenberg, Marquardt).
-// Undamped steps are singular where points are redundant.
-constexpr int kSteps = 20, kFailures = 2, kShares = 8;
-constexpr double kDamping = 1e-2, kLeastDamping = 1e-3, kMore = 5, kLess = 0.3;
-// A step need only be better than the worst of the last few: the merit has valleys with bends
-// (Grippo, Lampariello, Lucidi 1986). The best of them is kept.
-constexpr int kMemory = 4;
-// Rounds of both that may bring nothing, and what counts as something.
-constexpr int kStalls = 3;
-constexpr double kProgress = 0.5;
-// Sweeps within the points of one pair.
-constexpr int kWithin = 3;
-// Rounds of normals alone, friction following, where nothing else ended; from kGiveUp on friction
-// that its normal impulse does not bear is given up, so that the rounds end.
-constexpr int kRounds = 12, kGiveUp = 4;
-constexpr int kPivots = 40;
-// Multiplications after which no further round begins.
-constexpr double kMostWork = 1e8;
-// What is left after that is not worth more: the step is verified anyway.
-constexpr double kEnough = 5;
-// Redundant points share what they carry as if they gave way by this share of their own inverse
-// inertia: at 10 N s on a limb 4e-5 m/s, under the tolerance. Without, their pivots are singular.
-constexpr double kCompliance = 1e-8;
-
-}  // namespace
+namespace tune = tuning::contact;
 
 void ContactProblem::clear(int capacity) {
   stride_ = 3 * (size_t)capacity;
@@ -51,7 +21,7 @@ void ContactProblem::clear(int capacity) {
 void ContactProblem::add(const double* beta3, const double* warm3, double mu, int pair) {
   const int n = size();
   double* a = A(n, n);
-  double floor = 1e-12 * std::max(a[0], 1e-9);  // a contact between immovable things
+  double floor = tune::kDiagonalShare * std::max(a[0], tune::kLeastInverseMass);  // a contact between immovable things
   Mat3 B;
   for (int q = 0; q < 3; q++) a[q * (stride_ + 1)] += floor;
   for (int q = 0; q < 9; q++) B.m[q] = a[(q / 3) * stride_ + q % 3];
@@ -132,7 +102,7 @@ void ContactProblem::settle(Group& g, double tolerance) {
       old_[3 * a + q] = p[3 * g.rows[a] + q];
       own_[3 * a + q] = w_[3 * g.rows[a] + q];
     }
-  for (int it = 0; it < kWithin; it++) {
+  for (int it = 0; it < tune::kPairSweeps; it++) {
     double change = 0;
     for (int turn = 0; turn < m; turn++) {
       int a = it % 2 == 0 ? turn : m - 1 - turn, i = g.rows[a];
@@ -237,7 +207,7 @@ bool ContactProblem::newton(double damping, double bound) {
       }
       for (int l = 0; l < k; l++)
         add_scaled(pivot[k] + rest, -pivot[k][first + l], pivot[l] + rest, m3 - rest);
-      regular &= std::fabs(pivot[k][c]) > 1e-14;
+      regular &= std::fabs(pivot[k][c]) > tune::kSingularPivot;
       const double inv = 1 / pivot[k][c];
       for (int r = c + 1; r < m3; r++) {
         double* row = row_at(r);
@@ -260,14 +230,14 @@ bool ContactProblem::newton(double damping, double bound) {
       x[r] = t / row[r];
     }
     double share = 1;
-    for (int attempt = 0; attempt < kShares; attempt++, share *= 0.5) {
+    for (int attempt = 0; attempt < tune::kNewtonShares; attempt++, share *= 0.5) {
       for (int i = 0; i < 3 * n; i++) p[i] = (1 - share) * start_[i];
       for (int a = 0; a < m; a++)
         for (int r = 0; r < 3; r++)
           p[3 * set_[a] + r] = start_[3 * set_[a] + r] + share * x[3 * a + r];
       project();
       product();
-      if (merit() < bound * (1 - 1e-3)) return true;
+      if (merit() < bound * (1 - tune::kNewtonDecrease)) return true;
     }
   }
   p = start_;
@@ -291,8 +261,8 @@ void ContactProblem::normals(double tolerance) {
     q_[i] = s;
     active_[i] = p[3 * i] > 0;
   }
-  int fewest = n + 1, patience = 3;
-  for (int it = 0; it < kPivots; it++) {
+  int fewest = n + 1, patience = tune::kBlockPivots;
+  for (int it = 0; it < tune::kPivots; it++) {
     set_.clear();
     for (int i = 0; i < n; i++)
       if (active_[i]) set_.push_back(i);
@@ -303,9 +273,9 @@ void ContactProblem::normals(double tolerance) {
       for (int b = 0; b <= a; b++) {
         const double* other = &chol_[(size_t)b * k];
         double s = *A(set_[a], set_[b]);
-        if (a == b) s *= 1 + kCompliance;
+        if (a == b) s *= 1 + tune::kCompliance;
         for (int c = 0; c < b; c++) s -= row[c] * other[c];
-        row[b] = a == b ? std::sqrt(std::max(s, 1e-14 * *A(set_[a], set_[a]))) : s / other[b];
+        row[b] = a == b ? std::sqrt(std::max(s, tune::kCholeskyPivot * *A(set_[a], set_[a]))) : s / other[b];
       }
     }
     x_.assign(n, 0);
@@ -326,7 +296,7 @@ void ContactProblem::normals(double tolerance) {
     for (double x : x_) largest = std::max(largest, std::fabs(x));
     for (int i = 0; i < n; i++) {
       if (active_[i]) {
-        wrong_[i] = x_[i] < -1e-5 * largest;
+        wrong_[i] = x_[i] < -tune::kPull * largest;
       } else {
         double y = q_[i];
         for (int j : set_) y += *A(i, j) * x_[j];
@@ -337,7 +307,7 @@ void ContactProblem::normals(double tolerance) {
     if (wrong == 0) break;
     bool all = wrong < fewest || patience > 0;
     if (wrong < fewest)
-      fewest = wrong, patience = 3;
+      fewest = wrong, patience = tune::kBlockPivots;
     else
       patience--;
     for (int i = 0; i < n; i++)
@@ -358,52 +328,52 @@ void ContactProblem::solve(double tolerance, double fine, int most, SolveReport&
   double goal = fine, last = 1e300;
   // One sweep over one contact is exact: what rests feels nothing of where it started.
   if (size() == 1) goal = -1, most = 1;
-  const int n_groups = (int)group_count_, sweeps = size() <= kFew ? kSweepsOfFew : kSweeps;
+  const int n_groups = (int)group_count_, sweeps = size() <= tune::kFewContacts ? tune::kRoundSweepsOfFew : tune::kRoundSweeps;
   int stalled = 0;
   for (int it = 0; it < most && report.residual >= goal;) {
     for (int sweep = 0; sweep < sweeps && it < most && report.residual >= goal; sweep++, it++) {
       for (int k = 0; k < n_groups; k++)
-        settle(groups_[it % 2 == 0 ? k : n_groups - 1 - k], 0.1 * goal);
+        settle(groups_[it % 2 == 0 ? k : n_groups - 1 - k], tune::kPairGoal * goal);
       report.sweeps++;
       judge();
     }
-    double damping = kDamping, recent[kMemory];
-    std::fill_n(recent, kMemory, merit());
+    double damping = tune::kNewtonDamping, recent[tune::kNewtonMemory];
+    std::fill_n(recent, tune::kNewtonMemory, merit());
     int failures = 0;
-    for (int step = 0; step < kSteps && it < most && report.residual >= goal; step++, it++) {
-      const bool better = newton(damping, *std::max_element(recent, recent + kMemory));
+    for (int step = 0; step < tune::kNewtonSteps && it < most && report.residual >= goal; step++, it++) {
+      const bool better = newton(damping, *std::max_element(recent, recent + tune::kNewtonMemory));
       report.sweeps++;
       judge();
       if (better) {
-        damping = std::max(kLess * damping, kLeastDamping);
-        recent[step % kMemory] = merit();
+        damping = std::max(tune::kNewtonLessDamping * damping, tune::kNewtonLeastDamping);
+        recent[step % tune::kNewtonMemory] = merit();
       } else {
-        damping *= kMore;
-        if (++failures == kFailures) break;
+        damping *= tune::kNewtonMoreDamping;
+        if (++failures == tune::kNewtonFailures) break;
       }
     }
-    if (report.residual < kProgress * last)
+    if (report.residual < tune::kRoundProgress * last)
       stalled = 0;
-    else if (++stalled == kStalls)
+    else if (++stalled == tune::kStalledRounds)
       break;
     last = std::min(last, report.residual);
     // What must be finer than the tolerance is given half of the sweeps for it.
-    if (it >= (fine < tolerance ? most / 2 : kPatience)) goal = tolerance;
-    if (it >= kNoPatience && fine >= tolerance) goal = kEnough * tolerance;
+    if (it >= (fine < tolerance ? most / 2 : tune::kFinePatience)) goal = tolerance;
+    if (it >= tune::kTolerancePatience && fine >= tolerance) goal = tune::kEnough * tolerance;
   }
   if (report.residual > least) p = best_, product();
   report.residual = residual(false);
   report.normal = residual(true);
   // Where friction is slow to settle it is held and the normal impulses are solved for alone:
   // nothing penetrates, and the next substep starts warm.
-  if (report.residual < tolerance || report.normal < kEnough * tolerance) return;
+  if (report.residual < tolerance || report.normal < tune::kEnough * tolerance) return;
   best_ = p;  // pivots that do not end must not count
-  const double work = std::pow((double)size(), 3) * kPivots / 6;  // of a round, at most
-  for (int r = 0; r < kRounds && report.normal >= tolerance && r * work <= kMostWork; r++) {
-    normals(1e-3 * tolerance);
-    if (r >= kGiveUp)
+  const double work = std::pow((double)size(), 3) * tune::kPivots / 6;  // of a round, at most
+  for (int r = 0; r < tune::kNormalRounds && report.normal >= tolerance && r * work <= tune::kNormalWork; r++) {
+    normals(tune::kNormalGoal * tolerance);
+    if (r >= tune::kFrictionRounds)
       for (int i = 0; i < size(); i++)
-        if (std::hypot(p[3 * i + 1], p[3 * i + 2]) > local_[i].mu * p[3 * i] + 1e-12)
+        if (std::hypot(p[3 * i + 1], p[3 * i + 2]) > local_[i].mu * p[3 * i] + tune::kConeRounding)
           p[3 * i + 1] = p[3 * i + 2] = 0;
     project();  // a normal impulse that got smaller takes its friction along
     product();

@@ -1,6 +1,10 @@
 #include "contact/coulomb.h"
 
+#include "tuning.h"
+
 namespace hp {
+
+namespace tune = tuning::contact;
 
 namespace {
 
@@ -23,7 +27,7 @@ int polynomial_roots(const double* f, int degree, double* roots) {
     const double f_hi = polynomial(f, degree, turns[k]);
     if ((f_hi <= 0) != (f_lo <= 0)) {
       double from = lo, to = turns[k];
-      for (int i = 0; i < 54; i++) {
+      for (int i = 0; i < tune::kRootHalvings; i++) {
         const double mid = 0.5 * (from + to);
         ((polynomial(f, degree, mid) <= 0) == (f_lo <= 0) ? from : to) = mid;
       }
@@ -129,18 +133,18 @@ Vec3 LocalContact::solve(Vec3 r, Vec3 old) const {
   double f = 1 / std::sqrt(c * c + s * s);
   c *= f, s *= f;
   const double* a = A.m;
-  const double rounding = 1e-13 * std::max(a[0], std::max(a[4], a[8])) * norm(r);
+  const double rounding = tune::kSlipRounding * std::max(a[0], std::max(a[4], a[8])) * norm(r);
   bool found = false;
-  for (int it = 0; it < 8 && !found; it++) {
+  for (int it = 0; it < tune::kSlipSteps && !found; it++) {
     Slip q = slip(r, c, s);
     if (q.normal <= 0 || q.slope == 0) break;
-    double d = std::min(0.7, std::max(-0.7, -q.f / q.slope));
+    double d = std::min(tune::kSlipLargestStep, std::max(-tune::kSlipLargestStep, -q.f / q.slope));
     double c2 = c - d * s, s2 = s + d * c;
     f = 1 / std::sqrt(c2 * c2 + s2 * s2);
     c = f * c2, s = f * s2;
-    if (std::fabs(d) < 1e-9) {
+    if (std::fabs(d) < tune::kSlipSettled) {
       q = slip(r, c, s);
-      found = q.normal > 1e-6 * a[0] && q.along <= rounding;
+      found = q.normal > tune::kSlipJamming * a[0] && q.along <= rounding;
       break;
     }
   }

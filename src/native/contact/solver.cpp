@@ -4,23 +4,11 @@
 #include <numeric>
 
 #include "math/simd.h"
+#include "tuning.h"
 
 namespace hp {
 
-namespace {
-
-// Times that violated points join those that take part.
-constexpr int kJoins = 12;
-// Who misses this share of the tolerance joins: a corner that is left out sinks by as much.
-constexpr double kJoin = 1e-3;
-constexpr double kRough = 10;
-constexpr double kFine = 1e-5;
-// An island in which something on a track squeezes others is given up where a contact needs so many times
-// the impulse that gives all that moves the largest velocity asked, or normal velocities miss what is
-// asked of them by so many tolerances.
-constexpr double kCrushing = 50, kUnsolved = 20;
-
-}  // namespace
+namespace tune = tuning::contact;
 
 Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Twist>& twists,
                        const double* qvel, const Endpoint& e) {
@@ -169,7 +157,7 @@ bool ContactSolver::crushes(const int* ids, int n, double mass) const {
   double asked = 0, most = 0;
   for (int l = 0; l < n; l++) asked = std::max(asked, -demand_[3 * ids[l]]);
   for (size_t i = 0; i < rows_.size(); i++) most = std::max(most, problem_.p[3 * i]);
-  return most > kCrushing * mass * asked;
+  return most > tune::kCrushing * mass * asked;
 }
 
 void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& inertia,
@@ -186,7 +174,7 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
       const int i = ids[l];
       if (joined_[i]) continue;
       const double v = violation(i);
-      if (v >= -kJoin * tolerance) continue;
+      if (v >= -tune::kJoinShare * tolerance) continue;
       int rivals = 0;
       Waiting* best = nullptr;
       for (Waiting& w : worst_)
@@ -224,7 +212,7 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
     for (const Endpoint* e : {&contacts[ids[l]].a, &contacts[ids[l]].b})
       for (int q = 0; q < e->count; q++)
         things &= m.last_dof[e->body[q]] < 0 || m.row_size[m.last_dof[e->body[q]]] <= 6;
-  const double fine = things ? kFine * tolerance : tolerance;
+  const double fine = things ? tune::kRestGoal * tolerance : tolerance;
   bool squeezed = false;  // by something on a track
   for (int l = 0; l < n && mass > 0 && !squeezed; l++)
     for (const Endpoint* e : {&contacts[ids[l]].a, &contacts[ids[l]].b})
@@ -233,20 +221,20 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
   SolveReport mine;
   bool rough = true;
   for (int round = 0;; round++) {
-    rough = rough && round < kJoins && (int)rows_.size() < n;
-    problem_.solve(rough ? kRough * tolerance : tolerance, rough ? kRough * tolerance : fine,
+    rough = rough && round < tune::kJoinRounds && (int)rows_.size() < n;
+    problem_.solve(rough ? tune::kRoughGoal * tolerance : tolerance, rough ? tune::kRoughGoal * tolerance : fine,
                    max_sweeps, mine);
     if (squeezed && crushes(ids, n, mass)) {
       report.crushed = true;
       break;
     }
-    if (round >= kJoins || (int)rows_.size() == n) break;
+    if (round >= tune::kJoinRounds || (int)rows_.size() == n) break;
     response(m, k, inertia);
     if (join_worst(violation)) continue;
     if (!rough) break;
     rough = false;
   }
-  report.crushed |= squeezed && mine.normal > kUnsolved * tolerance;
+  report.crushed |= squeezed && mine.normal > tune::kUnsolved * tolerance;
   for (int l = 0; l < n; l++) contacts[ids[l]].impulse = {};
   for (size_t i = 0; i < rows_.size(); i++) {
     Contact& c = contacts[rows_[i].contact];

@@ -1,13 +1,14 @@
 #include "dynamics/articulation.h"
 
+#include "tuning.h"
+
 #include <cmath>
 
 namespace hp {
 
-namespace {
+namespace tune = tuning::dynamics;
 
-// Joints stop this far from their ends: rounding does not carry them beyond [rad or m].
-constexpr double kMargin = 1e-9;
+namespace {
 
 // Of a force (moment, force) that is carried along by a motion.
 Twist cross_force(Twist v, Twist f) { return {cross(v.w, f.w) + cross(v.v, f.v), cross(v.w, f.v)}; }
@@ -127,7 +128,7 @@ void Articulations::limits(const Model& m, const std::vector<char>& active, cons
     Contact& c = out.back();
     const double q = qpos[m.jnt_qpos[j]];
     c.dist = limit_sign(c) > 0 ? q - joints.lower[j] : joints.upper[j] - q;
-    c.target = std::min(c.dist, kMargin);
+    c.target = std::min(c.dist, tune::kLimitMargin);
   }
 }
 

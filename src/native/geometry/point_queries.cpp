@@ -1,5 +1,7 @@
 #include "geometry/point_queries.h"
 
+#include "tuning.h"
+
 #include <atomic>
 #include <thread>
 #include <utility>
@@ -7,18 +9,18 @@
 
 namespace triangles {
 
-namespace {
+namespace tune = hp::tuning::geometry;
 
-constexpr size_t kBlock = 256;    // points a thread takes at a time
+namespace {
 
 // Calls work(begin, end) over [0, n) in blocks.
 template <typename Work>
 void in_blocks(size_t n, int threads, const Work& work) {
   std::atomic<size_t> next{0};
   auto run = [&] {
-    for (size_t i; (i = next.fetch_add(kBlock)) < n;) work(i, std::min(n, i + kBlock));
+    for (size_t i; (i = next.fetch_add(tune::kPointBlock)) < n;) work(i, std::min(n, i + tune::kPointBlock));
   };
-  const size_t helpers = std::min<size_t>(std::max(threads, 1) - 1, n / kBlock);
+  const size_t helpers = std::min<size_t>(std::max(threads, 1) - 1, n / tune::kPointBlock);
   std::vector<std::thread> pool;
   for (size_t k = 0; k < helpers; ++k) pool.emplace_back(run);
   run();

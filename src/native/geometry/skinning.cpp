@@ -1,5 +1,7 @@
 #include "geometry/skinning.h"
 
+#include "tuning.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -10,11 +12,9 @@
 
 namespace hp {
 
-namespace {
+namespace tune = tuning::geometry;
 
-constexpr int kLanes = 8;         // frames whose blend shapes are summed side by side
-constexpr int kChunk = 256;       // vertices per task
-constexpr int kJointFeatures = skinning_features;
+namespace {
 
 // Unit quaternion (wxyz) of an axis-angle vector [rad].
 void exponential(const double* r, double* q) {
@@ -49,11 +49,11 @@ void matrix(const double* q, double* m, int stride) {
 }
 
 
-constexpr size_t kAffine = 16;  // numbers of a transform: four columns of three, and one to spare
-
-// What a block of up to kLanes frames shares: rigid transforms, and the blend-shape coefficients
+// What a block of up to tune::kSkinFrames frames shares: rigid transforms, and the blend-shape coefficients
 // of the joints that are turned in any of its frames (the others would add exact zeros).
 struct Block {
+  // Numbers of a transform: four columns of three, each with one to spare.
+  static constexpr size_t affine_size = 16;
   size_t start = 0, frames = 0;
   std::vector<double> affine;     // frames x joints x columns of R | x - x_root - R j
   std::vector<double> features;   // turned joints x 9 x lanes
@@ -67,7 +67,7 @@ void fill_transforms(const SkinnedMesh& s, const JointPoses& poses, Block& b) {
     const double* x = poses.positions + (b.start + f) * s.n_joints * 3;
     const double* q = poses.quaternions + (b.start + f) * s.n_joints * 4;
     for (size_t j = 0; j < s.n_joints; ++j) {
-      double* a = &b.affine[(f * s.n_joints + j) * kAffine];
+      double* a = &b.affine[(f * s.n_joints + j) * Block::affine_size];
       const double* rest = s.joints + 3 * j;
       double m[9];
       matrix(q + 4 * j, m, 3);
@@ -85,7 +85,7 @@ Block make_block(const SkinnedMesh& s, size_t start, size_t frames, const JointP
   b.start = start;
   b.frames = frames;
   b.lanes = frames > 4 ? 8 : frames > 2 ? 4 : frames > 1 ? 2 : 1;
-  b.affine.resize(frames * s.n_joints * kAffine);
+  b.affine.resize(frames * s.n_joints * Block::affine_size);
   fill_transforms(s, poses, b);
   if (!s.posedirs) return b;
   for (size_t j = 1; j < s.n_joints; ++j) {
@@ -95,14 +95,14 @@ Block make_block(const SkinnedMesh& s, size_t start, size_t frames, const JointP
       moves = r[0] != 0.0 || r[1] != 0.0 || r[2] != 0.0;
     }
     if (!moves) continue;
-    b.turned.push_back(int(j - 1) * kJointFeatures);
+    b.turned.push_back(int(j - 1) * SkinnedMesh::joint_features);
     const size_t at = b.features.size();
-    b.features.resize(at + size_t(kJointFeatures * b.lanes), 0.0);
+    b.features.resize(at + size_t(SkinnedMesh::joint_features * b.lanes), 0.0);
     for (size_t f = 0; f < frames; ++f) {
       double q[4], m[9];
       exponential(poses.rotations + ((start + f) * s.n_joints + j) * 3, q);
       matrix(q, m, 3);
-      for (int k = 0; k < kJointFeatures; ++k)
+      for (int k = 0; k < SkinnedMesh::joint_features; ++k)
         b.features[at + size_t(k * b.lanes) + f] = m[k] - (k % 4 == 0 ? 1.0 : 0.0);
     }
   }
@@ -143,7 +143,7 @@ HP_INLINE void blend(const SkinnedMesh& s, const Block& b, size_t vertex, double
     for (int c = 0; c < 3; ++c) {
       const double* row = rows + size_t(c) * s.n_features + size_t(column);
       V part[Count] = {};
-      for (int k = 0; k < kJointFeatures; ++k) {
+      for (int k = 0; k < SkinnedMesh::joint_features; ++k) {
         for (int l = 0; l < Count; ++l) {
           V f;
           std::memcpy(&f, feature + k * lanes + l * int(sizeof(V) / sizeof(double)), sizeof(V));
@@ -152,7 +152,7 @@ HP_INLINE void blend(const SkinnedMesh& s, const Block& b, size_t vertex, double
       }
       for (int l = 0; l < Count; ++l) sum[c][l] += part[l];
     }
-    feature += kJointFeatures * lanes;
+    feature += SkinnedMesh::joint_features * lanes;
   }
   std::memcpy(offset, sum, sizeof(sum));
 }
@@ -171,7 +171,7 @@ HP_INLINE void carry(const SkinnedMesh& s, const double* affine, size_t v, const
   Lanes4 m[4] = {};
   for (int e = s.first[v]; e < s.first[v + 1]; ++e) {
     const double w = s.weights[e];
-    const double* a = affine + size_t(s.joint[e]) * kAffine;
+    const double* a = affine + size_t(s.joint[e]) * Block::affine_size;
     for (int k = 0; k < 4; ++k) {
       Lanes4 column;
       std::memcpy(&column, a + 4 * k, sizeof(column));
@@ -188,10 +188,10 @@ HP_INLINE void carry(const SkinnedMesh& s, const double* affine, size_t v, const
 template <typename Blend8>
 HP_INLINE void range(const SkinnedMesh& s, const Block& b, size_t from, size_t to,
                      const double* positions, double* out, const Blend8& blend8) {
-  double offset[3 * kLanes] = {};
+  double offset[3 * tune::kSkinFrames] = {};
   size_t group = 0;
   for (size_t i = from; i < to; ++i) {
-    bool wanted[kLanes];
+    bool wanted[tune::kSkinFrames];
     bool any = true;
     if (s.wanted) {
       while (i >= size_t(s.group_first[group + 1])) ++group;
@@ -217,7 +217,7 @@ HP_INLINE void range(const SkinnedMesh& s, const Block& b, size_t from, size_t t
       if (s.wanted && !wanted[f]) continue;
       double x[3];
       for (int c = 0; c < 3; ++c) x[c] = rest[c] + offset[size_t(c * b.lanes) + f];
-      carry(s, &b.affine[f * s.n_joints * kAffine], v,
+      carry(s, &b.affine[f * s.n_joints * Block::affine_size], v,
             positions + (b.start + f) * s.n_joints * 3, x,
             out + ((b.start + f) * s.n_out + i) * 3);
     }
@@ -268,8 +268,8 @@ void joint_frames(const double* rotations, const double* root, const double* res
 void skin(const SkinnedMesh& s, const JointPoses& poses, int threads, double* out) {
   const size_t frames = poses.frames;
   if (!frames || !s.n_out) return;
-  const size_t blocks = (frames + kLanes - 1) / kLanes;
-  const size_t chunks = (s.n_out + kChunk - 1) / kChunk;
+  const size_t blocks = (frames + tune::kSkinFrames - 1) / tune::kSkinFrames;
+  const size_t chunks = (s.n_out + tune::kSkinChunk - 1) / tune::kSkinChunk;
   const size_t workers = std::min(size_t(threads), blocks * chunks);
   // Few blocks at a time, so that memory does not grow with the length of the motion.
   const size_t wave = std::max<size_t>(workers, 1);
@@ -278,14 +278,14 @@ void skin(const SkinnedMesh& s, const JointPoses& poses, int threads, double* ou
     std::vector<Block> ready;
     ready.reserve(end - begin);
     for (size_t k = begin; k < end; ++k) {
-      const size_t start = k * kLanes;
-      ready.push_back(make_block(s, start, std::min<size_t>(kLanes, frames - start), poses));
+      const size_t start = k * tune::kSkinFrames;
+      ready.push_back(make_block(s, start, std::min<size_t>(tune::kSkinFrames, frames - start), poses));
     }
     std::atomic<size_t> next{0};
     auto work = [&] {
       for (size_t t; (t = next.fetch_add(1)) < ready.size() * chunks;) {
-        const size_t from = (t % chunks) * kChunk;
-        skin_range(s, ready[t / chunks], from, std::min(s.n_out, from + kChunk), poses.positions,
+        const size_t from = (t % chunks) * tune::kSkinChunk;
+        skin_range(s, ready[t / chunks], from, std::min(s.n_out, from + tune::kSkinChunk), poses.positions,
                    out);
       }
     };

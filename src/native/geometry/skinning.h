@@ -15,11 +15,11 @@
 
 namespace hp {
 
-// Features of one joint in the pose blend shapes: the entries of its rotation matrix.
-constexpr int skinning_features = 9;
-
 // A mesh at rest and what skins it. Nothing is owned; indices must be in range.
 struct SkinnedMesh {
+  // Features of one joint in the pose blend shapes: the entries of its rotation matrix.
+  static constexpr int joint_features = 9;
+
   const double *rest, *joints;     // vertices and joints at rest, 3 each [m]
   const double* weights;           // sparse, vertex by vertex
   const double* posedirs;          // (vertices, 3, n_features), null: no pose blend shapes

@@ -1,16 +1,16 @@
 #include "labels/touching.h"
 
+#include "tuning.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace hp {
 
+namespace tune = tuning::labels;
+
 namespace {
 
-constexpr double kBeyond = 0.1;  // distances are known this much farther than asked [m]
-constexpr double kRounding = 1e-6;
-constexpr double kNotThere = -1;  // in place of a distance: not looked at
-constexpr int kCells = 48;       // of a grid along its longest side
 
 triangles::Vec vec(Vec3 v) { return {v.x, v.y, v.z}; }
 Vec3 vec(triangles::Vec v) { return {v.x, v.y, v.z}; }
@@ -90,9 +90,9 @@ PointGrid::PointGrid(std::vector<Vec3> points) : points_(std::move(points)) {
   if (points_.empty()) return;
   for (Vec3 p : points_) box_.add(p);
   const Vec3 extent = box_.hi - box_.lo;
-  size_ = std::max({extent.x, extent.y, extent.z, 1e-9}) / kCells;
+  size_ = std::max({extent.x, extent.y, extent.z, 1e-9}) / tune::kGridCells;
   per_length_ = 1 / size_;
-  for (int k = 0; k < 3; k++) count_[k] = std::min(kCells, (int)(extent[k] / size_) + 1);
+  for (int k = 0; k < 3; k++) count_[k] = std::min(tune::kGridCells, (int)(extent[k] / size_) + 1);
   const auto index = [&](Vec3 p) {
     return (cell(p.x, 0) * count_[1] + cell(p.y, 1)) * count_[2] + cell(p.z, 2);
   };
@@ -113,7 +113,8 @@ void find_near(const TouchingThing& thing, const PosedSkin& skin, const Placing&
     Vec3 point;
   };
   const double inf = std::numeric_limits<double>::infinity();
-  const double most = reach + off, limit = points ? most + kBeyond : reach + kRounding;
+  const double not_looked_at = -1;  // in place of a distance
+  const double most = reach + off, limit = points ? most + tune::kBeyondReach : reach + tune::kReachRounding;
   std::vector<Vec3> at(skin.n);
   std::vector<double> far(skin.n);
   std::vector<Best> best(points ? points->points().size() : 0, Best{inf, -1, {}});
@@ -135,7 +136,7 @@ void find_near(const TouchingThing& thing, const PosedSkin& skin, const Placing&
     for (int g = 0; g < skin.groups; g++) {
       const int from = skin.first[g], to = skin.first[g + 1];
       if (!skin.close[(size_t)k * skin.groups + g]) {
-        std::fill(far.begin() + from, far.begin() + to, kNotThere);
+        std::fill(far.begin() + from, far.begin() + to, not_looked_at);
         continue;
       }
       const double* x = skin.x + 3 * ((size_t)k * skin.n + from);

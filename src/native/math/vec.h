@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tuning.h"
+
 namespace hp {
 
 struct Vec3 {
@@ -48,14 +50,14 @@ inline Quat normalized(Quat q) {
 inline Quat exp_quat(Vec3 r) {
   double half = 0.5 * norm(r);
   // sin(x)/x by its series near zero, where the quotient loses digits.
-  double s = half < 1e-4 ? 0.5 * (1 - half * half / 6) : 0.5 * std::sin(half) / half;
+  double s = half < tuning::dynamics::kSeriesHalfAngle ? 0.5 * (1 - half * half / 6) : 0.5 * std::sin(half) / half;
   return {std::cos(half), s * r.x, s * r.y, s * r.z};
 }
 
 // Axis-angle vector of a unit quaternion, the shortest arc.
 inline Vec3 log_quat(Quat q) {
   Vec3 v{q.x, q.y, q.z};
-  double n = norm(v), f = n < 1e-12 ? 2.0 : 2 * std::atan2(n, std::fabs(q.w)) / n;
+  double n = norm(v), f = n < tuning::dynamics::kNoRotation ? 2.0 : 2 * std::atan2(n, std::fabs(q.w)) / n;
   return (q.w < 0 ? -f : f) * v;
 }
 

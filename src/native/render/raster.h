@@ -1,8 +1,8 @@
 // Software z-buffer: types and exact coverage. Projection and clipping are in projection.h, lights
 // and shadows in shading.h, the tiles of a picture in tiles.h, whole pictures in picture.h.
 //
-// Camera frame: x right, y down, z forward [m]. Coverage is decided in integers (1/256 of a
-// sample), so that neighbouring triangles leave no crack and the result does not depend on the
+// Camera frame: x right, y down, z forward [m]. Coverage is decided in integers (steps of
+// 1/256 sample), so that neighbouring triangles leave no crack and the result does not depend on the
 // order of evaluation.
 #pragma once
 #include <algorithm>
@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstdint>
 #include <vector>
+
+#include "tuning.h"
 
 namespace raster {
 
@@ -69,7 +71,7 @@ struct Meshes {
 // A triangle on a sample grid. The value a x + b y + c (inverse depth, or height in a shadow
 // map) is linear over the grid; lo and hi bound it, so that slivers cannot run away.
 struct Tri {
-  std::int64_t x[3], y[3];  // 1/256 of a sample, counter-clockwise in grid orientation
+  std::int64_t x[3], y[3];  // steps; counter-clockwise in grid orientation
   double a, b, c, lo, hi;
   int face, mesh;
   double value(int i, int j) const {
@@ -78,13 +80,12 @@ struct Tri {
   }
 };
 
-constexpr double kFixed = 256.0;
-
 // Sets the corners (grid coordinates); false when the triangle has no area.
 inline bool set_corners(Tri& t, const double gx[3], const double gy[3]) {
+  const double steps = hp::tuning::render::kStepsPerSample;
   for (int k = 0; k < 3; ++k) {
-    t.x[k] = std::llround(gx[k] * kFixed);
-    t.y[k] = std::llround(gy[k] * kFixed);
+    t.x[k] = std::llround(gx[k] * steps);
+    t.y[k] = std::llround(gy[k] * steps);
   }
   const std::int64_t area =
       (t.x[1] - t.x[0]) * (t.y[2] - t.y[0]) - (t.y[1] - t.y[0]) * (t.x[2] - t.x[0]);
@@ -101,9 +102,10 @@ struct Box {
   bool empty() const { return x0 >= x1 || y0 >= y1; }
 };
 
-inline int first_centre(std::int64_t fixed) {  // smallest i with 256 i + 128 >= fixed
-  const std::int64_t n = fixed + 127;
-  return static_cast<int>(n >= 0 ? n / 256 : -((-n + 255) / 256));
+// The smallest sample i whose centre is at or beyond a coordinate in steps.
+inline int first_centre(std::int64_t fixed) {
+  const std::int64_t steps = hp::tuning::render::kStepsPerSample, n = fixed + steps / 2 - 1;
+  return static_cast<int>(n >= 0 ? n / steps : -((-n + steps - 1) / steps));
 }
 
 inline Box bounds(const Tri& t, const Box& limit) {
@@ -118,13 +120,14 @@ template <class Put>
 void fill(const Tri& t, const Box& limit, Put put) {
   const Box box = bounds(t, limit);
   if (box.empty()) return;
+  const std::int64_t steps = hp::tuning::render::kStepsPerSample;
   std::int64_t row[3], dx[3], dy[3];
   for (int k = 0; k < 3; ++k) {
     const int n = (k + 1) % 3;
     const std::int64_t ex = t.x[n] - t.x[k], ey = t.y[n] - t.y[k];
-    row[k] = ex * (256LL * box.y0 + 128 - t.y[k]) - ey * (256LL * box.x0 + 128 - t.x[k]);
-    dx[k] = -256 * ey;
-    dy[k] = 256 * ex;
+    row[k] = ex * (steps * box.y0 + steps / 2 - t.y[k]) - ey * (steps * box.x0 + steps / 2 - t.x[k]);
+    dx[k] = -steps * ey;
+    dy[k] = steps * ex;
   }
   for (int j = box.y0; j < box.y1; ++j) {
     std::int64_t e0 = row[0], e1 = row[1], e2 = row[2];

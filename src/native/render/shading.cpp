@@ -1,11 +1,12 @@
 #include "render/shading.h"
 
+#include "tuning.h"
+
 namespace raster {
 
-namespace {
+namespace tune = hp::tuning::render;
 
-constexpr int kTaps = 3;         // a shadow's edge spans 2 kTaps + 1 texels
-constexpr int kMaxTexels = 2048;
+namespace {
 
 // Mean of a chequerboard of +1 and -1 over a box of width w centred on x (one axis).
 double checker_mean(double x, double w) {
@@ -37,9 +38,9 @@ ShadowMap::ShadowMap(const Light& light, const Meshes& m) {
   }
   if (!any) return;
   const double extent = std::max(box[1] - box[0], box[3] - box[2]);
-  texel = std::max(light.softness / (2 * kTaps + 1), extent / (kMaxTexels - 4 * kTaps - 4));
+  texel = std::max(light.softness / (2 * tune::kShadowTaps + 1), extent / (tune::kMostTexels - 4 * tune::kShadowTaps - 4));
   texel = std::max(texel, 1e-6);
-  const int margin = 2 * kTaps + 1;
+  const int margin = 2 * tune::kShadowTaps + 1;
   width = static_cast<int>((box[1] - box[0]) / texel) + 2 * margin + 1;
   height = static_cast<int>((box[3] - box[2]) / texel) + 2 * margin + 1;
   u0 = box[0] - margin * texel;
@@ -74,22 +75,22 @@ void ShadowMap::draw(const Meshes& m, const std::array<int, 3>& face) {
 double ShadowMap::lit(Vec p, Vec normal) const {
   if (top.empty()) return 1.0;
   // Beside a wall the box would reach into it: step out by its half width.
-  p = p + (1.5 + (1.0 - std::abs(dot(w, normal))) * kTaps) * texel * normal;
+  p = p + (1.5 + (1.0 - std::abs(dot(w, normal))) * tune::kShadowTaps) * texel * normal;
   const double x = (dot(u, p) - u0) / texel - 0.5, y = (dot(v, p) - v0) / texel - 0.5;
   const double h = dot(w, p) + 1e-4;
   const double nw = std::max(dot(w, normal), 0.25);
   const double sx = -dot(u, normal) / nw * texel, sy = -dot(v, normal) / nw * texel;
   const double bx = std::floor(x), by = std::floor(y);
-  if (bx < -kTaps || by < -kTaps || bx > width + kTaps || by > height + kTaps) return 1.0;
+  if (bx < -tune::kShadowTaps || by < -tune::kShadowTaps || bx > width + tune::kShadowTaps || by > height + tune::kShadowTaps) return 1.0;
   const double fx = x - bx, fy = y - by;
   const int ix = static_cast<int>(bx), iy = static_cast<int>(by);
   double open = 0;
-  for (int j = -kTaps; j <= kTaps + 1; ++j) {
-    const double wy = j == -kTaps ? 1 - fy : j == kTaps + 1 ? fy : 1.0;
+  for (int j = -tune::kShadowTaps; j <= tune::kShadowTaps + 1; ++j) {
+    const double wy = j == -tune::kShadowTaps ? 1 - fy : j == tune::kShadowTaps + 1 ? fy : 1.0;
     const int row = iy + j;
     double line = 0;
-    for (int i = -kTaps; i <= kTaps + 1; ++i) {
-      const double wx = i == -kTaps ? 1 - fx : i == kTaps + 1 ? fx : 1.0;
+    for (int i = -tune::kShadowTaps; i <= tune::kShadowTaps + 1; ++i) {
+      const double wx = i == -tune::kShadowTaps ? 1 - fx : i == tune::kShadowTaps + 1 ? fx : 1.0;
       const int col = ix + i;
       const bool inside = row >= 0 && col >= 0 && row < height && col < width;
       const double plane = h + sx * (i - fx) + sy * (j - fy);
@@ -97,7 +98,7 @@ double ShadowMap::lit(Vec p, Vec normal) const {
     }
     open += wy * line;
   }
-  constexpr double total = (2 * kTaps + 1) * (2 * kTaps + 1);
+  constexpr double total = (2 * tune::kShadowTaps + 1) * (2 * tune::kShadowTaps + 1);
   return open / total;
 }
 

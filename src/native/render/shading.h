@@ -24,7 +24,7 @@ class ShadowMap {
   ShadowMap(const Light& light, const Meshes& m);
 
   // Share of the light that reaches a point of a surface with this normal, 0 to 1: a box of
-  // 2 kTaps + 1 texels that slides continuously, each texel compared with the surface's own
+  // 2 kShadowTaps + 1 texels that slides continuously, each texel compared with the surface's own
   // tangent plane (otherwise a slope would shade itself).
   double lit(Vec p, Vec normal) const;
 

@@ -1,29 +1,27 @@
 #include "render/tiles.h"
 
+#include "tuning.h"
+
 #include <limits>
 
 namespace raster {
 
-namespace {
+namespace tune = hp::tuning::render;
 
-constexpr int kTile = 32;        // pixels
-
-}  // namespace
-
-Encoder::Encoder() : table(kSize + 1) {
-  for (int k = 0; k <= kSize; ++k) {
-    const double x = static_cast<double>(k) / kSize;
+Encoder::Encoder() : table(tune::kEncoderSteps + 1) {
+  for (int k = 0; k <= tune::kEncoderSteps; ++k) {
+    const double x = static_cast<double>(k) / tune::kEncoderSteps;
     const double s = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
     table[k] = static_cast<unsigned char>(std::lround(255.0 * s));
   }
 }
 
 Bins::Bins(const Camera& cam, const Meshes& m, const std::vector<Tri>& tris)
-    : across((cam.width + kTile - 1) / kTile),
-      down((cam.height + kTile - 1) / kTile),
+    : across((cam.width + tune::kTile - 1) / tune::kTile),
+      down((cam.height + tune::kTile - 1) / tune::kTile),
       opaque(static_cast<std::size_t>(across) * down),
       clear(opaque.size()) {
-  const int step = kTile * cam.samples;
+  const int step = tune::kTile * cam.samples;
   const Box all{0, 0, cam.width * cam.samples, cam.height * cam.samples};
   for (std::size_t k = 0; k < tris.size(); ++k) {
     const Box box = bounds(tris[k], all);
@@ -36,9 +34,9 @@ Bins::Bins(const Camera& cam, const Meshes& m, const std::vector<Tri>& tris)
 }
 
 Box Bins::box(const Camera& cam, int tile) const {
-  const int x = tile % across * kTile, y = tile / across * kTile, s = cam.samples;
-  return {x * s, y * s, std::min(x + kTile, cam.width) * s,
-          std::min(y + kTile, cam.height) * s};
+  const int x = tile % across * tune::kTile, y = tile / across * tune::kTile, s = cam.samples;
+  return {x * s, y * s, std::min(x + tune::kTile, cam.width) * s,
+          std::min(y + tune::kTile, cam.height) * s};
 }
 
 void TilePainter::resolve(int tile) {

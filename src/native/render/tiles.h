@@ -4,16 +4,16 @@
 #pragma once
 #include "render/raster.h"
 #include "render/shading.h"
+#include "tuning.h"
 
 namespace raster {
 
 // sRGB bytes of linear light: a table fine enough that no 8-bit step is missed.
 struct Encoder {
-  static constexpr int kSize = 1 << 14;
   std::vector<unsigned char> table;
   Encoder();
   unsigned char operator()(double x) const {
-    return table[static_cast<int>(clamp01(x) * kSize + 0.5)];
+    return table[static_cast<int>(clamp01(x) * hp::tuning::render::kEncoderSteps + 0.5)];
   }
 };
 

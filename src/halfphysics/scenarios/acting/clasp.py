@@ -29,7 +29,7 @@ def fingers(body: Body, closed: Array) -> dict[int, Array]:
     """Rotations of the right hand's finger joints.
 
     Args:
-        body: Whose hand.
+        body: The person's body.
         closed: 0 straight fingers and the thumb up, to 1 around the other hand, (T,).
 
     Returns:

@@ -252,7 +252,7 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
     """The motion of `plan` for this body's proportions.
 
     Args:
-        body: Whose legs walk; the motion gets its betas, gender and model where that is one
+        body: The walker's body; the motion gets its betas, gender and model where that is one
             of the SMPL family.
         plan: What to do.
         fps: Frames per second of the motion.

@@ -106,7 +106,7 @@ def grip(body: Body, outline: float | ArrayLike, gap: float = 0.001) -> Grip:
     """The grip of a body's right hand around something round: `gap` [m] from every touching joint.
 
     Args:
-        body: Whose hand.
+        body: The person's body.
         outline: The radius of a cylinder [m], or rows of height, from the middle of the hand, and
             radius (n, 2) [m], whose hull counts.
         gap: Left between the two [m].

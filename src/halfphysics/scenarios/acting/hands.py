@@ -62,7 +62,7 @@ def pad(body: Body, side: str, curls: ArrayLike) -> Array:
     """The middle finger's pad from the wrist: along the flat hand and toward where the palm faces.
 
     Args:
-        body: Whose hand.
+        body: The person's body.
         side: "left" or "right".
         curls: Flexion of the finger's three joints [degrees], (T, 3).
 
@@ -101,7 +101,7 @@ def shaped(
     """A motion with the fingers of one hand bent as they should be.
 
     Args:
-        body: Whose motion.
+        body: The person's body.
         motion: T frames.
         side: "left" or "right".
         share: How much of that is done at every frame, 0 (as in `motion`) to 1, (T,) or a number.

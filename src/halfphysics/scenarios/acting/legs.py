@@ -83,7 +83,7 @@ def planted(leg: Leg, mark: Array, yaw: Array | float, pitch: Array) -> Array:
     """Ankle positions (T, 3) of a foot that rolls over a fixed point of the ground at z = 0.
 
     Args:
-        leg: Whose foot.
+        leg: The leg of that foot.
         mark: Where the ankle is over when the foot is flat, (2,) or (T, 2) [m].
         yaw: Heading of the foot [rad], () or (T,).
         pitch: (T,) [rad]; positive: toes up, pivot at the heel; negative: heel up, pivot at

@@ -62,7 +62,7 @@ def forward(leg: Leg) -> float:
 def pelvis(plan: Walk, phase: Array, going: Array) -> Array:
     """Turn of the pelvis in path coordinates (x ahead, y left, z up), (T, 3, 3)."""
     yaw = about(2, -_PELVIS_YAW * going * _left_ahead(plan, phase))
-    # The side whose foot swings sinks.
+    # The pelvis sinks on the side of the swinging foot.
     roll = about(0, -_PELVIS_LIST * going * _left_swings(plan, phase))
     return yaw @ roll @ about(1, _LEAN * going)
 

@@ -1,4 +1,4 @@
-"""Reaching: a motion whose one hand leaves what it does, goes where it should be, and returns."""
+"""Reaching: one hand leaves its motion, goes to a target, and returns."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def reach(
     """A motion with one hand taken where it should be.
 
     Args:
-        body: Whose motion.
+        body: The person's body.
         base: What everything else does, T frames, z up.
         side: "left" or "right".
         wrist: Where the wrist should be [m], (T, 3).

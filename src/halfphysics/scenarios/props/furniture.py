@@ -10,7 +10,7 @@ from halfphysics.geometry.shapes import Box, Sphere
 from halfphysics.scenarios.props import stage
 from halfphysics.scene.scene import Scene
 
-#: Cloth against cloth: who sits stays.
+#: Cloth against cloth: a seated person does not slide.
 CLOTH = 0.6
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Fingers whose targets are further than this beyond contact [rad] eject what they hold.
+#: Finger targets further than this beyond contact [rad] eject the object.
 MOST_SQUEEZE = 0.5
 #: A thing starts this far over what it stands on [m].
 _ABOVE = 0.001
@@ -177,7 +177,7 @@ def perform(
     """The motion of a person whose right hand follows a plan.
 
     Args:
-        body: Whose.
+        body: The person's body.
         plan: Of the hand.
         fps: Frames per second.
         squeeze: How far the fingers' targets are beyond contact [rad].

@@ -1,4 +1,4 @@
-"""A laptop on a desk and who sits before it, for the scenarios in which a hand moves its lid."""
+"""A laptop on a desk and the person before it, for the scenarios in which a hand moves its lid."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ RECESS_HALF, RECESS_DEEP = 0.075, 0.035
 
 #: Of the desk [m]: depth, width, height of its top.
 _DEEP, _WIDE, DESK = 0.63, 1.20, 0.74
-#: Height of the pelvis of who sits there [m].
+#: Height of the seated person's pelvis [m].
 _SITS = 0.56
 #: Palms that rest are this far over the desk [m].
 _OVER = 0.006
@@ -129,7 +129,7 @@ def seated(
     """A person who sits at a desk, hands over it; adds "table", its legs and "chair".
 
     Args:
-        body: Who sits, pelvis above the origin, facing +x.
+        body: The person's body, pelvis above the origin, facing +x.
         scene: Gets the furniture.
         seconds: How long.
         fps: Frames per second.

@@ -1,4 +1,4 @@
-"""Props that the scenarios share: who walks, the floor, the ball before the foot."""
+"""Props that the scenarios share: the person, the floor, the ball before the foot."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ def build(*, fps: float = 30.0, sink: float = 0.05, body: Body | None = None) ->
     Args:
         fps: Frames per second.
         sink: How far into the mattress the knees go [m].
-        body: Who climbs; None: the default body, whose size the bed has.
+        body: The person's body; None: the default body, whose size the bed has.
     """
     actor = stage.actor(body)
     scene = stage.floor()

@@ -45,7 +45,7 @@ def build(
         damping: Of its rails [N s/m].
         travel: How far it is out at first, and so is pushed [m].
         press: How far beyond the shut front the finger pads want to go [m].
-        body: Who pushes; None: the default body, which the chest is sized for.
+        body: The person's body; None: the default body, which the chest is sized for.
     """
     travel = number(travel, "travel", least=0.0, most=chest.TRAVEL, unit="m")
     press = number(press, "press", least=0.0, most=0.05, unit="m")

@@ -51,7 +51,7 @@ def build(
         mass: Of the lid [kg].
         damping: Of its hinge [N m s].
         press: How far beyond the lid's outer side the finger pads want to be [m].
-        body: Who does it; None: the default body, which desk and chair are sized for.
+        body: The person's body; None: the default body, which desk and chair are sized for.
     """
     press = number(press, "press", least=0.0, most=0.03, unit="m")
     actor = stage.actor(body)
@@ -69,7 +69,7 @@ def lid_angle(times: Array) -> Array:
 
 
 def _closing(body: Body, base: Motion, press: float) -> Motion:
-    """The motion of who sits there with the right hand on the lid."""
+    """The motion of the seated person with the right hand on the lid."""
     times = np.arange(len(base)) / base.fps
 
     def gone(start: float, end: float) -> Array:

@@ -25,7 +25,7 @@ def build(*, fps: float = 30.0, hunch: float = 0.07, body: Body | None = None) -
     Args:
         fps: Frames per second.
         hunch: How far the pelvis is raised under the table [m].
-        body: Who crawls; None: the default body, whose size the table has.
+        body: The person's body; None: the default body, whose size the table has.
     """
     actor = stage.actor(body)
     scene = stage.floor()

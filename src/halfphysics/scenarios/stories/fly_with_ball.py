@@ -37,7 +37,7 @@ def build(
         mass: Of the ball [kg].
         friction: Of the ball.
         squeeze: How far into the ball each palm goes [m].
-        body: Who flies; None: the default body, for which the ball is placed.
+        body: The person's body; None: the default body, for which the ball is placed.
     """
     actor = stage.actor(body)
     scene = stage.floor()

@@ -45,7 +45,7 @@ def build(
             in this order.
         hold: How long the glass is held still after the lift [s].
         squeeze: How far the fingers' targets are beyond contact [rad]; a warning over 0.5.
-        body: Who does it; None: the default body. Hand, arm and table follow the body given.
+        body: The person's body; None: the default body. Hand, arm and table follow the body given.
     """
     return planned(
         shape=shape,

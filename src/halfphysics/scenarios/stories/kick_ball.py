@@ -41,7 +41,7 @@ def build(
         speed: Of the foot as it meets the ball [m/s]; None: of an easy kick, about 5.5.
         radius: Of the ball [m].
         fixed: The ball is part of the floor: the foot can only bend past it.
-        body: Who kicks; None: the default body.
+        body: The person's body; None: the default body.
     """
     actor = stage.actor(body)
     plan = Walk(distance=4.0, speed=1.3, kick=Kick(step=4), after=1.0)

@@ -25,7 +25,7 @@ def build(*, fps: float = 30.0, body: Body | None = None) -> Sequence:
 
     Args:
         fps: Frames per second.
-        body: Who walks; None: the default body, for which the table is placed.
+        body: The person's body; None: the default body, for which the table is placed.
     """
     actor = stage.actor(body)
     scene = stage.floor()

@@ -68,7 +68,7 @@ def build(
         squeeze: How far inside the sides the palms want to be [m].
         carry: How long it is walked about with [s], at least 1.
         shake: How long it is then shaken up and down [s], 0 for not at all.
-        body: Who lifts; None: the default body, which stool and suitcase are sized for.
+        body: The person's body; None: the default body, which stool and suitcase are sized for.
     """
     for name, value, least, most in (("carry", carry, 1.0, 60.0), ("shake", shake, 0.0, 60.0)):
         if not least <= value <= most:

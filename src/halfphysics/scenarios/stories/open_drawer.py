@@ -45,7 +45,7 @@ def build(
         mass: Of the drawer and what is in it [kg].
         damping: Of its rails [N s/m].
         beyond: How much farther than the drawer comes out the hand wants to pull it [m].
-        body: Who pulls; None: the default body, which the chest is sized for.
+        body: The person's body; None: the default body, which the chest is sized for.
     """
     beyond = number(beyond, "beyond", least=-chest.TRAVEL, most=0.05, unit="m")
     actor = stage.actor(body)
@@ -68,7 +68,7 @@ def meant(times: Array, beyond: float) -> Array:
 
 
 def _pulling(body: Body, base: Motion, beyond: float) -> Motion:
-    """The motion of who stands there with the right hand at the bar of the top drawer."""
+    """The motion of the standing person with the right hand at the bar of the top drawer."""
     times = np.arange(len(base)) / base.fps
 
     def gone(start: float, end: float) -> Array:

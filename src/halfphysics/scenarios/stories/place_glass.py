@@ -39,7 +39,7 @@ def build(
         fps: Frames per second.
         table: Whether the table is there after all: then the glass stands on it.
         squeeze: How far the fingers' targets are beyond contact [rad]; a warning over 0.5.
-        body: Who does it; None: the default body. Hand, arm and tables follow the body given.
+        body: The person's body; None: the default body. Hand, arm and tables follow the body given.
     """
     return planned(
         shape=shape,

@@ -59,7 +59,7 @@ def build(
         mass: Of the door [kg].
         damping: Of its hinge [N m s].
         speed: Of the walk [m/s].
-        body: Who walks; None: the default body, which the door is sized for.
+        body: The person's body; None: the default body, which the door is sized for.
     """
     for name, value, least in (("mass", mass, 1e-3), ("damping", damping, 0.0)):
         if not (np.isfinite(value) and value >= least):

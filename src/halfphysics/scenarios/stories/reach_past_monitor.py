@@ -50,7 +50,7 @@ def build(
         friction: Of the monitor.
         beside: From the middle of the hand to the edge of the screen [m]; under about 0.05 it
             is touched.
-        body: Who reaches; None: the default body, which the table is sized for.
+        body: The person's body; None: the default body, which the table is sized for.
     """
     if not -0.5 <= beside <= 0.3:
         raise InputError(f"beside: found {beside!r}, expected -0.5 to 0.3 m")

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 #: How far each walks [m], and how fast [m/s].
 DISTANCE, SPEED = 1.5, 1.2
-#: Of the arm's length is used: nobody shakes hands with a straight arm.
+#: Share of the arm's length that is used: hands are shaken with a bent elbow.
 _STRETCHED = 0.95
 #: Height of the hands as a part of the mean stature.
 _HEIGHT = 0.63
@@ -157,7 +157,7 @@ def _shaking(
     """A walk with the right hand in a handshake above the origin.
 
     Args:
-        body: Who walks.
+        body: The person's body.
         base: The walk.
         heading: Of the walk about z [rad].
         times: When the hand does what.

@@ -22,7 +22,7 @@ def build(*, fps: float = 30.0, sink: float = 0.07, body: Body | None = None) ->
     Args:
         fps: Frames per second.
         sink: How far into the cabinet the motion goes [m].
-        body: Who leans; None: the default body, for which the cabinet is placed.
+        body: The person's body; None: the default body, for which the cabinet is placed.
     """
     actor = stage.actor(body)
     scene = stage.floor()

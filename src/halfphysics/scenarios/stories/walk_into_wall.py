@@ -26,7 +26,7 @@ def build(
         fps: Frames per second.
         speed: Of the walk [m/s].
         thickness: Of the wall [m].
-        body: Who walks; None: the default body.
+        body: The person's body; None: the default body.
     """
     actor = stage.actor(body)
     plan = Walk(distance=4.0, speed=speed)

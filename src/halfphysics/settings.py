@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
+from halfphysics.base.field_checks import FieldChecks
 from halfphysics.baselines.modes import Mode, check_mode
 from halfphysics.body.strength import checked_strength
 from halfphysics.errors import InputError
@@ -73,85 +73,55 @@ class Settings:
     """Keep the pose at every frame, or at every committed substep too."""
 
     def __post_init__(self) -> None:
-        def check(name: str, ok: bool, expected: str) -> None:
-            if not ok:
-                raise InputError(f"Settings.{name} is {getattr(self, name)!r}; expected {expected}")
-
-        def number(
-            name: str,
-            *,
-            above: float | None = None,
-            least: float | None = None,
-            most: float = math.inf,
-            why: str = "",
-        ) -> None:
-            value = getattr(self, name)
-            real = isinstance(value, int | float) and not isinstance(value, bool)
-            limit = f"> {above}" if above is not None else f">= {least}"
-            limit += f" and <= {most}{why}" if most < math.inf else ""
-            good = real and abs(value) <= sys.float_info.max and value <= most
-            if good and above is not None:
-                good = value > above
-            if good and least is not None:
-                good = value >= least
-            check(name, good, f"a finite number {limit}")
-
-        def choice(name: str, *values: str) -> None:
-            check(name, getattr(self, name) in values, " or ".join(repr(v) for v in values))
-
-        def count(name: str) -> None:
-            value = getattr(self, name)
-            ok = isinstance(value, int) and not isinstance(value, bool) and value >= 1
-            check(name, ok, "a whole number >= 1")
-
+        check = FieldChecks(self)
         if self.substeps is not None:
-            count("substeps")
+            check.count("substeps")
         if isinstance(self.stiffness, Mapping):
             given = joint_values(self.stiffness, "Settings.stiffness")
             object.__setattr__(self, "stiffness", given)
         else:
-            number("stiffness", least=0.0)
+            check.number("stiffness", least=0.0)
         if self.drive_time is not None:
-            number("drive_time", above=0.0)
-        number("recovery_rate", above=0.0)
-        choice("root", "stay", "recover")
-        number("root_speed", above=0.0)
-        number(
+            check.number("drive_time", above=0.0)
+        check.number("recovery_rate", above=0.0)
+        check.choice("root", "stay", "recover")
+        check.number("root_speed", above=0.0)
+        check.number(
             "clearance",
             least=0.0,
             most=MAX_CLEARANCE,
             why=" [m]: a body farther from all it touches would stand, sit and grasp in the air",
         )
-        number("clearance_range", least=0.0)
-        choice("contact", "skin", "parts")
+        check.number("clearance_range", least=0.0)
+        check.choice("contact", "skin", "parts")
         object.__setattr__(self, "strength", checked_strength(self.strength))
-        check(
+        check.holds(
             "strength",
             self.strength is None or self.drive_time is not None,
             "None without drive_time: Algorithm 1 sets velocities, whatever force that takes. Set "
             "drive_time, such as 0.02",
         )
-        choice("mode", *get_args(Mode))
-        check("internal_forces", isinstance(self.internal_forces, bool), "True or False")
-        number("joint_damping", least=0.0)
-        number("torque_frequency", above=0.0)
-        number("torque_damping", least=0.0)
+        check.choice("mode", *get_args(Mode))
+        check.flag("internal_forces")
+        check.number("joint_damping", least=0.0)
+        check.number("torque_frequency", above=0.0)
+        check.number("torque_damping", least=0.0)
         self._check_ablations(check)
-        check("self_contact", isinstance(self.self_contact, bool), "True or False")
-        number("depenetration_speed", least=0.0)
-        number("tolerance", above=0.0)
-        count("max_sweeps")
-        count("threads")
-        choice("record", "frames", "substeps")
+        check.flag("self_contact")
+        check.number("depenetration_speed", least=0.0)
+        check.number("tolerance", above=0.0)
+        check.count("max_sweeps")
+        check.count("threads")
+        check.choice("record", "frames", "substeps")
         check_mode(self)
 
-    def _check_ablations(self, check: Callable[[str, bool, str], None]) -> None:
+    def _check_ablations(self, check: FieldChecks) -> None:
         """Forces and torques that are there to compare with, and what does not go with them."""
         if self.strength is not None:
             why = "with strength: it limits half-physics' own drive"
-            check("internal_forces", not self.internal_forces, f"False {why}")
-            check("joint_damping", not self.joint_damping, f"0 {why}")
-            check("mode", self.mode != "torque", f"'velocity' {why}")
+            check.holds("internal_forces", not self.internal_forces, f"False {why}")
+            check.holds("joint_damping", not self.joint_damping, f"0 {why}")
+            check.holds("mode", self.mode != "torque", f"'velocity' {why}")
 
     @classmethod
     def paper(cls, stiffness: float | Mapping[str, float] = 0.0, **changes: Any) -> Settings:

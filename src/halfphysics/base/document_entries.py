@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from typing import Any
 
 from halfphysics.base.document_tree import Entry
 from halfphysics.base.suggestions import did_you_mean
-from halfphysics.base.validation import shown
+from halfphysics.base.validation import real, shown, within
 from halfphysics.errors import HalfPhysicsError
 
 Read = Callable[[Entry], Any]
@@ -58,12 +57,12 @@ def sequence(entry: Entry, size: int, form: str) -> list[Entry]:
 
 def number(entry: Entry) -> float:
     """A finite number."""
-    value = entry.value
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    value = real(entry.value, plain=True)
+    if value is None:
         raise entry.error(f"expected a number, found {describe(entry)}")
-    if not abs(value) <= sys.float_info.max:  # nan, and whole numbers of 309 digits, are not
-        raise entry.error(f"expected a finite number, found {shown(value)}")
-    return float(value)
+    if not within(value):
+        raise entry.error(f"expected a finite number, found {shown(entry.value)}")
+    return value
 
 
 def vector(size: int) -> Read:

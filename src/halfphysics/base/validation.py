@@ -40,22 +40,53 @@ def number(
         wanted += f" of at least {least:g}"
     if unit:
         wanted += f" [{unit}]"
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value.item()
-    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
+    result = real(value)
+    if result is None:
         raise InputError(f"{what}: expected {wanted}, found {shown(value)}")
-    try:
-        result = float(value)
-    except OverflowError:  # a whole number of 309 digits
-        result = math.inf
-    if (
-        not np.isfinite(result)
-        or (above is not None and result <= above)
-        or (least is not None and result < least)
-        or (most is not None and result > most)
-    ):
+    if not within(result, above=above, least=least, most=most):
         raise InputError(f"{what}: expected {wanted}, found {result:g}")
     return result
+
+
+def real(value: object, *, plain: bool = False) -> float | None:
+    """`value` as a float: inf if it is too large for one, None if it is not a real number.
+
+    A bool is not a number. With `plain` only Python's own int and float are, which every file
+    format can hold; otherwise also numpy's numbers and arrays of no dimension.
+    """
+    if not plain and isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
+        return None
+    if plain and not isinstance(value, int | float):
+        return None
+    try:
+        return float(value)
+    except OverflowError:  # a whole number of 309 digits
+        return -math.inf if value < 0 else math.inf
+
+
+def within(
+    value: float,
+    *,
+    above: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
+) -> bool:
+    """Whether `value` is finite and within (above, ...) or [least, most]."""
+    return (
+        math.isfinite(value)
+        and (above is None or value > above)
+        and (least is None or value >= least)
+        and (most is None or value <= most)
+    )
+
+
+def is_whole(value: object, *, least: int | None = None, plain: bool = True) -> bool:
+    """Whether `value` is an int (with plain=False also a numpy integer) of at least `least`."""
+    if isinstance(value, bool) or not isinstance(value, int if plain else int | np.integer):
+        return False
+    return least is None or bool(value >= least)
 
 
 def vector(value: object, what: str, size: int = 3, *, unit: str = "") -> NDArray[np.float64]:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.validation import is_whole
 from halfphysics.errors import InputError
 from halfphysics.render.rasterizer import Color, Surface
 
@@ -225,7 +226,7 @@ class Drawing:
             InputError: There is no such frame.
         """
         total = len(self)
-        if isinstance(frame, bool) or not isinstance(frame, int | np.integer):
+        if not is_whole(frame, plain=False):
             raise InputError(f"frame: found {frame!r}, expected a whole number")
         if not -total <= frame < total:
             raise InputError(

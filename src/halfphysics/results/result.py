@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.validation import frame_rate, shown
+from halfphysics.base.validation import frame_rate, is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.pose import checked
@@ -319,8 +319,7 @@ class Result:
         return part_reports(self)
 
     def _check_person(self, person: int) -> None:
-        whole = isinstance(person, int | np.integer) and not isinstance(person, bool)
-        if not (whole and 0 <= person < len(self.people)):
+        if not (is_whole(person, least=0, plain=False) and person < len(self.people)):
             raise InputError(
                 f"person: found {shown(person)}, expected 0 to {len(self.people) - 1} "
                 f"({len(self.people)} in this result)"

@@ -9,6 +9,7 @@ import socket
 from collections.abc import Iterator
 from typing import Any
 
+from halfphysics.base.validation import is_whole
 from halfphysics.errors import FileError, InputError, MissingDependencyError
 
 #: Ports tried, from the one that was asked for.
@@ -72,7 +73,7 @@ def free_port(host: str, port: int) -> int:
         InputError: An impossible host or port.
         FileError: None is free, or the machine refuses.
     """
-    if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port <= 65535:
+    if not is_whole(port, least=0) or port > 65535:
         raise InputError(f"port: found {port!r}, expected a whole number from 0 to 65535")
     last = min(port + TRIES, 65536) if port else 1
     for number in range(port, last):

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.validation import is_whole
 from halfphysics.errors import InputError
 from halfphysics.render.drawing import GHOST, PEOPLE, Drawing
 from halfphysics.render.film.options import FilmOptions
@@ -139,7 +140,7 @@ def workers(threads: int | None) -> int:
     if threads is None:
         allowed: Callable[[int], set[int]] | None = getattr(os, "sched_getaffinity", None)
         return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+    if not is_whole(threads, least=1):
         raise InputError(f"threads: found {threads!r}, expected 1 or more")
     return threads
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.validation import file_path, shown
+from halfphysics.base.validation import file_path, is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.render.film import encoding
 from halfphysics.render.film.filming import Shoot, workers
@@ -208,8 +208,7 @@ def _listed(results: Result | Sequence[Result]) -> list[Result]:
 
 
 def _checked_frame(frame: int, total: int) -> int:
-    whole = isinstance(frame, int | np.integer) and not isinstance(frame, bool)
-    if not (whole and -total <= frame < total):
+    if not (is_whole(frame, plain=False) and -total <= frame < total):
         raise InputError(
             f"frame: found {shown(frame)}, but the result has {total} frames (0 to {total - 1})"
         )

@@ -18,7 +18,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal, TypeAlias
 
 from halfphysics.base.suggestions import did_you_mean
-from halfphysics.base.validation import shown
+from halfphysics.base.validation import real, shown
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
 from halfphysics.sweep.plan.values import Normal, Spec, Value
@@ -38,8 +38,8 @@ class Bounds:
 
     def check(self, name: str, value: Value) -> None:
         """Raises `InputError` for a value that is no number or out of bounds."""
-        good = isinstance(value, int | float) and not isinstance(value, bool)
-        if not good or not (self.least <= value <= self.most and value > self.above):  # type: ignore[operator]
+        found = real(value, plain=True)
+        if found is None or not (self.least <= found <= self.most and found > self.above):
             raise InputError(f"{name}: found {shown(value)}, expected {self}")
 
     def __str__(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from halfphysics.base.validation import number, shown
+from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 
 FORMATS = ("webdataset", "hdf5")
@@ -61,7 +61,7 @@ class Outputs:
             raise InputError(f"formats: found none, expected {' or '.join(FORMATS)}, or both")
         for name in ("variants_per_shard", "batch"):
             value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+            if not is_whole(value, least=1):
                 raise InputError(
                     f"{name}: found {shown(value)}, expected a whole number of at least 1"
                 )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from halfphysics.base.validation import shown
+from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
 from halfphysics.sweep.plan.expression import Expression
@@ -300,8 +300,7 @@ def _several(value: Any, kind: type[Any], what: str) -> tuple[Any, ...]:
 
 
 def _whole(value: Any, what: str, least: int) -> None:
-    good = isinstance(value, int) and not isinstance(value, bool)
-    if not good or not least <= value <= _MOST_SEED:
+    if not is_whole(value, least=least) or value > _MOST_SEED:
         raise InputError(
             f"{what}: found {shown(value)}, expected a whole number of at least {least}"
         )

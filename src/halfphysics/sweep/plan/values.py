@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any, Literal, TypeAlias
 
-from halfphysics.base.validation import number, shown
+from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 from halfphysics.sweep.plan.draws import Stream, exp, log
 
@@ -57,8 +57,7 @@ class Range:
     def __post_init__(self) -> None:
         _number(self.first, "from")
         _number(self.last, "to")
-        good = isinstance(self.count, int) and not isinstance(self.count, bool)
-        if not good or not 2 <= self.count <= _MOST_VALUES:
+        if not is_whole(self.count, least=2) or self.count > _MOST_VALUES:
             raise InputError(
                 f"count: found {shown(self.count)}, expected a whole number of at least 2"
             )

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
 
-from halfphysics.base.validation import shown
+from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import FileError, InputError
 from halfphysics.sweep.make.making import Maker, Sample
 from halfphysics.sweep.store.contents import DAMAGE
@@ -81,7 +81,7 @@ def verify(
         FileError: Something differs: the report is the message. Or no sweep is in the folder.
         InputError: There is nothing to compare yet, or an impossible count.
     """
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+    if not is_whole(count, least=1):
         raise InputError(f"verify: count: found {shown(count)}, expected 1 or more samples")
     return _Verifier(Path(folder)).run(count, seed, progress)
 

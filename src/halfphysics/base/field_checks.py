@@ -1,0 +1,53 @@
+"""Checks of the fields of a configuration dataclass, with the field's name in each message."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from halfphysics.base.validation import is_whole, real, within
+from halfphysics.errors import InputError
+
+
+class FieldChecks:
+    """Checks fields of `owner`; each raises "Class.field is VALUE; expected ..." (`InputError`)."""
+
+    def __init__(self, owner: object) -> None:
+        self._owner = owner
+
+    def holds(self, name: str, ok: bool, expected: str) -> None:
+        """Raise unless `ok`."""
+        if not ok:
+            kind, value = type(self._owner).__name__, self._value(name)
+            raise InputError(f"{kind}.{name} is {value!r}; expected {expected}")
+
+    def number(
+        self,
+        name: str,
+        *,
+        above: float | None = None,
+        least: float | None = None,
+        most: float = math.inf,
+        why: str = "",
+    ) -> None:
+        """A finite int or float above `above` or from `least` to `most`; `why` explains `most`."""
+        limit = f"> {above}" if above is not None else f">= {least}"
+        limit += f" and <= {most}{why}" if most < math.inf else ""
+        value = real(self._value(name), plain=True)
+        ok = value is not None and within(value, above=above, least=least, most=most)
+        self.holds(name, ok, f"a finite number {limit}")
+
+    def count(self, name: str) -> None:
+        """An int of at least 1."""
+        self.holds(name, is_whole(self._value(name), least=1), "a whole number >= 1")
+
+    def flag(self, name: str) -> None:
+        """True or False."""
+        self.holds(name, isinstance(self._value(name), bool), "True or False")
+
+    def choice(self, name: str, *values: str) -> None:
+        """One of the values."""
+        self.holds(name, self._value(name) in values, " or ".join(repr(v) for v in values))
+
+    def _value(self, name: str) -> Any:
+        return getattr(self._owner, name)

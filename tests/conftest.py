@@ -9,6 +9,8 @@ from pathlib import Path
 import hypothesis
 import pytest
 
+from support.paths import ROOT
+
 # How fast a machine is, and how busy, is no property of what is tested.
 hypothesis.settings.register_profile(
     "any machine", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
@@ -25,7 +27,7 @@ def kept_pieces(tmp_path_factory: pytest.TempPathFactory) -> None:
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
     """Folder with real motions and meshes; tests that need it skip where it is absent."""
-    default = Path(__file__).resolve().parents[2] / "shared" / "data"
+    default = ROOT.parent / "shared" / "data"
     folder = Path(os.environ.get("HALFPHYSICS_TEST_DATA", default))
     if not folder.is_dir():
         pytest.skip(f"no test data at {folder} (set HALFPHYSICS_TEST_DATA)")
@@ -34,7 +36,7 @@ def shared_data() -> Path:
 
 def pytest_terminal_summary(terminalreporter) -> None:
     """What a fuzzer that was asked for has seen."""
-    fuzzing = sys.modules.get("fuzzing")
+    fuzzing = sys.modules.get("support.fuzzing")
     if fuzzing is not None and fuzzing.SECONDS > 0.0 and fuzzing.seen:
         terminalreporter.section("fuzzed")
         for line in fuzzing.report():

@@ -5,11 +5,12 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).resolve().parents[1] / "src" / "halfphysics"
+from support.paths import ROOT
+
+PACKAGE = ROOT / "src" / "halfphysics"
 #: A ring -> those that use it. Nobody else does, not even inside a function or for a type.
 RINGS = {
     "labels": {"labels", "sweep", "bench"},

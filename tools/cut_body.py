@@ -1,7 +1,7 @@
 """Cut the skin of the default body beforehand, into `assets/body_cut.npz`: 0.4 s less at each start.
 
 Run by hand after a change to `body.npz` or to `skin_cut.py`, with the package installed, and commit
-what it wrote; `tests/test_skin_hulls.py` fails until then:
+what it wrote; `tests/body/test_skin_hulls.py` fails until then:
 
     python tools/cut_body.py
 

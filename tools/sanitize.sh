@@ -2,7 +2,7 @@
 # The tests of the native core under the address and undefined-behaviour sanitizers of g++.
 #
 #   tools/sanitize.sh                 the tests listed below
-#   tools/sanitize.sh tests/test_x.py ...   others; arguments go to pytest
+#   tools/sanitize.sh tests/base ...        others; arguments go to pytest
 #
 # Installs this checkout, instrumented, into build/sanitize, and runs it with the Python of .venv
 # (made by ./run test), or of PYTHON, which needs the test extra. Linux; needs g++.
@@ -50,9 +50,11 @@ for module in _native _render; do
 done
 
 if [ $# -eq 0 ]; then
-  set -- tests/test_{tree,convex,mesh_trees,reference,simulator,objects,fuzz}.py \
-    tests/test_{skinning,mesh_queries,metrics,drawing,render,strip}.py \
-    tests/test_labels_{layout,reference}.py
+  set -- tests/native/dynamics/test_kinematic_tree.py tests/native/geometry/test_convex.py \
+    tests/reference/test_step.py tests/simulation/test_{mesh_trees,simulator,objects,fuzz}.py \
+    tests/body/test_skinning.py tests/geometry/test_mesh_queries.py \
+    tests/metrics/test_penetration.py tests/render/test_{drawing,rasterizer,contact_sheet}.py \
+    tests/labels/test_{contact_labels,reference}.py
 fi
 export PYTHONPATH=$site HALFPHYSICS_FUZZ=${HALFPHYSICS_FUZZ:-1}
 export ASAN_OPTIONS=detect_leaks=0:abort_on_error=0 UBSAN_OPTIONS=print_stacktrace=1

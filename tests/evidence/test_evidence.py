@@ -13,7 +13,6 @@ from pathlib import Path
 
 import pytest
 from evidence_case import tasks as case
-from processes import of_group
 
 import evidence
 from evidence import document, runner
@@ -34,6 +33,7 @@ from evidence.runner import Job
 from evidence.store import Store
 from halfphysics.cli import MISTAKE
 from halfphysics.errors import FileError, InputError
+from support.processes import of_group
 
 SQUARE = "evidence_case.tasks:square"
 

@@ -7,9 +7,9 @@ from html.parser import HTMLParser
 
 import evidence_sample as sample
 import pytest
-from browser import CHROMIUM, tab
 
 from evidence.page import html
+from support.browser import CHROMIUM, tab
 
 SIZES = {"desktop": (1280, 800), "phone": (390, 844), "small": (320, 568), "between": (700, 900)}
 VOID = {"meta", "link", "img"}

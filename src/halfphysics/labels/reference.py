@@ -1,6 +1,6 @@
 """What `near` says, slowly, in plain numpy: every vertex against every solid and triangle.
 
-Equation by equation, nothing left out: `tests/test_labels_reference.py` holds both equal.
+Equation by equation, nothing left out: `tests/labels/test_reference.py` holds both equal.
 """
 
 from __future__ import annotations

@@ -1,0 +1,45 @@
+"""Which program this is: a hash of all that decides numbers, and of nothing else."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import halfphysics
+from halfphysics.base.code_hash import program
+
+
+def hash_of(folder):
+    """What `program` gives for a copy of the package, in a process of its own."""
+    code = "import halfphysics.base.code_hash as p; print(p.__file__, p.program())"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    file, digest = done.stdout.split()
+    assert Path(file).is_relative_to(folder)
+    return digest
+
+
+def test_any_change_of_the_code_is_another_program(tmp_path):
+    """Not: where it lies, when it was written, what compiling left beside it."""
+    here = Path(halfphysics.__file__).parent
+    there = tmp_path / "halfphysics"
+    shutil.copytree(here, there, ignore=shutil.ignore_patterns("__pycache__"))
+    (there / "__pycache__").mkdir()
+    (there / "__pycache__" / "x.pyc").write_bytes(b"x")
+    assert hash_of(tmp_path) == program()
+    module = there / "scenarios" / "acting" / "gait.py"
+    code = module.read_bytes()
+    module.write_bytes(code + b"#\n")
+    assert hash_of(tmp_path) != program()
+    module.write_bytes(code)
+    native = there / Path(find_spec("halfphysics._native").origin).name
+    native.write_bytes(native.read_bytes() + b"\0")  # still what it was to who loads it
+    assert hash_of(tmp_path) != program()

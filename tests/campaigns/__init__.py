@@ -1,0 +1,1 @@
+"""Long campaigns, and tests that run a sample of each."""

@@ -1,0 +1,116 @@
+"""Nothing passes through: people thrown at things, and real clips through furnished rooms.
+
+Every committed substep is judged from outside (`clear_judge`): the hulls of the skin, or the rigid
+parts, are clear of everything, and on the side of the first pose. A sample runs always;
+`HALFPHYSICS_CLEAR=all` runs the whole campaign (`k/n`: every n-th case from k on), which keeps its
+rows in `HALFPHYSICS_CLEAR_LOG` (out/clear.jsonl) and goes on where it was stopped.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from campaigns.clear import (
+    all_cases,
+    campaign,
+    clips,
+    held_back,
+    not_clear,
+    room_cases,
+    summary,
+    throw_cases,
+)
+from support.judges.person_hulls import CONTACTS
+from support.paths import ROOT
+from support.throws import OBSTACLES
+
+pytest.importorskip("coal")
+
+WANTED = os.environ.get("HALFPHYSICS_CLEAR", "")
+LOG = Path(os.environ.get("HALFPHYSICS_CLEAR_LOG", ROOT / "out" / "clear.jsonl"))
+#: Of the steps of all throws at up to 5 m/s and N >= 8.
+SHORTENED = 0.01
+
+
+#: Places in the list of clips, and what is kept clear.
+EVERY_CLIP = pytest.mark.parametrize(
+    "clip_rows",
+    [(k, contact) for k in range(10) for contact in CONTACTS],
+    ids=lambda p: f"{p[0]}-{p[1]}",
+    indirect=True,
+)
+
+
+@pytest.fixture(scope="module")
+def rows_of(tmp_path_factory):
+    """Rows of all these cases, or of a few that are quick; run once."""
+    known = {}
+
+    def rows_of(name, contact, cases, data, few):
+        if (name, contact) not in known:
+            known[name, contact] = _rows_of(name, contact, cases, data, few)
+        return known[name, contact]
+
+    def _rows_of(name, contact, cases, data, few):
+        order = {case.id: i for i, case in enumerate(all_cases(data))}
+        cases = sorted(cases, key=lambda c: order[c.id])
+        if WANTED:
+            k, n = (0, 1) if WANTED == "all" else map(int, WANTED.split("/"))
+            LOG.parent.mkdir(parents=True, exist_ok=True)
+            rows = campaign([c for c in cases if order[c.id] % n == k], data, LOG, contact)
+            print(f"\n{name}, {contact}\n{summary(rows)}")
+        else:
+            log = tmp_path_factory.mktemp("clear") / "rows.jsonl"
+            rows = campaign(few(cases), data, log, contact)
+        assert rows
+        return rows
+
+    return rows_of
+
+
+def complaints(rows, what):
+    return "\n".join(f"{row['id']}: {text}" for row in rows for text in what(row))
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize("kind", OBSTACLES)
+def test_nobody_is_thrown_through(rows_of, kind, contact):
+    def few(cases):
+        quick = [c for c in cases if c.speed >= 2.0 and c.fps * c.substeps <= 240.0]
+        return quick[: 2 if kind == "rods" or contact == "parts" else 5]
+
+    rows = rows_of(kind, contact, [c for c in throw_cases() if c.where == kind], None, few)
+    assert sum(row["touched"] for row in rows) > 0
+    assert not complaints(rows, not_clear), complaints(rows, not_clear)
+    slow = [r for r in rows if r["substeps"] >= 8 and r["speed"] <= 5.0]
+    steps = sum(r["steps"] for r in slow)
+    assert sum(r["shortened"] for r in slow) <= SHORTENED * steps
+
+
+@pytest.fixture
+def clip_rows(rows_of, shared_data, request):
+    place, contact = request.param
+    names = list(clips(shared_data))
+    if place >= len(names):
+        pytest.skip(f"{len(names)} clips can be read")
+
+    def few(cases):
+        quick = [c for c in cases if c.substeps * c.fps <= 480.0 and c.speed >= 2.0]
+        return quick[: 2 if contact == "skin" else 1]
+
+    cases = [c for c in room_cases(shared_data) if c.what == names[place]]
+    return rows_of(names[place], contact, cases, shared_data, few)
+
+
+@EVERY_CLIP
+def test_real_clips_go_through_nothing(clip_rows):
+    assert sum(row["touched"] for row in clip_rows) > 0
+    assert not complaints(clip_rows, not_clear), complaints(clip_rows, not_clear)
+
+
+@EVERY_CLIP
+def test_real_clips_lose_no_time(clip_rows):
+    assert not complaints(clip_rows, held_back), complaints(clip_rows, held_back)

@@ -1,0 +1,40 @@
+"""Contact labels of every scenario against geometry, judged by other libraries.
+
+A few vertices of each are asked of; `campaigns/labels.py` asks of many, and measures.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.labels import contact_labels
+from support.judges.labels_judge import ROUNDING, judge
+
+#: Where the long ones end here: all that is touched is touched by then.
+END = {
+    "climb_onto_bed": 100,
+    "fly_with_ball": 80,
+    "grasp_glass": 110,
+    "lift_suitcase": 100,
+    "meet": 80,
+    "place_glass": 110,
+    "shake_hands": 110,
+}
+
+
+@pytest.mark.parametrize("name", hp.scenarios.names())
+def test_labels_agree_with_geometry_and_no_impulse_is_without(name):
+    told = hp.scenarios.load(name)
+    motions, bodies = [motion[: END.get(name)] for motion in told.motions], list(told.bodies)
+    result = hp.simulate(motions, told.scene, body=bodies, settings=told.settings)
+    labels = contact_labels(result)
+    verdict = judge(result, labels, most=15)
+    if name != "reach_past_monitor":  # whose story is that nothing is touched
+        assert verdict.impulses > 0
+        assert verdict.vertices + verdict.points + (len(result.people) > 1) > 0
+    assert verdict.farthest <= result.settings.clearance + 1e-3 + ROUNDING
+    assert verdict.unlabelled == 0
+    assert verdict.bare == 0
+    assert np.isfinite(labels.contacts.distance).mean() > 0.5

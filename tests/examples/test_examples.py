@@ -1,0 +1,58 @@
+"""The examples run, and what they show is so."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from support.paths import ROOT, TESTS
+
+EXAMPLES = ROOT / "examples"
+
+
+def example(name):
+    """The names that an example defines."""
+    return runpy.run_path(str(EXAMPLES / name), run_name="example")
+
+
+def test_every_example_is_tested():
+    tested = Path(__file__).read_text(encoding="utf-8")
+    tested += (TESTS / "sweep" / "store" / "test_reading.py").read_text(encoding="utf-8")
+    for path in EXAMPLES.glob("*.py"):
+        assert f'("{path.name}"' in tested
+
+
+def test_walk_into_wall(capsys):
+    result = example("01_walk_into_wall.py")["main"]()
+    # The face is at 1.95 m; the pelvis stays behind it while the walk goes on to 4 m.
+    assert 1.5 < result.motion.translation[:, 0].max() < 1.95
+    assert result.reference.translation[:, 0].max() > 3.9
+    assert result.clearance.min() > 0.0
+    assert "touched the wall" in capsys.readouterr().out
+
+
+def test_kick_a_ball():
+    speeds = list(example("02_kick_a_ball.py")["main"]().values())
+    assert speeds == sorted(speeds, reverse=True)
+    assert speeds[0] > 3.0
+    assert speeds[-1] < 0.2 * speeds[0]
+
+
+def test_own_scene(tmp_path):
+    result = example("03_own_scene.py")["main"](tmp_path)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["motion.npz", "result.npz", "room.yaml"]
+    touched = {result.names[k] for k in np.unique(result.contacts.other)}
+    assert {"post", "crate"} <= touched
+    crate = result.objects["crate"].position
+    assert crate[-1, 0] - crate[0, 0] > 0.2  # pushed along
+    assert result.people[0].body.stature == pytest.approx(1.80)
+
+
+def test_beside_a_robot():
+    turned = [turn for turn, _ in example("04_beside_a_robot.py")["main"]().values()]
+    assert turned == sorted(turned, reverse=True)  # the firmer, the less the joints give
+    assert turned[0] > np.radians(10.0)
+    assert turned[-1] < np.radians(2.0)

@@ -1,0 +1,215 @@
+"""TRUMANS: one clip in a pickle, and the release as a folder of arrays; y-up."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.base import rotations as rot
+from halfphysics.base.axes import axes_of
+from halfphysics.motion.skeleton import BODY_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+from support.files.layouts import movement
+from support.files.trumans_files import CLIPS, release
+from support.files.wrong_files import (
+    broken_bytes_are_refused,
+    changed,
+    hostile_is_refused,
+    put,
+    refused,
+    usual,
+    without,
+)
+
+ROUNDING = 1e-12
+SINGLE = 1e-6
+
+# -- one clip ----------------------------------------------------------------------------------
+
+
+def fields(frames: int = 12) -> dict:
+    translation, r = movement(frames, up="y")
+    return {
+        "global_orient": r[:, 0],
+        "body_pose": r[:, list(BODY_JOINTS)].reshape(frames, 63),
+        "left_hand_pose": r[:, list(LEFT_HAND_JOINTS)].reshape(frames, 45),
+        "right_hand_pose": r[:, list(RIGHT_HAND_JOINTS)].reshape(frames, 45),
+        "jaw_pose": r[:, 22],
+        "leye_pose": r[:, 23],
+        "reye_pose": r[:, 24],
+        "expression": np.ones((frames, 10)),
+        "transl": translation,
+        "betas": np.zeros(0),
+    }
+
+
+def pickled(path, content):
+    path.write_bytes(pickle.dumps(content))
+    return path
+
+
+def as_asked(body, hands=True):
+    translation, rotations = movement(up="y")
+    if not hands:
+        rotations[:, 22:] = 0.0
+    return body.vertices(hp.Motion(translation, rotations, 30.0)) @ axes_of("y").T
+
+
+def test_a_clip_is_read_and_written(tmp_path):
+    path = pickled(tmp_path / "a.pkl", fields())
+    refused(path, "do not say whether zero fingers.*hands='flat'")
+    motion = hp.Motion.load(path, hands="flat")
+    assert (motion.fps, motion.model, motion.betas) == (30.0, "smplx", None)
+    body = hp.Body.default()
+    assert np.abs(body.vertices(motion) - as_asked(body)).max() < ROUNDING
+    motion.save(tmp_path / "b.pkl")
+    again = pickle.loads((tmp_path / "b.pkl").read_bytes())
+    assert again.keys() == fields().keys()
+    for key, value in fields().items():
+        assert np.abs(again[key] - value).max(initial=0.0) < ROUNDING, key
+
+
+def test_a_clip_without_fingers_needs_nothing_said(tmp_path):
+    content = fields()
+    for key in ("left_hand_pose", "right_hand_pose"):
+        content[key] = np.zeros((12, 45))
+    assert not hp.Motion.load(pickled(tmp_path / "a.pkl", content)).rotations[:, 25:].any()
+
+
+WRONG = [
+    *usual("transl"),
+    *usual("body_pose"),
+    ("no root", without("global_orient"), "'global_orient' is missing"),
+    ("betas per frame", put("betas", np.random.default_rng(0).normal(size=(12, 10))), "changes"),
+    ("betas of another length", put("betas", np.ones((5, 10))), "betas"),
+    ("hand PCA", put("left_hand_pose", np.zeros((12, 12))), r"'left_hand_pose'.*\(T, 45\)"),
+    ("gender unknown", put("gender", "robot"), "gender"),
+    ("fps negative", put("fps", -30), "'fps'"),
+    ("expression short", changed("expression", lambda a: a * np.nan), "'expression'.*NaN"),
+]
+
+
+@pytest.mark.parametrize(("spoil", "message"), [c[1:] for c in WRONG], ids=[c[0] for c in WRONG])
+def test_wrong_clips(tmp_path, spoil, message):
+    content = fields()
+    spoil(content)
+    refused(pickled(tmp_path / "bad.pkl", content), message, hands="flat")
+
+
+def test_hostile_and_broken_clips(tmp_path):
+    hostile_is_refused(tmp_path / "evil.pkl", fields(), "betas", hands="flat")
+    broken_bytes_are_refused(pickled(tmp_path / "a.pkl", fields()), hands="flat")
+
+
+# -- the release -------------------------------------------------------------------------------
+
+
+def test_clips_are_cut_by_their_names(tmp_path):
+    folder = release(tmp_path / "TRUMANS", objects=False)
+    clips = list(hp.clips(folder))
+    assert [clip.name for clip in clips] == list(CLIPS)
+    body = hp.Body.default()
+    motion = clips[0].motion()
+    assert len(motion) == 12
+    assert np.abs(body.vertices(motion) - as_asked(body, hands=False)).max() < SINGLE
+    assert abs(clips[3].motion().translation[0, 0] - movement(2, up="y")[0][0, 0] - 3) < SINGLE
+    part = hp.Motion.load(folder, clip="walk@1", frames=(3, 8))
+    assert np.array_equal(part.translation, motion.translation[3:8])
+    # Found in a library, too.
+    assert [clip.name for clip in hp.clips(tmp_path)] == list(CLIPS)
+
+
+def test_objects_and_scene(tmp_path):
+    import trimesh
+
+    folder = release(tmp_path / "TRUMANS")
+    assets = tmp_path / "meshes"
+    (assets / "Object_mesh").mkdir(parents=True)
+    (assets / "Scene_mesh").mkdir()
+    cup = trimesh.creation.box((0.1, 0.2, 0.3))
+    cup.apply_translation((0.02, 0.1, 0.0))
+    cup.export(assets / "Object_mesh" / "cup.obj")
+    trimesh.creation.box((4, 0.1, 4)).export(assets / "Scene_mesh" / "hall.obj")
+    refused(folder, "mesh of the scene 'hall'.*Looked for.*assets=", clip="walk@1")
+    with pytest.warns(hp.HalfPhysicsWarning, match="what 'cup' weighs: 2.4 kg"):
+        sequence = hp.load_sequence(folder, assets, clip="walk@1")
+    assert list(sequence.scene.statics) == ["hall"]
+    thing, track = sequence.scene.objects["cup"], sequence.recorded["cup"]
+    # The data set's own rule for its vertices, then turned to z-up.
+    matrices = np.load(folder / "object_mat.npy")[:12, 3].astype(float)
+    for frame in (0, 5, 11):
+        asked = cup.vertices @ matrices[frame, :3, :3] + matrices[frame, :3, 3]
+        placed = rot.rotate(track.quaternion[frame], cup.vertices) + track.position[frame]
+        assert np.abs(placed - asked @ axes_of("y").T).max() < SINGLE
+    assert np.array_equal(thing.position, track.position[0])
+    replayed = hp.load_sequence(folder, [assets], clip="walk@1", objects="replayed")
+    assert np.array_equal(replayed.scene.objects["cup"].positions, track.position)
+    assert not hp.load_sequence(folder, assets, clip="sit@2").recorded  # it is not in that clip
+    for kind in ("Object_mesh", "Scene_mesh"):  # beside the arrays they are found without a word
+        (assets / kind).rename(folder / kind)
+    inside = hp.load_sequence(folder, clip="walk@1", objects="replayed")
+    assert list(inside.scene.statics) == ["hall"]
+    assert np.array_equal(inside.scene.objects["cup"].positions, track.position)
+
+
+def spoil_array(folder, key, how):
+    np.save(folder / f"{key}.npy", how(np.load(folder / f"{key}.npy")))
+
+
+def nan_in(array):
+    array[2] = np.nan
+    return array
+
+
+BROKEN = {
+    "no names": (lambda f: (f / "seg_name.npy").unlink(), "seg_name.npy is missing"),
+    "no orient": (lambda f: (f / "human_orient.npy").unlink(), "human_orient.npy is missing"),
+    "names of numbers": (lambda f: spoil_array(f, "seg_name", lambda a: np.arange(51)), "text"),
+    "names in two axes": (lambda f: spoil_array(f, "seg_name", lambda a: a[:, None]), "text"),
+    "pose narrow": (lambda f: spoil_array(f, "human_pose", lambda a: a[:, :60]), "'human_pose'"),
+    "pose short": (lambda f: spoil_array(f, "human_pose", lambda a: a[:5]), "different length"),
+    "transl short": (lambda f: spoil_array(f, "human_transl", lambda a: a[:5]), "length"),
+    "NaN": (lambda f: spoil_array(f, "human_transl", nan_in), "'human_transl'.*NaN"),
+    "orient of text": (lambda f: spoil_array(f, "human_orient", lambda a: a.astype(str)), "'huma"),
+    "flags too large": (lambda f: spoil_array(f, "object_flag", lambda a: a + 6), "object_flag"),
+    "matrices narrow": (
+        lambda f: spoil_array(f, "object_mat", lambda a: a[:, :, :3]),
+        "'object_mat'",
+    ),
+    "no object names": (lambda f: (f / "object_list.npy").unlink(), "'object_list' is missing"),
+    "scene unknown": (lambda f: spoil_array(f, "scene_flag", lambda a: a + 5), "scene_list"),
+    "truncated": (lambda f: (f / "human_pose.npy").write_bytes(b"\x93NUMPY"), "damaged"),
+    "cut": (
+        lambda f: (f / "human_pose.npy").write_bytes((f / "human_pose.npy").read_bytes()[:500]),
+        "truncated",
+    ),
+    "no array": (lambda f: (f / "human_pose.npy").write_bytes(b"hello"), "damaged"),
+    "objects in it": (
+        lambda f: np.save(f / "human_pose.npy", np.array([None] * 51), allow_pickle=True),
+        "Python objects",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_releases(tmp_path, name):
+    folder = release(tmp_path / "TRUMANS")
+    how, message = BROKEN[name]
+    how(folder)
+    from unittest import mock
+
+    import trimesh
+
+    mesh = tmp_path / "box.obj"
+    trimesh.creation.box((1, 1, 1)).export(mesh)
+    with mock.patch("halfphysics.formats.datasets.trumans_release.find", return_value=mesh):
+        refused(folder, message, clip="walk@1")
+
+
+def test_wrong_clips_of_a_release(tmp_path):
+    folder = release(tmp_path / "TRUMANS", objects=False)
+    refused(folder, "holds several clips: walk@1, sit@2.*Say which with clip=")
+    refused(folder, "has no 'walk'.*did you mean", clip="walk")
+    refused(folder, "'walk@1'.*0 frame", clip="walk@1", frames=(5, 5))

@@ -1,0 +1,151 @@
+"""Where a step cannot be made at once: clearances give way, and the rest is made up in pieces."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Box
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
+from halfphysics.settings import Settings
+from halfphysics.simulation.simulator import Simulator
+from support.judges.person_hulls import CONTACTS
+from support.people import FACING_X, t_pose
+
+pytest.importorskip("coal")
+
+from campaigns.clear import not_clear, run, set_up, throw_cases
+from support.judges.clear_judge import Judge
+
+DRIVES = pytest.mark.parametrize("drive", [None, 0.02], ids=["alg1", "tau"])
+#: Throws of which a hundredth to a third of the time was once lost.
+JAMMED = (
+    "throw-tpose-plate-5x-60fps-N1-l0-alg1",
+    "throw-curled-sheet-5x-30fps-N2-l10-alg1",
+    "throw-curled-mesh_pole-5x-30fps-N4-l0-alg1",
+    "throw-tumbling-stair-1x-30fps-N1-l1-alg1",
+)
+#: Of the time.
+LOST = 0.005
+#: The clearance, and what it gives way to where it must; gaps under the floor are only worn away
+#: by what solving is inexact [m].
+CLEARANCE, LEAST, FLOOR = 1e-3, 1e-4, 2e-5
+
+
+@pytest.fixture(scope="module")
+def body():
+    return Body.default()
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+@pytest.mark.parametrize("name", JAMMED)
+def test_a_jam_takes_no_time(name, contact):
+    row = run(next(c for c in throw_cases() if c.id == name), contact=contact)
+    assert row["touched"] > 0
+    assert not not_clear(row)
+    assert row["lost"] <= LOST
+
+
+def alley(width, z=0.0):
+    """Two walls facing each other across y, open to both ends."""
+    scene = Scene()
+    for side in (-1.0, 1.0):
+        scene.add_static(
+            f"wall{side:+g}", Box((4.0, 0.2, 4.0)), position=(0.0, side * (0.5 * width + 0.1), z)
+        )
+    return scene
+
+
+def arms_out(body, frames, fps=30.0):
+    """From arms down to the T-pose and back, the pelvis in the origin."""
+    rotations = np.zeros((frames, 55, 3))
+    rotations[:, 0] = FACING_X
+    down = 1.2 * np.abs(np.linspace(-1.0, 1.0, frames))
+    rotations[:, 16, 2], rotations[:, 17, 2] = -down, down
+    motion = Motion(np.zeros((frames, 3)), rotations, fps)
+    return motion.with_frames(-body.joints(motion)[:, 0], rotations)
+
+
+@DRIVES
+@pytest.mark.parametrize("substeps", [1, 4, 8])
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_arms_that_do_not_fit_between_walls_stop_nobody(body, contact, drive, substeps):
+    """The arms would reach 0.2 m into each wall: they stay out, and come back as they went."""
+    motion = arms_out(body, 61)
+    settings = Settings(contact=contact, substeps=substeps, drive_time=drive, record="substeps")
+    simulator = Simulator(alley(1.3), body=body, settings=settings, fps=30.0)
+    frames = [simulator.reset(motion[0])] + [simulator.step(motion[t]) for t in range(1, 61)]
+    verdict = Judge(simulator).judge(simulator.world.start([motion[0]])[0], frames[1:])
+    assert verdict.clear
+    assert verdict.gap >= FLOOR
+    assert sum(len(f.contacts.part) > 0 for f in frames) > 10
+    assert sum(f.lost_time for f in frames) == 0.0
+    # What gave way was given back: nothing is near the walls at the end, and the joints arrive.
+    turned = rot.log(
+        rot.multiply(
+            rot.conjugate(rot.exp(motion[60].rotations[1:])), rot.exp(frames[60].pose.rotations[1:])
+        )
+    )
+    assert np.linalg.norm(turned, axis=-1).max() < 0.02
+
+
+@DRIVES
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_a_clearance_that_gave_way_is_regained(body, contact, drive):
+    """Walls that press from both sides a little under the clearance; then the pressing ends."""
+    frames = 60
+    motion = arms_out(body, 2 * frames - 1)
+    settings = Settings(contact=contact, substeps=8, drive_time=drive)
+    simulator = Simulator(alley(1.3), body=body, settings=settings, fps=30.0)
+    simulator.reset(motion[0])
+    pressed = [simulator.step(motion[t]).clearance for t in range(1, frames)]
+    assert FLOOR <= min(pressed) <= CLEARANCE
+    # Held where the arms are: nothing pulls on, the motion being where the body is.
+    held = simulator.step(motion[frames - 1]).pose
+    gaps = [simulator.step(held).clearance for _ in range(30)]
+    assert gaps[-1] >= 0.98 * CLEARANCE
+    assert gaps[-1] <= 2 * CLEARANCE
+
+
+def test_a_state_resumes_bit_for_bit_where_steps_are_made_in_pieces():
+    case = next(c for c in throw_cases() if c.id == JAMMED[0])
+    motion, scene = set_up(case, None)
+    settings = Settings(substeps=case.substeps, stiffness=case.stiffness, drive_time=case.drive)
+
+    def simulator():
+        return Simulator(scene, body=Body.default(), settings=settings, fps=case.fps)
+
+    a = simulator()
+    a.reset(motion[0])
+    states, poses = [], []
+    for t in range(1, len(motion)):
+        poses.append(a.step(motion[t]).pose)
+        states.append(a.get_state())
+    b = simulator()
+    for t in range(6, len(motion) - 1, 3):
+        b.set_state(states[t - 1])
+        assert b.step(motion[t + 1]).pose.rotations.tobytes() == poses[t].rotations.tobytes()
+
+
+@DRIVES
+def test_who_is_jammed_does_not_hold_up_the_others(body, drive):
+    """One is thrown into a plate, in steps so coarse that they are made in pieces; another walks
+    by without a touch and is where the motion has it, exactly."""
+    case = next(c for c in throw_cases() if c.id == JAMMED[0])
+    motion, scene = set_up(case, None)
+    aside = np.array([0.0, 30.0, 0.0])
+    walk = t_pose(aside + np.linspace(0.0, 1.0, len(motion))[:, None] * [1.0, 0.0, 0.0], case.fps)
+    settings = Settings(substeps=case.substeps, stiffness=0.0, drive_time=drive)
+    if drive is not None:
+        settings = Settings(substeps=case.substeps, drive_time=drive)
+    simulator = Simulator(scene, body=[body, body], settings=settings, fps=case.fps)
+    simulator.reset([motion[0], walk[0]])
+    touched = 0
+    for t in range(1, len(motion)):
+        frame = simulator.step([motion[t], walk[t]])
+        touched += len(frame.contacts.part) > 0
+        np.testing.assert_allclose(frame.poses[1].translation, walk[t].translation, atol=1e-12)
+    assert touched > 0

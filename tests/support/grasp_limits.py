@@ -1,0 +1,21 @@
+"""What a grasp may lose, and how evenly it holds."""
+
+from __future__ import annotations
+
+#: What a grasp may lose while it is shaken, carried and turned over.
+SLIP, TURN = 10.0, 15.0  # [mm], [degrees]
+
+
+#: Held still: a grip as firm as a person's, without tremor or creep.
+FORCE, SPREAD, PEAK = (30.0, 50.0), 0.05, 100.0  # [N], share, [N]
+
+
+JITTER, CREEP = 0.05, 0.01  # [m/s^2], [mm/s]
+
+
+#: How nearly free a fall is [m/s^2], and how soon after the hand starts to open [s].
+FALL, FREED = 0.05, 0.2
+
+
+#: The hand comes to rest this long after the lift [s].
+SETTLED = 0.3

@@ -1,0 +1,115 @@
+"""The judge of `campaigns/test_clear.py` sees what goes through, and nothing else."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from halfphysics.base import rotations as rot
+from halfphysics.body.body import Body
+from halfphysics.geometry.shapes import Cylinder, Plane
+from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
+from halfphysics.settings import Settings
+from halfphysics.simulation.simulator import Simulator
+from support.barriers import BARRIERS, barrier, sheet
+from support.judges.clear_judge import Judge
+from support.judges.person_hulls import CONTACTS, pieces_of
+from support.people import FACING_X, t_pose
+from support.throws import OBSTACLES, throw
+
+trimesh = pytest.importorskip("trimesh")
+
+
+@pytest.fixture(scope="module")
+def body():
+    return Body.default()
+
+
+@pytest.fixture(params=CONTACTS)
+def ghost(request):
+    """What the judge says of a motion that nothing holds."""
+    return partial(_ghost, request.param)
+
+
+def _ghost(contact, body, scene, motion):
+    settings = Settings(contact=contact)
+    simulator = Simulator(scene, body=body, settings=settings, fps=motion.fps)
+    poses = np.array([simulator.world.start([motion[t]])[0] for t in range(len(motion))])
+    return Judge(simulator).judge_poses(poses)
+
+
+@pytest.mark.parametrize("kind", OBSTACLES)
+@pytest.mark.parametrize(("pose", "speed"), [("tpose", 20.0), ("curled", 3.0)])
+def test_ghosts_are_seen(body, ghost, kind, pose, speed):
+    rng = np.random.default_rng(OBSTACLES.index(kind))
+    motion, scene = throw(pose, kind, speed, 30.0, body, rng)
+    verdict = ghost(body, scene, motion)
+    assert verdict.start > 0.0
+    assert not verdict.clear
+
+
+@pytest.mark.parametrize("what", BARRIERS)
+def test_a_jump_over_it_is_a_crossing(body, ghost, what):
+    """No pose is anywhere near; every part that had it in its way has crossed."""
+    shape = barrier(what)
+    motion = t_pose([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], fps=20.0)
+    scene = Scene()  # in the middle of the body: its root turns about the pelvis
+    scene.add_static("it", shape, position=(0.0, body.joints(motion)[0, 0, 1], 0.0))
+    verdict = ghost(body, scene, motion)
+    assert not verdict.inside
+    assert not verdict.clear
+    names = {name for name, _, pose in verdict.crossed if pose == 1}
+    crossed = {name.split("/")[1] for name in names}
+    trunk = {"pelvis", "spine1", "spine2", "spine3", "neck", "head"}
+    if "pole" in what:
+        assert trunk <= crossed
+        assert not any("wrist" in part or "foot" in part for part in crossed)
+    else:
+        (pieces,) = pieces_of(Simulator(scene, body=body, fps=20.0), ghost.args[0])
+        assert names == set(pieces.names)
+
+
+def test_being_inside_is_seen_at_once(body, ghost):
+    scene = Scene()
+    scene.add_static("it", Plane())
+    verdict = ghost(body, scene, t_pose(np.outer([0.3, 0.29, 0.28], [0.0, 0.0, 1.0])))
+    assert verdict.start < 0.0
+    assert verdict.inside == {0, 1, 2}
+    lowest = body.vertices(t_pose(np.zeros((2, 3))), frames=[0])[0, :, 2].min()
+    assert verdict.gap == pytest.approx(0.28 + lowest, abs=1e-6)
+
+
+@pytest.mark.parametrize("steps", [2, 5, 40])
+@pytest.mark.parametrize("turns", [0.0, 0.4])
+def test_passing_by_is_no_crossing(body, ghost, turns, steps):
+    """A person between two sheets and two poles, 5 mm from its finger tips and its head."""
+    t = np.linspace(-1.0, 1.0, steps + 1)
+    rotations = np.zeros((len(t), 55, 3))
+    rotations[:, 0] = rot.log(
+        rot.multiply(rot.exp(np.outer(turns * t, [1.0, 0.0, 0.0])), rot.exp(FACING_X))
+    )
+    motion = Motion(np.outer(t, [1.0, 0.0, 0.0]), rotations, 10.0)
+    everywhere = np.concatenate([body.vertices(motion, frames=[k])[0] for k in range(len(t))])
+    low, high = everywhere.min(axis=0) - 0.005, everywhere.max(axis=0) + 0.005
+    # The tips go in circles between the poses.
+    low, high = low - turns * 0.2, high + turns * 0.2
+    scene = Scene()
+    flat = rot.exp([0.0, np.pi / 2, 0.0])
+    scene.add_static("over", sheet(), position=(0.0, 0.0, high[2]), quaternion=flat)
+    scene.add_static("under", Plane(), position=(0.0, 0.0, low[2]))
+    scene.add_static("left", Cylinder(0.01, 4.0), position=(0.0, high[1] + 0.01, 0.0))
+    pole = trimesh.creation.cylinder(0.01, height=4.0)
+    scene.add_static("right", pole, position=(0.0, low[1] - 0.01, 0.0))
+    assert ghost(body, scene, motion).clear
+
+
+def test_around_an_edge_is_no_crossing(body, ghost):
+    """Up in front of a sheet's edge, over it and down behind it: three steps, one each way."""
+    scene = Scene()
+    scene.add_static("it", sheet(), position=(0.0, 0.0, -2.5))  # its edge at z = -0.5
+    path = [[-0.6, 0.0, -0.8], [-0.6, 0.0, 1.5], [0.6, 0.0, 1.5], [0.6, 0.0, -0.8]]
+    assert ghost(body, scene, t_pose(path, fps=10.0)).clear
+    assert not ghost(body, scene, t_pose(path[::3], fps=10.0)).clear

@@ -1,0 +1,1 @@
+"""People who press themselves into furniture."""

@@ -1,0 +1,1 @@
+"""Starts inside things: cases, and the judge of what comes of them."""

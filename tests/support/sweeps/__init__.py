@@ -1,0 +1,1 @@
+"""Small sweeps, their shards and variants."""

@@ -1,0 +1,139 @@
+"""Plots and numbers of the viewer: what is drawn and said is what the result holds."""
+
+from __future__ import annotations
+
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from halfphysics.viewer import plots
+from halfphysics.viewer.contacts import OBJECT, SCENE, THING
+from halfphysics.viewer.numbers import Numbers
+from halfphysics.viewer.plots import Line, Plots, aligned, clearance, force, speed, things
+from support.results.small_result import FPS, FRAMES, small_result
+
+RESULT = small_result()
+DURATION = (FRAMES - 1) / FPS
+
+
+def test_clearance_is_in_millimetres_and_missing_where_unknown():
+    (line,) = clearance([RESULT], ["a"])
+    np.testing.assert_allclose(line.value[:-2], np.arange(FRAMES - 2))
+    assert np.isnan(line.value[-2:]).all()
+    np.testing.assert_allclose(line.time, np.arange(FRAMES) / FPS)
+
+
+def test_force_adds_up_what_acts_on_people():
+    (line,) = force([RESULT], ["a"])
+    expected = np.full(FRAMES, 20.0 * FPS)
+    expected[[6, 7, 10]] += np.array([3.0, 2.0, 1.0]) * FPS  # 12: on the ball alone
+    np.testing.assert_allclose(line.value, expected)
+
+
+def test_speeds_of_body_ghost_and_objects():
+    body, asked = speed([RESULT], ["a"], "pelvis")
+    assert (body.dashed, asked.dashed) == (False, True)
+    np.testing.assert_allclose(asked.value, 1.5, atol=1e-9)
+    np.testing.assert_allclose(body.value[:4], 1.5, atol=1e-9)
+    # 12 cm aside between two frames: half of it in each central difference.
+    np.testing.assert_allclose(body.value[[5, 6]], np.hypot(1.5, 0.06 * FPS), atol=1e-9)
+    (ball,) = speed([RESULT], ["a"], "ball")
+    np.testing.assert_allclose(ball.value[-1], 4.0)
+    assert ball.value[3] == 0.0
+    assert things([RESULT]) == ["pelvis", "left hand", "right hand", "ball"]
+
+
+def test_several_results_are_several_lines_with_one_ghost():
+    lines = speed([RESULT, RESULT], ["soft", "stiff"], "left hand")
+    assert [line.label for line in lines] == ["soft", "asked for", "stiff"]
+    assert [line.dashed for line in lines] == [False, True, False]
+    assert len(set(plots._colors(lines))) == 3
+    other = SimpleNamespace(**{**vars(RESULT), "objects": {}})
+    assert len(speed([RESULT, other], ["a", "b"], "ball")) == 1
+
+
+def test_frames_are_plotted_as_they_are():
+    line = Line(label="", time=np.arange(FRAMES) / FPS, value=np.arange(FRAMES) ** 2.0)
+    time, value = aligned([line], DURATION)
+    np.testing.assert_allclose(time, line.time)
+    np.testing.assert_allclose(value, line.value)
+
+
+def test_no_peak_is_lost_in_a_long_result():
+    value = np.zeros(5000)
+    value[1234] = 7.0
+    line = Line(label="", time=np.arange(5000) / 120.0, value=value)
+    time, shown = aligned([line], 4999 / 120.0)
+    assert len(time) <= 600
+    assert np.nanmax(shown) == 7.0
+    assert time[np.nanargmax(shown)] == pytest.approx(1234 / 120.0, abs=0.05)
+
+
+def test_lines_of_other_rates_share_the_axis_and_end_where_they_end():
+    slow = Line(label="", time=np.arange(6) / 10.0, value=np.arange(6) * 2.0)
+    gap = np.arange(61.0)
+    gap[20:40] = np.nan
+    quick = Line(label="", time=np.arange(61) / 60.0, value=gap)
+    time, a, b = aligned([slow, quick], 1.0)
+    inside = time <= 0.5
+    np.testing.assert_allclose(a[inside], 20.0 * time[inside])
+    assert np.isnan(a[time > 0.56]).all()
+    np.testing.assert_allclose(b[:20], np.arange(20))
+    assert np.isnan(b[20:40]).all()
+    assert np.isfinite(b[40:]).all()
+
+
+@pytest.fixture
+def server():
+    pytest.importorskip("viser")
+    from halfphysics.viewer.server import close_server, open_server
+
+    server = open_server("127.0.0.1", 0)
+    yield server
+    close_server(server)
+
+
+def test_the_line_moves_and_the_plots_are_not_sent_again(server):
+    shown = Plots(server.gui, [RESULT], ["a"], DURATION)
+    data = {name: chart.data for name, chart in shown.charts.items()}
+    assert list(data) == ["clearance", "force", "speed"]
+    for time in (0.0, 0.2, DURATION, 9.0):
+        shown.show(time)
+        shares = {re.search(r"px \+ ([\d.]+)\*", c.content)[1] for c in shown._cursors}
+        assert [float(s) for s in shares] == [pytest.approx(min(time / DURATION, 1.0), abs=1e-4)]
+        assert all(len(c.content) < 320 for c in shown._cursors)
+    assert all(chart.data is data[name] for name, chart in shown.charts.items())
+
+
+def test_another_speed_is_chosen(server):
+    shown = Plots(server.gui, [RESULT], ["a"], DURATION)
+    assert "asked for" in shown.heads["speed"].content
+    shown._choose("ball")
+    chart = shown.charts["speed"]
+    assert len(chart.data) == len(chart.series) == 2
+    assert chart.data[1][-1] == pytest.approx(4.0)
+    assert chart.scales["y"]["range"][1] >= 4.0
+    assert "Speed of ball [m/s]" in shown.heads["speed"].content
+
+
+def test_numbers_name_contacts_with_their_forces_strongest_first():
+    numbers = Numbers(RESULT)
+    assert numbers.contacts(10) == [
+        ("right foot", "floor", pytest.approx(20.0 * FPS), SCENE),
+        ("right foot", "ball", pytest.approx(1.0 * FPS), OBJECT),
+    ]
+    assert numbers.contacts(12)[1] == ("ball", "bench", pytest.approx(0.5 * FPS), THING)
+    ((name, mean, _, most),) = numbers.deviation(8)
+    assert (name, mean, most) == ("person", pytest.approx(120.0), pytest.approx(120.0))
+    text = re.sub(r"<[^>]+>", " ", numbers.html(10))
+    for part in ("frame 10 of 15, 0.33 s", "10.0 mm", "Contacts: 2", "630 N", "120 mm"):
+        assert part in text
+    assert "over 50 mm" in numbers.html(FRAMES - 1)
+
+
+def test_numbers_do_not_run_what_names_say():
+    result = SimpleNamespace(**{**vars(RESULT), "names": ("<img src=x>", *RESULT.names[1:])})
+    assert "<img" not in Numbers(result, "<b>x").html(0)
+    assert "&lt;img" in Numbers(result).html(0)

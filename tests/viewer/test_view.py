@@ -1,0 +1,244 @@
+"""hp.view and halfphysics view without a browser: address, ports, endings, mistakes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from urllib.request import ProxyHandler, build_opener
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from halfphysics.errors import FileError, InputError
+from halfphysics.render.drawing import Drawing
+from halfphysics.viewer.arrange import arrange
+from halfphysics.viewer.controls import slider_end
+from halfphysics.viewer.server import free_port
+from halfphysics.viewer.view import Viewer, differences
+from support.people import along_x
+from support.results.small_result import small_result
+
+
+def fetched(url):
+    with build_opener(ProxyHandler({})).open(url, timeout=20.0) as answer:
+        return answer.status, answer.read()
+
+
+def walking_into_a_wall(stiffness):
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    scene.add_static("wall", hp.Box((0.1, 2.0, 2.0)), position=(0.6, 0.0, 1.0))
+    settings = hp.Settings(stiffness=stiffness, contact="parts")
+    return hp.simulate(along_x(1.0, 15, 0.0, z=1.2), scene, settings=settings)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    paths = []
+    for stiffness in (0.0, 1.0):
+        path = folder / f"soft{stiffness:g}.npz"
+        walking_into_a_wall(stiffness).save(path)
+        paths.append(path)
+    return paths
+
+
+def start(*arguments):
+    code = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    code += "from halfphysics.cli import main; sys.exit(main(sys.argv[1:]))"
+    return subprocess.Popen(
+        [sys.executable, "-c", code, "view", *map(str, arguments)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )  # fmt: skip
+
+
+def test_it_serves_says_where_and_ends_with_ctrl_c(files):
+    with socket.socket() as busy:
+        busy.bind(("127.0.0.1", 0))
+        busy.listen()
+        port = busy.getsockname()[1]
+        process = start(*files, "--port", port)
+        try:
+            lines = [process.stdout.readline() for _ in range(4)]
+            assert lines[0].startswith(f"port {port} is in use, taking ")
+            taken = int(lines[0].split()[-1])
+            assert taken > port
+            assert lines[1] == (
+                f"showing soft0, stiffness 0 and soft1, stiffness 1 at http://127.0.0.1:{taken}\n"
+            )
+            assert f"ssh -L {taken}:127.0.0.1:{taken}" in lines[2]
+            assert "Ctrl-C" in lines[3]
+            status, page = fetched(f"http://127.0.0.1:{taken}")
+            assert status == 200
+            assert b"<html" in page
+        finally:
+            process.send_signal(signal.SIGINT)
+            out, err = process.communicate(timeout=30)
+        assert process.returncode == 130
+        assert (out, err.strip()) == ("", "")
+        with pytest.raises(OSError):
+            fetched(f"http://127.0.0.1:{taken}")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nothing.npz"], "nothing.npz: no such file"),
+        ([], "found no result, expected at least one file"),
+        ([__file__], "test_view.py"),
+        (["FILE", "--port", "99999"], "port: found 99999, expected a whole number from 0 to 65535"),
+        (["FILE", "--host", "no.such.host.invalid"], "no address"),
+        (["FILE", "--host", "192.0.2.1"], "no address of this machine"),
+    ],
+)
+def test_mistakes_end_in_one_message(files, arguments, said, capfd):
+    from halfphysics.cli import main
+
+    assert main(["view", *(str(files[0]) if a == "FILE" else a for a in arguments)]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert err.startswith("halfphysics: error: ")
+    assert said in err
+
+
+def test_without_blocking_it_is_a_context_that_cleans_up(capfd):
+    before = set(threading.enumerate())
+    with hp.view(small_result(), block=False, port=0) as viewer:
+        assert fetched(viewer.url)[0] == 200
+        assert viewer.url.endswith(f":{viewer.port}")
+        assert f'src="{viewer.url}"' in viewer._repr_html_()
+        assert viewer.url in repr(viewer)
+        assert viewer.timeline.playing
+    viewer.stop()  # again, which does no harm
+    assert "stopped" in repr(viewer)
+    assert "iframe" not in viewer._repr_html_()
+    out, err = capfd.readouterr()
+    assert out.startswith("showing the result at http://127.0.0.1:")
+    assert "in use" not in out  # port 0 asks for any
+    assert err == ""
+    end = time.monotonic() + 10.0
+    while time.monotonic() < end:
+        left = [t for t in set(threading.enumerate()) - before if t.is_alive()]
+        if not left:
+            break
+        time.sleep(0.1)
+    assert left == []
+
+
+def test_ctrl_c_while_it_blocks_stops_it_and_is_passed_on(monkeypatch):
+    made = []
+    monkeypatch.setattr(Viewer, "wait", lambda self: (made.append(self), self.stop(), _interrupt()))
+
+    def _interrupt():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        hp.view(small_result(), port=0)
+    assert "stopped" in repr(made[0])
+
+
+def test_a_failure_while_playing_is_raised_where_it_waits(monkeypatch):
+    viewer = hp.view(small_result(), block=False, port=0)
+
+    def fails():
+        raise RuntimeError("half-way")
+
+    viewer.do(fails)
+    with pytest.raises(RuntimeError, match="half-way"):
+        viewer.wait()
+
+
+def test_what_is_no_result_is_refused():
+    with pytest.raises(InputError, match=r"result 2: found 'x\.npz'"):
+        hp.view(small_result(), "x.npz", block=False)
+    with pytest.raises(InputError, match="labels: found 1, expected 2"):
+        hp.view(small_result(), small_result(), labels=["a"], block=False)
+
+
+def test_ports():
+    with socket.socket() as busy:
+        busy.bind(("127.0.0.1", 0))
+        busy.listen()
+        port = busy.getsockname()[1]
+        assert free_port("127.0.0.1", port) > port
+    assert free_port("127.0.0.1", 0) == 0
+    for wrong in (-1, 65536, 1.5, True, "8080"):
+        with pytest.raises(InputError, match="port"):
+            free_port("127.0.0.1", wrong)
+
+
+def test_no_port_at_all(monkeypatch):
+    from halfphysics.viewer import server
+
+    with socket.socket() as busy:
+        busy.bind(("127.0.0.1", 0))
+        busy.listen()
+        monkeypatch.setattr(server, "TRIES", 1)
+        with pytest.raises(FileError, match=r"in use\. Give another port"):
+            free_port("127.0.0.1", busy.getsockname()[1])
+
+
+def test_names_tell_results_apart(files):
+    from pathlib import Path
+
+    from halfphysics.cli.view import _names
+
+    assert _names((Path("a/x.npz"), Path("a/y.npz"))) == ["x", "y"]
+    assert _names((Path("a/x.npz"), Path("b/x.npz"))) == ["a/x", "b/x"]
+    assert _names((Path("a/x.npz"), Path("a/x.npz"))) == ["x (1)", "x (2)"]
+    results = [hp.Result.load(path) for path in files]
+    assert differences(results) == [", stiffness 0", ", stiffness 1"]
+    assert differences([results[0], results[0]]) == ["", ""]
+
+
+def test_results_stand_side_by_side_and_all_are_in_the_picture():
+    drawings = [Drawing(small_result()) for _ in range(3)]
+    row = arrange(drawings, (1280, 720))
+    assert (row.offsets[0] == 0.0).all()
+    # Nobody is within another's reach, at any frame.
+    tracks = [
+        person.body.joints(motion)[:, 0] + offset
+        for offset in row.offsets
+        for person in drawings[0].result.people
+        for motion in (person.motion, person.reference)
+    ]
+    for a in range(0, 6, 2):
+        for b in range(a + 2, 6, 2):
+            gaps = np.linalg.norm(tracks[a][:, None] - tracks[b][None], axis=-1)
+            assert gaps.min() > 1.0
+    # From left to right, and in the picture of a desk and of a phone.
+    for size in ((1280, 720), (390, 600)):
+        camera = row.camera(size)
+        forward = camera.target - camera.position
+        right = np.cross(forward, [0.0, 0.0, 1.0])
+        along = row.offsets @ (right / np.linalg.norm(right))
+        assert (np.diff(along) > 0.5).all()
+
+
+def test_a_short_and_a_slow_result_keep_time_together():
+    quick = small_result()
+    with Viewer([quick, quick], port=0) as viewer:
+        viewer.timeline.pause()
+        viewer.timeline.seek(0.2)
+        assert viewer.timeline.frames() == (6, 6)
+        assert viewer.labels == ("result 1", "result 2")
+        assert [stage.prefix for stage in viewer.stages] == ["/0", "/1"]
+        # One floor for both.
+        assert viewer.stages[0].static("floor")
+        with pytest.raises(KeyError):
+            viewer.stages[1].static("floor")
+
+
+@pytest.mark.parametrize(
+    ("duration", "end"), [(401 / 30, 13.37), (13.36, 13.36), (0.0, 0.01), (0.004, 0.01)]
+)
+def test_the_slider_ends_with_a_whole_step_at_the_last_frame_or_just_after(duration, end):
+    assert slider_end(duration) == end

@@ -16,6 +16,7 @@ from halfphysics.labels.part_balls import part_balls
 from halfphysics.labels.reference import near_reference, solid_distance
 from halfphysics.labels.sampling import ObjectSurface, covered
 from halfphysics.labels.solids import Solid, Thing, things_of
+from halfphysics.results.result import ObjectTrack
 from support.judges.coal_shapes import coal_shape
 
 #: Both do the same sums in another order.
@@ -98,7 +99,7 @@ def test_the_core_finds_what_plain_numpy_finds(reach):
         scene.add_object(name, shape, mass=1.0, position=joints[0, [18, 20, 37, 38, 39][i]])
     shift, turn = np.linspace(0.0, 0.03, 2)[:, None], np.linspace(0.0, 0.4, 2)[:, None]
     tracks = {
-        name: hp.result.ObjectTrack(
+        name: ObjectTrack(
             position=thing.position + shift + 0.05, quaternion=rot.exp(turn * [0.3, 0.2, 0.9])
         )
         for name, thing in scene.objects.items()
@@ -131,7 +132,7 @@ def test_a_part_that_passes_through_is_not_labelled():
     scene = hp.Scene()
     scene.add_object("ball", hp.Sphere(0.2), mass=1.0, position=hand)
     scene.ignore("ball", "person/left_wrist")
-    tracks = {"ball": hp.result.ObjectTrack(position=[hand, hand], quaternion=[[1, 0, 0, 0]] * 2)}
+    tracks = {"ball": ObjectTrack(position=[hand, hand], quaternion=[[1, 0, 0, 0]] * 2)}
     (thing,) = things_of(scene, tracks)
     vertices, faces = covered(hp.Sphere(0.2), 0.05)
     surface = ObjectSurface(name="ball", vertices=vertices, faces=faces, off=0.0)

@@ -10,6 +10,7 @@ from halfphysics.geometry.mesh_queries import closest_reference, is_closed
 from halfphysics.geometry.mesh_solids import solid_moments
 from halfphysics.labels.sampling import MOST, covered, surface_of
 from halfphysics.labels.solids import things_of
+from halfphysics.results.result import ObjectTrack
 
 SHAPES = {
     "box": hp.Box((0.3, 0.07, 0.12)),
@@ -63,7 +64,7 @@ def test_a_mesh_keeps_its_own_vertices_where_pieces_touch_for_it():
     pieces = [hp.Mesh(vertices * 0.9, faces), hp.Mesh(beside, faces)]
     with pytest.warns(hp.HalfPhysicsWarning):
         scene.add_object("shelf", shelf, mass=1.0, pieces=pieces)
-    track = hp.result.ObjectTrack(position=np.zeros((1, 3)), quaternion=[[1, 0, 0, 0]])
+    track = ObjectTrack(position=np.zeros((1, 3)), quaternion=[[1, 0, 0, 0]])
     (thing,) = things_of(scene, {"shelf": track})
     surface = surface_of(scene, thing)
     assert np.array_equal(surface.vertices, shelf.vertices)

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.base import rotations as rot
 from halfphysics.base.axes import AXES, axes_of, turned
 from halfphysics.cli import main
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.formats import FORMATS, Source, identify, losses
 from halfphysics.formats.bvh.text import read_bvh
+from halfphysics.motion import skeleton
 from support.files.bvh_files import MIXAMO, read_places, retold, smplx
 from support.files.layouts import movement
 from support.files.wrong_files import refused
@@ -57,7 +59,7 @@ def test_written_and_read_the_same(tmp_path, up, stature):
 def test_turned_resampled_and_grounded_is_written_too(tmp_path):
     body, motion = hp.Body.default(), motion_of(30)
     half = np.array([0.0, 0.0, 1.2])
-    turn = hp.rotations.rotvec_to_matrix(half)
+    turn = rot.rotvec_to_matrix(half)
     translation, rotations = turned(motion.translation, motion.rotations, turn)
     motion = motion.with_frames(translation, rotations).resample(47.5).grounded(body)
     motion.save(tmp_path / "a.bvh", body=body)
@@ -85,7 +87,7 @@ def test_bvhio_has_the_same_joints(tmp_path):
         root.loadPose(frame)
         places = {joint.Name: np.array(joint.PositionWorld) for joint, _, _ in root.layout()}
         # bvhio counts in single precision: 1e-6 m is what is left of it.
-        theirs = np.stack([places[name] for name in hp.skeleton.JOINT_NAMES]) / 100.0
+        theirs = np.stack([places[name] for name in skeleton.JOINT_NAMES]) / 100.0
         assert np.abs(theirs - ours[frame]).max() < SAME
 
 
@@ -96,7 +98,7 @@ def test_the_skeleton_at_rest_is_the_body_at_rest(tmp_path):
     rest = np.zeros((56, 3))
     for joint in range(1, 56):
         rest[joint] = rest[bvh.parents[joint]] + bvh.offsets[joint] / 100.0
-    order = [bvh.names.index(name) for name in hp.skeleton.JOINT_NAMES]
+    order = [bvh.names.index(name) for name in skeleton.JOINT_NAMES]
     assert np.abs(rest[order] - body.rest_joints).max() < SAME
     assert np.array_equal(bvh.offsets[0], np.zeros(3))  # readers differ in what a root's offset is
     leaves = set(range(56)) - {p for p in bvh.parents if p >= 0}
@@ -124,9 +126,9 @@ def test_angles_are_continuous(tmp_path):
 def test_angles_of_a_wild_dance_change_no_faster_than_the_joints(tmp_path, shared_data):
     body, motion = hp.Body.default(), read(shared_data / "motion" / "animdraw_jesse_dance.bvh")
     motion.save(tmp_path / "a.bvh", body=body)
-    turns = hp.rotations.exp(motion.rotations)
-    step = hp.rotations.multiply(hp.rotations.conjugate(turns[:-1]), turns[1:])
-    fastest = np.degrees(np.linalg.norm(hp.rotations.log(step), axis=-1).max())
+    turns = rot.exp(motion.rotations)
+    step = rot.multiply(rot.conjugate(turns[:-1]), turns[1:])
+    fastest = np.degrees(np.linalg.norm(rot.log(step), axis=-1).max())
     assert np.abs(np.diff(read_bvh(tmp_path / "a.bvh").values, axis=0)).max() < 1.5 * fastest
 
 

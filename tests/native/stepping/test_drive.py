@@ -16,7 +16,7 @@ from halfphysics.cli.simulate import Command
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.motion.joint_groups import JOINT_GROUPS
-from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, PARENTS
 from halfphysics.settings import Settings
 from support.people import along_x, t_pose
 
@@ -245,12 +245,12 @@ def lever(body, result, frame, joint):
     while todo:
         j = todo.pop()
         below.add(j)
-        todo += [int(c) for c in np.flatnonzero(j == hp.skeleton.PARENTS)]
+        todo += [int(c) for c in np.flatnonzero(j == PARENTS)]
     quat = np.array([1.0, 0.0, 0.0, 0.0])
     chain, j = [], joint
     while j >= 0:
         chain.append(j)
-        j = int(hp.skeleton.PARENTS[j])
+        j = int(PARENTS[j])
     for j in reversed(chain):
         quat = rot.multiply(quat, rot.exp(motion.rotations[frame, j]))
     anchor = body.joints(motion)[frame, joint]

@@ -77,9 +77,9 @@ inline void add_shapes(hp::World& world) {
 
 // With the time constant of the default settings [s], or 0: Algorithm 1.
 inline void build(hp::Stepper& s, double time_constant) {
-  s.model = model();
-  add_shapes(s.world);
-  s.drive_settings.time_constant = time_constant;
+  s.system.model = model();
+  add_shapes(s.system.world);
+  s.system.drive_settings.time_constant = time_constant;
   s.finish({1});
 }
 

@@ -12,14 +12,14 @@ void follows(double time_constant) {
   hp::Stepper s;
   small_person::build(s, time_constant);
   const double height = 2;
-  std::vector<double> start = small_person::pose(0, height), rest(s.model.nv, 0.0);
+  std::vector<double> start = small_person::pose(0, height), rest(s.system.model.nv, 0.0);
   s.reset(start.data(), rest.data());
   for (int k = 1; k <= frames; k++) {
     const std::vector<double> target = small_person::pose(k * dt, height);
     s.frame(target.data(), dt, substeps);
     for (int i = 0; i < small_person::numbers; i++)
       CHECK_NEAR(s.qpos()[i], target[i], 1e-12);  // rounding of 45 frames
-    CHECK(s.touches().empty());
+    CHECK(s.result().touches.empty());
   }
 }
 
@@ -27,9 +27,9 @@ void follows(double time_constant) {
 void follows_step_by_step(double time_constant) {
   hp::Stepper s;
   small_person::build(s, time_constant);
-  s.keep_pieces = true;
+  s.probe.keep_pieces = true;
   const double height = 2;
-  std::vector<double> start = small_person::pose(0, height), rest(s.model.nv, 0.0), poses;
+  std::vector<double> start = small_person::pose(0, height), rest(s.system.model.nv, 0.0), poses;
   s.reset(start.data(), rest.data());
   for (int k = 1; k <= frames; k++) {
     const std::vector<double> target = small_person::pose(k * dt, height);
@@ -44,7 +44,7 @@ void stays_above_the_floor(double time_constant) {
   hp::Stepper s;
   small_person::build(s, time_constant);
   const double height = 1.1;  // legs are 0.92 m long with their capsule
-  std::vector<double> start = small_person::pose(0, height), rest(s.model.nv, 0.0), poses;
+  std::vector<double> start = small_person::pose(0, height), rest(s.system.model.nv, 0.0), poses;
   CHECK(small_person::lowest(start.data()) > 0.1);
   s.reset(start.data(), rest.data());
   double impulse = 0, lost = 0;
@@ -52,8 +52,8 @@ void stays_above_the_floor(double time_constant) {
     const double t = k * dt;
     const std::vector<double> target = small_person::pose(t, height - 0.5 * t);
     s.frame(target.data(), dt, substeps, &poses);
-    for (const hp::Touch& touch : s.touches()) impulse += touch.impulse.z;
-    lost += s.diagnostics().lost_time;
+    for (const hp::Touch& touch : s.result().touches) impulse += touch.impulse.z;
+    lost += s.result().diagnostics.lost_time;
   }
   const std::vector<double> last = small_person::pose(frames * dt, height - 0.5 * frames * dt);
   CHECK(small_person::lowest(last.data()) < -0.4);
@@ -73,7 +73,7 @@ void goes_on_from_a_state() {
   hp::Stepper a, b;
   small_person::build(a, 0.02);
   small_person::build(b, 0.02);
-  std::vector<double> start = small_person::pose(0, 1.0), rest(a.model.nv, 0.0);
+  std::vector<double> start = small_person::pose(0, 1.0), rest(a.system.model.nv, 0.0);
   a.reset(start.data(), rest.data());
   b.reset(start.data(), rest.data());
   for (int k = 1; k <= frames; k++) {

@@ -304,7 +304,7 @@ class World:
         for thing in self.scene.objects.values():
             body = self.model.body(f"object/{thing.name}").id
             if isinstance(thing, Moving):
-                self.stepper.add_track(
+                self.stepper.add_trajectory(
                     body, thing.fps, thing.loop, thing.positions, thing.quaternions
                 )
             elif thing.start == "asleep" and thing.name not in self.held:

@@ -11,22 +11,22 @@ using namespace hp;
 namespace {
 
 void pose_of(Stepper& s, const Doubles& qpos, Kinematics& k) {
-  need((int)qpos.shape(0) == s.model.nq, "bad length of qpos");
-  k.resize(s.model);
-  k.update(s.model, qpos.data());
-  k.update_dofs(s.model, qpos.data());
+  need((int)qpos.shape(0) == s.system.model.nq, "bad length of qpos");
+  k.resize(s.system.model);
+  k.update(s.system.model, qpos.data());
+  k.update_dofs(s.system.model, qpos.data());
 }
 
 void pose_of(Stepper& s, const Doubles& qpos, Poses& p) {
   pose_of(s, qpos, p.kin);
-  s.world.start_poses(p);
+  s.system.world.start_poses(p);
 }
 
 Inertia inertia_at(Stepper& s, const Doubles& qpos) {
   Kinematics k;
   pose_of(s, qpos, k);
   Inertia inertia;
-  inertia.compose(s.model, k);
+  inertia.compose(s.system.model, k);
   return inertia;
 }
 
@@ -81,23 +81,23 @@ nb::dict contact_rows(const std::vector<Contact>& contacts) {
 
 void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
   stepper
-      .def("keep_pieces", [](Stepper& s, bool on) { s.keep_pieces = on; })
-      .def("keep_times", [](Stepper& s, bool on) { s.keep_times = on; })
-      .def("solve_times", [](Stepper& s) { return array(s.solve_times); })
-      .def("keep_trace", [](Stepper& s, bool on) { s.keep_trace = on; })
+      .def("keep_pieces", [](Stepper& s, bool on) { s.probe.keep_pieces = on; })
+      .def("keep_times", [](Stepper& s, bool on) { s.probe.keep_times = on; })
+      .def("solve_times", [](Stepper& s) { return array(s.probe.solve_times); })
+      .def("keep_trace", [](Stepper& s, bool on) { s.probe.keep_trace = on; })
       .def("trace",
            [](Stepper& s) {
              nb::dict d;
-             d["qpos"] = array(s.trace.qpos);
-             d["qvel"] = array(s.trace.qvel);
-             d["v_free"] = array(s.trace.v_free);
-             d["v"] = array(s.trace.v);
-             d["h"] = s.trace.h;
-             d["substep"] = s.trace.k;
-             const size_t nv = s.model.nv;
-             d["overcome"] = array({s.trace.overcome.size() / nv, nv}, s.trace.overcome);
-             d["contacts"] = contact_rows(s.trace.contacts);
-             d["touched"] = array(std::vector<double>(s.trace.touched.begin(), s.trace.touched.end()));
+             d["qpos"] = array(s.probe.trace.qpos);
+             d["qvel"] = array(s.probe.trace.qvel);
+             d["v_free"] = array(s.probe.trace.v_free);
+             d["v"] = array(s.probe.trace.v);
+             d["h"] = s.probe.trace.h;
+             d["substep"] = s.probe.trace.k;
+             const size_t nv = s.system.model.nv;
+             d["overcome"] = array({s.probe.trace.overcome.size() / nv, nv}, s.probe.trace.overcome);
+             d["contacts"] = contact_rows(s.probe.trace.contacts);
+             d["touched"] = array(std::vector<double>(s.probe.trace.touched.begin(), s.probe.trace.touched.end()));
              return d;
            })
       // Kinematics and inertia on their own, for tests against other engines.
@@ -108,12 +108,12 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
              std::vector<double> x, q;
              for (Vec3 p : k.xpos) push(x, p);
              for (Quat r : k.xquat) q.insert(q.end(), {r.w, r.x, r.y, r.z});
-             size_t n = s.model.nbody;
+             size_t n = s.system.model.nbody;
              return nb::make_tuple(array({n, 3}, x), array({n, 4}, q));
            })
       .def("inertia_matrix",
            [](Stepper& s, Doubles qpos) {
-             const Model& mod = s.model;
+             const Model& mod = s.system.model;
              const Inertia inertia = inertia_at(s, qpos);
              size_t n = mod.nv;
              std::vector<double> M(n * n, 0);
@@ -127,19 +127,19 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
       // Forces of gravity, turning axes and so on, of whole trees.
       .def("bias_forces",
            [](Stepper& s, Doubles qpos, Doubles qvel) {
-             const Model& mod = s.model;
+             const Model& mod = s.system.model;
              Kinematics k;
              pose_of(s, qpos, k);
              std::vector<int> bodies;
              for (int b = 1; b < mod.nbody; b++) bodies.push_back(b);
              std::vector<double> out(mod.nv);
-             bias_forces(mod, k, qvel.data(), s.gravity, bodies, out.data());
+             bias_forces(mod, k, qvel.data(), s.system.gravity, bodies, out.data());
              return array(out);
            })
       // Vertices of the skin that are a shape's corners; none: it is rigid.
       .def("mover_vertices",
            [](Stepper& s, int shape) {
-             const std::vector<int>& v = s.world.shapes.at(shape).vertex;
+             const std::vector<int>& v = s.system.world.shapes.at(shape).vertex;
              return array(std::vector<double>(v.begin(), v.end()));
            })
       // Of a shape at a pose: its corners (n, 3), and the Jacobian (3, nv) of one of them.
@@ -147,7 +147,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
            [](Stepper& s, Doubles qpos, int shape) {
              Poses p;
              pose_of(s, qpos, p);
-             const Points at = s.world.place(p, shape).points();
+             const Points at = s.system.world.place(p, shape).points();
              std::vector<double> x;
              for (int i = 0; i < at.n; i++) push(x, at.at(i));
              return array({(size_t)at.n, 3}, x);
@@ -156,16 +156,16 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
            [](Stepper& s, Doubles qpos, int shape, int corner) {
              Poses p;
              pose_of(s, qpos, p);
-             const CollisionShape& m = s.world.shapes.at(shape);
-             const PosedShape& at = s.world.place(p, shape);
+             const CollisionShape& m = s.system.world.shapes.at(shape);
+             const PosedShape& at = s.system.world.place(p, shape);
              const Endpoint e = p.endpoint(m, at, p.material(m, at, at.points().at(corner)));
-             const size_t n = s.model.nv;
+             const size_t n = s.system.model.nv;
              std::vector<double> J(3 * n), v(n, 0);
              std::vector<Twist> twists;
              for (size_t i = 0; i < n; i++) {
                v[i] = 1;
-               body_twists(s.model, p.kin, v.data(), twists);
-               const Vec3 x = endpoint_velocity(s.model, p.kin, twists, v.data(), e);
+               body_twists(s.system.model, p.kin, v.data(), twists);
+               const Vec3 x = endpoint_velocity(s.system.model, p.kin, twists, v.data(), e);
                for (int k = 0; k < 3; k++) J[k * n + i] = x[k];
                v[i] = 0;
              }
@@ -173,7 +173,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
            })
       .def("inertia_solve",
            [](Stepper& s, Doubles qpos, Doubles x) {
-             const Model& mod = s.model;
+             const Model& mod = s.system.model;
              Inertia inertia = inertia_at(s, qpos);
              inertia.factor(mod, std::vector<double>(mod.nv, 1), std::vector<double>(mod.nv, 0));
              std::vector<double> y = list<double>(x);
@@ -182,7 +182,7 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
            })
       .def("integrate", [](Stepper& s, Doubles qpos, Doubles qvel, double t) {
         std::vector<double> q = list<double>(qpos);
-        integrate(s.model, q.data(), qvel.data(), t);
+        integrate(s.system.model, q.data(), qvel.data(), t);
         return array(q);
       });
 

@@ -1,7 +1,7 @@
 // How near the people's shapes are to what stands: measured, for reports; nothing is decided by it.
 #include <limits>
 
-#include "stepping/stepper.h"
+#include "collision/narrow_phase.h"
 
 namespace hp {
 
@@ -78,18 +78,6 @@ void World::clearances(Poses& p, double range, double* dist, int* nearest) const
       if (d < best) best = d, nearest[i] = j;
     }
     dist[i] = nearest[i] >= 0 ? best : kFar;
-  }
-}
-
-void Stepper::clearances(const double* qpos, size_t poses, double range, double* dist,
-                         int* nearest) const {
-  Poses p;  // of its own: the simulation knows nothing of it
-  p.kin.resize(model);
-  const size_t n = world.shapes.size();
-  for (size_t t = 0; t < poses; t++) {
-    p.kin.update(model, qpos + t * model.nq);
-    world.start_poses(p);
-    world.clearances(p, range, dist + t * n, nearest + t * n);
   }
 }
 

@@ -2,19 +2,13 @@
 
 #include <stdexcept>
 
+#include "tuning.h"
+
 namespace hp {
 
-namespace {
+namespace tune = tuning::stepping;
 
-constexpr double kRootTime = 0.3;  // time constant of root recovery [s]
-// What is left of a contact is dropped when it is this small: angles [rad], velocities [m/s, rad/s].
-// Who came out of something is back where all joints are this near to the motion's [rad]; it goes gently
-// for so long at most [s].
-constexpr double kBack = 0.01, kGentle = 0.5;
-// What has been pushed counts as touched for so long [s]: contacts come and go.
-constexpr double kLately = 0.1;
-constexpr double kLeastReach = 0.02;  // of a joint [m]
-constexpr double kSettledAngle = 1e-11, kSettledSpeed = 1e-9;
+namespace {
 
 Vec3 difference(const double* from, const double* to) {
   return log_quat(conjugate(load4(from)) * load4(to));
@@ -66,19 +60,19 @@ void Drive::reset(const double* target, double* qvel) {
 }
 
 void Drive::go_gently(double speed, const std::vector<double>& reach) {
-  if (gentle_left_ == 0) gentle_left_ = kGentle;
+  if (gentle_left_ == 0) gentle_left_ = tune::kReturnTime;
   gentle_rate_.clear();
-  for (const Ball& b : balls_) gentle_rate_.push_back(speed / std::max(reach[b.body], kLeastReach));
+  for (const Ball& b : balls_) gentle_rate_.push_back(speed / std::max(reach[b.body], tune::kLeastJointReach));
 }
 
 void Drive::stay_gentle(bool comes_out, double dt, const double* qpos) {
   if (comes_out) {
-    gentle_left_ = kGentle;
+    gentle_left_ = tune::kReturnTime;
     return;
   }
   gentle_left_ = std::max(0.0, gentle_left_ - dt);
   for (const Ball& b : balls_)
-    if (norm(difference(&target_[b.qpos], qpos + qpos0_ + b.qpos)) > kBack) return;
+    if (norm(difference(&target_[b.qpos], qpos + qpos0_ + b.qpos)) > tune::kReturnAngle) return;
   gentle_left_ = 0;
 }
 
@@ -99,7 +93,7 @@ void Drive::aim(const DriveSettings& s, const double* target, double dt, const d
   root_velocity_ = (1 / dt) * (load3(target) - load3(previous_.data()));
   if (s.recover_root) {
     // Measured against the reference as it was when this pose was reached.
-    Vec3 u = ((1 - std::exp(-dt / kRootTime)) / dt) *
+    Vec3 u = ((1 - std::exp(-dt / tune::kRootRecoveryTime)) / dt) *
              (load3(previous_.data()) - load3(qpos + qpos0_));
     root_velocity_ += capped(u, s.root_speed);
   }
@@ -110,10 +104,10 @@ bool Drive::settled(const DriveSettings& s, const double* qpos) const {
   if (exact_) return true;
   if (s.time_constant > 0)
     for (double e : deviation_)
-      if (std::fabs(e) > kSettledSpeed) return false;
+      if (std::fabs(e) > tune::kSettledSpeed) return false;
   for (const Ball& b : balls_) {
     Quat turn = conjugate(load4(&previous_[b.qpos])) * load4(qpos + qpos0_ + b.qpos);
-    if (norm2(Vec3{turn.x, turn.y, turn.z}) > kSettledAngle * kSettledAngle) return false;
+    if (norm2(Vec3{turn.x, turn.y, turn.z}) > tune::kSettledAngle * tune::kSettledAngle) return false;
   }
   return true;
 }
@@ -243,7 +237,7 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
     if (dot(turn, way) < 0 && angle > 0.5 * M_PI) turn = (1 - 2 * M_PI / angle) * turn;
     Vec3 eps = turn - way;
     // Rounding alone (free motion) must not cost a factor.
-    if (norm2(eps) < 1e-26) continue;
+    if (norm2(eps) < tune::kLeastDeviation2) continue;
     any = true;
     store3(out + b.dof, eps);
   }
@@ -252,7 +246,7 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
 
 void Drive::end_substep(const double* qvel, double h, const std::vector<char>& pushed) {
   for (size_t i = 0; i < balls_.size(); i++)
-    lately_[i] = pushed[balls_[i].body] ? kLately : std::max(0.0, lately_[i] - h);
+    lately_[i] = pushed[balls_[i].body] ? tune::kTouchedTime : std::max(0.0, lately_[i] - h);
   for (int i = 0; i < nv_; i++) deviation_[i] = qvel[dof0_ + i] - v_ref_[i];
 }
 
@@ -273,6 +267,31 @@ const double* Drive::load(const double* in) {
   gentle_left_ = *in++;
   velocity_known_ = older_asked_ = true;
   return in;
+}
+
+void Drive::set_stiffness(const double* lambda) {
+  stiffness_.assign(lambda, lambda + balls_.size());
+}
+
+void Drive::deviation_change(const double* qvel, double* change) const {
+  for (int i = 0; i < nv_; i++) change[dof0_ + i] = qvel[dof0_ + i] - v_ref_[i] - deviation_[i];
+}
+
+void Drive::unhindered(double* v) const {
+  for (int i = 0; i < nv_; i++) v[dof0_ + i] = v_ref_[i] + deviation_[i];
+}
+
+void Drive::exert(const double* impulse) {
+  if (!exerted_) std::fill(impulse_.begin(), impulse_.end(), 0.0);
+  exerted_ = true;
+  for (int i = 0; i < nv_; i++) impulse_[i] += impulse[dof0_ + i];
+}
+
+std::vector<double> Drive::force() const {
+  if (!exerted_) return {};
+  std::vector<double> out(impulse_);
+  for (double& f : out) f /= dt_;
+  return out;
 }
 
 }  // namespace hp

@@ -11,7 +11,7 @@ struct DriveSettings {
   double recovery_rate = 8;  // w_max [rad/s]
   bool recover_root = false;
   double root_speed = 1;     // v_max [m/s]
-  // To compare with (ablations.cpp).
+  // Baselines (baselines/internal_forces.h, baselines/torque_drive.cpp).
   bool internal_forces = false;
   double joint_damping = 0;     // [N m s/rad]
   double torque_frequency = 0;  // of PD torques in place of the joints' velocities [rad/s]; 0: none
@@ -59,7 +59,7 @@ class Drive {
   // M^-1 (lambda I / h) deviation.
   bool free_velocity(const DriveSettings& s, int k, double h, const double* qpos,
                      const double* qvel, double* v_free, double* deviation) const;
-  // The same of PD torques towards the target (ablations.cpp).
+  // The same of PD torques towards the target (baselines/torque_drive.cpp).
   bool torque_deviation(const DriveSettings& s, double h, const double* qpos, const double* qvel,
                         double* deviation) const;
   // Firmness lambda of every ball joint, in the model's order; the first is the root's and ignored.

@@ -1,103 +1,133 @@
-// A step that cannot be made whole: how much of it each island makes, and the rest in pieces.
-#include "stepping/stepper.h"
+#include "stepping/sub_stepping.h"
+
+#include "tuning.h"
 
 namespace hp {
 
-namespace {
+namespace tune = tuning::stepping;
 
-// Who could not make the whole step tries again: so often; a step of which less than this share is
-// possible is not begun but tried this much shorter; and what is left counts above this share.
-constexpr int kRetries = 12;
-constexpr double kWorthwhile = 0.25, kShorter = 0.25, kNothing = 1e-6;
-constexpr int kBisections = 6;
-// Who moves farther than planes were asked for keeps this much of what lies beyond [m].
-constexpr double kBeyond = 1e-4;
+double SubStepping::make(double h) {
+  std::vector<double> share;
+  if (!data_.attempt.good) share = shares(h);
+  if (!share.empty()) return go_on(h, share);
+  commit(h, share);
+  return 0;
+}
 
-}  // namespace
+// Per island: are all gaps large enough, and all shapes within reach, at the end pose, which trees have
+// reached by the shares `at`?
+std::vector<char> SubStepping::possible(const std::vector<double>& at, double h) {
+  const World& world = system_.world;
+  Attempt& attempt = data_.attempt;
+  std::vector<char> ok(system_.model.nbody, 1);
+  for (ContactCandidate& c : attempt.candidates) c.share = at[world.shapes[c.shape].body];
+  for (size_t i = 0; i < attempt.candidates.size(); i++)
+    if (excess(system_, data_, i, h) + attempt.candidates[i].target < attempt.candidates[i].hard)
+      ok[data_.islands.of(system_, attempt.candidates[i])] = 0;
+  // Planes hold only for the reach that was asked.
+  ways(world.shapes, data_.state.pose, data_.step.end, world.active, way_);
+  for (size_t i = 0; i < attempt.reach.size(); i++)
+    if (world.active[world.shapes[i].body] && way_[i] + tune::kBeyondReach > attempt.reach[i])
+      ok[data_.islands.of_tree(system_.tree((int)i))] = 0;
+  return ok;
+}
 
-// Which share of the step of length h each tree can make, by island; empty if all can make all of
-// it. Leaves the end pose at those shares.
-std::vector<double> Stepper::shares(double h) {
+// By island; leaves the end pose at those shares.
+std::vector<double> SubStepping::shares(double h) {
+  const Model& model = system_.model;
+  const Islands& islands = data_.islands;
   std::vector<double> good(model.nbody, 0), bad(model.nbody, 1), at(model.nbody, 1);
-  auto check = [&]() {
-    std::vector<char> ok(model.nbody, 1);
-    for (ContactCandidate& c : candidates_) c.share = at[world.shapes[c.shape].body];
-    for (size_t i = 0; i < candidates_.size(); i++)
-      if (excess(i, h) + candidates_[i].target < candidates_[i].hard) ok[island(candidates_[i])] = 0;
-    // Planes hold for what was asked only.
-    ways(world.shapes, start_, end_, world.active, way_);
-    for (size_t i = 0; i < reach_.size(); i++)
-      if (world.active[world.shapes[i].body] && way_[i] + kBeyond > reach_[i])
-        ok[island_[tree((int)i)]] = 0;
-    return ok;
-  };
-  find_islands();
-  std::vector<char> ok = check(), hurt(model.nbody, 0);
+  data_.islands.find(system_, data_.attempt.candidates);
+  std::vector<char> ok = possible(at, h), hurt(model.nbody, 0);
   bool any = false;
   for (int b = 1; b < model.nbody; b++)
-    if (world.active[b] && !ok[island_[model.root[b]]]) hurt[b] = 1, any = true;
+    if (system_.world.active[b] && !ok[islands.of_tree(model.root[b])]) hurt[b] = 1, any = true;
   if (!any) return {};
-  auto move = [&]() {
-    for (int i = 0; i < model.nv; i++) moved_[i] = v_[i] * at[model.dof_body[i]];
-    pose_at(moved_, h, end_, q_end_);
-  };
-  for (int it = 0; it < kBisections; it++) {
+  moved_.resize(model.nv);
+  for (int it = 0; it < tune::kShareBisections; it++) {
     for (int b = 1; b < model.nbody; b++)
       if (hurt[b]) at[b] = 0.5 * (good[b] + bad[b]);
-    move();
-    ok = check();
+    for (int i = 0; i < model.nv; i++) moved_[i] = data_.step.v[i] * at[model.dof_body[i]];
+    data_.step.move(system_, data_.state, moved_, h);
+    ok = possible(at, h);
     for (int b = 1; b < model.nbody; b++)
-      if (hurt[b]) (ok[island_[model.root[b]]] ? good[b] : bad[b]) = at[b];
+      if (hurt[b]) (ok[islands.of_tree(model.root[b])] ? good[b] : bad[b]) = at[b];
   }
   for (int b = 1; b < model.nbody; b++)
     if (hurt[b]) at[b] = good[b];
   return at;
 }
 
-// The step is made: by the trees' shares of it; who has a negative one has not begun.
-void Stepper::commit(double h, const std::vector<double>& share) {
+// The step is made: by the trees' shares of it; trees with a negative one have not begun.
+void SubStepping::commit(double h, const std::vector<double>& share) {
+  World& world = system_.world;
+  State& state = data_.state;
+  Step& step = data_.step;
+  const Model& model = system_.model;
   if (!share.empty()) {
-    for (int i = 0; i < model.nv; i++)
-      moved_[i] = v_[i] * std::max(0.0, share[model.dof_body[i]]);
-    pose_at(moved_, h, end_, q_end_);
+    moved_.resize(model.nv);
+    for (int i = 0; i < model.nv; i++) moved_[i] = step.v[i] * std::max(0.0, share[model.dof_body[i]]);
+    step.move(system_, state, moved_, h);
   }
-  remember(share);
-  ways(world.shapes, start_, end_, world.active, way_);
-  world.inner_ways(model, start_, end_, sweep_.inner);
-  world.travel(way_, sweep_.inner);
+  record(share);
+  ways(world.shapes, state.pose, step.end, world.active, way_);
+  world.inner_ways(model, state.pose, step.end, inner_);
+  world.travel(way_, inner_);
   world.come_out(share);
-  std::swap(start_, end_);
-  qpos_ = q_end_;
-  if (record_) record_->insert(record_->end(), qpos_.begin(), qpos_.end());
+  std::swap(state.pose, step.end);
+  state.qpos = step.end_qpos;
+  std::vector<double>* pieces = data_.probe.pieces;
+  if (pieces) pieces->insert(pieces->end(), state.qpos.begin(), state.qpos.end());
   for (int i = 0; i < model.nv; i++)
-    if (share.empty() || share[model.dof_body[i]] >= 0) v_free_[i] = v_[i];
+    if (share.empty() || share[model.dof_body[i]] >= 0) step.v_free[i] = step.v[i];
 }
 
-// What was shortened tries to make the rest of its step, in pieces short enough, while all others
-// stand where they arrived. Returns the time that is lost.
-double Stepper::catch_up(double h, double left, bool begun) {
-  double length = begun ? left : kShorter * left;
-  for (int retry = 1; left > kNothing * h; retry++) {
-    if (retry > kRetries) return left;
+// The contacts of trees that have made a step, whole or shortened.
+void SubStepping::record(const std::vector<double>& share) {
+  Attempt& attempt = data_.attempt;
+  data_.cache.drop_active(system_);
+  // Contacts found after the last solve only carry a guess.
+  attempt.contacts.resize(std::min(attempt.contacts.size(), attempt.solved));
+  for (const Contact& c : attempt.contacts) {
+    if (norm2(c.impulse) == 0) continue;
+    const ContactCandidate& k = attempt.candidates[c.pair];
+    if (!share.empty() && share[data_.islands.of(system_, k)] < 0) continue;
+    data_.result.disturbed[system_.tree(k.shape)] = 1;
+    if (k.other_shape >= 0) data_.result.disturbed[system_.tree(k.other_shape)] = 1;
+    for_each_pushed(system_, k, [&](int b) { data_.step.pushed[b] = 1; });
+    data_.cache.keep(system_, data_.state, k, c);
+    data_.result.add(k, c);
+  }
+}
+
+// Active trees try to make the rest of their step, `left`, in pieces short enough. Returns the time that is
+// lost.
+double SubStepping::catch_up(double h, double left, bool begun) {
+  const Model& model = system_.model;
+  const std::vector<char>& active = system_.world.active;
+  State& state = data_.state;
+  double length = begun ? left : tune::kShorterPiece * left;
+  for (int piece = 1; left > tune::kNoTimeLeft * h; piece++) {
+    if (piece > tune::kMostPieces) return left;
     if (begun) {
       // The velocities are kept: what contacts gave is in them.
-      warm_.clear();
-      pulled_ = 0;
+      data_.cache.clear();
+      data_.step.gravity_time = 0;
     }
-    if (begun || retry == 1) {
-      end_ = start_;
-      start_.kin.update_dofs(model, qpos_.data(), world.active.data());
-      inertia_ready_ = false;
+    if (begun || piece == 1) {
+      data_.step.end = state.pose;
+      state.pose.kin.update_dofs(model, state.qpos.data(), active.data());
+      data_.inertia.forget();
     }
     length = std::min(length, left);
-    attempt(length);
+    attempts_.run(length);
     std::vector<double> share;
-    if (!good_) share = shares(length);
+    if (!data_.attempt.good) share = shares(length);
     double least = 1;
     for (int b = 1; b < model.nbody && !share.empty(); b++)
-      if (world.active[b]) least = std::min(least, share[b]);
-    if (least < kWorthwhile && retry < kRetries) {
-      length *= kShorter;
+      if (active[b]) least = std::min(least, share[b]);
+    if (least < tune::kLeastShare && piece < tune::kMostPieces) {
+      length *= tune::kShorterPiece;
       continue;
     }
     if (least < 1) share.assign(model.nbody, least);
@@ -109,35 +139,45 @@ double Stepper::catch_up(double h, double left, bool begun) {
   return 0;
 }
 
-// Those who made only a share of the step go on one island after the other.
-double Stepper::retry(double h, std::vector<double> share) {
+// One island is active; all other trees stand where they are.
+void SubStepping::activate(int island, const std::vector<int>& islands, const std::vector<char>& all,
+                           const std::vector<char>& stood) {
+  World& world = system_.world;
+  for (int b = 1; b < system_.model.nbody; b++) {
+    world.active[b] = all[b] && islands[system_.model.root[b]] == island;
+    world.standing[b] = stood[b] || (all[b] && !world.active[b]);
+  }
+}
+
+// Commits the shares; islands that made only a share of the step go on one after the other. Returns the most
+// time that one lost.
+double SubStepping::go_on(double h, std::vector<double> share) {
+  const Model& model = system_.model;
+  World& world = system_.world;
   const std::vector<char> all = world.active, stood = world.standing;
-  const std::vector<int> islands = island_;
-  const double pulled = pulled_;
+  const std::vector<int> islands = data_.islands.all();
+  const double gravity_time = data_.step.gravity_time;
   std::vector<double> left(model.nbody, 0);
   for (int b = 1; b < model.nbody; b++) {
     if (!all[b] || share[b] == 1) continue;
-    if (share[b] < kWorthwhile) share[b] = -1;
+    if (share[b] < tune::kLeastShare) share[b] = -1;
     left[b] = h * (1 - std::max(0.0, share[b]));
-    disturbed_[model.root[b]] = 1;
+    data_.result.disturbed[model.root[b]] = 1;
   }
   commit(h, share);
   double lost = 0;
-  const std::vector<CachedContact> warm = warm_;
+  const std::vector<CachedContact> warm = data_.cache.contacts();
   for (int first = 1; first < model.nbody; first++) {
     if (left[first] == 0 || model.root[first] != first) continue;
-    const int which = islands[first];
     const double rest = left[first];
-    for (int b = 1; b < model.nbody; b++) {
-      world.active[b] = all[b] && islands[model.root[b]] == which;
-      world.standing[b] = stood[b] || (all[b] && !world.active[b]);
+    activate(islands[first], islands, all, stood);
+    for (int b = 1; b < model.nbody; b++)
       if (world.active[b]) left[b] = 0;
-    }
-    pulled_ = pulled;
-    warm_ = warm;
+    data_.step.gravity_time = gravity_time;
+    data_.cache.restore(warm);
     const double late = catch_up(h, rest, share[first] >= 0);
     for (int b = 1; b < model.nbody; b++)
-      if (world.active[b]) behind_[b] = late;
+      if (world.active[b]) kinematic_.set_late(b, late);
     lost = std::max(lost, late);
   }
   world.active = all;

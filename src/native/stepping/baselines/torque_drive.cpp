@@ -1,0 +1,30 @@
+// Baseline: PD torques in place of the joints' velocities (docs/physics.md, "Torques"):
+//
+//   tau = kp log(q^-1 q_target) - kd v,  kp = I w^2,  kd = 2 z I w,
+//
+// with both at the end of the substep ("stable PD"; Tan, Liu & Turk 2011):
+//
+//   (M + h kd + h^2 kp) (v* - v) = h kp (eps - h v) - h kd v
+//
+// That is PJSC towards the target, of the firmness below and with a share of eps.
+#include "stepping/drive.h"
+
+namespace hp {
+
+double DriveSettings::torque_firmness(double h) const {
+  const double wh = torque_frequency * h;
+  return wh * (wh + 2 * torque_damping);
+}
+
+bool Drive::torque_deviation(const DriveSettings& s, double h, const double* qpos, const double* qvel,
+                             double* deviation) const {
+  const double wh = s.torque_frequency * h, share = wh / (wh + 2 * s.torque_damping);
+  for (size_t i = 1; i < balls_.size(); i++) {
+    const Ball& b = balls_[i];
+    const Vec3 eps = log_quat(conjugate(load4(qpos + qpos0_ + b.qpos)) * load4(&target_[b.qpos]));
+    store3(deviation + dof0_ + b.dof, share * eps - h * load3(qvel + dof0_ + b.dof));
+  }
+  return true;
+}
+
+}  // namespace hp

@@ -1,0 +1,96 @@
+#include "stepping/contact_cache.h"
+
+#include "stepping/data.h"
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::stepping;
+
+void ContactCache::begin_attempt() {
+  for (CachedContact& w : contacts_) w.used = false;
+}
+
+bool ContactCache::warm_start(const System& system, State& state,
+                              const std::vector<ContactCandidate>& candidates, Contact& c) {
+  const int shape = candidates[c.pair].shape;
+  const CollisionShape& m = system.world.shapes[shape];
+  double best = tune::kWarmRadius2;
+  CachedContact* found = nullptr;
+  for (CachedContact& w : contacts_) {
+    if (w.used || w.key != c.key || dot(w.normal, c.n) < tune::kWarmNormal) continue;
+    const double d =
+        norm2(state.pose.position(m, system.world.place(state.pose, shape), w.point) - c.position);
+    if (d < best) best = d, found = &w;
+  }
+  if (!found) return false;
+  c.impulse = found->impulse;
+  found->used = true;
+  return true;
+}
+
+void ContactCache::forget(const System& system, const std::vector<char>& forget) {
+  auto forgotten = [&](const CachedContact& w) {
+    const int other = (int)(w.key & 0xffffffff);
+    return forget[system.tree((int)(w.key >> 32))] || (other % 2 == 1 && forget[system.tree(other / 2)]);
+  };
+  contacts_.erase(std::remove_if(contacts_.begin(), contacts_.end(), forgotten), contacts_.end());
+}
+
+void ContactCache::drop_active(const System& system) {
+  for (size_t i = next_.size(); i-- > 0;) {
+    const CollisionShape& m = system.world.shapes[next_[i].key >> 32];
+    if (system.world.active[m.body]) next_.erase(next_.begin() + i);
+  }
+}
+
+void ContactCache::keep(const System& system, State& state, const ContactCandidate& k, const Contact& c) {
+  const World& world = system.world;
+  auto material = [&](int shape, Vec3 x) -> Material {
+    if (world.shapes[shape].skin && k.other_static >= 0) return c.gap_a;  // a vertex
+    return state.pose.material(world.shapes[shape], world.place(state.pose, shape), x);
+  };
+  // Of two shapes: the points that face each other, `dist` apart about the one that the impulse acts on.
+  const Vec3 half = k.other_shape >= 0 ? 0.5 * c.dist * c.n : Vec3{};
+  Material other;
+  if (k.other_shape >= 0) other = material(k.other_shape, c.position - half);
+  next_.push_back(
+      {c.key, c.feature, material(k.shape, c.position + half), other, c.n, c.impulse, false});
+}
+
+void ContactCache::save(std::vector<double>& out) const {
+  out.push_back((double)contacts_.size());
+  for (const CachedContact& w : contacts_) {
+    out.insert(out.end(), {(double)(w.key >> 32), (double)(w.key & 0xffffffff), (double)w.feature,
+                           (double)w.point.vertex, (double)w.other.vertex});
+    for (Vec3 v : {w.point.local, w.other.local, w.normal, w.impulse})
+      out.insert(out.end(), {v.x, v.y, v.z});
+  }
+}
+
+const double* ContactCache::load(const double* in) {
+  contacts_.clear();
+  for (int n = (int)*in++; n > 0; n--, in += 17)
+    contacts_.push_back({((int64_t)in[0] << 32) | (int64_t)in[1],
+                         (int)in[2],
+                         {(int)in[3], load3(in + 5)},
+                         {(int)in[4], load3(in + 8)},
+                         load3(in + 11),
+                         load3(in + 14),
+                         false});
+  return in;
+}
+
+void ContactCache::adopt(const ContactCache& old, const std::vector<int>& now) {
+  contacts_.clear();
+  for (CachedContact w : old.contacts_) {
+    const int a = now[(int)(w.key >> 32)];
+    int other = (int)(w.key & 0xffffffff);
+    if (other % 2 == 1) other = now[other / 2] < 0 ? -1 : 2 * now[other / 2] + 1;
+    if (a < 0 || other < 0) continue;
+    w.key = ((int64_t)a << 32) | (int64_t)other;
+    contacts_.push_back(w);
+  }
+}
+
+}  // namespace hp

@@ -1,0 +1,60 @@
+// One attempt at a step of length h from the present pose: velocities with contact, and the pose that they
+// end in, verified. This is the inner part of the substep (docs/physics.md, "The substep", 1 to 5):
+//
+//   repeat, with a larger reach where a contact sped something up beyond it:
+//     broad phase       pairs of shapes within reach of where v* would take them
+//     candidates        separating planes of those pairs, with the gap that each demands
+//     verify            v = v*: move, check every candidate at the end pose
+//     repeat until no candidate is violated:
+//       contacts        contact points of violated candidates, with warm start; better predictions
+//       solve           impulses p: M^ (v - v*) = J^T p, Coulomb (contact/solver.h)
+//       verify          move, check again
+//       relax           where that does not converge, the clearance of the island gives way
+//     rebounds          a second solve where restitution asks for one
+//
+// The answer is in data.step (v, end, end_qpos) and data.attempt (good, worst, contacts).
+#pragma once
+#include "stepping/kinematic_bodies.h"
+#include "stepping/path_curvature.h"
+#include "stepping/self_response.h"
+#include "stepping/untouched_joints.h"
+#include "stepping/verification.h"
+
+namespace hp {
+
+class ContactStep {
+ public:
+  ContactStep(System& system, Data& data, const KinematicBodies& kinematic)
+      : system_(system), data_(data), kinematic_(kinematic) {}
+  void run(double h);
+
+ private:
+  void begin(double h);
+  void estimate_reach(double h);
+  void find_candidates(double h, bool first);
+  bool check(double h, int pass);
+  bool settle(double h);
+  void add_contacts(double h, int pass);
+  void drop_idle();
+  void correct_prediction(Contact& c, double h);
+  bool rebound(double h, bool good);
+  bool extend_reach(bool last);
+
+  void solve(double h);
+  SolveReport respond(double h);
+  SolveReport respond_once(double h);
+  void cut_limits(size_t first, double h);
+
+  System& system_;
+  Data& data_;
+  const KinematicBodies& kinematic_;
+  ContactSolver solver_;
+  Verification verification_;
+  SelfResponse self_;
+  UntouchedJoints untouched_;
+  PathCurvature curvature_;
+  std::vector<Twist> twists_;
+  std::vector<double> fastest_, way_;  // per root body, per shape [m]
+};
+
+}  // namespace hp

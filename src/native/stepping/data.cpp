@@ -1,0 +1,65 @@
+#include "stepping/data.h"
+
+#include "tuning.h"
+
+namespace hp {
+
+void State::update_pose(System& system) {
+  if (pose_known) return;
+  system.world.active.assign(system.model.nbody, 1);
+  pose.kin.update(system.model, qpos.data());
+  system.world.start_poses(pose);
+  pose_known = true;
+}
+
+void Step::move(const System& system, const State& state, const std::vector<double>& vel, double h) {
+  const char* active = system.world.active.data();
+  end_qpos = state.qpos;
+  integrate(system.model, end_qpos.data(), vel.data(), h, active);
+  end.kin.update(system.model, end_qpos.data(), active);
+  system.world.start_poses(end);
+}
+
+void FrameResult::clear(int nbody) {
+  touches.clear();
+  diagnostics = {};
+  disturbed.assign(nbody, 0);
+}
+
+void FrameResult::add(const ContactCandidate& candidate, const Contact& contact) {
+  Touch* t = nullptr;
+  for (Touch& o : touches)
+    if (o.shape == candidate.shape && o.other_static == candidate.other_static &&
+        o.other_shape == candidate.other_shape &&
+        dot(o.normal, contact.n) > tuning::stepping::kSameNormal * norm(o.normal))
+      t = &o;
+  if (!t) {
+    touches.push_back({candidate.shape, candidate.other_static, candidate.other_shape, {}, {}, {}, 0});
+    t = &touches.back();
+  }
+  const double p = dot(contact.impulse, contact.n);
+  t->position += p * contact.position;
+  t->normal += p * contact.n;
+  t->impulse += contact.impulse;
+  t->weight += p;
+}
+
+void Data::finish(const System& system) {
+  const Model& m = system.model;
+  state.qpos.assign(m.nq, 0);
+  state.exit_path.assign(m.nbody, 0);
+  for (auto* v : {&state.qvel, &step.v_free, &step.v, &step.spin, &step.joint_pull}) v->assign(m.nv, 0);
+  step.pushed.assign(m.nbody, 0);
+  step.resistance.finish(m, system.drives.size());
+  inertia.finish(m);
+  state.pose.kin.resize(m);
+  step.end.kin.resize(m);
+}
+
+double approach(const Model& m, const Kinematics& k, const Contact& c, const std::vector<Twist>& twists,
+                const std::vector<double>& v) {
+  return dot(c.n, endpoint_velocity(m, k, twists, v.data(), c.a) -
+                      endpoint_velocity(m, k, twists, v.data(), c.b));
+}
+
+}  // namespace hp

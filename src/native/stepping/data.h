@@ -1,0 +1,121 @@
+// The data of a simulation: its state, the substep and the contact problem under way, and the results of a
+// frame. Components of the substep take those of these structs that they read and write.
+#pragma once
+#include <vector>
+
+#include "stepping/contact_cache.h"
+#include "stepping/effective_inertia.h"
+#include "stepping/islands.h"
+#include "stepping/system.h"
+
+namespace hp {
+
+// Where everything is and how it moves. Invariant: `pose` is the pose of `qpos` where `pose_known`.
+struct State {
+  std::vector<double> qpos, qvel;
+  std::vector<char> exit_path;  // per body: it lies between a root and a part that started inside something
+  Poses pose;
+  bool pose_known = false;
+
+  // Makes `pose` the pose of `qpos`; all trees are active then.
+  void update_pose(System& system);
+};
+
+// One substep, or a piece of it. Velocities are of mid-substep: qpos moves by them.
+struct Step {
+  double length = 0;        // of the whole substep [s]
+  double gravity_time = 0;  // how long gravity has acted in v_free since the pose that a step starts from [s]
+  std::vector<double> v_free;      // v*: velocity without contact
+  std::vector<double> v;           // velocity with contact
+  std::vector<double> spin;        // what qvel at the end differs from v by, of objects that spin
+  std::vector<double> joint_pull;  // change of velocity of articulated dofs by forces in this substep
+  std::vector<char> pushed;        // per body: contacts have pushed it, or a body that hangs on it
+  JointResistance resistance;
+  const double* host_v_free = nullptr;  // hosted: velocities without contact that the host has found
+  Poses end;                            // the pose after the step
+  std::vector<double> end_qpos;
+
+  // The end pose of moving with velocities `vel` for h.
+  void move(const System& system, const State& state, const std::vector<double>& vel, double h);
+};
+
+// The contact problem of one attempt at a step.
+struct Attempt {
+  std::vector<ContactCandidate> candidates;  // separating planes and pairs of shapes within reach
+  std::vector<Contact> contacts;             // contact points
+  std::vector<Contact> limits;               // contact rows of joint ranges, solved with the contacts
+  std::vector<double> reach;                 // per shape: how far candidates have been looked for [m]
+  std::vector<char> violated;                // per candidate: its gap at the end pose misses its target
+  std::vector<char> relaxed;  // per root body: the clearance of its island has been given up
+  double overdue = 0;         // the largest violation that solving should have cured [m]
+  double worst = 0;           // the largest violation [m], negative
+  double tolerance = 0;       // of solving [m]
+  double work = 0;            // of its solves so far [multiplications]
+  size_t solved = 0;          // number of contacts that the last solve knew
+  bool good = true;           // no candidate is violated at the end pose
+  bool crushed = false;       // the last solve found that a kinematic body leaves others no room
+};
+
+// Contact of two shapes in a frame, summed over its substeps; position and normal weighted by impulse.
+struct Touch {
+  int shape = 0, other_static = -1, other_shape = -1;
+  Vec3 position, normal, impulse;
+  double weight = 0;
+};
+
+struct Diagnostics {  // of one frame
+  int candidates = 0, contacts = 0, passes = 0, sweeps = 0, shortened = 0;
+  double residual = 0;   // largest gap missing at the end of a substep [m]
+  double lost_time = 0;  // [s]
+};
+
+struct FrameResult {
+  std::vector<Touch> touches;
+  Diagnostics diagnostics;
+  std::vector<char> disturbed;  // per root body: contacts have acted on its tree
+
+  void clear(int nbody);
+  void add(const ContactCandidate& candidate, const Contact& contact);
+};
+
+// Records for tests and measurements. None of it changes a simulation but `keep_pieces`.
+struct Probe {
+  // The last substep's problem and answer, for comparison with the reference implementation.
+  struct Trace {
+    std::vector<double> qpos, qvel, v_free, v;
+    std::vector<Contact> contacts;
+    std::vector<char> touched;
+    double h = 0;
+    int k = 0;
+    // Velocities (nv each) of the rounds before the last, in which a joint exceeded its strength.
+    std::vector<double> overcome;
+  };
+  bool keep_trace = false;
+  bool tracing = false;  // this attempt is one at the whole substep
+  Trace trace;
+  // Recorded poses include those of every piece of a substep; every person is stepped through then.
+  bool keep_pieces = false;
+  std::vector<double>* pieces = nullptr;  // of the frame under way
+  // Wall time of the solver in every substep since the last reset [s].
+  bool keep_times = false;
+  std::vector<double> solve_times;
+};
+
+struct Data {
+  State state;
+  Step step;
+  Attempt attempt;
+  EffectiveInertia inertia;
+  ContactCache cache;
+  Islands islands;
+  FrameResult result;
+  Probe probe;
+
+  void finish(const System& system);
+};
+
+// Normal component of the relative velocity at a contact [m/s].
+double approach(const Model& m, const Kinematics& k, const Contact& c, const std::vector<Twist>& twists,
+                const std::vector<double>& v);
+
+}  // namespace hp

@@ -1,0 +1,69 @@
+// The effective inertia M^ with which trees resist contact impulses, and its factor.
+//
+//   M^ = s (M + X),   M^ (v - v*) = J^T p
+//
+// M is the joint-space inertia [kg, kg m^2]. On a person's rows s and X come from the drive: s = (1 + h/tau)^2,
+// X = lambda diag(I) (docs/physics.md, "The drive"; the paper's PJSC). To X are added
+//   - the damping and springs of articulations, h D + h^2 K, and of the host's joints, h D;
+//   - what JointResistance asks for: joints that exceed their strength resist less (strength.h), joints that
+//     nothing touches more (untouched_joints.h);
+//   - the firmness of bodies that come out of an initial overlap (exit_motion.h);
+//   - joint damping as a baseline (baselines/internal_forces.h).
+// The matrix is composed once per pose and factored once per set of resistances.
+#pragma once
+#include <vector>
+
+#include "stepping/system.h"
+
+namespace hp {
+
+struct State;
+struct Step;
+
+// How joints resist contacts in this substep, beside what the drive's settings say.
+struct JointResistance {
+  std::vector<int> rounds;     // per drive: rounds in which its joints gave in; 0: `share` is not in use
+  std::vector<double> share;   // per dof: theta in [0, 1]; M^ - M becomes theta (M^ - M) theta
+  std::vector<char> touched;   // per body: contacts push it, or a body that hangs on it, or did lately
+  std::vector<char> holds;     // per drive: joints that nothing touches are held
+  std::vector<double> damping; // per dof, of a host's joints [N s/m, N m s]; empty: there is no host
+
+  void finish(const Model& m, size_t drives);
+  // A substep begins: without contact every joint counts as touched, and all holds are on.
+  void begin(const Model& m, size_t drives);
+};
+
+class EffectiveInertia {
+ public:
+  void finish(const Model& m);
+  // The pose has changed: M is composed again when it is next needed.
+  void forget() { composed_ = false; }
+  // A resistance has changed: M^ is factored again when it is next needed.
+  void refactor() { factored_ = false; }
+  // Composes and factors M^ at the present pose for a step of length h [s], unless that is known.
+  void build(const System& system, const State& state, const Step& step, double h);
+  // Composes M alone, of the present pose, where it is not known. It is not kept as known.
+  void compose(const System& system, State& state);
+
+  const Inertia& matrix() const { return inertia_; }
+  const std::vector<double>& scale() const { return scale_; }  // s, per dof
+  // X of the drives and articulations alone, per dof.
+  const std::vector<double>& drive_part() const { return drive_; }
+  // X as factored last, per dof of people.
+  const std::vector<double>& added() const { return added_; }
+  // out = M x on the rows of one person.
+  void multiply(const System& system, const Drive& d, const double* x, double* out) const;
+  void solve(const Model& m, double* x) const { inertia_.solve(m, x); }  // x <- M^^-1 x
+
+ private:
+  void add_drives(const System& system, const JointResistance& r, double h);
+  void hold_untouched(const System& system, const JointResistance& r);
+  void stiffen_exits(const System& system, const State& state);
+  void damp_joints(const System& system, double h);
+
+  Inertia inertia_;
+  std::vector<double> scale_, drive_, total_, added_;
+  bool composed_ = false, factored_ = false;
+};
+
+}  // namespace hp

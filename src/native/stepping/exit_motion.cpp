@@ -1,0 +1,92 @@
+#include "stepping/exit_motion.h"
+
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::stepping;
+
+bool ExitMotion::begin(World& world) {
+  if (!world.any_inside()) return false;
+  world.growth = std::min(1.0, tune::kExitGain * world.growth);
+  return true;
+}
+
+bool ExitMotion::accept(System& system, Data& data) {
+  const double speed = excess_speed(system, data);
+  if (data.attempt.good && speed <= tune::kExitSpeed) return true;
+  const double slower =
+      speed > tune::kExitSpeed ? tune::kExitMargin * tune::kExitSpeed / speed : tune::kExitCut;
+  system.world.growth *= std::max(tune::kLeastExitCut, slower);
+  return false;
+}
+
+void ExitMotion::give_up(World& world) {
+  kept_ = world.growth;
+  world.growth = 0;
+}
+
+// By how much the fastest point of the trees that come out of something is faster than asked [m/s].
+double ExitMotion::excess_speed(System& system, Data& data) {
+  const Model& model = system.model;
+  const World& world = system.world;
+  // What the motion asks; objects have none of their own.
+  std::vector<double> asked(data.step.v_free);
+  for (const Drive& d : system.drives) d.reference(asked.data());
+  body_twists(model, data.state.pose.kin, data.step.v.data(), twists_);
+  body_twists(model, data.state.pose.kin, asked.data(), asked_);
+  std::vector<char> tree(model.nbody, 0);
+  for (const Inside& in : world.inside()) tree[system.tree(in.shape)] = 1;
+  double fastest = 0;
+  for (size_t i = 0; i < world.shapes.size(); i++) {
+    const CollisionShape& m = world.shapes[i];
+    if (!tree[model.root[m.body]] || !world.active[m.body]) continue;
+    if (system.speed_bound(data.state.pose.kin, m, twists_) <= fastest) continue;
+    fastest = fastest_point(system, data, (int)i, fastest);
+  }
+  return fastest;
+}
+
+double ExitMotion::fastest_point(System& system, Data& data, int shape, double least) const {
+  Poses& pose = data.state.pose;
+  const CollisionShape& m = system.world.shapes[shape];
+  const Points p = system.world.place(pose, shape).points();
+  const size_t n = p.n;
+  double fastest = least;
+  for (size_t k = 0; k < n; k++) {
+    auto speed = [&](const std::vector<Twist>& twists) {
+      Vec3 v;
+      for (size_t t = 0; t < m.ties.size(); t++) {
+        const double w = m.skin ? m.weights[t * n + k] : 1;
+        if (w == 0) continue;
+        const Twist& body = twists[m.ties[t].body];
+        v += w * (body.v + cross(body.w, p.at((int)k) - pose.kin.reference(system.model, m.body)));
+      }
+      return norm(v);
+    };
+    fastest = std::max(fastest, speed(twists_) - speed(asked_));
+  }
+  return fastest;
+}
+
+bool comes_out(const System& system, const Drive& d) {
+  for (const Inside& in : system.world.inside())
+    if (system.tree(in.shape) == d.body(0)) return true;
+  return false;
+}
+
+void start_exits(System& system, State& state) {
+  std::vector<char>& path = state.exit_path;
+  for (const Inside& in : system.world.inside())
+    for (int b = system.world.shapes[in.shape].body; b > 0 && !path[b]; b = system.model.parent[b])
+      path[b] = 1;
+  for (Drive& d : system.drives)
+    if (comes_out(system, d) && !d.gentle()) d.go_gently(tune::kReturnSpeed, system.joint_reach);
+}
+
+void end_gentle_frame(System& system, const State& state) {
+  for (Drive& d : system.drives)
+    if (d.gentle()) d.stay_gentle(comes_out(system, d), d.frame_length(), state.qpos.data());
+}
+
+}  // namespace hp

@@ -1,0 +1,180 @@
+#include "stepping/free_paths.h"
+
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::stepping;
+
+void FreePaths::begin(System& system, Data& data, double dt, bool all_busy) {
+  settled_.clear();
+  for (const Drive& d : system.drives)
+    settled_.push_back(d.settled(system.drive_settings, data.state.qpos.data()));
+  start_qpos_ = data.state.qpos;
+  if (all_busy)
+    busy_.assign(system.model.nbody, 1);
+  else
+    find(system, data, dt);
+  count(system.model);
+}
+
+void FreePaths::count(const Model& m) {
+  any_busy_ = any_free_ = false;
+  for (int b = 1; b < m.nbody; b++)
+    if (m.root[b] == b) (busy_[b] ? any_busy_ : any_free_) = true;
+}
+
+void FreePaths::make_all_busy(const Model& m) {
+  busy_.assign(m.nbody, 1);
+  any_free_ = false;
+}
+
+void FreePaths::find(System& system, Data& data, double dt) {
+  const Model& model = system.model;
+  World& world = system.world;
+  Poses &start = data.state.pose, &end = data.step.end;
+  busy_.assign(model.nbody, 1);
+  end_qpos_ = data.state.qpos;
+  bool any = false;
+  for (size_t p = 0; p < system.drives.size(); p++) {
+    const Drive& d = system.drives[p];
+    if (system.carries(d) || !settled_[p]) continue;
+    busy_[d.body(0)] = 0;
+    d.follow(1, end_qpos_.data());
+    any = true;
+  }
+  if (!any) return;
+  world.active.assign(model.nbody, 0);
+  for (int b = 1; b < model.nbody; b++) world.active[b] = !busy_[model.root[b]];
+  end.kin.update(model, end_qpos_.data(), world.active.data());
+  world.start_poses(end);
+  const size_t n = world.shapes.size();
+  sweep_.way.assign(n, 0);
+  sweep_.bulge.assign(n, 0);
+  assume_strays(system, data, dt);
+  ways(world.shapes, start, end, world.active, sweep_.straight);
+  world.inner_ways(model, start, end, sweep_.inner);
+  for (const Drive& d : system.drives) sweep(system, d, dt);
+  world.active.assign(model.nbody, 1);
+  world.list(model, start, sweep_.way);
+  world.find_busy(model, start, end, sweep_, busy_);
+}
+
+// Busy trees are assumed not to get much farther than they would by themselves.
+void FreePaths::assume_strays(System& system, Data& data, double dt) {
+  const World& world = system.world;
+  State& state = data.state;
+  const size_t n = world.shapes.size();
+  assumed_.assign(n, 0);
+  bool found = false;
+  for (size_t i = 0; i < n; i++) {
+    if (!busy_[system.tree((int)i)]) continue;
+    if (!found) {
+      state.pose.kin.update_dofs(system.model, state.qpos.data());
+      for (Drive& d : system.drives) d.velocity(state.qvel.data());
+      body_twists(system.model, state.pose.kin, state.qvel.data(), twists_);
+      found = true;
+    }
+    const double fall = norm(system.gravity) * dt * dt;
+    const double speed = system.speed_bound(state.pose.kin, world.shapes[i], twists_);
+    sweep_.way[i] = 1.5 * dt * speed + fall + tune::kFrameStray;
+    assumed_[i] = world.travelled((int)i) + sweep_.way[i];
+  }
+}
+
+// W, B and A of a person's bodies.
+void FreePaths::bound_speeds(const Model& m, const Drive& d) {
+  Vec3 root;
+  d.speeds(angular_, root);
+  spin_.resize(m.nbody);
+  turn_.resize(m.nbody);
+  acceleration_.resize(m.nbody);
+  for (size_t i = 0; i < angular_.size(); i++) {
+    const int b = d.body((int)i), p = m.parent[b];
+    const double w = angular_[i];
+    if (i == 0) {
+      spin_[b] = w, turn_[b] = 0, acceleration_[b] = 0;
+      continue;
+    }
+    const double arm = norm(m.pos[b]);
+    spin_[b] = spin_[p] + w;
+    turn_[b] = turn_[p] + spin_[p] * w;
+    acceleration_[b] = acceleration_[p] + (spin_[p] * spin_[p] + turn_[p]) * arm;
+  }
+}
+
+// Upper bound of the acceleration of all points of a shape [m/s^2].
+double FreePaths::bulge(const Model& m, const CollisionShape& shape) const {
+  double bulge = shape.most_of([&](const CollisionShape::Tie& t) {
+    const int b = t.body;
+    return acceleration_[b] + (spin_[b] * spin_[b] + turn_[b]) * (norm(t.anchor) + t.reach);
+  });
+  if (shape.stretches.empty()) return bulge;
+  // Blend shapes move the points in frames that turn.
+  double speed = 0, rate = 0, spin = 0;
+  for (const CollisionShape::Stretch& s : shape.stretches) {
+    const int b = shape.skin->body[s.joint];
+    const double w = spin_[b] - spin_[m.parent[b]];
+    speed += std::sqrt(2.0) * s.most * w, rate += std::sqrt(2.0) * s.most * w * w;
+  }
+  for (const CollisionShape::Tie& t : shape.ties) spin = std::max(spin, spin_[t.body]);
+  bulge += rate + 2 * spin * speed;
+  return bulge;
+}
+
+void FreePaths::sweep(const System& system, const Drive& d, double dt) {
+  const Model& model = system.model;
+  if (busy_[d.body(0)]) return;
+  bound_speeds(model, d);
+  for (size_t i = 0; i < system.world.shapes.size(); i++) {
+    const CollisionShape& m = system.world.shapes[i];
+    if (model.root[m.body] != model.root[d.body(0)]) continue;
+    sweep_.bulge[i] = 0.125 * dt * dt * bulge(model, m);
+    sweep_.way[i] = sweep_.straight[i] + sweep_.bulge[i];
+  }
+}
+
+bool FreePaths::strayed(const System& system) {
+  bool strayed = false;
+  for (size_t i = 0; i < system.world.shapes.size(); i++)
+    strayed |= busy_[system.tree((int)i)] && system.world.travelled((int)i) > assumed_[i];
+  return strayed;
+}
+
+void FreePaths::arrive(System& system, Data& data, double* rows, int n) {
+  State& state = data.state;
+  for (size_t i = 0; i < system.drives.size(); i++) {
+    Drive& d = system.drives[i];
+    if (!settled_[i] || data.result.disturbed[d.body(0)]) continue;
+    const int first = d.first_qpos(), count = d.qpos_count();
+    auto arrive = [&](double share, double* q) {
+      std::copy_n(&start_qpos_[first], count, q + first);
+      d.follow(share, q);
+    };
+    for (int k = 0; k < n && rows; k++) arrive((k + 1.0) / n, rows + (size_t)k * system.model.nq);
+    arrive(1, state.qpos.data());
+    d.followed(system.carries(d));
+    if (busy_[d.body(0)]) state.pose_known = false;  // the last step ended a rounding away
+  }
+}
+
+void FreePaths::travel(System& system, Data& data) {
+  if (!any_free_) return;
+  const Model& model = system.model;
+  World& world = system.world;
+  Poses& end = data.step.end;
+  if (any_busy_) {
+    for (int b = 1; b < model.nbody; b++) world.active[b] = !busy_[model.root[b]];
+    end.kin.update(model, data.state.qpos.data());
+    world.start_poses(end);
+    ways(world.shapes, followed_, end, world.active, way_);
+    world.inner_ways(model, followed_, end, sweep_.inner);
+    world.travel(way_, sweep_.inner);
+  } else {
+    world.travel(sweep_.straight, sweep_.inner);
+  }
+  std::swap(data.state.pose, end);
+  world.active.assign(model.nbody, 1);
+}
+
+}  // namespace hp

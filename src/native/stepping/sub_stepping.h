@@ -1,0 +1,40 @@
+// Sub-stepping: what a substep becomes that cannot be made whole (docs/physics.md, "The substep", 6).
+//
+// A step whose end pose is violated is shortened, island by island: by bisection, the largest share of it at
+// whose end every gap is at least ContactCandidate::hard, half of what was asked, and no shape is beyond the
+// reach of its planes. The rest of it is made in pieces, at most twelve, one island after the other, while all
+// others stand where they have arrived. Velocities are kept; a step of which less than a quarter is possible
+// is not begun but tried at a quarter of its length. Time that is left after that is lost.
+#pragma once
+#include "stepping/step_attempts.h"
+
+namespace hp {
+
+class SubStepping {
+ public:
+  SubStepping(System& system, Data& data, KinematicBodies& kinematic, StepAttempts& attempts)
+      : system_(system), data_(data), kinematic_(kinematic), attempts_(attempts) {}
+  // After an attempt at a step of length h: commits it whole where it is good, else in pieces. Returns the
+  // time that is lost [s].
+  double make(double h);
+
+ private:
+  // Shares of a step that trees make, per body; empty: all make all of it.
+  std::vector<double> shares(double h);
+  std::vector<char> possible(const std::vector<double>& at, double h);
+  void commit(double h, const std::vector<double>& share);
+  void record(const std::vector<double>& share);
+  double go_on(double h, std::vector<double> share);
+  double catch_up(double h, double left, bool begun);
+  void activate(int island, const std::vector<int>& islands, const std::vector<char>& all,
+                const std::vector<char>& stood);
+
+  System& system_;
+  Data& data_;
+  KinematicBodies& kinematic_;
+  StepAttempts& attempts_;
+  std::vector<double> moved_;        // velocities times shares
+  std::vector<double> way_, inner_;  // per shape: travelled, and seen from the root body [m]
+};
+
+}  // namespace hp

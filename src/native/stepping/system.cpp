@@ -1,0 +1,81 @@
+#include "stepping/system.h"
+
+#include <stdexcept>
+
+namespace hp {
+
+void System::finish(const std::vector<int>& person_roots) {
+  model.finish();
+  drives.clear();
+  person.assign(model.nbody, 0);
+  for (int root : person_roots) {
+    if (root <= 0 || root >= model.nbody) throw std::invalid_argument("bad root body");
+    drives.emplace_back(model, root);
+    person[root] = 1;
+  }
+  find_loads();
+  find_objects();
+  std::vector<char> others = person;
+  for (int b : objects) others[b] = 1;
+  articulations.finish(model, others);
+  for (CollisionShape& m : world.shapes) {
+    if (m.body <= 0 || m.body >= model.nbody) throw std::invalid_argument("bad body of a shape");
+    m.finish();
+  }
+  find_joint_reach();
+  world.standing.assign(model.nbody, 0);
+  world.asleep.assign(model.nbody, 0);
+  world.pace.assign(model.nbody, 1);
+  world.squeezed.assign(model.nbody, 0);
+}
+
+void System::find_objects() {
+  objects.clear();
+  std::vector<int> tree_size(model.nbody, 0);
+  for (int b = 1; b < model.nbody; b++) tree_size[model.root[b]]++;
+  for (int b = 1; b < model.nbody; b++)
+    if (!person[b] && model.jnt_count[b] == 1 && tree_size[b] == 1 &&
+        model.jnt_type[model.jnt_first[b]] == Joint::Free)
+      objects.push_back(b);
+}
+
+// Held objects are bodies of a person's tree that no joint moves.
+void System::find_loads() {
+  holds_load.assign(model.nbody, 0);
+  for (int b = 1; b < model.nbody; b++)
+    if (is_person(b) && model.dof_count[b] == 0) holds_load[b] = holds_load[model.root[b]] = 1;
+}
+
+void System::find_joint_reach() {
+  joint_reach.assign(model.nbody, 0);
+  for (const CollisionShape& m : world.shapes)
+    for (const CollisionShape::Tie& t : m.ties) {
+      double far = norm(t.anchor) + t.reach;
+      for (int b = t.body; b > 0; far += norm(model.pos[b]), b = model.parent[b])
+        joint_reach[b] = std::max(joint_reach[b], far);
+    }
+}
+
+int System::ball_count() const {
+  int n = 0;
+  for (const Drive& d : drives) n += d.ball_count();
+  return n;
+}
+
+double System::speed_bound(const Kinematics& k, const CollisionShape& shape,
+                           const std::vector<Twist>& t) const {
+  double fastest = shape.most_of([&](const CollisionShape::Tie& tie) {
+    const Twist& w = t[tie.body];
+    const Vec3 at = k.xpos[tie.body] + k.xmat[tie.body] * tie.anchor;
+    return norm(w.v + cross(w.w, at - k.reference(model, tie.body))) + norm(w.w) * tie.reach;
+  });
+  for (const CollisionShape::Stretch& s : shape.stretches) {
+    // The change of a rotation matrix is sqrt(2) times the angular velocity.
+    const Skin& skin = *shape.skin;
+    fastest += std::sqrt(2.0) * s.most *
+               norm(t[skin.body[s.joint]].w - t[skin.body[skin.parent[s.joint]]].w);
+  }
+  return fastest;
+}
+
+}  // namespace hp

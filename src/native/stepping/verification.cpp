@@ -1,0 +1,124 @@
+#include "stepping/verification.h"
+
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::stepping;
+
+namespace {
+
+// By how much a candidate's gap may miss its target [m].
+double allowed(const System& system, const Attempt& attempt, const ContactCandidate& c) {
+  const World& world = system.world;
+  const double miss = 2 * attempt.tolerance + tune::kDistanceRounding;
+  // Self-contact need not separate at an exact speed.
+  if (system.self_overlap(c))
+    return std::max(miss, (attempt.relaxed[system.tree(c.shape)] ? tune::kSelfExitSlackRelaxed
+                                                                 : tune::kSelfExitSlack) *
+                              (c.target - c.dist));
+  double slack = miss;
+  // Nor need objects that separate from a person whose pose is prescribed.
+  if (world.forced && c.dist < 0 && world.handles(c)) slack += tune::kGapSlack * (c.target - c.dist);
+  if (c.target > 0) slack += tune::kGapSlack * c.target;
+  // A kinematic body, which nothing stops, must not wear a gap away either.
+  auto held = [&](int shape) { return shape >= 0 && system.model.held[world.shapes[shape].body]; };
+  if (c.target >= 0 && (held(c.shape) || held(c.other_shape)))
+    slack = std::min(slack, tune::kKinematicGapSlack * c.target + tune::kDistanceRounding);
+  // Nor may many small steps wear away the last of it.
+  if (c.dist > 0 && c.hard > 0.5 * c.dist)
+    slack = std::min(slack, std::max(0.0, c.target - c.hard) + tune::kLeastMiss);
+  return slack;
+}
+
+}  // namespace
+
+double excess(System& system, Data& data, size_t i, double h) {
+  World& world = system.world;
+  Poses &start = data.state.pose, &end = data.step.end;
+  std::vector<ContactCandidate>& candidates = data.attempt.candidates;
+  const double e = world.excess(start, end, candidates[i]);
+  if (candidates[i].forgiven && candidates[i].triangle >= 0 && !candidates[i].searched &&
+      !world.mesh_clear(candidates[i], start, end))
+    world.search_behind(start, data.attempt.reach, h, (int)i, candidates);
+  return e;
+}
+
+bool Verification::check(System& system, Data& data, double h, int pass) {
+  Attempt& attempt = data.attempt;
+  attempt.worst = 0;
+  attempt.overdue = 0;
+  attempt.violated.clear();
+  bool good = true;
+  // Where there is a first solve anyhow, candidates between a person and an object are checked after it,
+  // not before it too.
+  const bool begins =
+      pass == 0 && system.world.recall(data.cache.contacts(), attempt.candidates, recalled_);
+  for (size_t i = 0; i < attempt.candidates.size(); i++) {  // forgiven planes add to them
+    if (begins && system.world.handles(attempt.candidates[i])) {
+      attempt.violated.push_back(recalled_[i]);
+      good &= !recalled_[i];
+      continue;
+    }
+    const double e = excess(system, data, i, h);
+    attempt.worst = std::min(attempt.worst, e);
+    const bool violated = e < -allowed(system, attempt, attempt.candidates[i]);
+    attempt.violated.push_back(violated);
+    good &= !violated;
+    if (violated && !system.is_object(attempt.candidates[i]))
+      attempt.overdue = std::max(attempt.overdue, -e);
+  }
+  if (!good) find_overdue(system, data);
+  return good;
+}
+
+// Objects that lie on each other pass on what they carry, a pair more in every pass: of them only contacts
+// that were solved for count.
+void Verification::find_overdue(const System& system, Data& data) const {
+  Attempt& attempt = data.attempt;
+  for (const Contact& c : attempt.contacts)
+    if (attempt.violated[c.pair] && system.is_object(attempt.candidates[c.pair])) {
+      const double miss = c.target - system.world.gap_at(data.state.pose, data.step.end, c);
+      if (miss > tune::kObjectSettling * system.world.settings.clearance)
+        attempt.overdue = std::max(attempt.overdue, miss);
+    }
+}
+
+bool within_limits(const Attempt& attempt, const Step& step, double h) {
+  for (const Contact& c : attempt.limits)
+    if (c.dist + h * limit_sign(c) * step.v[limit_dof(c)] < c.target) return false;
+  return true;
+}
+
+bool give_way(const System& system, Data& data) {
+  Attempt& attempt = data.attempt;
+  const int nbody = system.model.nbody;
+  data.islands.find(system, attempt.candidates);
+  std::vector<char> now(nbody, 0);
+  bool any = false;
+  for (size_t i = 0; i < attempt.candidates.size(); i++) {
+    const int b = data.islands.of(system, attempt.candidates[i]);
+    if (i < attempt.violated.size() && attempt.violated[i] && !attempt.relaxed[b]) now[b] = 1, any = true;
+  }
+  if (!any) return false;
+  for (int b = 1; b < nbody; b++)
+    if (now[data.islands.of_tree(b)]) attempt.relaxed[b] = 1;
+  relax(system, attempt);
+  return true;
+}
+
+void relax(const System& system, Attempt& attempt) {
+  const std::vector<char>& relaxed = attempt.relaxed;
+  for (ContactCandidate& c : attempt.candidates) {
+    if (!relaxed[system.tree(c.shape)] &&
+        (c.other_shape < 0 || !relaxed[system.tree(c.other_shape)]))
+      continue;
+    if (system.self_overlap(c)) continue;
+    c.target = std::min(c.target, c.dist >= 0 ? std::min(c.dist, kLeastGap) : c.dist);
+    if (c.target >= 0 && c.target < tune::kNarrowGap)
+      attempt.tolerance = tune::kNarrowTolerance * system.world.settings.tolerance;
+  }
+  for (Contact& c : attempt.contacts) c.target = attempt.candidates[c.pair].target;
+}
+
+}  // namespace hp

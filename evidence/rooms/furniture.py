@@ -182,7 +182,8 @@ def without_undersides(vertices: Array, faces: Faces, height: float = 0.25) -> F
     normal = np.cross(b - a, c - a)
     down = normal[:, 2] < -0.9 * np.linalg.norm(normal, axis=1)
     low = np.maximum(np.maximum(a[:, 2], b[:, 2]), c[:, 2]) < height
-    return faces[~(down & low)]
+    result: Faces = faces[~(down & low)]
+    return result
 
 
 def uneven(vertices: Array, size: float, phase: Array) -> Array:
@@ -191,6 +192,7 @@ def uneven(vertices: Array, size: float, phase: Array) -> Array:
     phase: (3, 3) [rad], what distinguishes one unevenness from another.
     """
     waves = np.array([[9.0, 5.0, 4.0], [-6.0, 11.0, 5.0], [4.0, -7.0, 12.0]])
-    return vertices + size * np.sin(vertices @ waves.T[:, [1, 2, 0]] + phase[0]) * np.cos(
+    result: Array = vertices + size * np.sin(vertices @ waves.T[:, [1, 2, 0]] + phase[0]) * np.cos(
         vertices @ waves.T + phase[1]
     )
+    return result

@@ -49,18 +49,21 @@ class Footprint:
         """Points (n, 2) of the world in its frame."""
         c, s = np.cos(self.yaw), np.sin(self.yaw)
         moved = np.asarray(points) - self.place
-        return moved @ np.array([[c, -s], [s, c]])
+        result: Array = moved @ np.array([[c, -s], [s, c]])
+        return result
 
     def world(self, points: Array) -> Array:
         """Points (n, 2) of its frame in the world."""
         c, s = np.cos(self.yaw), np.sin(self.yaw)
-        return np.asarray(points) @ np.array([[c, s], [-s, c]]) + self.place
+        result: Array = np.asarray(points) @ np.array([[c, s], [-s, c]]) + self.place
+        return result
 
     def distance(self, points: Array) -> Array:
         """Distances (n,) of points (n, 2) of the world, negative inside [m]."""
         away = np.abs(self.local(points)) - self.half
         outside = np.linalg.norm(np.maximum(away, 0.0), axis=1)
-        return outside + np.minimum(away.max(axis=1), 0.0)
+        result: Array = outside + np.minimum(away.max(axis=1), 0.0)
+        return result
 
     def apart(self, other: Footprint) -> float:
         """How far two are apart at least, along an edge of either [m]; under 0: they overlap."""

@@ -6,11 +6,16 @@ The glass is looked at from the frame of the right wrist as it came out (`Result
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.motion.skeleton import JOINT_INDEX
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.results.result import Result
 
 WRIST = JOINT_INDEX["right_wrist"]
 
@@ -89,7 +94,7 @@ class Grasp:
         return float(self.time[1] - self.time[0])
 
 
-def judge(result, body) -> Grasp:
+def judge(result: Result, body: Body) -> Grasp:
     """Look at a result."""
     fps, frames = result.fps, len(result)
     positions, quaternions = body.joint_frames(result.motion)

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from halfphysics.base.document_tree import Entry
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import real, shown, within
 from halfphysics.errors import HalfPhysicsError
 
+T = TypeVar("T")
 Read = Callable[[Entry], Any]
 
 
-def guarded(entry: Entry, make: Callable[..., Any], *args: Any) -> Any:
+def guarded(entry: Entry, make: Callable[..., T], *args: Any) -> T:
     """make(*args), with the place in the file put before what goes wrong."""
     try:
         return make(*args)
@@ -91,7 +92,8 @@ def choice(entry: Entry, options: tuple[str, ...]) -> str:
     if entry.value not in options:
         hint = did_you_mean(entry.value, options)
         raise entry.error(f"expected one of {', '.join(options)}, found {describe(entry)}{hint}")
-    return entry.value
+    result: str = entry.value
+    return result
 
 
 def describe(entry: Entry) -> str:

@@ -207,7 +207,8 @@ def _array(data: Any, dtype: Any, shape: Any, order: str) -> np.ndarray:
                 f"numpy.ndarray of shape {shape} and {dtype.dtype} with {len(data)} bytes"
             )
         array = np.frombuffer(bytes(data), dtype=dtype.dtype, count=count).copy()
-    return array.reshape(shape, order=order)  # type: ignore[call-overload]
+    result: np.ndarray = array.reshape(shape, order=order)  # type: ignore[call-overload]
+    return result
 
 
 def _frombuffer(data: Any, dtype: Any, shape: Any, order: Any) -> np.ndarray:
@@ -281,10 +282,10 @@ _GLOBALS: dict[str, dict[str, Any]] = {
 _SPARSE_NAMES = {f"{form}_{kind}" for form in ("csc", "csr", "coo") for kind in ("matrix", "array")}
 
 
-_PythonUnpickler: Any = pickle._Unpickler  # type: ignore[attr-defined]
+_PythonUnpickler: Any = pickle._Unpickler
 
 
-class _Unpickler(_PythonUnpickler):  # type: ignore[misc,valid-type]
+class _Unpickler(_PythonUnpickler):  # type: ignore[misc]
     """The interpreter's unpickler, cut down to data."""
 
     dispatch: ClassVar[dict[int, Any]] = dict(_PythonUnpickler.dispatch)

@@ -27,7 +27,8 @@ def log(quat: ArrayLike) -> Array:
     norm = np.linalg.norm(v, axis=-1, keepdims=True)
     small = norm < 1e-12
     factor = 2.0 * np.arctan2(norm, np.abs(w)) / np.where(small, 1.0, norm)
-    return sign * np.where(small, 2.0, factor) * v
+    result: Array = sign * np.where(small, 2.0, factor) * v
+    return result
 
 
 def multiply(a: ArrayLike, b: ArrayLike) -> Array:
@@ -49,13 +50,15 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Array:
 
 def conjugate(quat: ArrayLike) -> Array:
     """Inverse of unit quaternions (..., 4)."""
-    return np.asarray(quat, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0])
+    result: Array = np.asarray(quat, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0])
+    return result
 
 
 def normalize(quat: ArrayLike) -> Array:
     """Quaternions (..., 4) scaled to unit length."""
     quat = np.asarray(quat, dtype=np.float64)
-    return quat / np.linalg.norm(quat, axis=-1, keepdims=True)
+    result: Array = quat / np.linalg.norm(quat, axis=-1, keepdims=True)
+    return result
 
 
 def rotate(quat: ArrayLike, vector: ArrayLike) -> Array:
@@ -110,7 +113,8 @@ def matrix_to_rotvec(matrix: ArrayLike) -> Array:
 
 def angles(a: ArrayLike, b: ArrayLike) -> Array:
     """Angles (...) [rad] between rotation vectors (..., 3)."""
-    return np.linalg.norm(log(multiply(conjugate(exp(a)), exp(b))), axis=-1)
+    result: Array = np.linalg.norm(log(multiply(conjugate(exp(a)), exp(b))), axis=-1)
+    return result
 
 
 def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike) -> Array:

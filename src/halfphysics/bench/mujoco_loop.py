@@ -136,7 +136,8 @@ class MujocoLoop:
         return count / max(1, len(targets) - 1)
 
     def _of(self, pose: Pose) -> Array:
-        return self.coordinates(pose.translation[None], pose.rotations[None], pose.axes)[0]
+        result: Array = self.coordinates(pose.translation[None], pose.rotations[None], pose.axes)[0]
+        return result
 
     def _reset(self, qpos: Array) -> None:
         self._mujoco.mj_resetData(self.model, self.data)

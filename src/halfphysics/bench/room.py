@@ -178,7 +178,8 @@ def _shaped(piece: Piece, points: Array) -> Array:
         # A paraboloid over the middle: concave, so the piece stays convex.
         middle = 1.0 - 0.5 * ((points[:, :2] / half[:2]) ** 2).sum(axis=1)
         points = points * np.stack([np.ones_like(middle)] * 2 + [1.0 + piece.bulge * middle], 1)
-    return 0.5 * (low + high) + points
+    result: Array = 0.5 * (low + high) + points
+    return result
 
 
 def sizes(options: Options) -> tuple[int, int]:

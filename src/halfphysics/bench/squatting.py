@@ -32,7 +32,8 @@ def eased(times: Array, start: float, seconds: float) -> Array:
 def standing_height(body: Body) -> float:
     """Height of the pelvis joint over the floor with legs as good as straight [m]."""
     rest = [leg.height - (leg.hip + leg.thigh + leg.shank)[1] for leg in _legs(body)]
-    return min(rest) + FEET - _BENT
+    result: float = min(rest) + FEET - _BENT
+    return result
 
 
 def squat(body: Body, back: Array, down: Array, lean: Array, roll: Array, fps: float) -> Motion:

@@ -65,4 +65,5 @@ def past_face(body: Body, motion: Motion) -> float:
     Over all frames and vertices: what went through the wall counts too.
     """
     face = _AT[0] - 0.5 * _SIZE[0]
-    return 1000.0 * max(0.0, float(body.vertices(motion)[..., 0].max()) - face)
+    result: float = 1000.0 * max(0.0, float(body.vertices(motion)[..., 0].max()) - face)
+    return result

@@ -388,7 +388,7 @@ def _pick(
     try:
         single = not isinstance(frames, slice) and np.ndim(frames) == 0
         key = [operator.index(frames)] if single else frames  # type: ignore[arg-type]
-        rotations, root = rotations[key], root[key]  # type: ignore[index]
+        rotations, root = rotations[key], root[key]
     except (IndexError, TypeError, ValueError) as error:
         raise InputError(f"frames: found {frames!r}, of {len(root)} frames: {error}") from None
     if rotations.ndim != 3:

@@ -119,7 +119,8 @@ def _connected(n: int, edges: NDArray[np.int64]) -> NDArray[np.int32]:
     from scipy.sparse.csgraph import connected_components
 
     graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(n, n))
-    return connected_components(graph, directed=False)[1]
+    result: NDArray[np.int32] = connected_components(graph, directed=False)[1]
+    return result
 
 
 def _sample_pieces(

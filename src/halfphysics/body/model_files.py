@@ -318,7 +318,8 @@ def _weights(fields: _Fields, weights: Array, layout: tuple[int, ...]) -> Array:
     full = np.zeros((len(weights), N_JOINTS))
     for column, joint in enumerate(layout):
         full[:, joint] += weights[:, column]
-    return full / total
+    result: Array = full / total
+    return result
 
 
 def _regressor(fields: _Fields, count: int, layout: tuple[int, ...]) -> Array:

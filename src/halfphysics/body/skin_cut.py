@@ -104,7 +104,8 @@ def bends() -> Array:
 def parts_of_faces(faces: Ints, weights: Array) -> Ints:
     """The joint with the largest summed weight of each face, shape (F,)."""
     a, b, c = faces.T
-    return (weights[a] + weights[b] + weights[c]).argmax(axis=1)
+    result: Ints = (weights[a] + weights[b] + weights[c]).argmax(axis=1)
+    return result
 
 
 def cut_faces(

@@ -168,4 +168,5 @@ def skin_reference(skin: Skin, rotations: Array, positions: Array, quaternions: 
     shift = positions - positions[:, :1] - np.einsum("tjab,jb->tja", world, skin.rest_joints)
     blended = np.einsum("vj,tjab->tvab", skin.weights, world)
     moved = np.einsum("tvab,tvb->tva", blended, shaped)
-    return positions[:, :1] + moved + np.einsum("vj,tja->tva", skin.weights, shift)
+    result: Array = positions[:, :1] + moved + np.einsum("vj,tja->tva", skin.weights, shift)
+    return result

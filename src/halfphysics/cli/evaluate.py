@@ -70,10 +70,7 @@ class Command:
         result = Result.load(self.file, scene=scene)  # type: ignore[arg-type]
         people = list(result.people)
         if self.person.given:
-            people = [
-                dataclasses.replace(p, body=self.person.load(p.motion))  # type: ignore[arg-type]
-                for p in people
-            ]
+            people = [dataclasses.replace(p, body=self.person.load(p.motion)) for p in people]
         if self.reference is not None:
             reference = Motion.load(self.reference)
             people[0] = dataclasses.replace(people[0], reference=reference)

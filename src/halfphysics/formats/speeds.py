@@ -61,7 +61,8 @@ def _bounds(motion: Motion, root: Array) -> Array:
     chains = np.eye(_JOINTS)
     for joint in range(1, _JOINTS):
         chains[joint] += chains[PARENTS[joint]]
-    return root + ((rates * _REACH) @ chains.T).max(axis=1)
+    result: Array = root + ((rates * _REACH) @ chains.T).max(axis=1)
+    return result
 
 
 def _fastest(motion: Motion, frames: NDArray[np.intp]) -> tuple[float, int, int]:

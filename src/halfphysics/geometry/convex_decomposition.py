@@ -163,7 +163,7 @@ def _solids(mesh: Mesh) -> list[Mesh]:
     return solids
 
 
-def _sheets(faces: NDArray) -> NDArray:
+def _sheets(faces: NDArray[np.integer]) -> NDArray[np.int32]:
     """Label (F,) of the surface every face is in: solids that share a corner or an edge are two."""
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     _, which, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)

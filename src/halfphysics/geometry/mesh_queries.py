@@ -52,14 +52,15 @@ def merge_vertices(vertices: Array, faces: ArrayLike) -> tuple[Array, Indices]:
     return merged[kept], renumbered.reshape(-1, 3).astype(np.int32)
 
 
-def components(n: int, edges: NDArray) -> NDArray:
+def components(n: int, edges: NDArray[np.integer]) -> NDArray[np.int32]:
     """Label (n,) of the connected component of every vertex; edges (k, 2)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     ones = np.ones(len(edges), dtype=np.int8)
     graph = coo_array((ones, (edges[:, 0], edges[:, 1])), shape=(n, n))
-    return connected_components(graph, directed=False)[1]
+    result: NDArray[np.int32] = connected_components(graph, directed=False)[1]
+    return result
 
 
 def boundary_edges(faces: Indices, n_vertices: int) -> NDArray[np.int64]:
@@ -182,14 +183,16 @@ class MeshQuery:
         whole = np.zeros(len(p)) if self._closed is None else self._closed.crossings(p, threads)
         if self._loose is None:
             return whole > 0.5
-        return self._loose.exceeds(p, 0.5 - whole, threads).astype(bool)
+        result: NDArray[np.bool_] = self._loose.exceeds(p, 0.5 - whole, threads).astype(bool)
+        return result
 
     def closest(self, points: ArrayLike, *, threads: int = 1) -> tuple[Array, Indices, Array]:
         """Distance (n,) [m], nearest face (n,) and its closest point (n, 3) for points (n, 3).
 
         Of several faces equally near, the one listed first.
         """
-        return self.tree.distance(_points(points), threads)
+        result: tuple[Array, Indices, Array] = self.tree.distance(_points(points), threads)
+        return result
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """How far points (n, 3) are inside [m], (n,): 0 outside, else the distance to the surface.

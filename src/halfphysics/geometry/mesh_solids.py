@@ -10,7 +10,7 @@ from halfphysics.errors import InputError
 Array = NDArray[np.float64]
 
 
-def solid_moments(vertices: Array, faces: NDArray) -> tuple[float, Array, Array]:
+def solid_moments(vertices: Array, faces: NDArray[np.integer]) -> tuple[float, Array, Array]:
     """Signed volume [m^3], centre (3,) [m] and inertia (3, 3) about it at 1 kg/m^3 [kg m^2].
 
     Exact for a closed, consistently wound surface: the sum of signed tetrahedra. Inertia has

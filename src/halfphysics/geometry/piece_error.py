@@ -54,7 +54,8 @@ class Hull:
         near = ((points >= self.low - _ON) & (points <= self.high + _ON)).all(axis=1)
         some = np.flatnonzero(near)
         near[some] = (points[some] @ self.normals.T + self.offsets).max(axis=1) <= _ON
-        return near
+        result: NDArray[np.bool_] = near
+        return result
 
 
 def piece_error(mesh: Mesh, pieces: Sequence[Mesh]) -> PieceError:
@@ -116,7 +117,8 @@ def _lattice(low: Array, high: Array) -> tuple[Array, float]:
 
 def _areas(mesh: Mesh) -> Array:
     a, b, c = np.moveaxis(mesh.vertices[mesh.faces], 1, 0)
-    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    result: Array = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return result
 
 
 def _samples(mesh: Mesh, count: int) -> Array:

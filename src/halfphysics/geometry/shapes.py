@@ -71,7 +71,8 @@ class Plane(Shape):
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """Distance (n,) [m] of points (n, 3) under the plane, 0 above."""
-        return np.maximum(self.offset - np.asarray(points) @ np.asarray(self.normal), 0.0)
+        result: Array = np.maximum(self.offset - np.asarray(points) @ np.asarray(self.normal), 0.0)
+        return result
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,8 @@ class Box(Shape):
     def convex_vertices(self) -> Array:
         """The eight corners (8, 3) [m]."""
         signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        return 0.5 * signs * np.asarray(self.size)
+        result: Array = 0.5 * signs * np.asarray(self.size)
+        return result
 
     def triangles(self) -> Triangles:
         """Eight corners, twelve triangles."""
@@ -111,7 +113,10 @@ class Box(Shape):
         """Distance (n,) [m] of points (n, 3) to the nearest side, 0 outside."""
         gap = 0.5 * np.asarray(self.size) - np.abs(np.asarray(points))
         # Column by column: the smallest along so short an axis takes four times as long.
-        return np.maximum(np.minimum(np.minimum(gap[..., 0], gap[..., 1]), gap[..., 2]), 0.0)
+        result: Array = np.maximum(
+            np.minimum(np.minimum(gap[..., 0], gap[..., 1]), gap[..., 2]), 0.0
+        )
+        return result
 
 
 @dataclass(frozen=True)
@@ -139,7 +144,8 @@ class Sphere(Shape):
 
     def depth(self, points: ArrayLike, *, threads: int = 1) -> Array:
         """Distance (n,) [m] of points (n, 3) to the surface, 0 outside."""
-        return np.maximum(self.radius - np.linalg.norm(points, axis=-1), 0.0)
+        result: Array = np.maximum(self.radius - np.linalg.norm(points, axis=-1), 0.0)
+        return result
 
 
 @dataclass(frozen=True)
@@ -182,7 +188,8 @@ class Capsule(_Round):
         p = np.array(points, dtype=np.float64)
         half = 0.5 * self.length
         p[..., 2] -= np.clip(p[..., 2], -half, half)
-        return np.maximum(self.radius - np.linalg.norm(p, axis=-1), 0.0)
+        result: Array = np.maximum(self.radius - np.linalg.norm(p, axis=-1), 0.0)
+        return result
 
 
 @dataclass(frozen=True)

@@ -239,7 +239,8 @@ def _met(loads: Loads, frame: int) -> str:
     now = now[(now.subject == index) | (now.other == index)]
     hardest = int(now.strength.argmax())
     other = now.other[hardest]
-    return names[now.subject[hardest] if other == index else other]
+    result: str = names[now.subject[hardest] if other == index else other]
+    return result
 
 
 def _speed(loads: Loads, landed: int | None) -> float:

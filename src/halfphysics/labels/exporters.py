@@ -173,4 +173,6 @@ def _frames(labels: ContactLabels, item: int) -> tuple[Array, Array]:
 
 def _in_world(labels: ContactLabels, item: int) -> Array:
     position, turn = _frames(labels, item)
-    return np.einsum("tij,vj->tvi", turn, labels.objects[item].vertices) + position[:, None]
+    vertices = labels.objects[item].vertices
+    result: Array = np.einsum("tij,vj->tvi", turn, vertices) + position[:, None]
+    return result

@@ -26,27 +26,36 @@ Array = NDArray[np.float64]
 def solid_distance(solid: Solid, points: Array) -> Array:
     """Distances (n,) [m] of points (n, 3) in the thing's frame from a solid, 0 inside it."""
     p, shape = (points - solid.position) @ solid.turn, solid.shape
+    if isinstance(shape, Mesh):
+        return _mesh_distance(shape, solid.surface, p)
+    distance: Array
     if isinstance(shape, Plane):
-        return np.maximum(p @ np.asarray(shape.normal) - shape.offset, 0.0)
-    if isinstance(shape, Box):
-        return np.linalg.norm(np.maximum(np.abs(p) - 0.5 * np.asarray(shape.size), 0.0), axis=1)
-    if isinstance(shape, Sphere):
-        return np.maximum(np.linalg.norm(p, axis=1) - shape.radius, 0.0)
-    if isinstance(shape, Capsule):
+        distance = p @ np.asarray(shape.normal) - shape.offset
+    elif isinstance(shape, Box):
+        outside = np.maximum(np.abs(p) - 0.5 * np.asarray(shape.size), 0.0)
+        distance = np.linalg.norm(outside, axis=1)
+    elif isinstance(shape, Sphere):
+        distance = np.linalg.norm(p, axis=1) - shape.radius
+    elif isinstance(shape, Capsule):
         half = 0.5 * shape.length
         axis = np.zeros_like(p)
         axis[:, 2] = np.clip(p[:, 2], -half, half)
-        return np.maximum(np.linalg.norm(p - axis, axis=1) - shape.radius, 0.0)
-    if isinstance(shape, Cylinder):
+        distance = np.linalg.norm(p - axis, axis=1) - shape.radius
+    elif isinstance(shape, Cylinder):
         side = np.maximum(np.hypot(p[:, 0], p[:, 1]) - shape.radius, 0.0)
-        return np.hypot(side, np.maximum(np.abs(p[:, 2]) - 0.5 * shape.length, 0.0))
-    if not isinstance(shape, Mesh):
+        distance = np.hypot(side, np.maximum(np.abs(p[:, 2]) - 0.5 * shape.length, 0.0))
+    else:
         raise TypeError(f"no distance from a {type(shape).__name__}")
-    mesh = shape if solid.surface else shape.hull
-    distance = closest_reference(p, mesh.vertices, mesh.faces)[0]
-    if solid.surface:
+    return np.maximum(distance, 0.0)
+
+
+def _mesh_distance(shape: Mesh, surface: bool, points: Array) -> Array:
+    """Distances (n,) [m] of points (n, 3) from a mesh's surface, or from the solid of its hull."""
+    mesh = shape if surface else shape.hull
+    distance = closest_reference(points, mesh.vertices, mesh.faces)[0]
+    if surface:
         return distance
-    return np.where(winding_reference(p, mesh.vertices, mesh.faces) > 0.5, 0.0, distance)
+    return np.where(winding_reference(points, mesh.vertices, mesh.faces) > 0.5, 0.0, distance)
 
 
 def near_reference(body: Body, motion: Motion, target: Target) -> tuple[Near, Near]:
@@ -84,4 +93,5 @@ def _in_frame(body: Body, posed: Array, target: Target, frame: int) -> tuple[Nea
 
 def _local(thing: Thing, points: Array, frame: int) -> Array:
     at = min(frame, len(thing.position) - 1)
-    return (points - thing.position[at]) @ thing.turn[at]
+    result: Array = (points - thing.position[at]) @ thing.turn[at]
+    return result

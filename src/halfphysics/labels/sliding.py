@@ -63,7 +63,8 @@ def _steps(loads: Loads, person: PersonResult, rows: Frames) -> Array:
     moved = rot.rotate(quaternions[now], seen(now, here) - seen(now - 1, before))
     normal = contacts.normal[rows]
     along = moved - np.einsum("ni,ni->n", moved, normal)[:, None] * normal
-    return np.linalg.norm(along, axis=1)
+    result: Array = np.linalg.norm(along, axis=1)
+    return result
 
 
 def _grouped(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +50,7 @@ class SolverContacts(Table):
     subject: Ints
     other_part: Ints
 
-    def arrays(self) -> dict[str, NDArray]:
+    def arrays(self) -> dict[str, NDArray[Any]]:
         """The columns as small as they go: whole numbers in 8 to 32 bits, the rest float32."""
         kinds = {"frame": np.int32, "object": np.int16, "subject": np.int16, "person": np.int16}
         small = {"part": np.int8, "other_part": np.int8}

@@ -30,11 +30,13 @@ class Grid:
 
     def of(self, points: Array) -> Array:
         """World to grid: (..., 3)."""
-        return points @ self.turn.T / self.pitch + _SHIFT
+        result: Array = points @ self.turn.T / self.pitch + _SHIFT
+        return result
 
     def world(self, points: Array) -> Array:
         """Grid to world: (..., 3)."""
-        return self.pitch * (points - _SHIFT) @ self.turn
+        result: Array = self.pitch * (points - _SHIFT) @ self.turn
+        return result
 
 
 @dataclass(frozen=True, eq=False)

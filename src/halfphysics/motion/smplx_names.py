@@ -56,7 +56,8 @@ def one_shape(name: str, betas: ArrayLike, frames: int) -> Array | None:
             f"{name}: the shape changes over the frames (by up to {varying:.3g}), expected one "
             "shape per person. Take one row, for example the median over the frames"
         )
-    return rows[0]
+    result: Array | None = rows[0]
+    return result
 
 
 def _axis_angle(name: str, value: ArrayLike, joints: int) -> Array:

@@ -23,7 +23,7 @@ from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
 from halfphysics.mujoco import geoms
-from halfphysics.scene.scene import PERSON_FRICTION
+from halfphysics.scene.items import PERSON_FRICTION
 from halfphysics.settings import Settings
 from halfphysics.simulation.contact_rows import Touches, touches
 from halfphysics.simulation.person_shapes import add_person_movers
@@ -288,7 +288,10 @@ class Control:
         self._data.qvel[dofs] = self._stepper.qvel()[dofs]
 
     def _coordinates(self, pose: Pose) -> Array:
-        return self._person.coordinates(pose.translation[None], pose.rotations[None], pose.axes)[0]
+        result: Array = self._person.coordinates(
+            pose.translation[None], pose.rotations[None], pose.axes
+        )[0]
+        return result
 
     def _checked(self, pose: Pose) -> Pose:
         if not isinstance(pose, Pose):

@@ -83,7 +83,7 @@ class TorqueDrive(reference.ReferenceDrive):
         super().__post_init__()
 
     @property
-    def firmness(self) -> Array:  # type: ignore[override]
+    def firmness(self) -> Array:
         """What the torques add to the joints' inertia I, as a share of it (55,).
 
         kp = I w^2 and kd = 2 z I w act at the end of a substep: h kd + h^2 kp.

@@ -35,7 +35,8 @@ def capped(x: Array, most: Array) -> Array:
     """Three entries of `x` (3n,) at a time, scaled to at most the norms `most` (n,)."""
     size = sizes(x)
     share = np.where(size > most, most / np.maximum(size, 1e-300), 1.0)
-    return x * np.repeat(share, 3)
+    result: Array = x * np.repeat(share, 3)
+    return result
 
 
 def pull_within(

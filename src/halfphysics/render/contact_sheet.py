@@ -90,7 +90,10 @@ def key_frames(result: Result, count: int) -> list[int]:
 
 def _strength(contacts: Any) -> NDArray[np.float64]:
     """Size of each contact's impulse (n,) [N s]."""
-    return np.linalg.norm(np.asarray(contacts.impulse, dtype=np.float64).reshape(-1, 3), axis=1)
+    result: NDArray[np.float64] = np.linalg.norm(
+        np.asarray(contacts.impulse, dtype=np.float64).reshape(-1, 3), axis=1
+    )
+    return result
 
 
 def caption(result: Result, frame: int) -> tuple[str, str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -127,7 +128,8 @@ class Camera:
             )
         down = np.cross(forward, right)
         rows = np.stack([right, down, forward])
-        return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+        result: Array = rows / np.linalg.norm(rows, axis=1, keepdims=True)
+        return result
 
     @staticmethod
     def framing(
@@ -258,7 +260,7 @@ def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def _pack(surfaces: Sequence[Surface]) -> tuple[NDArray, ...]:
+def _pack(surfaces: Sequence[Surface]) -> tuple[NDArray[Any], ...]:
     """The tables of the native core: vertices, faces, mesh of each face, styles, flags."""
     vertices = [np.zeros((0, 3)), *(s.vertices for s in surfaces)]
     first = np.cumsum([len(v) for v in vertices])
@@ -318,9 +320,10 @@ def render(
         [[*light.towards, light.strength, light.softness, light.wrap] for light in look.lights],
         dtype=np.float64,
     ).reshape(-1, 6)
-    return _render.picture(
+    result: NDArray[np.uint8] = _render.picture(
         *_pack(surfaces), camera.table(size), table, lights, width, height, samples, threads
     )
+    return result
 
 
 def visible(
@@ -335,7 +338,10 @@ def visible(
     from halfphysics import _render
 
     width, height = _checked_size(size)
-    return _render.visible(*_pack(surfaces), camera.table(size), width, height)
+    result: tuple[NDArray[np.int32], Array] = _render.visible(
+        *_pack(surfaces), camera.table(size), width, height
+    )
+    return result
 
 
 def save_png(image: NDArray[np.uint8], path: str | os.PathLike[str]) -> None:

@@ -122,7 +122,8 @@ def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, i
             score = _OPEN * min(float(np.mean(shares)), _ENOUGH) + _FRONT * front + _ACROSS * across
             if score > best_score + 1e-9:
                 best, best_score = towards, score
-    return best / np.linalg.norm(best)
+    result: Array = best / np.linalg.norm(best)
+    return result
 
 
 def _stories(
@@ -138,7 +139,8 @@ def _level(vectors: Array) -> Array:
     """Horizontal unit vectors; those that have no direction are left out."""
     flat = vectors * np.array([1.0, 1.0, 0.0])
     norm = np.linalg.norm(flat, axis=1)
-    return flat[norm > 1e-6] / norm[norm > 1e-6, None]
+    result: Array = flat[norm > 1e-6] / norm[norm > 1e-6, None]
+    return result
 
 
 def facing(drawing: Drawing, frames: Sequence[int]) -> Array:

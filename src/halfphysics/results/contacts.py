@@ -49,4 +49,5 @@ class Contacts(Table):
     @property
     def strength(self) -> Array:
         """Size of the impulses (n,) [N s]."""
-        return np.linalg.norm(self.impulse, axis=1)
+        result: Array = np.linalg.norm(self.impulse, axis=1)
+        return result

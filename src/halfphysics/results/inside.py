@@ -54,7 +54,8 @@ class Depths(Table):
     @property
     def no_way_out(self) -> NDArray[np.bool_]:
         """Rows (n,) for which no way out was found: free to move until clear by itself."""
-        return self.depth == 0.0
+        result: NDArray[np.bool_] = self.depth == 0.0
+        return result
 
     def described(self, names: Sequence[str], people: int = 1) -> list[str]:
         """Each row in words, the deepest first, such as "left_foot 34 mm inside floor".

@@ -57,7 +57,8 @@ class Deferred(Generic[T]):
         if instance is None:
             raise AttributeError("a field without a default")  # what dataclasses ask for
         held = vars(instance)[self._key]
-        return held.make() if hasattr(held, "make") else held
+        result: T = held.make() if hasattr(held, "make") else held
+        return result
 
     def __set__(self, instance: Any, value: T | Record[T]) -> None:
         vars(instance)[self._key] = value

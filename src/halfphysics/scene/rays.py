@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.geometry.shape_base import Shape
     from halfphysics.motion.pose import Pose
-    from halfphysics.scene.scene import Object, Scene, Static
+    from halfphysics.scene.items import Object, Static
+    from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 Found = tuple[float, Array]  # distance and normal

@@ -39,7 +39,8 @@ from halfphysics.geometry.shapes import (
     Shape,
     Sphere,
 )
-from halfphysics.scene.scene import OBJECT_FRICTION, STATIC_FRICTION, Object, Scene, Static
+from halfphysics.scene.items import OBJECT_FRICTION, STATIC_FRICTION, Object, Static
+from halfphysics.scene.scene import Scene
 from halfphysics.scene.trajectories import Moving
 
 if TYPE_CHECKING:

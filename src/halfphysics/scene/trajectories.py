@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
-from halfphysics.scene.scene import Object
+from halfphysics.scene.items import Object
 
 Array = NDArray[np.float64]
 

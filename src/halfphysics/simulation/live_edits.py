@@ -20,8 +20,9 @@ from halfphysics.simulation import holding
 from halfphysics.simulation.world import Thing, World
 
 if TYPE_CHECKING:
+    from halfphysics.scene.items import Object
     from halfphysics.scene.rays import Hit
-    from halfphysics.scene.scene import Object, Scene
+    from halfphysics.scene.scene import Scene
     from halfphysics.simulation.holding import HeldThing, Hold
 
 Array = NDArray[np.float64]

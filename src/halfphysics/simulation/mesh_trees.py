@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from halfphysics.geometry.mesh import Mesh
-    from halfphysics.scene.scene import Static
+    from halfphysics.scene.items import Static
 
 Array = NDArray[np.float64]
 

@@ -214,7 +214,8 @@ class Simulator:
         """One frame of the core; what `Settings.record` asks to keep of it (., nq)."""
         count = self.settings.substeps_for(dt)
         record = self.settings.record == "substeps"
-        return self.world.stepper.frame(targets, dt, count, record)
+        result: Array = self.world.stepper.frame(targets, dt, count, record)
+        return result
 
     def set_stiffness(
         self, value: float | Mapping[str, float] | Array, *, person: int | None = None
@@ -281,7 +282,8 @@ class Simulator:
     def velocity(self, name: str) -> tuple[Array, Array]:
         """An object's velocity (3,) [m/s] of its origin and angular (3,) [rad/s], in the world."""
         self._must_run("velocity")
-        return running().velocity(self.world, name)
+        result: tuple[Array, Array] = running().velocity(self.world, name)
+        return result
 
     def set_velocity(
         self, name: str, velocity: ArrayLike, angular_velocity: ArrayLike | None = None
@@ -398,7 +400,8 @@ class Simulator:
             InputError: Before `reset`, no vector, a direction of no length, an unknown name.
         """
         self._must_run("ray")
-        return running().ray(self.world, self._axes, origin, direction, ignore)
+        hit: Hit | None = running().ray(self.world, self._axes, origin, direction, ignore)
+        return hit
 
     # -- inside ----------------------------------------------------------------------------
 

@@ -109,7 +109,8 @@ def _row(drawings: Sequence[Drawing], direction: Array) -> tuple[Array, Array]:
 
 def _level(vector: Array) -> Array:
     flat = vector * np.array([1.0, 1.0, 0.0])
-    return flat / max(float(np.linalg.norm(flat)), 1e-12)
+    result: Array = flat / max(float(np.linalg.norm(flat)), 1e-12)
+    return result
 
 
 def _across(direction: Array, row: Array) -> Array:
@@ -120,7 +121,10 @@ def _across(direction: Array, row: Array) -> Array:
     side = np.array([-row[1], row[0], 0.0])
     turned = np.sign(level @ row) * row + (1.0 if level @ side >= 0.0 else -1.0) * side
     height = direction[2]
-    return turned / np.linalg.norm(turned) * np.sqrt(1.0 - height**2) + np.array([0, 0, height])
+    result: Array = turned / np.linalg.norm(turned) * np.sqrt(1.0 - height**2) + np.array(
+        [0, 0, height]
+    )
+    return result
 
 
 def _moved(camera: Camera, by: Array) -> Camera:

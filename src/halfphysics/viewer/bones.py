@@ -150,7 +150,7 @@ def _quick(plain: type) -> type:
     """A message that is already packed, under the name of the one that it stands for."""
     import msgspec
 
-    class _Quick(plain):  # type: ignore[misc,valid-type]
+    class _Quick(plain):  # type: ignore[misc]
         def __init__(self, data: bytes, redundancy: str, entity: tuple[str, str]) -> None:
             self._data = data
             self._redundancy = redundancy

@@ -179,7 +179,8 @@ class Cameras:
 
     def subject(self) -> Array:
         """What is followed: the middle of the people's pelvises (3,) [m]."""
-        return np.mean([person[0] for person in self._people()], axis=0)
+        result: Array = np.mean([person[0] for person in self._people()], axis=0)
+        return result
 
     def follow(self) -> None:
         """Carry the cameras along; call after what they look at has moved."""

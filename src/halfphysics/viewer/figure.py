@@ -165,7 +165,8 @@ def strongest(weights: Array) -> Array:
     weights = np.array(weights, dtype=np.float64)
     drop = np.argsort(-weights, axis=1, kind="stable")[:, _INFLUENCES:]
     np.put_along_axis(weights, drop, 0.0, axis=1)
-    return weights / weights.sum(axis=1, keepdims=True)
+    result: Array = weights / weights.sum(axis=1, keepdims=True)
+    return result
 
 
 def shrunk(vertices: Array, faces: NDArray[np.integer], by: float) -> Array:

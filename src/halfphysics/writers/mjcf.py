@@ -33,7 +33,7 @@ from halfphysics.writers.mjcf_geoms import Geoms
 
 if TYPE_CHECKING:
     from halfphysics.scene.articulated import Articulated, Link
-    from halfphysics.scene.scene import Object
+    from halfphysics.scene.items import Object
     from halfphysics.writers.take import Take
 
 Array = NDArray[np.float64]

@@ -65,7 +65,8 @@ def _corner_normals(vertices: Array, faces: Faces) -> Array:
     across = np.linalg.norm(np.cross(forward, backward), axis=2)
     angle = np.arctan2(across, np.einsum("fki,fki->fk", forward, backward))
     unit = normal / np.where(size > 0.0, size, 1.0)[:, None]
-    return (angle[..., None] * unit[:, None]).reshape(-1, 3)
+    result: Array = (angle[..., None] * unit[:, None]).reshape(-1, 3)
+    return result
 
 
 def _summed(index: Faces, values: Array, count: int) -> Array:

@@ -135,7 +135,8 @@ def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = N
 def _middle(actors: tuple[Actor, ...]) -> Array:
     """Centre (3,) of the box around the people's pelvises at all frames [m]."""
     ways = np.concatenate([a.body.joint_frames(a.motion)[0][:, 0] for a in actors])
-    return 0.5 * (ways.min(axis=0) + ways.max(axis=0))
+    result: Array = 0.5 * (ways.min(axis=0) + ways.max(axis=0))
+    return result
 
 
 def _props(scene: Scene, tracks: Mapping[str, ObjectTrack], middle: Array) -> tuple[Prop, ...]:

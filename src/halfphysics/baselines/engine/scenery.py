@@ -21,7 +21,8 @@ from halfphysics.scene.material_pairs import PERSON
 from halfphysics.scene.trajectories import Moving
 
 if TYPE_CHECKING:
-    from halfphysics.scene.scene import Scene, Static
+    from halfphysics.scene.items import Static
+    from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 

@@ -360,7 +360,8 @@ def _on_top(person: PersonResult) -> Fields:
     by_name: Mapping[str | None, Any] = {layout.name: layout for layout in _LAYOUTS.values()}
     if own not in by_name and not np.array_equal(motion.axes, np.eye(3)):
         motion = motion.rebased(person.body)
-    return by_name.get(own, _LAYOUTS[motion.model]).encode(motion)
+    result: Fields = by_name.get(own, _LAYOUTS[motion.model]).encode(motion)
+    return result
 
 
 def _json(data: Any) -> NDArray[Any]:

@@ -151,7 +151,8 @@ def _plate(text: str, pixels: int, before: int = 0) -> Patch:
     cover = np.asarray(ink, dtype=np.float64)[..., None] / 255
     color = (1.0 - cover) * np.array(_PLATE) + cover * np.array(_INK)
     opacity = shape[..., None] * (_OPACITY + (1.0 - _OPACITY) * cover)
-    return np.rint(np.concatenate([color, 255 * opacity], axis=2)).astype(np.uint8)
+    result: Patch = np.rint(np.concatenate([color, 255 * opacity], axis=2)).astype(np.uint8)
+    return result
 
 
 def _key(entries: Sequence[tuple[str, Color]], pixels: int) -> Patch:

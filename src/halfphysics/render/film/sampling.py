@@ -84,7 +84,8 @@ def _motion(motion: Motion, low: Any, high: Any, weight: Array) -> Motion:
 
 def _line(values: Array, low: Any, high: Any, weight: Array) -> Array:
     w = weight[:, None]
-    return np.where(w > 0.0, (1.0 - w) * values[low] + w * values[high], values[low])
+    result: Array = np.where(w > 0.0, (1.0 - w) * values[low] + w * values[high], values[low])
+    return result
 
 
 def _turn(quaternions: Array, low: Any, high: Any, weight: Array) -> Array:

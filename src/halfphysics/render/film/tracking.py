@@ -72,7 +72,8 @@ class Story:
         """Level unit vector that people face, mean over the story."""
         ways = facing(self.drawings[0], spread(len(self), 9))
         mean = ways.mean(axis=0)
-        return mean / np.linalg.norm(mean) if np.linalg.norm(mean) > 1e-6 else ways[0]
+        result: Array = mean / np.linalg.norm(mean) if np.linalg.norm(mean) > 1e-6 else ways[0]
+        return result
 
 
 def _box(item: Item, people: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -123,7 +124,8 @@ def _raised(direction: Array, degrees: float) -> Array:
     level = direction * np.array([1.0, 1.0, 0.0])
     level = level / np.linalg.norm(level)
     angle = np.radians(degrees)
-    return np.cos(angle) * level + np.sin(angle) * np.array([0.0, 0.0, 1.0])
+    result: Array = np.cos(angle) * level + np.sin(angle) * np.array([0.0, 0.0, 1.0])
+    return result
 
 
 def _fixed(story: Story, direction: Array, size: tuple[int, int]) -> Camera:
@@ -186,7 +188,8 @@ def _largest(values: Array, reach: int) -> Array:
     """The largest of each value (T, 1) and `reach` values to either side."""
     padded = np.pad(values, ((reach, reach), (0, 0)), mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=0)
-    return windows.max(axis=-1)
+    result: Array = windows.max(axis=-1)
+    return result
 
 
 def hiding(drawing: Drawing, cameras: Sequence[Camera], size: tuple[int, int]) -> set[str]:

@@ -236,11 +236,15 @@ def _T(matrices: Array) -> Array:
 def _turned(degrees: Array) -> Array:
     """Frames of the pelvis (T, 3, 3) from its turns (T, 3)."""
     turn = np.radians(degrees)
-    return about(2, turn[:, 0]) @ about(1, turn[:, 1]) @ about(0, turn[:, 2]) @ WORLD_FROM_REST
+    result: Array = (
+        about(2, turn[:, 0]) @ about(1, turn[:, 1]) @ about(0, turn[:, 2]) @ WORLD_FROM_REST
+    )
+    return result
 
 
 def _unit(vectors: Array) -> Array:
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    result: Array = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return result
 
 
 def _frame(x: Array, y: Array) -> Array:

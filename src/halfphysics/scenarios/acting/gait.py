@@ -45,7 +45,8 @@ _FINE = 1.0 / 240.0
 def ease(x: ArrayLike) -> Array:
     """0 below 0, 1 above 1, between them a polynomial without a jump in acceleration."""
     x = np.clip(np.asarray(x, dtype=np.float64), 0.0, 1.0)
-    return x * x * x * (10.0 + x * (6.0 * x - 15.0))
+    result: Array = x * x * x * (10.0 + x * (6.0 * x - 15.0))
+    return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +105,8 @@ class Walk:
     @property
     def steps(self) -> int:
         """Number of steps, the shorter first and last ones included."""
-        return max(3, round(self.distance / np.sqrt(WALK_RATIO * self.speed)) + 1)
+        result: int = max(3, round(self.distance / np.sqrt(WALK_RATIO * self.speed)) + 1)
+        return result
 
     @property
     def stride(self) -> float:
@@ -245,7 +247,8 @@ def _carried(limit: Array, window: int) -> Array:
 
     low = minimum_filter1d(limit, 2 * window + 1, mode="nearest")
     weights = np.hanning(2 * window + 3)[1:-1]
-    return convolve1d(low, weights / weights.sum(), mode="nearest")
+    result: Array = convolve1d(low, weights / weights.sum(), mode="nearest")
+    return result
 
 
 def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:

@@ -127,7 +127,8 @@ def grip(body: Body, outline: float | ArrayLike, gap: float = 0.001) -> Grip:
     palm = [WRIST, *FINGERS[:_THUMB].ravel()]
 
     def palm_is_clear(y: float) -> bool:
-        return hand.gaps(angles, thumb, np.array([centre[0], -y]), held, palm).min() > gap
+        result: bool = hand.gaps(angles, thumb, np.array([centre[0], -y]), held, palm).min() > gap
+        return result
 
     centre[1] = -_first(palm_is_clear, 0.0, 0.2)[1]
     for finger, row in enumerate(angles):

@@ -95,7 +95,8 @@ def planted(leg: Leg, mark: Array, yaw: Array | float, pitch: Array) -> Array:
     flat[:, :2] = mark
     flat[:, 2] = leg.height
     turned = np.einsum("tij,tj->ti", about(0, -pitch), pivot)
-    return flat + np.einsum("tij,tj->ti", frame, pivot - turned)
+    result: Array = flat + np.einsum("tij,tj->ti", frame, pivot - turned)
+    return result
 
 
 def solve(

@@ -6,7 +6,7 @@ import contextlib
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.document_entries import (
@@ -26,6 +26,7 @@ from halfphysics.sweep.plan.inputs import Inputs, file_options, scenario_options
 from halfphysics.sweep.plan.plan import VERSION, Labels, Outputs, Plan
 from halfphysics.sweep.plan.values import Spec, spec
 
+T = TypeVar("T")
 _SUFFIXES = (".yaml", ".yml", ".json")
 _KEYS = (
     "version",
@@ -136,7 +137,7 @@ def _inputs(entry: Entry, base: Path) -> Inputs:
     mapping(entry, (*what, *known, "ground"), of)
     options = {key: _plain(given[key]) for key in known if key in given}
     ground = {"ground": _plain(given["ground"])} if "ground" in given else {}
-    made: Inputs = _placed(entry, lambda: Inputs(**what, options=options, **ground))
+    made = _placed(entry, lambda: Inputs(**what, options=options, **ground))
     for folder in made.options.get("assets", ()) if made.files else ():
         if not _at(given["assets"], base / folder).is_dir():
             raise given["assets"].error(f"there is no folder {folder!r} in {base.absolute()}")
@@ -158,7 +159,7 @@ def _body(entry: Entry, base: Path) -> BodyChoice:
             f"folder}}, found {describe(entry)}"
         )
     given = mapping(entry, _BODY_KEYS)
-    made: BodyChoice = _made(entry, BodyChoice, given)
+    made = _made(entry, BodyChoice, given)
     if made.model is not None and not _at(given["model"], base / made.model).exists():
         raise given["model"].error(f"there is no {made.model!r} in {base.absolute()}")
     return made
@@ -177,17 +178,15 @@ def _scene(entry: Entry, base: Path) -> SceneChoice:
 
 
 def _spec(entry: Entry) -> Spec:
-    made: Spec = _placed(entry, lambda: spec(_plain(entry)))
-    return made
+    return _placed(entry, lambda: spec(_plain(entry)))
 
 
 def _at(entry: Entry, path: Path) -> Path:
     """A path that can be asked for: something may be there or not."""
-    asked: Path = guarded(entry, file_path, path)
-    return asked
+    return guarded(entry, file_path, path)
 
 
-def _made(entry: Entry, kind: Callable[..., Any], given: Mapping[str, Entry]) -> Any:
+def _made(entry: Entry, kind: Callable[..., T], given: Mapping[str, Entry]) -> T:
     values = {key: _plain(child) for key, child in given.items()}
     return _placed(entry, lambda: kind(**values))
 
@@ -201,7 +200,7 @@ def _each(entry: Entry, read: Callable[[Entry], Any]) -> tuple[Any, ...]:
     return (read(entry),)
 
 
-def _placed(entry: Entry, make: Callable[[], Any]) -> Any:
+def _placed(entry: Entry, make: Callable[[], T]) -> T:
     """make(), with the place in the file put before what goes wrong.
 
     Messages begin with the key they are about, and a colon: the place is that key's.

@@ -201,8 +201,8 @@ void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
         for (size_t r = 0; r < 3; r++)
           for (size_t c = 0; c < 3; c++) {
             const double a = A.data()[(3 * i + r) * n3 + 3 * j + c];
-            problem.A((int)i, (int)j)[r * problem.stride() + c] = a;
-            problem.A((int)j, (int)i)[c * problem.stride() + r] = a;
+            problem.block((int)i, (int)j)[r * problem.stride() + c] = a;
+            problem.block((int)j, (int)i)[c * problem.stride() + r] = a;
           }
       problem.add(beta.data() + 3 * i, warm.data() + 3 * i, mu.data()[i], pairs.data()[i]);
     }

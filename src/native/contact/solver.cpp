@@ -24,8 +24,8 @@ Vec3 endpoint_velocity(const Model& m, const Kinematics& k, const std::vector<Tw
 
 // D^-1/2 L^-T S for the six spatial axes S of a body: what a unit wrench on it does, per dof of
 // its chain. Then a row of Y = D^-1/2 L^-T J^T is a combination of six columns.
-void ContactSolver::half_solve(const Model& m, const Kinematics& k, const Inertia& inertia,
-                               int body) {
+void ContactSolver::half_solve(const System& s, int body) {
+  const Model& m = s.m;
   int last = m.last_dof[body];
   const int* dof = &m.chain[m.row_start[last]];
   int n = m.row_size[last];
@@ -33,20 +33,20 @@ void ContactSolver::half_solve(const Model& m, const Kinematics& k, const Inerti
   body_y_.resize(body_y_.size() + 6 * (size_t)n);
   double* y = &body_y_[body_slot_[body]];
   for (int a = 0; a < n; a++) {
-    store3(y + 6 * a, k.cdof[dof[a]].w);
-    store3(y + 6 * a + 3, k.cdof[dof[a]].v);
+    store3(y + 6 * a, s.k.cdof[dof[a]].w);
+    store3(y + 6 * a + 3, s.k.cdof[dof[a]].v);
   }
   for (int a = n - 1; a > 0; a--) {
-    const double* row = &inertia.L[m.row_start[dof[a]]];
+    const double* row = &s.inertia.L[m.row_start[dof[a]]];
     const double* ya = y + 6 * a;
     for (int c = 0; c < a; c++)
       for (int e = 0; e < 6; e++) y[6 * c + e] -= row[c] * ya[e];
   }
   for (int a = 0; a < n; a++)
-    for (int e = 0; e < 6; e++) y[6 * a + e] *= inertia.root_D[dof[a]];
+    for (int e = 0; e < 6; e++) y[6 * a + e] *= s.inertia.root_D[dof[a]];
 }
 
-// Several bodies of one tree share dofs.
+// Adds to an entry of the row of Y that is being made: several bodies of one tree share dofs.
 void ContactSolver::add_to_row(int dof, double n, double t, double s) {
   int& at = slot_[dof];
   if (at < 0) {
@@ -58,10 +58,32 @@ void ContactSolver::add_to_row(int dof, double n, double t, double s) {
   }
 }
 
+// What a body contributes to the row of an endpoint that hangs on it.
+void ContactSolver::add_body(const System& s, const Endpoint& e, int l, double sign,
+                             const Vec3 axis[3]) {
+  const Model& m = s.m;
+  int b = e.body[l], last = m.pushed_dof(b);
+  if (last < 0) return;
+  if (body_slot_[b] < 0) half_solve(s, b);
+  Vec3 r = e.point[l] - s.k.reference(m, b);
+  double weight = sign * e.weight[l];
+  const double* y = &body_y_[body_slot_[b]];
+  const int* dof = &m.chain[m.row_start[last]];
+  Vec3 moment[3];
+  for (int q = 0; q < 3; q++) moment[q] = weight * cross(r, axis[q]);
+  for (int a = 0; a < m.row_size[last]; a++, y += 6) {
+    Vec3 yw = load3(y), yv = load3(y + 3);
+    double v[3];
+    for (int q = 0; q < 3; q++) v[q] = dot(moment[q], yw) + weight * dot(axis[q], yv);
+    add_to_row(dof[a], v[0], v[1], v[2]);
+  }
+}
+
 // The same for what blend shapes do: joints anywhere in the tree, so that every row of the factor
 // takes part.
-void ContactSolver::add_bends(const Model& m, const Inertia& inertia, const Endpoint& e, double sign,
+void ContactSolver::add_bends(const System& s, const Endpoint& e, double sign,
                               const Vec3 axis[3]) {
+  const Model& m = s.m;
   bend_.resize(3 * (size_t)m.nv, 0.0);
   int last = 0;
   for (const Endpoint::Bend& b : *e.bends) {
@@ -72,18 +94,17 @@ void ContactSolver::add_bends(const Model& m, const Inertia& inertia, const Endp
     double* x = &bend_[3 * (size_t)i];
     if (x[0] == 0 && x[1] == 0 && x[2] == 0) continue;
     const int* chain = &m.chain[m.row_start[i]];
-    const double* L = &inertia.L[m.row_start[i]];
+    const double* L = &s.inertia.L[m.row_start[i]];
     for (int a = 0; a + 1 < m.row_size[i]; a++)
       for (int q = 0; q < 3; q++) bend_[3 * (size_t)chain[a] + q] -= L[a] * x[q];
-    const double d = inertia.root_D[i];
+    const double d = s.inertia.root_D[i];
     add_to_row(i, d * x[0], d * x[1], d * x[2]);
     x[0] = x[1] = x[2] = 0;
   }
 }
 
-// One more contact takes part: its row of Y, and of A with all rows that there are.
-void ContactSolver::join(const Model& m, const Kinematics& k, const Inertia& inertia,
-                         const Contact& c, int contact) {
+// The row of Y of a contact, and its blocks of the Delassus operator with all rows that there are.
+void ContactSolver::join(const System& s, const Contact& c, int contact) {
   joined_[contact] = 1;
   Row row;
   row.contact = contact;
@@ -91,55 +112,47 @@ void ContactSolver::join(const Model& m, const Kinematics& k, const Inertia& ine
   const Vec3 axis[3] = {c.n, c.t, c.s};
   for (int side = 0; side < 2; side++) {
     const Endpoint& e = side == 0 ? c.a : c.b;
-    for (int l = 0; l < e.count; l++) {
-      int b = e.body[l], last = m.pushed_dof(b);
-      if (last < 0) continue;
-      if (body_slot_[b] < 0) half_solve(m, k, inertia, b);
-      Vec3 r = e.point[l] - k.reference(m, b);
-      double weight = side == 0 ? e.weight[l] : -e.weight[l];
-      const double* y = &body_y_[body_slot_[b]];
-      const int* dof = &m.chain[m.row_start[last]];
-      Vec3 moment[3];
-      for (int q = 0; q < 3; q++) moment[q] = weight * cross(r, axis[q]);
-      for (int a = 0; a < m.row_size[last]; a++, y += 6) {
-        Vec3 yw = load3(y), yv = load3(y + 3);
-        double v[3];
-        for (int q = 0; q < 3; q++) v[q] = dot(moment[q], yw) + weight * dot(axis[q], yv);
-        add_to_row(dof[a], v[0], v[1], v[2]);
-      }
-    }
-    if (e.bends) add_bends(m, inertia, e, side == 0 ? 1 : -1, axis);
+    const double sign = side == 0 ? 1 : -1;
+    for (int l = 0; l < e.count; l++) add_body(s, e, l, sign, axis);
+    if (e.bends) add_bends(s, e, sign, axis);
   }
   row.count = (int)dof_.size() - row.first;
   for (int i = row.first; i < (int)dof_.size(); i++) slot_[dof_[i]] = -1;
+  rows_.push_back(row);
+  fill_blocks((int)rows_.size() - 1);
 
-  const int n = (int)rows_.size();
+  // The end of a joint's range has one row only; the other two get something regular to divide by.
+  const int n = (int)rows_.size() - 1;
+  const size_t stride = problem_.stride();
+  if (c.a.count == 0 && c.b.count == 0)
+    for (int q = 1; q < 3; q++) problem_.block(n, n)[q * stride + q] += problem_.block(n, n)[0];
+  const double warm[3] = {dot(c.n, c.impulse), dot(c.t, c.impulse), dot(c.s, c.impulse)};
+  problem_.add(&demand_[3 * contact], warm, c.friction, c.pair);
+}
+
+// A = Y Y^T: the blocks of row n with itself and the rows before it.
+void ContactSolver::fill_blocks(int n) {
+  const Row& row = rows_[n];
   const size_t stride = problem_.stride();
   for (int i = row.first; i < row.first + row.count; i++)
     for (int q = 0; q < 3; q++) scatter_[4 * dof_[i] + q] = y_[4 * i + q];
-  rows_.push_back(row);
   for (int j = 0; j <= n; j++) {
     const Row& other = rows_[j];
     double s[12];
     meet(scatter_.data(), &dof_[other.first], &y_[4 * (size_t)other.first], other.count, s);
     for (int p = 0; p < 3; p++)
       for (int q = 0; q < 3; q++) {
-        problem_.A(n, j)[p * stride + q] = s[4 * p + q];
-        problem_.A(j, n)[q * stride + p] = s[4 * p + q];
+        problem_.block(n, j)[p * stride + q] = s[4 * p + q];
+        problem_.block(j, n)[q * stride + p] = s[4 * p + q];
       }
   }
   for (int i = row.first; i < row.first + row.count; i++)
     for (int q = 0; q < 3; q++) scatter_[4 * dof_[i] + q] = 0;
-
-  // What moves with a joint alone has one row; the other two get something regular to divide by.
-  if (c.a.count == 0 && c.b.count == 0)
-    for (int q = 1; q < 3; q++) problem_.A(n, n)[q * stride + q] += problem_.A(n, n)[0];
-  const double warm[3] = {dot(c.n, c.impulse), dot(c.t, c.impulse), dot(c.s, c.impulse)};
-  problem_.add(&demand_[3 * contact], warm, c.friction, c.pair);
 }
 
-// dv = M^-1 J^T p = L^-1 D^-1/2 Y p.
-void ContactSolver::response(const Model& m, const Kinematics& k, const Inertia& inertia) {
+// dv = M^-1 J^T p = L^-1 D^-1/2 Y^T p, into dv_, and the bodies' twists that it makes.
+void ContactSolver::response(const System& s) {
+  const Model& m = s.m;
   std::fill(dv_.begin(), dv_.end(), 0.0);
   for (int i = 0; i < (int)rows_.size(); i++) {
     const double* p = &problem_.p[3 * i];
@@ -147,95 +160,115 @@ void ContactSolver::response(const Model& m, const Kinematics& k, const Inertia&
     for (int e = rows_[i].first; e < rows_[i].first + rows_[i].count; e++)
       dv_[dof_[e]] += y_[4 * e] * p[0] + y_[4 * e + 1] * p[1] + y_[4 * e + 2] * p[2];
   }
-  for (int i = 0; i < m.nv; i++) dv_[i] *= inertia.root_D[i];
-  inertia.half_solve_back(m, dv_.data());
-  body_twists(m, k, dv_.data(), response_);
+  for (int i = 0; i < m.nv; i++) dv_[i] *= s.inertia.root_D[i];
+  s.inertia.half_solve_back(m, dv_.data());
+  body_twists(m, s.k, dv_.data(), response_);
 }
 
-// Is anybody squeezed harder than who has room to give way?
-bool ContactSolver::crushes(const int* ids, int n, double mass) const {
+// Does a contact need an impulse that says that there is no room?
+bool ContactSolver::crushes(const Island& at) const {
   double asked = 0, most = 0;
-  for (int l = 0; l < n; l++) asked = std::max(asked, -demand_[3 * ids[l]]);
+  for (int l = 0; l < at.count; l++) asked = std::max(asked, -demand_[3 * at.contact[l]]);
   for (size_t i = 0; i < rows_.size(); i++) most = std::max(most, problem_.p[3 * i]);
-  return most > tune::kCrushing * mass * asked;
+  return most > tune::kCrushing * at.mass * asked;
 }
 
-void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& inertia,
-                           const int* ids, int n, std::vector<Contact>& contacts,
-                           double tolerance, int max_sweeps, double mass, SolveReport& report) {
+// The worst contacts of every pair, two at most at a time, join those that take part. `violation` says
+// how far a contact is from its demand [m/s], negative where it is violated.
+template <typename Violation>
+bool ContactSolver::join_worst(const System& s, const Island& at,
+                               const std::vector<Contact>& contacts, const Violation& violation) {
+  worst_.clear();
+  for (int l = 0; l < at.count; l++) {
+    const int i = at.contact[l];
+    if (joined_[i]) continue;
+    const double v = violation(i);
+    if (v >= -tune::kJoinShare * at.tolerance) continue;
+    int rivals = 0;
+    Waiting* best = nullptr;
+    for (Waiting& w : worst_)
+      if (w.pair == contacts[i].pair) {
+        rivals++;
+        if (!best || w.violation > best->violation) best = &w;  // the least of them
+      }
+    if (rivals < 2)
+      worst_.push_back({i, contacts[i].pair, v});
+    else if (v < best->violation)
+      *best = {i, contacts[i].pair, v};
+  }
+  for (const Waiting& w : worst_) join(s, contacts[w.contact], w.contact);
+  return !worst_.empty();
+}
+
+// The same in view of the impulses that there are.
+bool ContactSolver::join_violated(const System& s, const Island& at,
+                                  const std::vector<Contact>& contacts) {
+  response(s);
+  return join_worst(s, at, contacts, [&](int i) {
+    const Contact& c = contacts[i];
+    return demand_[3 * i] + dot(c.n, endpoint_velocity(s.m, s.k, response_, dv_.data(), c.a) -
+                                         endpoint_velocity(s.m, s.k, response_, dv_.data(), c.b));
+  });
+}
+
+// The contacts that carried something in the substep before, and those that are violated in spite of
+// them.
+void ContactSolver::join_first(const System& s, const Island& at,
+                               const std::vector<Contact>& contacts) {
+  for (int l = 0; l < at.count; l++) {
+    const int i = at.contact[l];
+    if (norm2(contacts[i].impulse) > 0) join(s, contacts[i], i);
+  }
+  if ((int)rows_.size() == at.count) return;
+  if (rows_.empty())
+    join_worst(s, at, contacts, [&](int i) { return demand_[3 * i]; });
+  else
+    join_violated(s, at, contacts);
+}
+
+// Calls each(body) for the bodies that the contacts of an island lie on.
+template <typename Each>
+static void for_bodies(const std::vector<Contact>& contacts, const int* ids, int n,
+                       const Each& each) {
+  for (int l = 0; l < n; l++)
+    for (const Endpoint* e : {&contacts[ids[l]].a, &contacts[ids[l]].b})
+      for (int q = 0; q < e->count; q++) each(e->body[q]);
+}
+
+// Solves one island; the impulses of its contacts are then those of the answer.
+void ContactSolver::solve_island(const System& s, const Island& at, std::vector<Contact>& contacts,
+                                 SolveReport& report) {
+  const Model& m = s.m;
   rows_.clear();
   dof_.clear();
   y_.clear();
-  problem_.clear(n);
-  // The worst points of every pair, two at most at a time.
-  auto join_worst = [&](auto violation) {
-    worst_.clear();
-    for (int l = 0; l < n; l++) {
-      const int i = ids[l];
-      if (joined_[i]) continue;
-      const double v = violation(i);
-      if (v >= -tune::kJoinShare * tolerance) continue;
-      int rivals = 0;
-      Waiting* best = nullptr;
-      for (Waiting& w : worst_)
-        if (w.pair == contacts[i].pair) {
-          rivals++;
-          if (!best || w.violation > best->violation) best = &w;  // the least of them
-        }
-      if (rivals < 2)
-        worst_.push_back({i, contacts[i].pair, v});
-      else if (v < best->violation)
-        *best = {i, contacts[i].pair, v};
-    }
-    for (const Waiting& w : worst_) join(m, k, inertia, contacts[w.contact], w.contact);
-    return !worst_.empty();
-  };
-  auto violation = [&](int i) {
-    const Contact& c = contacts[i];
-    return demand_[3 * i] + dot(c.n, endpoint_velocity(m, k, response_, dv_.data(), c.a) -
-                                         endpoint_velocity(m, k, response_, dv_.data(), c.b));
-  };
-  // Those that carried something before, and whatever is violated in spite of them.
-  for (int l = 0; l < n; l++)
-    if (norm2(contacts[ids[l]].impulse) > 0) join(m, k, inertia, contacts[ids[l]], ids[l]);
-  if ((int)rows_.size() < n) {
-    if (rows_.empty()) {
-      join_worst([&](int i) { return demand_[3 * i]; });
-    } else {
-      response(m, k, inertia);
-      join_worst(violation);
-    }
-  }
-  // What rests, things on things, must not creep by what a tolerance allows.
-  bool things = true;
-  for (int l = 0; l < n && things; l++)
-    for (const Endpoint* e : {&contacts[ids[l]].a, &contacts[ids[l]].b})
-      for (int q = 0; q < e->count; q++)
-        things &= m.last_dof[e->body[q]] < 0 || m.row_size[m.last_dof[e->body[q]]] <= 6;
-  const double fine = things ? tune::kRestGoal * tolerance : tolerance;
-  bool squeezed = false;  // by something on a track
-  for (int l = 0; l < n && mass > 0 && !squeezed; l++)
-    for (const Endpoint* e : {&contacts[ids[l]].a, &contacts[ids[l]].b})
-      for (int q = 0; q < e->count; q++) squeezed |= m.held[e->body[q]] != 0;
+  problem_.clear(at.count);
+  join_first(s, at, contacts);
+  // Objects that rest on objects must not creep by what a tolerance allows.
+  bool objects = true, squeezed = false;  // by a body on a track
+  for_bodies(contacts, at.contact, at.count, [&](int b) {
+    objects &= m.last_dof[b] < 0 || m.row_size[m.last_dof[b]] <= 6;
+    squeezed |= at.mass > 0 && m.held[b] != 0;
+  });
+  const double fine = objects ? tune::kRestGoal * at.tolerance : at.tolerance;
   // Roughly while others may join, then properly.
+  const double roughly = tune::kRoughGoal * at.tolerance;
   SolveReport mine;
   bool rough = true;
   for (int round = 0;; round++) {
-    rough = rough && round < tune::kJoinRounds && (int)rows_.size() < n;
-    problem_.solve(rough ? tune::kRoughGoal * tolerance : tolerance, rough ? tune::kRoughGoal * tolerance : fine,
-                   max_sweeps, mine);
-    if (squeezed && crushes(ids, n, mass)) {
+    rough = rough && round < tune::kJoinRounds && (int)rows_.size() < at.count;
+    problem_.solve(rough ? roughly : at.tolerance, rough ? roughly : fine, at.max_sweeps, mine);
+    if (squeezed && crushes(at)) {
       report.crushed = true;
       break;
     }
-    if (round >= tune::kJoinRounds || (int)rows_.size() == n) break;
-    response(m, k, inertia);
-    if (join_worst(violation)) continue;
+    if (round >= tune::kJoinRounds || (int)rows_.size() == at.count) break;
+    if (join_violated(s, at, contacts)) continue;
     if (!rough) break;
     rough = false;
   }
-  report.crushed |= squeezed && mine.normal > tune::kUnsolved * tolerance;
-  for (int l = 0; l < n; l++) contacts[ids[l]].impulse = {};
+  report.crushed |= squeezed && mine.normal > tune::kUnsolved * at.tolerance;
+  for (int l = 0; l < at.count; l++) contacts[at.contact[l]].impulse = {};
   for (size_t i = 0; i < rows_.size(); i++) {
     Contact& c = contacts[rows_[i].contact];
     const double* p = &problem_.p[3 * i];
@@ -246,10 +279,58 @@ void ContactSolver::island(const Model& m, const Kinematics& k, const Inertia& i
   report.residual = std::max(report.residual, mine.residual);
 }
 
+// beta of every contact: its velocity without contact, less the normal velocity that it demands.
+void ContactSolver::find_demands(const System& s, double h, const double* v_free,
+                                 const std::vector<Contact>& contacts) {
+  demand_.resize(3 * contacts.size());
+  body_twists(s.m, s.k, v_free, twists_);
+  for (size_t i = 0; i < contacts.size(); i++) {
+    const Contact& c = contacts[i];
+    Vec3 u = endpoint_velocity(s.m, s.k, twists_, v_free, c.a) -
+             endpoint_velocity(s.m, s.k, twists_, v_free, c.b);
+    demand_[3 * i] = dot(c.n, u) - std::max((c.target - c.dist + c.shift) / h, c.bounce);
+    demand_[3 * i + 1] = dot(c.t, u + h * c.curve);
+    demand_[3 * i + 2] = dot(c.s, u + h * c.curve);
+  }
+}
+
+// Islands are trees that contacts connect: root_island_ (by body) is a forest over the trees' roots.
+// order_ has the contacts of one island after the other.
+void ContactSolver::find_islands(const Model& m, const std::vector<Contact>& contacts) {
+  root_island_.resize(m.nbody);
+  std::iota(root_island_.begin(), root_island_.end(), 0);
+  for (const Contact& c : contacts)
+    for (const Endpoint* e : {&c.a, &c.b})
+      for (int l = 0; l < e->count; l++)
+        if (m.pushed_dof(e->body[l]) >= 0)
+          root_island_[island_of(m.root[e->body[l]])] = island_of(any_root(m, c));
+  order_.resize(contacts.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  std::stable_sort(order_.begin(), order_.end(), [&](int i, int j) {
+    return island_of(any_root(m, contacts[i])) < island_of(any_root(m, contacts[j]));
+  });
+}
+
+int ContactSolver::island_of(int root) {
+  int b = root;
+  while (root_island_[b] != b) b = root_island_[b] = root_island_[root_island_[b]];
+  return b;
+}
+
+// The root of a tree that a contact pushes.
+int ContactSolver::any_root(const Model& m, const Contact& c) {
+  for (const Endpoint* e : {&c.a, &c.b})
+    for (int l = 0; l < e->count; l++)
+      if (m.pushed_dof(e->body[l]) >= 0) return m.root[e->body[l]];
+  // The end of a joint's range moves with that joint alone.
+  return c.a.bends ? m.root[m.dof_body[c.a.bends->front().dof]] : 0;
+}
+
 SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Inertia& inertia,
                                  double h, const double* v_free, double* v,
                                  std::vector<Contact>& contacts, double tolerance,
                                  int max_sweeps, double mass) {
+  const System s{m, k, inertia};
   const int n = (int)contacts.size();
   std::memcpy(v, v_free, sizeof(double) * m.nv);
   SolveReport report;
@@ -260,46 +341,14 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   scatter_.resize(4 * (size_t)m.nv, 0.0);
   slot_.assign(m.nv, -1);
   dv_.resize(m.nv);
-  demand_.resize(3 * (size_t)n);
-  body_twists(m, k, v_free, twists_);
-  for (int i = 0; i < n; i++) {
-    const Contact& c = contacts[i];
-    Vec3 u = endpoint_velocity(m, k, twists_, v_free, c.a) -
-             endpoint_velocity(m, k, twists_, v_free, c.b);
-    demand_[3 * i] = dot(c.n, u) - std::max((c.target - c.dist + c.shift) / h, c.bounce);
-    demand_[3 * i + 1] = dot(c.t, u + h * c.curve);
-    demand_[3 * i + 2] = dot(c.s, u + h * c.curve);
-  }
-
-  // Islands: trees that contacts connect.
-  root_island_.resize(m.nbody);
-  std::iota(root_island_.begin(), root_island_.end(), 0);
-  auto find = [&](int b) {
-    while (root_island_[b] != b) b = root_island_[b] = root_island_[root_island_[b]];
-    return b;
-  };
-  auto any_root = [&](const Contact& c) {
-    for (const Endpoint* e : {&c.a, &c.b})
-      for (int l = 0; l < e->count; l++)
-        if (m.pushed_dof(e->body[l]) >= 0) return m.root[e->body[l]];
-    // The end of a joint moves with that alone.
-    return c.a.bends ? m.root[m.dof_body[c.a.bends->front().dof]] : 0;
-  };
-  for (const Contact& c : contacts)
-    for (const Endpoint* e : {&c.a, &c.b})
-      for (int l = 0; l < e->count; l++)
-        if (m.pushed_dof(e->body[l]) >= 0)
-          root_island_[find(m.root[e->body[l]])] = find(any_root(c));
-  order_.resize(n);
-  std::iota(order_.begin(), order_.end(), 0);
-  auto island_of = [&](int i) { return find(any_root(contacts[i])); };
-  std::stable_sort(order_.begin(), order_.end(),
-                   [&](int i, int j) { return island_of(i) < island_of(j); });
+  find_demands(s, h, v_free, contacts);
+  find_islands(m, contacts);
+  const auto island = [&](int i) { return island_of(any_root(m, contacts[order_[i]])); };
   for (int first = 0; first < n;) {
     int last = first + 1;
-    while (last < n && island_of(order_[last]) == island_of(order_[first])) last++;
-    island(m, k, inertia, &order_[first], last - first, contacts, tolerance, max_sweeps, mass, report);
-    response(m, k, inertia);
+    while (last < n && island(last) == island(first)) last++;
+    solve_island(s, {&order_[first], last - first, tolerance, max_sweeps, mass}, contacts, report);
+    response(s);
     for (int i = 0; i < m.nv; i++) v[i] += dv_[i];
     first = last;
   }

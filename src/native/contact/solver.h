@@ -1,4 +1,23 @@
-// From contacts between bodies to contact space, A = J M^-1 J^T, and back to velocities.
+// Contacts between bodies: from the joints' velocities to contact space and back.
+//
+// In a substep of length h contacts make of the free velocity v* [nv] the velocity v with
+//     M (v - v*) = J^T p,
+// M the inertia matrix in joint space (of people with what their drives resist, docs/physics.md, "The
+// solver"), J the Jacobian of all contacts' relative velocities, and p the impulses [N s]. Each
+// contact demands of the linear prediction of its gap
+//     gap_end = dist + h w_n - shift >= target,
+// `shift` being what the true end pose showed the prediction to be off by, and obeys Coulomb's law
+// with that: contact_problem.h.
+//
+// From M = L^T D L (kinematic_tree.h) follow the sparse rows of Y = D^-1/2 L^-T J^T, by one half of a
+// solve per body that is touched, along its chain of ancestors; then
+//     A = J M^-1 J^T = Y Y^T                                            (the Delassus operator),
+// and the answer is v = v* + L^-1 D^-1/2 Y^T p.
+//
+// Islands (trees that contacts connect) are solved one by one: what rests in one corner does not feel
+// how well another is solved. Within an island only those contacts take part that carry something:
+// those that did so in the substep before, and the worst of each pair. The others are looked at in
+// view of the answer, and join where they are violated; A then grows by their rows.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -52,7 +71,7 @@ struct Contact {
   Vec3 position, at_a, at_b;
   // The points whose gap counts: on the surfaces, or what those are round about.
   Material gap_a, gap_b;
-  double closing = 0;  // what the gap loses by the growth of what came out of something [m]
+  double closing = 0;  // what the gap loses as a displaced shape comes out of what it started in [m]
   Vec3 rim;           // on a disc: direction from its centre, unit; else zero
   double dist = 0;    // gap at the start of the substep [m]
   double target = 0;  // smallest gap allowed at its end [m]
@@ -70,38 +89,59 @@ struct Contact {
 
 class ContactSolver {
  public:
-  // Smallest dv and impulses with  M dv = J^T p  and for every contact, with g the relative
-  // normal velocity minus what the contact demands:  0 <= p_n, g >= 0, p_n g = 0,
-  // |p_t| <= mu p_n, slip opposed by friction. `v_free` [nv] is the velocity without contact;
-  // `v` receives the velocity with it. Stops at `tolerance` [m/s] or `max_sweeps`.
-  //
-  // Islands (trees that contacts connect) are solved one by one. Within an island only the
-  // points that carry something take part: those that did so in the substep before and the worst
-  // of each pair; whichever else is violated then joins, and A is extended. `mass` [kg] of
-  // all that moves, where something on a track may squeeze others: else 0.
+  // Writes the velocity with contact into `v` and impulses into `contacts`, whose impulses on entry
+  // are the warm start. Stops at `tolerance` [m/s] or `max_sweeps`. `mass` [kg] of all that moves,
+  // where a body on a track may squeeze others: else 0.
   SolveReport solve(const Model& m, const Kinematics& k, const Inertia& inertia, double h,
                     const double* v_free, double* v, std::vector<Contact>& contacts,
                     double tolerance, int max_sweeps, double mass = 0);
 
  private:
-  // A contact that takes part: its row of Y = D^-1/2 L^-T J^T, sparse over dofs.
+  // What is moved: at one pose, its inertia factored.
+  struct System {
+    const Model& m;
+    const Kinematics& k;
+    const Inertia& inertia;
+  };
+  struct Island {
+    const int* contact;  // indices of its contacts
+    int count;
+    double tolerance;  // [m/s]
+    int max_sweeps;
+    double mass;
+  };
+  // A contact that takes part: its row of Y, sparse over dofs.
   struct Row {
     int contact = 0;
     int first = 0, count = 0;  // into dof_, y_
   };
+  // A contact that may join.
+  struct Waiting {
+    int contact, pair;
+    double violation;
+  };
 
-  void half_solve(const Model& m, const Kinematics& k, const Inertia& inertia, int body);
-  void add_bends(const Model& m, const Inertia& inertia, const Endpoint& e, double sign,
-                 const Vec3 axis[3]);
+  void find_demands(const System& s, double h, const double* v_free,
+                    const std::vector<Contact>& contacts);
+  void find_islands(const Model& m, const std::vector<Contact>& contacts);
+  int island_of(int root);
+  static int any_root(const Model& m, const Contact& c);
+  void solve_island(const System& s, const Island& at, std::vector<Contact>& contacts,
+                    SolveReport& report);
+  bool crushes(const Island& at) const;
+  void response(const System& s);
+
+  void join_first(const System& s, const Island& at, const std::vector<Contact>& contacts);
+  bool join_violated(const System& s, const Island& at, const std::vector<Contact>& contacts);
+  template <typename Violation>
+  bool join_worst(const System& s, const Island& at, const std::vector<Contact>& contacts,
+                  const Violation& violation);
+  void join(const System& s, const Contact& c, int contact);
+  void half_solve(const System& s, int body);
+  void add_body(const System& s, const Endpoint& e, int l, double sign, const Vec3 axis[3]);
+  void add_bends(const System& s, const Endpoint& e, double sign, const Vec3 axis[3]);
   void add_to_row(int dof, double n, double t, double s);
-  void island(const Model& m, const Kinematics& k, const Inertia& inertia, const int* ids, int n,
-              std::vector<Contact>& contacts, double tolerance, int max_sweeps, double mass,
-              SolveReport& report);
-  void join(const Model& m, const Kinematics& k, const Inertia& inertia, const Contact& c,
-            int contact);
-  bool crushes(const int* ids, int n, double mass) const;
-  // dv of the island, into dv_, and the bodies' twists that it makes.
-  void response(const Model& m, const Kinematics& k, const Inertia& inertia);
+  void fill_blocks(int n);
 
   // of the whole solve
   std::vector<double> body_y_;  // per body: chain length x 6
@@ -117,10 +157,6 @@ class ContactSolver {
   std::vector<double> bend_;     // nv x 3, zero between uses
   std::vector<double> y_;        // three per entry of dof_, and a zero
   std::vector<double> scatter_;  // nv x 4, zero between uses
-  struct Waiting {
-    int contact, pair;
-    double violation;
-  };
   std::vector<Waiting> worst_;
 };
 

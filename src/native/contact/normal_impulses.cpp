@@ -1,0 +1,112 @@
+// Normal impulses alone, friction held (contact_problem.h).
+#include <cmath>
+
+#include "contact/contact_problem.h"
+#include "math/dense.h"
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::contact;
+
+// A p_n = -q on the active contacts, 0 on the others, into x_.
+void ContactProblem::solve_active() {
+  const int n = size();
+  set_.clear();
+  for (int i = 0; i < n; i++)
+    if (active_[i]) set_.push_back(i);
+  const int k = (int)set_.size();
+  matrix_.resize((size_t)k * k);
+  right_.resize(k);
+  least_pivot_.resize(k);
+  for (int a = 0; a < k; a++) {
+    const double diagonal = *block(set_[a], set_[a]);
+    for (int b = 0; b < a; b++) matrix_[(size_t)a * k + b] = *block(set_[a], set_[b]);
+    matrix_[(size_t)a * (k + 1)] = diagonal * (1 + tune::kCompliance);
+    least_pivot_[a] = tune::kCholeskyPivot * diagonal;
+    right_[a] = -q_[set_[a]];
+  }
+  factor_cholesky(matrix_.data(), k, least_pivot_.data());
+  solve_cholesky(matrix_.data(), k, right_.data());
+  x_.assign(n, 0);
+  for (int a = 0; a < k; a++) x_[set_[a]] = right_[a];
+}
+
+// Marks active contacts that pull and others that approach; returns how many there are, and the last.
+int ContactProblem::find_wrong(double tolerance, int& last) {
+  const int n = size();
+  int wrong = 0;
+  wrong_.assign(n, 0);
+  // Redundant contacts trade rounding among themselves: that is no reason to pivot.
+  double largest = 0;
+  for (double x : x_) largest = std::max(largest, std::fabs(x));
+  for (int i = 0; i < n; i++) {
+    if (active_[i]) {
+      wrong_[i] = x_[i] < -tune::kPull * largest;
+    } else {
+      double y = q_[i];
+      for (int j : set_) y += *block(i, j) * x_[j];
+      wrong_[i] = y < -tolerance;
+    }
+    if (wrong_[i]) wrong++, last = i;
+  }
+  return wrong;
+}
+
+// 0 <= p_n, A p_n + q >= 0, complementary, where friction is held and q is what it and beta give the
+// normal rows: block principal pivoting, with single pivots where blocks cycle.
+void ContactProblem::solve_normals(double tolerance) {
+  const int n = size();
+  q_.resize(n);
+  x_.assign(n, 0);
+  active_.resize(n);
+  for (int i = 0; i < n; i++) {
+    double s = beta[3 * i];
+    for (int j = 0; j < n; j++) {
+      const double* a = block(i, j);
+      s += a[1] * p[3 * j + 1] + a[2] * p[3 * j + 2];
+    }
+    q_[i] = s;
+    active_[i] = p[3 * i] > 0;
+  }
+  int fewest = n + 1, patience = tune::kBlockPivots;
+  for (int it = 0; it < tune::kPivots; it++) {
+    solve_active();
+    int last = -1;
+    const int wrong = find_wrong(tolerance, last);
+    if (wrong == 0) break;
+    const bool all = wrong < fewest || patience > 0;
+    if (wrong < fewest)
+      fewest = wrong, patience = tune::kBlockPivots;
+    else
+      patience--;
+    for (int i = 0; i < n; i++)
+      if (wrong_[i] && (all || i == last)) active_[i] = !active_[i];
+  }
+  for (int i = 0; i < n; i++) p[3 * i] = std::max(x_[i], 0.0);
+}
+
+// Rounds of normal impulses alone, each followed by the friction that they bear; the best is kept.
+void ContactProblem::settle_normals(double tolerance, SolveReport& report) {
+  best_ = p;  // pivots that do not end must not count
+  const double work = std::pow((double)size(), 3) * tune::kPivots / 6;  // of a round, at most
+  for (int r = 0; r < tune::kNormalRounds && report.normal >= tolerance &&
+                  r * work <= tune::kNormalWork;
+       r++) {
+    solve_normals(tune::kNormalGoal * tolerance);
+    if (r >= tune::kFrictionRounds)
+      for (int i = 0; i < size(); i++)
+        if (std::hypot(p[3 * i + 1], p[3 * i + 2]) > local_[i].mu * p[3 * i] + tune::kConeRounding)
+          p[3 * i + 1] = p[3 * i + 2] = 0;
+    project();  // a normal impulse that got smaller takes its friction along
+    product();
+    report.sweeps++;
+    const double after = residual(true);
+    if (after < report.normal) best_ = p, report.normal = after;
+  }
+  p = best_;
+  product();
+  report.residual = residual(false);
+}
+
+}  // namespace hp

@@ -26,10 +26,10 @@ def story() -> Sequence:
 
 
 def body() -> Body:
-    """Who is simulated, parts made."""
-    who = story().bodies[0] or Body.default()
-    who.variant  # noqa: B018  made once, outside the clock
-    return who
+    """The body that is simulated, its parts made."""
+    person = story().bodies[0] or Body.default()
+    person.variant  # noqa: B018  made once, outside the clock
+    return person
 
 
 def clips(options: Options) -> Iterator[tuple[str, Motion]]:

@@ -16,14 +16,14 @@ from halfphysics.simulation.simulator import Simulator
 
 def doorway(options: Options) -> Iterator[Record]:
     """With and without what `simulate` does before the first frame."""
-    who, told = body(), story()
+    person, told = body(), story()
     motion = options.short(told.motions[0])
     settings = told.settings
     frames = len(motion) - 1
-    skin, parts = simulators(who, settings, motion.fps, told.scene)
+    skin, parts = simulators(person, settings, motion.fps, told.scene)
 
     def whole(by: Settings) -> Callable[[], Result]:
-        return lambda: simulate(motion, told.scene, body=who, settings=by)
+        return lambda: simulate(motion, told.scene, body=person, settings=by)
 
     def after(simulator: Simulator) -> Callable[[], Result]:
         return lambda: follow(simulator, [motion])

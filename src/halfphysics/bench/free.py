@@ -108,7 +108,7 @@ def _compared(
     theirs: Callable[[MujocoLoop, Motion], Side],
     options: Options,
 ) -> Iterator[Record]:
-    who = body()
+    person = body()
     for name, motion in clips(options):
         for substeps in (1, SUBSTEPS):
             for _, done in driven(
@@ -117,9 +117,9 @@ def _compared(
                 motion,
                 options,
                 ours=ours,
-                peer=theirs(MujocoLoop(who, motion.fps, substeps), motion),
+                peer=theirs(MujocoLoop(person, motion.fps, substeps), motion),
                 substeps=substeps,
                 stiffness=(0.0, 1.0),
             ):
-                mine, its = (metrics.mpjpe(m, motion, who) for m in (done.ours, done.peer))
+                mine, its = (metrics.mpjpe(m, motion, person) for m in (done.ours, done.peer))
                 yield replace(done.record, checks={"MPJPE [mm]": (mine, its)})

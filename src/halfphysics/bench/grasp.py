@@ -115,8 +115,8 @@ def _in(sign: float, angle: np.ndarray) -> np.ndarray:
 
 def _hand(motion: Motion, side: str) -> np.ndarray:
     """Vertices (n, 3) of a hand's parts in the first pose, in the world [m]."""
-    who = body()
-    positions, quaternions = who.joint_frames(motion)
+    person = body()
+    positions, quaternions = person.joint_frames(motion)
     turns = rot.to_matrix(quaternions[0])
-    parts = (who.variant.parts[i] for i in HANDS[side])
+    parts = (person.variant.parts[i] for i in HANDS[side])
     return np.concatenate([p.vertices @ turns[p.index].T + positions[0, p.index] for p in parts])

@@ -83,12 +83,12 @@ def _standing(t: np.ndarray) -> Motion:
 
 def _reach(motion: Motion, axis: int, sign: float = 1.0) -> float:
     """How far the parts of the first pose reach along an axis of the world [m]."""
-    who = body()
-    positions, quaternions = who.joint_frames(motion)
+    person = body()
+    positions, quaternions = person.joint_frames(motion)
     turns = rot.to_matrix(quaternions[0])
     return max(
         float((sign * (p.vertices @ turns[p.index].T + positions[0, p.index])[:, axis]).max())
-        for p in who.variant.parts
+        for p in person.variant.parts
         if len(p.vertices)
     )
 

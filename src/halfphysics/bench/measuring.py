@@ -57,7 +57,7 @@ def _penetration(
     options: Options,
 ) -> Record:
     """One row: 10,000 vertices of the skin against a mesh."""
-    who = _part_of(body(), _VERTICES)
+    person = _part_of(body(), _VERTICES)
     scene = Scene()
     scene.add_static("mesh", mesh, position=position)
     mesh.query  # noqa: B018  built once for a mesh, outside the clock
@@ -67,7 +67,7 @@ def _penetration(
         + ("s" if threads > 1 else ""),
         len(motion),
         options,
-        ours=lambda: metrics.penetration(motion, who, scene, threads=threads),
+        ours=lambda: metrics.penetration(motion, person, scene, threads=threads),
         unit="s",
     )
     return dataclasses.replace(
@@ -90,14 +90,14 @@ def _to_and_fro(walk: Motion, frames: int) -> Motion:
 
 def skinning(options: Options) -> Iterator[Record]:
     """All vertices of the first 100 frames of the walk."""
-    who = body()
+    person = body()
     motion = story().motions[0][: _QUICK_FRAMES if options.quick else _FRAMES]
     yield measure(
         "skinning",
-        f"{len(who.rest_vertices)} vertices",
+        f"{len(person.rest_vertices)} vertices",
         len(motion),
         options,
-        ours=lambda: who.vertices(motion, threads=1),
+        ours=lambda: person.vertices(motion, threads=1),
     ).record
 
 

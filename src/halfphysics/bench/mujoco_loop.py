@@ -115,7 +115,7 @@ class MujocoLoop:
     def deepest(self, qpos: Array) -> float:
         """Deepest overlap of two things over poses (T, nq) [m], 0 where nothing overlaps.
 
-        By MuJoCo's own collision of convex shapes, whoever the poses come from.
+        By MuJoCo's own collision of convex shapes, for poses of either side.
         """
         model, data = self.model, self._mujoco.MjData(self.model)
         worst = 0.0

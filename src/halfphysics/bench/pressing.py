@@ -51,8 +51,8 @@ def pressed(
     Yields:
         The record, our result, and what moved in the peer's.
     """
-    who, motion = body(), play.motion
-    peer = MujocoLoop(who, motion.fps, SUBSTEPS, play.scene, play.hulls)
+    person, motion = body(), play.motion
+    peer = MujocoLoop(person, motion.fps, SUBSTEPS, play.scene, play.hulls)
     targets = peer.coordinates(motion.translation, motion.rotations, motion.axes)
     side = peer.player(motion)
     for skin, done in driven(
@@ -63,8 +63,8 @@ def pressed(
         checks: Checks = {
             "contacts": (contacts(skin, motion), peer.contacts(targets)),
             "skin inside [mm]": (
-                inside(who, play.scene, result.motion, result.objects),
-                inside(who, play.scene, *moved),
+                inside(person, play.scene, result.motion, result.objects),
+                inside(person, play.scene, *moved),
             ),
             "parts inside [mm]": (
                 1000.0 * peer.deepest(coordinates(peer, rigid)),
@@ -76,9 +76,9 @@ def pressed(
         yield replace(done.record, checks=checks), result, moved
 
 
-def inside(who: Body, scene: Scene, motion: Motion, objects: Mapping[str, Any]) -> float:
+def inside(person: Body, scene: Scene, motion: Motion, objects: Mapping[str, Any]) -> float:
     """How deep the skin is in anything, at the ends of frames [mm]."""
-    return metrics.penetration(motion, who, scene, objects=objects).depth_max_mm
+    return metrics.penetration(motion, person, scene, objects=objects).depth_max_mm
 
 
 def tracks(peer: MujocoLoop, motion: Motion, scene: Scene, qpos: Array) -> Moved:

@@ -61,7 +61,7 @@ class Record:
         frames: Number of frames that one pass takes.
         unit: Of `ours`, `parts` and `peer`: "frames/s", or "s" for the whole.
         ours: One figure per timed run.
-        parts: Ours with ``contact="parts"``, run by run in turns; None where nobody is simulated.
+        parts: Ours with ``contact="parts"``, run by run in turns; None for cases without a person.
         peer: The peer's figures, run by run in turns with ours; None where there is no peer.
         checks: Name [unit] -> (ours, the peer's or None): that the work was done and how well.
     """

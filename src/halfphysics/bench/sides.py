@@ -33,11 +33,11 @@ class Measured(Generic[A]):
 
 
 def simulators(
-    who: Body, settings: Settings, fps: float, scene: Scene | None = None
+    person: Body, settings: Settings, fps: float, scene: Scene | None = None
 ) -> tuple[Simulator, Simulator]:
     """Two that differ in what touches: the skin, and the rigid parts."""
     skin, parts = (
-        Simulator(scene, body=who, settings=replace(settings, contact=contact), fps=fps)
+        Simulator(scene, body=person, settings=replace(settings, contact=contact), fps=fps)
         for contact in ("skin", "parts")
     )
     return skin, parts
@@ -107,7 +107,7 @@ def measure(
     Args:
         case, setting, frames, unit: Of the record.
         options: How to measure.
-        ours: One pass, by the skin if anybody touches anything.
+        ours: One pass, with skin contact where there is contact.
         parts: The same by the rigid parts, or None.
         peer: The peer's, or None.
     """

@@ -34,11 +34,11 @@ def sofa(options: Options) -> Iterator[Record]:
         yield record
 
 
-def sitting(who: Body, floor: float) -> Motion:
+def sitting(person: Body, floor: float) -> Motion:
     """Stands, sits down on a seat of height `SEAT`, sinks in and leans back.
 
     Args:
-        who: Who sits.
+        person: The body that sits.
         floor: How deep the feet are pressed into the floor in the end [m].
     """
     t = np.arange(round(_SECONDS * _FPS) + 1) / _FPS
@@ -47,12 +47,12 @@ def sitting(who: Body, floor: float) -> Motion:
     sway = np.sin(2.0 * np.pi * 0.8 * t) * eased(t, 0.7, 0.5)
     rock = np.cos(2.0 * np.pi * 0.8 * t) * eased(t, 0.7, 0.5)
     # From the pelvis joint down to what sits; the thighs are lower than the pelvis's own skin.
-    seat = 0.5 * (seat_depth(who, "pelvis") + seat_depth(who, "left_hip"))
-    drop = standing_height(who) - seat - SEAT
+    seat = 0.5 * (seat_depth(person, "pelvis") + seat_depth(person, "left_hip"))
+    drop = standing_height(person) - seat - SEAT
     # The pelvis stays a little forward, so that the thighs sit too; the back bends to the rest.
     lean = 0.5 * np.sin(np.pi * down) + (0.06 + 0.12 * rock) * down
     low = drop * down + (SINK - floor) * sunk
-    motion = squat(who, 0.38 * down + 0.02 * back, low, lean, 0.1 * sway, _FPS)
+    motion = squat(person, 0.38 * down + 0.02 * back, low, lean, 0.1 * sway, _FPS)
     path = motion.translation.copy()
     path[:, 2] -= floor * sunk
     rotations = motion.rotations.copy()
@@ -64,9 +64,9 @@ def sitting(who: Body, floor: float) -> Motion:
     return motion.with_frames(path, rotations)
 
 
-def seat_depth(who: Body, part: str) -> float:
+def seat_depth(person: Body, part: str) -> float:
     """How far the skin of a part reaches behind or below its joint, seated [m]."""
-    points = who.variant.parts[JOINT_INDEX[part]].vertices
+    points = person.variant.parts[JOINT_INDEX[part]].vertices
     axis = 1 if part == "pelvis" else 2
     return -float(points[:, axis].min())
 

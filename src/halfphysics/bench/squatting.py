@@ -40,7 +40,7 @@ def squat(body: Body, back: Array, down: Array, lean: Array, roll: Array, fps: f
     """A person at the origin who faces +x, arms in T-pose, feet flat on z = 0.
 
     Args:
-        body: Who.
+        body: The person's body.
         back: How far behind its standing place the pelvis is (T,) [m].
         down: How far below its standing height (T,) [m].
         lean, roll: Of the pelvis, forward and then to the right (T,) [rad].

@@ -33,7 +33,7 @@ class Timing(Generic[A]):
 def in_turns(works: Sequence[Callable[[], A]], options: Options) -> list[Timing[A]]:
     """Time functions in turns, after one untimed pass of each.
 
-    Who goes first alternates, so that a machine that slows down or speeds up favours nobody.
+    The side that goes first alternates: a machine that slows down or speeds up favours neither.
     """
     warm = [_warm(work, options.least) for work in works]
     seconds: list[list[float]] = [[] for _ in works]

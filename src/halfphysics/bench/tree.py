@@ -25,7 +25,7 @@ def tree(options: Options) -> Iterator[Record]:
             return _native.MeshTree(v, f)
 
         def built(found=found) -> None:  # type: ignore[no-untyped-def]
-            # Nobody keeps it: the next one is built anew.
+            # The tree is not kept: the next one is built anew.
             found()
 
         size = f"{len(faces):,} triangles"

@@ -60,7 +60,7 @@ def _measured(setting: str, ghosts: bool, fast: bool, seconds: float) -> Record:
         close_server(server)
 
 
-def _figures(server: Any, who: Body, ghosts: bool, fast: bool) -> list[Any]:
+def _figures(server: Any, person: Body, ghosts: bool, fast: bool) -> list[Any]:
     from halfphysics.render.drawing import GHOST, GHOST_ALPHA, PEOPLE
     from halfphysics.render.rasterizer import Surface
     from halfphysics.viewer.figure import Figure
@@ -72,8 +72,8 @@ def _figures(server: Any, who: Body, ghosts: bool, fast: bool) -> list[Any]:
         Figure(
             server,
             name,
-            Surface(vertices=who.rest_vertices, faces=who.faces, color=color, alpha=alpha),
-            who,
+            Surface(vertices=person.rest_vertices, faces=person.faces, color=color, alpha=alpha),
+            person,
             fast=fast,
         )
         for name, color, alpha in looks
@@ -121,7 +121,7 @@ def _lively() -> Motion:
 
 
 class _Client:
-    """Somebody who is connected and counts."""
+    """A connected client that counts what it receives."""
 
     def __init__(self, server: Any) -> None:
         import threading

@@ -27,13 +27,13 @@ _SPEED, _START, _SECONDS = 1.5, -0.4, 2.0
 
 def wall(options: Options) -> Iterator[Record]:
     """Both drives, limp to stiff."""
-    who = body()
+    person = body()
     motion = straight(_SPEED, _SECONDS, _START)
     if options.quick:
         motion = motion[:30]  # the wall is met in frame 15
     scene = Scene()
     scene.add_static("wall", Box(tuple(_SIZE)), position=_AT)
-    peer = MujocoLoop(who, motion.fps, SUBSTEPS, scene)
+    peer = MujocoLoop(person, motion.fps, SUBSTEPS, scene)
     for skin, done in driven(
         "wall",
         f"N={SUBSTEPS}",
@@ -49,8 +49,8 @@ def wall(options: Options) -> Iterator[Record]:
             done.record,
             checks={
                 "past the face [mm]": (
-                    past_face(who, result.motion),
-                    past_face(who, done.peer),
+                    past_face(person, result.motion),
+                    past_face(person, done.peer),
                 ),
                 "contacts": (contacts(skin, motion), None),
                 "time lost [ms]": (1000.0 * float(result.lost_time.sum()), None),

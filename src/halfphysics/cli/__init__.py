@@ -64,7 +64,7 @@ def guarded(run: Callable[[], int], program: str = "halfphysics") -> int:
         except KeyboardInterrupt:
             return INTERRUPTED
         except BrokenPipeError:
-            # Whoever read our output has gone (halfphysics ... | head); nothing left to tell.
+            # The reader of our output has gone (halfphysics ... | head): nothing is left to say.
             sys.stderr.close()
             return 1
 

@@ -81,7 +81,7 @@ class Command:
         print(f"{motion}\nwritten: {self.target}")
 
     def _body(self, motion: Motion, result: Result | None, needed: bool = False) -> Body | None:
-        """Whose motion it is, where that is known; the default body if one is needed."""
+        """The body of the motion where it is known; the default body where one is needed."""
         said = self.person.given
         if not said and result is not None:
             return result.people[0].body

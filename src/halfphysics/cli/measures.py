@@ -19,13 +19,13 @@ def of_result(result: Result, person: int, *, progress: bool) -> str:
     """The skin in the scene and in other people before and after, for one person of a result; the
     rest of it is said by `Result.summary`.
     """
-    who, others = result.people[person], {p.name: p for p in result.people}
-    del others[who.name]
+    subject, others = result.people[person], {p.name: p for p in result.people}
+    del others[subject.name]
 
     def measured(what: str) -> PenetrationReport:
         return metrics.penetration(
-            getattr(who, what),
-            who.body,
+            getattr(subject, what),
+            subject.body,
             result.scene,
             people={name: (getattr(other, what), other.body) for name, other in others.items()},
             threads=result.settings.threads,
@@ -37,11 +37,11 @@ def of_result(result: Result, person: int, *, progress: bool) -> str:
     if others:
         asked, got = (max(r.by_name[name].max() for name in others) for r in (before, after))
         rows.append(("deepest in other people [mm]", f"{asked:.2f}", f"{got:.2f}"))
-    motions = who.reference, who.motion
-    if len(who.motion) >= 4:
-        jerks = (metrics.jerk(m, who.body) for m in motions)
+    motions = subject.reference, subject.motion
+    if len(subject.motion) >= 4:
+        jerks = (metrics.jerk(m, subject.body) for m in motions)
         rows.append(("jerk [m/s3]", *(f"{jerk:.1f}" for jerk in jerks)))
-    skates = (metrics.foot_skate(m, who.body) for m in motions)
+    skates = (metrics.foot_skate(m, subject.body) for m in motions)
     rows.append(("foot skate [mm/frame]", *(f"{skate.mean_mm:.2f}" for skate in skates)))
     labels, forces = metrics.contact_precision(result), metrics.contact_forces(result)
     if labels.contacts:

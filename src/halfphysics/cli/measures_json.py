@@ -17,26 +17,26 @@ if TYPE_CHECKING:
 
 def of_result(result: Result, person: int) -> dict[str, Any]:
     """Every measure of docs/metrics.md of one person; numbers that do not exist are None."""
-    who = result.people[person]
+    subject = result.people[person]
     others = {p.name: p for k, p in enumerate(result.people) if k != person}
-    out: dict[str, Any] = {"name": who.name}
+    out: dict[str, Any] = {"name": subject.name}
     for key, what in (("asked", "reference"), ("simulated", "motion")):
-        motion = getattr(who, what)
+        motion = getattr(subject, what)
         out[key] = {
             "penetration": metrics.penetration(
                 motion,
-                who.body,
+                subject.body,
                 result.scene,
                 people={name: (getattr(other, what), other.body) for name, other in others.items()},
                 threads=result.settings.threads,
             ),
-            "penetrating_volume": metrics.penetrating_volume(motion, who.body, result.scene),
-            "foot_skate": metrics.foot_skate(motion, who.body),
-            "jerk": metrics.jerk(motion, who.body) if len(motion) >= 4 else None,
+            "penetrating_volume": metrics.penetrating_volume(motion, subject.body, result.scene),
+            "foot_skate": metrics.foot_skate(motion, subject.body),
+            "jerk": metrics.jerk(motion, subject.body) if len(motion) >= 4 else None,
         }
-    out["success"] = metrics.success(who.motion, who.reference)
-    out["mpjpe_mm"] = metrics.mpjpe(who.motion, who.reference, who.body)
-    out["mpjpe_global_mm"] = metrics.mpjpe_global(who.motion, who.reference, who.body)
+    out["success"] = metrics.success(subject.motion, subject.reference)
+    out["mpjpe_mm"] = metrics.mpjpe(subject.motion, subject.reference, subject.body)
+    out["mpjpe_global_mm"] = metrics.mpjpe_global(subject.motion, subject.reference, subject.body)
     out["deviation"] = metrics.deviation(result, person)
     out["contact_precision"] = metrics.contact_precision(result)
     out["contact_forces"] = metrics.contact_forces(result)

@@ -43,7 +43,7 @@ class MotionOptions(asked.MotionOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class BodyOptions:
-    """Whose body."""
+    """Which body the person has."""
 
     body: File = None
     """Body model: an SMPL-X, SMPL-H or SMPL file, or a folder of them; the default body if not

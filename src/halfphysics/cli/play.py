@@ -45,7 +45,7 @@ class Command:
     port: int = 8080
     """Port to listen on; where it is in use, the next one that is free."""
     host: str = "127.0.0.1"
-    """Address to listen on; 0.0.0.0: whoever reaches this machine can play."""
+    """Address to listen on; 0.0.0.0: any machine that reaches this one can play."""
     scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
     person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
     motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)

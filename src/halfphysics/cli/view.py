@@ -26,7 +26,7 @@ class Command:
     port: int = 8080
     """Port to listen on; where it is in use, the next one that is free."""
     host: str = "127.0.0.1"
-    """Address to listen on; 0.0.0.0: whoever reaches this machine can look."""
+    """Address to listen on; 0.0.0.0: any machine that reaches this one can look."""
 
     def run(self) -> None:
         """Serve until Ctrl-C."""

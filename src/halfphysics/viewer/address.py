@@ -24,5 +24,5 @@ def announcement(what: str, host: str, port: int, asked: int) -> str:
             "then the same address there"
         )
     else:
-        lines.append(f"  anybody who reaches this machine on port {port} sees it")
+        lines.append(f"  any machine that reaches this one on port {port} sees it")
     return "\n".join(lines)

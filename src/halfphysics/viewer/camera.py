@@ -1,7 +1,7 @@
 """Where browsers look from: presets, the way back, and a camera that goes along with people.
 
-Every browser has a camera of its own, and whoever turns it is right: following only carries it
-along, the angle and the distance stay as they were turned.
+Every browser has a camera of its own, and what is turned by hand stays so: following only carries
+the camera along, its angle and its distance stay.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class Follower:
         return self._look + self._orbit, self._look
 
     def put(self, position: Array, look_at: Array, subject: Array) -> None:
-        """Placed by somebody else, such as a preset: stays so beside the subject."""
+        """Take a place that a preset chose; the camera stays so beside the subject."""
         self._look = np.array(look_at, dtype=np.float64)
         self._orbit = position - self._look
         self._aside = self._look - subject
@@ -132,9 +132,9 @@ class Cameras:
     def watch(self) -> None:
         """Browsers that have come go home; call it now and then.
 
-        So do those that nobody has turned whose window has another shape now, and those that look
-        from where viser has all begin, which is made for no window in particular: it may
-        do so after it was told where home is, and its own "Reset View" goes there too.
+        So do cameras that were never turned in windows that have another shape now, and those at
+        viser's own first place, which is made for no window in particular: viser may take it
+        after it was told where home is, and its own "Reset View" goes there too.
         """
         clients = self._server.get_clients()
         self._homes = {k: home for k, home in self._homes.items() if k in clients}
@@ -211,7 +211,7 @@ class Cameras:
         return [stage for stage in self.stages if stage.visible] or list(self.stages)
 
     def _people(self) -> list[Array]:
-        """Joints of everybody as shown now (55, 3) [m]."""
+        """Joints of all people as shown now (55, 3) [m]."""
         return [p + stage.offset for stage in self._shown() for p in stage.joints()]
 
     def _hands(self) -> Array:

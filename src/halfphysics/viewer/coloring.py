@@ -2,7 +2,7 @@
 
 A skinned mesh in the browser has one colour. So every part that ever touches gets a patch, the
 faces that follow its joint most, a hair above the skin. A patch has bones of its own, only those
-that move it, and they are only sent while it is shown: what nobody touches costs nothing.
+that move it, and they are only sent while it is shown: parts without contact cost nothing.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ FASTEST = 12.0
 
 
 def draggable(simulator: Simulator, name: str) -> bool:
-    """Whether the pointer can pull it: a free object, that nobody holds."""
+    """Whether the pointer can pull it: a free object that is not held."""
     thing = simulator.world.scene.objects.get(name)
     return thing is not None and not isinstance(thing, Moving) and name not in simulator.held
 

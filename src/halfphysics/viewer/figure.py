@@ -35,7 +35,7 @@ class Figure:
         server: Of viser.
         name: Path of the node.
         surface: How it is drawn; vertices at rest. Translucent surfaces are ghosts.
-        body: Whose skin it is.
+        body: The body of that skin.
         bones: Joints that have a bone (B,), parents among them; a joint without one moves with the
             nearest ancestor that has. None: all 55.
         fast: As in `Bones`.

@@ -16,7 +16,7 @@ class LiveContacts:
     """What touches in the frame that a session made last, whatever frame is asked for.
 
     Attributes:
-        kind: Every kind: what will touch nobody knows yet.
+        kind: Every kind: which will occur is not known yet.
     """
 
     def __init__(self, session: Session) -> None:

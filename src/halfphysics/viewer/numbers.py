@@ -34,7 +34,7 @@ class Numbers:
         self._off = [1e3 * person.joint_errors()[1] for person in result.people]
 
     def contacts(self, frame: int) -> list[tuple[str, str, float, int]]:
-        """Who touches what in a frame, the strongest first.
+        """Which part touches what in a frame, the strongest first.
 
         Returns:
             Part or object, what it touches, force [N], index into `KINDS`.
@@ -46,14 +46,14 @@ class Numbers:
         for k in np.argsort(-size, kind="stable").tolist():
             row = here.rows[k]
             if rows.person[row] < 0:
-                who = self._result.names[rows.subject[row]]
+                subject = self._result.names[rows.subject[row]]
             else:
-                who = self._part(int(rows.person[row]), int(rows.part[row]))
+                subject = self._part(int(rows.person[row]), int(rows.part[row]))
             other = self._result.names[rows.other[row]]
             if rows.other_part[row] >= 0:
                 first = len(self._result.names) - len(self._result.people)
                 other = self._part(int(rows.other[row]) - first, int(rows.other_part[row]))
-            out.append((who, other, float(size[k]), int(here.kind[k])))
+            out.append((subject, other, float(size[k]), int(here.kind[k])))
         return out
 
     def _part(self, person: int, part: int) -> str:
@@ -84,21 +84,21 @@ class Numbers:
         lines = [_row("Clearance of people", near)]
         several = len(self._result.people) > 1
         for name, mean, joint, most in self.deviation(frame):
-            who = f"{html.escape(name)} " if several else ""
+            subject = f"{html.escape(name)} " if several else ""
             lines.append(
-                _row(f"{who}{'off' if several else 'Off'} the ghost, mean", f"{mean:.0f} mm")
+                _row(f"{subject}{'off' if several else 'Off'} the ghost, mean", f"{mean:.0f} mm")
             )
             lines.append(_row(f"most: {joint}", f"{most:.0f} mm"))
         contacts = self.contacts(frame)
         total = sum(size for _, _, size, kind in contacts if kind != THING)
         lines.append(_row(f"Contacts: {len(contacts)}, on people", f"{total:.0f} N"))
-        for who, other, size, kind in contacts[:_MOST]:
+        for subject, other, size, kind in contacts[:_MOST]:
             red, green, blue = (round(255 * c) for c in KINDS[kind].color)
             dot = (
                 f'<span style="display:inline-block;width:8px;height:8px;border-radius:4px;'
                 f'background:rgb({red},{green},{blue});margin-right:6px"></span>'
             )
-            label = f"{html.escape(who)} on {html.escape(other)}"
+            label = f"{html.escape(subject)} on {html.escape(other)}"
             lines.append(_row(f"{dot}{label}", f"{size:.1f} N" if size < 100 else f"{size:.0f} N"))
         if len(contacts) > _MOST:
             rest = sum(size for _, _, size, _ in contacts[_MOST:])

@@ -67,7 +67,7 @@ def save_page(
         row = arrange([drawing], _VIEW)
         stage, contacts = _build(server, drawing, row)
         bar = _bar(len(frames), progress)
-        # Nobody listens: without this the server's thread is woken for every bone and frame.
+        # No browser listens: without this the server's thread is woken for every bone and frame.
         with server.atomic():
             for frame in frames:
                 stage.show(frame)

@@ -81,7 +81,7 @@ class Playground(Served):
             self._set_stage()
             self._show()
 
-    # -- by anybody --------------------------------------------------------------------------
+    # -- from any thread ---------------------------------------------------------------------
 
     def __repr__(self) -> str:
         return f"Playground({self._state})"
@@ -116,7 +116,7 @@ class Playground(Served):
         self.panel.refresh(now=asked)
 
     def _show(self) -> None:
-        """The frame, if it is not shown yet and anybody looks."""
+        """Show the frame, if it is not shown yet and a browser is connected."""
         session = self.session
         if session.frame is self._shown or (self.updates and not self.server.get_clients()):
             return
@@ -158,7 +158,7 @@ class Playground(Served):
             self._contacts = ContactNodes(self.server, self.stage, LiveContacts(session))
         self.stage.layers["contacts"] = Layer("Contacts", [self._contacts])
         if moved:
-            # Everybody looks at it anew.
+            # All cameras go to the new view.
             self.cameras = Cameras(self.server, [self.stage], row.camera)
             self.cameras.following = self.panel.following
             aim(self.server, row.camera(WINDOW))
@@ -182,13 +182,13 @@ class Playground(Served):
 
         # In the event loop, one after the other: in the thread pool an end may overtake a start.
         async def dragged(event: Any) -> None:
-            who = (event.client_id, name)
+            key = (event.client_id, name)
             if event.phase == "start":
-                self.post(Grab(who, name, event.start_position, event.end_position))
+                self.post(Grab(key, name, event.start_position, event.end_position))
             elif event.phase == "update":
-                self.post(Pull(who, event.end_position))
+                self.post(Pull(key, event.end_position))
             else:
-                self.post(LetGo(who))
+                self.post(LetGo(key))
 
         handle.on_drag("left")(dragged)
 
@@ -206,7 +206,7 @@ def play(
     Args:
         catalog: What can be chosen.
         choice: What is played first.
-        host: Address to listen on; "0.0.0.0": whoever reaches this machine can play.
+        host: Address to listen on; "0.0.0.0": any machine that reaches this one can play.
         port: Port to listen on; where it is in use, the next one that is free, and it says so.
         block: Wait until Ctrl-C; False: return at once.
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def provisional(session: Session) -> Result:
-    """People who do what is asked of them, things that stay where they are at this moment."""
+    """People on their reference, objects that stay where they are at this moment."""
     count, simulator = session.frames, session.simulator
     motions = session.sequence.motions
     names = simulator.names[len(simulator.names) - len(motions) :]

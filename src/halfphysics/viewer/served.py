@@ -53,7 +53,7 @@ class Served(ABC):
         self._failure: BaseException | None = None
         self._thread = threading.Thread(target=self._run, name="halfphysics-served", daemon=True)
 
-    # -- by anybody --------------------------------------------------------------------------
+    # -- from any thread ---------------------------------------------------------------------
 
     @property
     def url(self) -> str:
@@ -141,7 +141,7 @@ class Served(ABC):
 
     @abstractmethod
     def _due(self) -> float:
-        """How long there is nothing to do if nobody asks for anything [s]."""
+        """How long there is nothing to do if no request comes [s]."""
 
     @abstractmethod
     def _round(self) -> None:

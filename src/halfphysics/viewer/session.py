@@ -1,6 +1,6 @@
 """A simulation that is played with: commands in, frames out; knows nothing of a browser.
 
-One thread owns it and its `Simulator` and calls `advance`. Everybody else calls `post`.
+One thread owns it and its `Simulator` and calls `advance`. All other threads call `post`.
 """
 
 from __future__ import annotations
@@ -115,9 +115,9 @@ class Change:
 
 @dataclass(frozen=True)
 class Grab:
-    """The pointer `who` takes an object at a point of it (3,) [m]; ignored where it has gone."""
+    """The pointer `key` takes an object at a point of it (3,) [m]; ignored where it has gone."""
 
-    who: object
+    key: object
     name: str
     at: tuple[float, float, float]
     pointer: tuple[float, float, float]
@@ -125,29 +125,29 @@ class Grab:
     def do(self, session: Session) -> None:
         if draggable(session.simulator, self.name):
             drag = Drag.begin(session.simulator, self.name, self.at, self.pointer)
-            session.drags[self.who] = drag
+            session.drags[self.key] = drag
 
 
 @dataclass(frozen=True)
 class Pull:
-    """The pointer `who` is somewhere else now (3,) [m]; ignored where it holds nothing."""
+    """The pointer `key` is somewhere else now (3,) [m]; ignored where it holds nothing."""
 
-    who: object
+    key: object
     pointer: tuple[float, float, float]
 
     def do(self, session: Session) -> None:
-        if self.who in session.drags:
-            session.drags[self.who].follow(self.pointer)
+        if self.key in session.drags:
+            session.drags[self.key].follow(self.pointer)
 
 
 @dataclass(frozen=True)
 class LetGo:
-    """The pointer `who` lets go; the object keeps its velocity."""
+    """The pointer `key` lets go; the object keeps its velocity."""
 
-    who: object
+    key: object
 
     def do(self, session: Session) -> None:
-        session.drags.pop(self.who, None)
+        session.drags.pop(self.key, None)
 
 
 def _supersedes(later: Command, command: Command) -> bool:
@@ -155,7 +155,7 @@ def _supersedes(later: Command, command: Command) -> bool:
     if isinstance(later, Turn) and isinstance(command, Turn):
         return (later.name, later.thing) == (command.name, command.thing)
     if isinstance(later, Pull) and isinstance(command, Pull):
-        return later.who == command.who
+        return later.key == command.key
     return isinstance(later, Choose) and isinstance(command, Choose)
 
 
@@ -190,7 +190,7 @@ class Session:
         loop: Start again at the end; else the last pose is held and physics goes on.
         frozen: The motion stands still, physics goes on.
         speed: In parts of the motion's own rate.
-        drags: Who pulls what.
+        drags: Pointer -> the object that it pulls.
         trouble: What went wrong with the last command or frame, "" if nothing did.
         seconds: What the last frame took to simulate [s].
 
@@ -217,7 +217,7 @@ class Session:
         self.seconds = 0.0
         self.choose(choice)
 
-    # -- by anybody --------------------------------------------------------------------------
+    # -- from any thread ---------------------------------------------------------------------
 
     def post(self, command: Command) -> None:
         """Have something done before the next frame; from any thread."""
@@ -362,10 +362,10 @@ class Session:
         return (*scene.statics, *scene.objects, *scene.articulated)
 
     def target(self, index: int) -> list[Pose]:
-        """Where the motion wants everybody at a frame of it."""
+        """The reference poses of all people at a frame of the motion."""
         return [motion[index] for motion in self.sequence.motions]
 
 
 def bodies_of(sequence: Sequence) -> list[Body]:
-    """Everybody's; the default one where the source names none."""
+    """The bodies of all people; the default one where the source names none."""
     return [Body.default() if body is None else body for body in sequence.bodies]

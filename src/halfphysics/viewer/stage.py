@@ -1,4 +1,4 @@
-"""One result in a viser scene: people, ghosts, objects and what stands around."""
+"""One result in a viser scene: people, ghosts, objects and static geometry."""
 
 from __future__ import annotations
 
@@ -190,7 +190,7 @@ class Stage:
                 self._joints[person] = positions
 
     def joints(self) -> list[Array]:
-        """Of everybody as posed now: joints (55, 3) [m] in the frame of the prefix."""
+        """Of all people as posed now: joints (55, 3) [m] in the frame of the prefix."""
         with self._lock:
             return list(self._joints)
 

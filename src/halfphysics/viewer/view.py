@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 # Updates are at least this far apart [s]: 30 a second with room for a late one.
 _SPACING = 1.0 / 40.0
-# A look at whether anybody is there, and whether it should stop [s].
+# How often it looks whether a browser is connected, and whether it should stop [s].
 _IDLE = 0.25
 # Names hang this far above the head's joint [m].
 _HEAD, _OVER = JOINT_INDEX["head"], 0.3
@@ -139,7 +139,7 @@ class Viewer(Served):
 
     def _round(self) -> None:
         self._do_tasks()
-        # Nobody there: time goes on, nothing is sent.
+        # No browser is connected: time goes on, nothing is sent.
         if self.server.get_clients() and self._update():
             self._last = time.monotonic()
 
@@ -171,7 +171,7 @@ def view(
         result: What to show.
         more: Further results, side by side with the first and at the same time.
         labels: What to call them.
-        host: Address to listen on; "0.0.0.0": whoever reaches this machine can look.
+        host: Address to listen on; "0.0.0.0": any machine that reaches this one can look.
         port: Port to listen on; where it is in use, the next one that is free, and it says so.
         block: Wait until Ctrl-C; False: return at once, as in a notebook.
 

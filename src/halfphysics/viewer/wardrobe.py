@@ -31,6 +31,6 @@ class Wardrobe:
         return figure
 
     def put_away(self) -> None:
-        """Hide everybody."""
+        """Hide all figures."""
         for figure in self._figures.values():
             figure.visible = False

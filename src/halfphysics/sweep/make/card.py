@@ -67,9 +67,9 @@ class Checks:
     Attributes:
         whole: As many frames came back as were asked for.
         finite: Every number of people, objects and contacts is one.
-        clear: Nobody and nothing is ever inside something again once nothing is: from the first
+        clear: Nothing is ever inside something again once nothing is: from the first
             frame where nothing starts inside something, else from the frame in which all are
-            out. Who never gets out fails.
+            out. A body that never gets out fails.
         in_time: No blocked step had to be shortened.
     """
 

@@ -12,8 +12,8 @@ T = TypeVar("T")
 class Kept(Generic[T]):
     """What was made for the last `most` keys asked for; the least recently asked goes first.
 
-    Whoever keys by the `id` of something must hold that thing in the value made: an id is taken
-    again once its owner has gone.
+    A caller that keys by the `id` of an object must hold that object in the value made: an id is
+    taken again once its owner has gone.
     """
 
     def __init__(self, most: int) -> None:

@@ -101,7 +101,7 @@ class Stock:
 
         Args:
             choice: Which one.
-            motion: Whose betas it has, where they are its model's; None: of a scenario.
+            motion: The motion with its betas, where they are that model's; None: of a scenario.
             shape: Factors of the body by what they say: "stature" [m], "betas.K".
             own: The body that the clip brings, if it does.
 
@@ -153,7 +153,7 @@ class Stock:
             return self._models.get((str(path), _key(which)), lambda: read_model(path, **which))
 
         if motion is None:
-            # A scenario is anybody's: its people follow the body.
+            # The people of a scenario take the body that is given.
             space = read(path, gender="neutral" if path.is_dir() else None)
             given = None
         else:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 from halfphysics.errors import InputError
 
-_AGAIN = 1.0  # whoever goes on nevertheless is told again after so long [s]
+_AGAIN = 1.0  # code that goes on nevertheless is interrupted again after so long [s]
 
 
 class OutOfTimeError(BaseException):

@@ -1,4 +1,4 @@
-"""Whose body, and which scene: the two axes of a sweep beside its inputs and factors."""
+"""Which body, and which scene: the two axes of a sweep beside its inputs and factors."""
 
 from __future__ import annotations
 

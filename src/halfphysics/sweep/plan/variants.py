@@ -32,7 +32,7 @@ class Variant:
     Attributes:
         number: Its place in the sweep, from 0.
         input: The motion file or scenario.
-        body: Whose body; its path, of a model, can be opened.
+        body: Which body; its path, of a model, can be opened.
         scene: Which scene; its path, of a file, can be opened.
         factors: Name -> value of every factor of the plan, in the plan's order.
     """

@@ -30,7 +30,7 @@ poses, shapes and places of objects are."""
 _SUCCESS = {
     "whole": "fewer frames came back than were asked for",
     "finite": "a number was not finite",
-    "clear": "somebody or something was inside something again, or never got out",
+    "clear": "a person or an object was inside something again, or never got out",
     "in_time": "a blocked step was shortened",
 }
 

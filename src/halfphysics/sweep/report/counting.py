@@ -1,7 +1,7 @@
 """Counting without end in bounded memory, with the same outcome in whatever order.
 
 Everything here is whole numbers, or smallest and largest ones: what batches counted is merged
-exactly, whoever counted first.
+exactly, in any order.
 """
 
 from __future__ import annotations

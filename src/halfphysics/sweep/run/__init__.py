@@ -1,1 +1,1 @@
-"""Who does the work of a sweep: driver, local processes, Ray."""
+"""The work of a sweep is done here: driver, local processes, Ray."""

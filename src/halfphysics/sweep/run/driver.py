@@ -73,7 +73,7 @@ class Shards(Protocol):
 
 
 class Progress(Protocol):
-    """Who is told what happens."""
+    """The one that is told what happens."""
 
     def begin(self, variants: int) -> None:
         """Work on so many variants in all begins."""
@@ -94,7 +94,7 @@ def run(store: Store, engine: Engine, progress: Progress, *, limit: float | None
     Args:
         store: Its folder, begun.
         engine: What works; the caller closes it.
-        progress: Who is told.
+        progress: What is told.
         limit: How long a variant may take [s]; None: as long as it takes.
 
     Raises:
@@ -106,7 +106,7 @@ def run(store: Store, engine: Engine, progress: Progress, *, limit: float | None
 
 @dataclass
 class _Suspect:
-    """A batch whose variants are tried alone: how many are left to try, and who died of it."""
+    """A batch whose variants are tried alone: how many are left to try, and which died of it."""
 
     left: int
     dead: tuple[tuple[int, str], ...] = ()
@@ -123,7 +123,7 @@ class Driver:
         self._under_way = 0
         self._first = deque[Task]()  # what goes before new batches
         self._shard = -1  # the shard that batches are taken from
-        self._left = deque[int]()  # its batches that nobody has yet
+        self._left = deque[int]()  # its batches that no process has yet
         self._open: dict[int, int] = {}  # shard -> batches that have not come back
         self._tries: dict[tuple[str, int], int] = {}  # deaths by kind of task and its first
         self._suspects: dict[int, _Suspect] = {}  # by batch

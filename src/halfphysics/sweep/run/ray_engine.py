@@ -298,10 +298,10 @@ def _connect(ray: Any, address: str, jobs: int | None, scratch: Path | None) -> 
 
 
 def _reach(address: str) -> None:
-    """Whether somebody listens there: Ray itself would ask for minutes, and then say nothing.
+    """Check that a server listens there: Ray itself would wait for minutes, and then say nothing.
 
     Raises:
-        OSError: Nobody does.
+        OSError: No server does.
         ValueError: An address whose port is no number.
     """
     parts = urlsplit(address if "://" in address else f"//{address}")
@@ -311,7 +311,7 @@ def _reach(address: str) -> None:
 
 @contextlib.contextmanager
 def _signals_kept() -> Iterator[None]:
-    """Ray answers SIGTERM in its own way; who asked for the sweep may have another."""
+    """Ray answers SIGTERM in its own way; the caller's handler is put back."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

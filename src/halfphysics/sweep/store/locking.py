@@ -12,10 +12,10 @@ from halfphysics.sweep.store.documents import reported
 
 try:
     import fcntl
-except ImportError:  # Windows: nothing to lock with, nobody is refused
+except ImportError:  # Windows: nothing to lock with, no process is refused
     fcntl = None  # type: ignore[assignment]
 
-#: File systems that know no locks; whoever uses them looks after this.
+#: File systems without locks: there the user sees to it that one driver runs.
 _NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
 # Locks are a process's own: what this one has locked it would be given again.
 _held: set[Path] = set()
@@ -37,7 +37,7 @@ class Lock:
         """Lock.
 
         Raises:
-            InputError: Somebody holds it.
+            InputError: Another process holds it.
             FileError: The file cannot be made.
         """
         if self.path in _held:  # not even opened: closing it again would let go of the lock
@@ -57,10 +57,10 @@ class Lock:
         self._handle = handle
         _held.add(self.path)
 
-    def _taken(self, who: str) -> InputError:
+    def _taken(self, holder: str) -> InputError:
         return InputError(
             f"{self.path.parent.parent}: another sweep works in this folder "
-            f"({who or 'unknown'}). Wait for it, stop it, or give another folder (--out)"
+            f"({holder or 'unknown'}). Wait for it, stop it, or give another folder (--out)"
         )
 
     def release(self) -> None:

@@ -22,8 +22,8 @@ Files = dict[str, bytes]
 def reopen(layout: Layout, fragments: Fragments, record: Mapping[str, Any]) -> None:
     """Make a shard count as open, with the fragments of the batches that had no failures.
 
-    They are cut out of its tar; where there is none, all batches are to be made. Who is killed
-    before the end leaves a sealed shard, and fragments that the next start removes.
+    They are cut out of its tar; where there is none, all batches are to be made. A driver that is
+    killed before the end leaves a sealed shard, and fragments that the next start removes.
 
     Raises:
         FileError: The tar is damaged, or something cannot be written.

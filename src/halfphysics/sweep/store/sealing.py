@@ -176,7 +176,7 @@ def _merged(records: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def whole(record: Mapping[str, Any]) -> bool:
-    """Whether a record has all that records have: somebody may have edited it."""
+    """Whether a record has all keys of a record: it may have been edited."""
     return record.keys() >= _KEYS and bool(record["files"])
 
 

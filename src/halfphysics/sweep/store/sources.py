@@ -1,7 +1,7 @@
 """Whether the files that a sweep was made from are still what they were, for one look each.
 
-Who reads a file says what it contained (SHA-256). Beside it is noted, where it is certain, what
-the file looked like then (size, date). A file that still looks so is not read again.
+The reader of a file notes what it contained (SHA-256) and, where it is certain, what the file
+looked like then (size, date). A file that still looks so is not read again.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The folder of a sweep: what is in it, what is left to do, and how to never lose work.
 
-Everything appears whole or not at all, and counts once a record says so. Whoever is killed at
-any moment leaves files that count and files that do not; the next start removes the latter.
+Everything appears whole or not at all, and counts once a record says so. A process that is killed
+at any moment leaves files that count and files that do not; the next start removes the latter.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ class Store:
         try:
             since = os.stat(self._lock.path).st_mtime_ns - _CLOCKS
         except OSError:
-            since = 0  # nobody began: what files look like is not to be trusted
+            since = 0  # nothing was begun: what files look like is not to be trusted
         return Sources(since, self.plan.base)
 
     @cached_property
@@ -160,7 +160,7 @@ class Store:
 
     @staticmethod
     def _clean(folder: Path) -> None:
-        """Remove what was being written when somebody was killed."""
+        """Remove what was being written when a process was killed."""
         with reported(folder):
             for path in sorted(folder.glob(".*.part")):
                 path.unlink(missing_ok=True)

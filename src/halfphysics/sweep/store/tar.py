@@ -19,7 +19,7 @@ def member(name: str, data: bytes) -> tuple[bytes, bytes, bytes]:
     Raises:
         InputError: The name does not fit a USTAR header (100 bytes), or the data (8 GiB).
     """
-    info = tarfile.TarInfo(name)  # mode 0644, no date, nobody's
+    info = tarfile.TarInfo(name)  # mode 0644, no date, no owner
     info.size = len(data)
     try:
         header = info.tobuf(tarfile.USTAR_FORMAT, "utf-8", "strict")

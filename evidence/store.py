@@ -104,7 +104,7 @@ def identity(task: Task) -> dict[str, Any]:
 @cache
 def program() -> str:
     """SHA-256 of the code that computes outcomes: of the evidence and of halfphysics."""
-    digest = hashlib.sha256(code_hash.program().encode())
+    digest = hashlib.sha256(code_hash.code_hash().encode())
     folder = Path(__file__).parent
     for path in sorted(folder.rglob("*.py")):
         digest.update(f"{path.relative_to(folder).as_posix()} {sha256_of(path)}\n".encode())

@@ -12,8 +12,8 @@ import numpy as np
 from halfphysics import Result
 from halfphysics.base.rotations import rotate
 from halfphysics.motion.skeleton import JOINT_NAMES
-from halfphysics.render.drawing import Drawing
 from halfphysics.render.rasterizer import Camera
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.render.viewpoint import FOV, cameras, choose_direction
 
 

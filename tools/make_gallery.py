@@ -21,7 +21,7 @@ from PIL import Image
 
 import halfphysics as hp
 from halfphysics import scenarios
-from halfphysics.render.contact_sheet import strip_png
+from halfphysics.render.contact_sheet import contact_sheet_png
 from halfphysics.render.film import FilmOptions
 from halfphysics.render.film.filming import Shoot, workers
 
@@ -100,7 +100,7 @@ def draw(name: str) -> Path:
     frames, views = shot.frames(result), shot.views(result, SIZE)
     path = PICTURES / f"{name}.png"
     path.write_bytes(
-        strip_png(
+        contact_sheet_png(
             result,
             frames,
             columns=len(frames),
@@ -146,7 +146,7 @@ def picture() -> Path:
     path = DOCS / "demo.png"
     result = play("doorway")
     frames = [round(time * result.fps) for time in _MOMENTS]
-    path.write_bytes(strip_png(result, frames, 4, (240, 280), samples=_SAMPLES, colors=256))
+    path.write_bytes(contact_sheet_png(result, frames, 4, (240, 280), samples=_SAMPLES, colors=256))
     return path
 
 

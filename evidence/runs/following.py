@@ -38,7 +38,7 @@ def follow(source: Mapping[str, Any], runs: Mapping[str, Choice], strip: str = "
         a second, "curve" [mm].
     """
     from halfphysics.body.body import Body
-    from halfphysics.render.contact_sheet import strip_png
+    from halfphysics.render.contact_sheet import contact_sheet_png
     from halfphysics.settings import Settings
 
     motion, body = sources.load(source), Body.default()
@@ -48,7 +48,7 @@ def follow(source: Mapping[str, Any], runs: Mapping[str, Choice], strip: str = "
         values[name] = found
         if name == strip and result is not None:
             frames = np.linspace(0, len(motion) - 1, _PICTURES + 1)[1:].round().astype(int)
-            pictures[name] = strip_png(result, frames.tolist(), _PICTURES, _SIZE)
+            pictures[name] = contact_sheet_png(result, frames.tolist(), _PICTURES, _SIZE)
     content = {"frames": len(motion), "fps": motion.fps, "runs": values}
     return Outcome(values=content, pictures=pictures)
 

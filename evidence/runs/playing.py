@@ -58,7 +58,7 @@ def strip(
 
     It has the frames given, as far as there are any, or the key frames.
     """
-    from halfphysics.render.contact_sheet import key_frames, strip_png
+    from halfphysics.render.contact_sheet import contact_sheet_png, key_frames
 
     if not wanted:
         return {}
@@ -66,7 +66,7 @@ def strip(
         frames = key_frames(result, _QUICK_TILES if quick else _TILES)
     frames = [min(frame, len(result) - 1) for frame in frames]
     samples = 1 if quick else 2
-    return {"strip": strip_png(result, frames, _COLUMNS, _SIZE, samples=samples, colors=96)}
+    return {"strip": contact_sheet_png(result, frames, _COLUMNS, _SIZE, samples=samples, colors=96)}
 
 
 def penetration(

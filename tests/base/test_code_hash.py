@@ -9,12 +9,12 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import halfphysics
-from halfphysics.base.code_hash import program
+from halfphysics.base.code_hash import code_hash
 
 
 def hash_of(folder):
     """What `program` gives for a copy of the package, in a process of its own."""
-    code = "import halfphysics.base.code_hash as p; print(p.__file__, p.program())"
+    code = "import halfphysics.base.code_hash as p; print(p.__file__, p.code_hash())"
     done = subprocess.run(
         [sys.executable, "-c", code],
         env={"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"},
@@ -34,12 +34,12 @@ def test_any_change_of_the_code_is_another_program(tmp_path):
     shutil.copytree(here, there, ignore=shutil.ignore_patterns("__pycache__"))
     (there / "__pycache__").mkdir()
     (there / "__pycache__" / "x.pyc").write_bytes(b"x")
-    assert hash_of(tmp_path) == program()
+    assert hash_of(tmp_path) == code_hash()
     module = there / "scenarios" / "acting" / "gait.py"
     code = module.read_bytes()
     module.write_bytes(code + b"#\n")
-    assert hash_of(tmp_path) != program()
+    assert hash_of(tmp_path) != code_hash()
     module.write_bytes(code)
     native = there / Path(find_spec("halfphysics._native").origin).name
     native.write_bytes(native.read_bytes() + b"\0")  # still what it was to who loads it
-    assert hash_of(tmp_path) != program()
+    assert hash_of(tmp_path) != code_hash()

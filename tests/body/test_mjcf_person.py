@@ -21,7 +21,7 @@ from halfphysics.body.mjcf_person import (
     part_color,
     to_mjcf,
 )
-from halfphysics.body.variant import Variant, build_variant
+from halfphysics.body.rigid_parts import Variant, build_variant
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import (
     JOINT_NAMES,

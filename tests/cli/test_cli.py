@@ -16,7 +16,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.cli import COMMANDS
-from halfphysics.formats.inputs import GROUND
+from halfphysics.formats.loading import GROUND
 from support.command_line import run
 
 UPRIGHT = [np.pi / 2, 0.0, 0.0]

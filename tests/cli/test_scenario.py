@@ -74,7 +74,8 @@ def test_page_and_pictures(tmp_path, capsys, monkeypatch):
     drawn = []
     # Drawing takes seconds and is tested where it is at home.
     monkeypatch.setattr(
-        "halfphysics.render.contact_sheet.picture_strip", lambda result, path: drawn.append(path)
+        "halfphysics.render.contact_sheet.save_contact_sheet",
+        lambda result, path: drawn.append(path),
     )
     page, pictures = tmp_path / "p.html", tmp_path / "p.png"
     assert run("kick_ball", "--fps", 5, "--page", page, "--pictures", pictures) == 0

@@ -20,7 +20,7 @@ from evidence.motions.choreography import (
 from evidence.motions.daily import KINDS, daily
 from evidence.motions.dancer import Score, danced
 from halfphysics.base.rotations import rotvec_to_matrix
-from halfphysics.formats.speeds import JOINT_SPEED, ROOT_SPEED
+from halfphysics.formats.speed_check import JOINT_SPEED, ROOT_SPEED
 from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: Of the dances and jumps of shared/data/motion (a dance, a dab, jumping, jumping jacks), least and

@@ -12,8 +12,8 @@ from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import MeshQuery
 from halfphysics.labels import ContactLabels, arctic, behave, chois, contact_labels, omomo
+from halfphysics.labels.item_solids import things_of
 from halfphysics.labels.reference import solid_distance
-from halfphysics.labels.solids import things_of
 from halfphysics.results.result import Result
 
 

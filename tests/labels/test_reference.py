@@ -11,11 +11,11 @@ import pytest
 import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.bench.clips import straight
-from halfphysics.labels.near import Target, near
-from halfphysics.labels.part_balls import part_balls
+from halfphysics.labels.bounding_spheres import part_balls
+from halfphysics.labels.item_solids import Solid, Thing, things_of
+from halfphysics.labels.proximity import Target, near
 from halfphysics.labels.reference import near_reference, solid_distance
 from halfphysics.labels.sampling import ObjectSurface, covered
-from halfphysics.labels.solids import Solid, Thing, things_of
 from halfphysics.results.result import ObjectTrack
 from support.judges.coal_shapes import coal_shape
 

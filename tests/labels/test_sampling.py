@@ -8,8 +8,8 @@ import pytest
 import halfphysics as hp
 from halfphysics.geometry.mesh_queries import closest_reference, is_closed
 from halfphysics.geometry.mesh_solids import solid_moments
+from halfphysics.labels.item_solids import things_of
 from halfphysics.labels.sampling import MOST, covered, surface_of
-from halfphysics.labels.solids import things_of
 from halfphysics.results.result import ObjectTrack
 
 SHAPES = {

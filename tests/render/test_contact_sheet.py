@@ -9,7 +9,12 @@ import pytest
 from PIL import Image
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.render.contact_sheet import caption, key_frames, picture_strip, strip_png
+from halfphysics.render.contact_sheet import (
+    caption,
+    contact_sheet_png,
+    key_frames,
+    save_contact_sheet,
+)
 from halfphysics.render.rasterizer import Camera
 from support.results.small_result import FRAMES, small_result
 
@@ -40,7 +45,7 @@ def test_captions_say_when_and_what_touches():
 def test_a_strip_has_its_size_and_shows_body_ghost_and_ball(tmp_path):
     path = tmp_path / "strip.png"
     size = (120, 132)
-    assert picture_strip(small_result(), path, frames=[0, 6, -1], columns=2, size=size) == path
+    assert save_contact_sheet(small_result(), path, frames=[0, 6, -1], columns=2, size=size) == path
     sheet = np.asarray(Image.open(path).convert("RGB")).astype(int)
     gap, margin, text = 6, 14, 18
     assert sheet.shape[1] == 2 * margin + 2 * size[0] + gap
@@ -67,7 +72,9 @@ def test_a_strip_has_its_size_and_shows_body_ghost_and_ball(tmp_path):
 
 def test_a_strip_is_the_same_every_time(tmp_path):
     for name, threads in (("a.png", 1), ("b.png", 3)):
-        picture_strip(small_result(), tmp_path / name, frames=[7], size=(60, 60), threads=threads)
+        save_contact_sheet(
+            small_result(), tmp_path / name, frames=[7], size=(60, 60), threads=threads
+        )
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
@@ -83,7 +90,7 @@ def test_a_strip_is_the_same_every_time(tmp_path):
 )
 def test_impossible_strips_are_refused_and_leave_nothing(tmp_path, wrong, message):
     with pytest.raises(InputError, match=message):
-        picture_strip(small_result(), tmp_path / "a.png", **wrong)
+        save_contact_sheet(small_result(), tmp_path / "a.png", **wrong)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -93,9 +100,9 @@ def test_a_path_that_cannot_be_is_refused_before_the_work(tmp_path, monkeypatch)
 
     monkeypatch.setattr("halfphysics.render.contact_sheet.choose_direction", work)
     with pytest.raises(FileError, match="does not exist"):
-        picture_strip(small_result(), tmp_path / "no" / "a.png")
+        save_contact_sheet(small_result(), tmp_path / "no" / "a.png")
     with pytest.raises(FileError, match="folder"):
-        picture_strip(small_result(), tmp_path)
+        save_contact_sheet(small_result(), tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -105,14 +112,16 @@ def test_a_strip_is_seen_from_where_one_says(tmp_path):
     )
     people = []
     for view in (far, near):
-        path = picture_strip(small_result(), tmp_path / "a.png", [0], 1, (120, 120), views=[view])
+        path = save_contact_sheet(
+            small_result(), tmp_path / "a.png", [0], 1, (120, 120), views=[view]
+        )
         red, _, blue = np.moveaxis(np.asarray(Image.open(path).convert("RGB")).astype(int), -1, 0)
         people.append(int(((red - blue > 12) & (red - blue < 70)).sum()))
     assert people[1] > 4 * people[0]
 
 
 def test_a_palette_keeps_what_is_small_and_bright():
-    sheet = Image.open(BytesIO(strip_png(small_result(), [12], 1, (160, 160), colors=64)))
+    sheet = Image.open(BytesIO(contact_sheet_png(small_result(), [12], 1, (160, 160), colors=64)))
     assert sheet.mode == "P"
     red, _, blue = np.moveaxis(np.asarray(sheet.convert("RGB")).astype(int), -1, 0)
     assert ((red > 200) & (red - blue > 120)).sum() > 10, "no orange ball"

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from halfphysics.geometry.shapes import Box
-from halfphysics.render.drawing import Drawing
 from halfphysics.render.rasterizer import Camera
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.render.viewpoint import (
     FOV,
     cameras,

@@ -7,7 +7,7 @@ import pytest
 
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
-from halfphysics.geometry.object_pieces import joined
+from halfphysics.geometry.contact_pieces import joined
 from halfphysics.geometry.shapes import Box, Mesh, Plane
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from halfphysics.scene.scene import Scene

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.render.drawing import Drawing
 from halfphysics.render.rasterizer import Camera
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.render.viewpoint import FOV
 from halfphysics.viewer.contacts import ContactFrames
 from halfphysics.viewer.page import save_page

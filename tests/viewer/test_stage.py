@@ -188,7 +188,7 @@ def test_shrinking_a_cube_moves_its_faces_in():
 def test_a_ghost_leaves_its_depth(server):
     from dataclasses import replace
 
-    from halfphysics.render.drawing import Drawing
+    from halfphysics.render.result_meshes import Drawing
 
     body = Body.default()
     skin = replace(Drawing(small_result()).skin(0, True), vertices=body.rest_vertices)

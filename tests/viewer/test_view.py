@@ -16,7 +16,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.errors import FileError, InputError
-from halfphysics.render.drawing import Drawing
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import arrange
 from halfphysics.viewer.controls import slider_end
 from halfphysics.viewer.server import free_port

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import halfphysics as hp
 from halfphysics.body.body import Body
 from halfphysics.motion.skeleton import JOINT_NAMES
-from halfphysics.render.drawing import OBJECTS, PEOPLE
+from halfphysics.render.result_meshes import OBJECTS, PEOPLE
 from halfphysics.results.result import ObjectTrack
 from halfphysics.writers.take import take_of
 from support.files.gltf_reader import Gltf

@@ -1,4 +1,4 @@
-"""Which program this is: what another one computed is not taken for its own."""
+"""The hash of the code that computes numbers: results of other code are not reused."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def engines() -> Mapping[str, str | None]:
 
 
 @cache
-def program() -> str:
+def code_hash() -> str:
     """SHA-256 of the package's files and of the versions of what it computes with."""
     digest = hashlib.sha256()
     folder = Path(__file__).parents[1]

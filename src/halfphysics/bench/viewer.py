@@ -61,8 +61,8 @@ def _measured(setting: str, ghosts: bool, fast: bool, seconds: float) -> Record:
 
 
 def _figures(server: Any, person: Body, ghosts: bool, fast: bool) -> list[Any]:
-    from halfphysics.render.drawing import GHOST, GHOST_ALPHA, PEOPLE
     from halfphysics.render.rasterizer import Surface
+    from halfphysics.render.result_meshes import GHOST, GHOST_ALPHA, PEOPLE
     from halfphysics.viewer.figure import Figure
 
     looks = [(f"/person/{k}", PEOPLE[k], 1.0) for k in range(2)]

@@ -21,8 +21,8 @@ from halfphysics.errors import HalfPhysicsWarning, InputError, MismatchError
 from halfphysics.motion.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
+    from halfphysics.body.rigid_parts import Variant
     from halfphysics.body.skin_hulls import SkinHulls
-    from halfphysics.body.variant import Variant
     from halfphysics.motion.motion import Motion
     from halfphysics.motion.pose import Pose
 
@@ -261,7 +261,7 @@ class Body:
     @cached_property
     def variant(self) -> Variant:
         """The 55 rigid parts of this shape, made once."""
-        from halfphysics.body.variant import build_variant
+        from halfphysics.body.rigid_parts import build_variant
 
         return build_variant(self)
 

@@ -26,7 +26,7 @@ from halfphysics.motion.skeleton import (
 if TYPE_CHECKING:
     from xml.etree import ElementTree
 
-    from halfphysics.body.variant import Part, Variant
+    from halfphysics.body.rigid_parts import Part, Variant
 
 Array = NDArray[np.float64]
 

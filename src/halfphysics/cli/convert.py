@@ -87,6 +87,6 @@ class Command:
             return result.people[0].body
         from halfphysics.formats.bvh.bvh import DEFAULT_BODY
 
-        origin = motion.origin
-        retargeted = origin is not None and bool(origin.fields.get(DEFAULT_BODY))
+        metadata = motion.origin
+        retargeted = metadata is not None and bool(metadata.fields.get(DEFAULT_BODY))
         return self.person.load(motion) if said or needed or retargeted else None

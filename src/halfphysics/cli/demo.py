@@ -33,7 +33,7 @@ class Command:
         """Simulate, measure, write."""
         from halfphysics import scenarios
         from halfphysics.cli import measures
-        from halfphysics.render.contact_sheet import picture_strip
+        from halfphysics.render.contact_sheet import save_contact_sheet
         from halfphysics.simulation.simulate import simulate
         from halfphysics.simulation.simulator import Simulator
         from halfphysics.viewer.page import save_page
@@ -68,7 +68,7 @@ class Command:
             "page": self.out / "demo.html",
         }
         result.save(written["result"])
-        picture_strip(result, written["pictures"])
+        save_contact_sheet(result, written["pictures"])
         save_page(result, written["page"], title="halfphysics demo", progress=progress())
         for what, path in written.items():
             note = "  (open it in a browser; it needs no network)" if what == "page" else ""

@@ -11,8 +11,8 @@ import tyro
 
 from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError, InputError
-from halfphysics.formats import inputs as asked
-from halfphysics.formats.inputs import betas_for, furnished, model_for
+from halfphysics.formats import loading
+from halfphysics.formats.loading import betas_for, furnished, model_for
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -32,7 +32,7 @@ def progress() -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MotionOptions(asked.MotionOptions):
+class MotionOptions(loading.MotionOptions):
     """What a motion file cannot say itself."""
 
     assets: Annotated[tuple[Path, ...], tyro.conf.UseAppendAction] = ()

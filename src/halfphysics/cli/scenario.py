@@ -76,9 +76,9 @@ class Play:
             result.save(self.outputs.out)
             print(f"result: {self.outputs.out}")
         if self.outputs.pictures is not None:
-            from halfphysics.render.contact_sheet import picture_strip
+            from halfphysics.render.contact_sheet import save_contact_sheet
 
-            picture_strip(result, self.outputs.pictures)
+            save_contact_sheet(result, self.outputs.pictures)
             print(f"pictures: {self.outputs.pictures}")
         if self.outputs.page is not None:
             from halfphysics.viewer.page import save_page

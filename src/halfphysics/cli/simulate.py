@@ -10,7 +10,7 @@ import tyro
 
 from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions, check_output, progress
 from halfphysics.errors import InputError
-from halfphysics.formats.inputs import is_furnished
+from halfphysics.formats.loading import is_furnished
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:

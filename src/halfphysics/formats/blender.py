@@ -15,8 +15,8 @@ import numpy as np
 from halfphysics.base.npz import write_npz
 from halfphysics.base.reader_warnings import warn
 from halfphysics.formats.amass import smplx as amass_smplx
-from halfphysics.formats.building import file_parameters
 from halfphysics.formats.format import Format
+from halfphysics.formats.motion_builder import file_parameters
 from halfphysics.motion.motion import Motion
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from halfphysics.base.npz import Npz
 from halfphysics.base.suggestions import closest
 from halfphysics.base.validation import file_path, shown
 from halfphysics.errors import FileError
-from halfphysics.formats.record import Record
+from halfphysics.formats.checked_fields import Record
 from halfphysics.motion.motion import Motion
 
 if TYPE_CHECKING:

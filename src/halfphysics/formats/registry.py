@@ -166,9 +166,9 @@ def losses(motion: Motion, path: str | os.PathLike[str], format: str | None = No
     """What of a motion the file that `save_motion` would write cannot hold, one line each."""
     writer = writer_of(motion, file_path(path), format)
     lost = list(writer.loses(motion))
-    origin = motion.origin
-    template = None if origin is None else origin.fields.get("template")
-    if template is not None and origin is not None and origin.format != writer.name:
+    metadata = motion.origin
+    template = None if metadata is None else metadata.fields.get("template")
+    if template is not None and metadata is not None and metadata.format != writer.name:
         lost.append(f"the subject's own shape: keep the template {template} beside it")
     return lost
 

@@ -14,15 +14,15 @@ import numpy as np
 
 from halfphysics.base.npz import write_npz
 from halfphysics.errors import FileError
-from halfphysics.formats.building import (
+from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import (
     file_parameters,
     lost_model,
     motion_of,
     rotations_of,
     same_length,
 )
-from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.record import Record
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 

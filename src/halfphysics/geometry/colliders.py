@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
-    from halfphysics.body.variant import Part
+    from halfphysics.body.rigid_parts import Part
     from halfphysics.geometry.shapes import Shape
 
 Array = NDArray[np.float64]

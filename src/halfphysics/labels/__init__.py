@@ -5,7 +5,7 @@ from __future__ import annotations
 from halfphysics.labels.contact_labels import contact_labels
 from halfphysics.labels.events import Drop, Events, Hold, Limits, Slip, events
 from halfphysics.labels.exporters import arctic, behave, chois, omomo
-from halfphysics.labels.near import Near
+from halfphysics.labels.proximity import Near
 from halfphysics.labels.sampling import ObjectSurface
 from halfphysics.labels.solver_contacts import SolverContacts
 from halfphysics.labels.tables import ContactLabels, PersonLabels

@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
-from halfphysics.labels.near import Near, Target, near
-from halfphysics.labels.part_balls import part_balls
+from halfphysics.labels.bounding_spheres import part_balls
+from halfphysics.labels.item_solids import Thing, things_of
+from halfphysics.labels.proximity import Near, Target, near
 from halfphysics.labels.sampling import surface_of
-from halfphysics.labels.solids import Thing, things_of
 from halfphysics.labels.solver_contacts import solver_contacts
 from halfphysics.labels.tables import ContactLabels, PersonLabels
-from halfphysics.metrics.inputs import check_result
+from halfphysics.metrics.argument_checks import check_result
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.result import Result
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
-from halfphysics.metrics.inputs import check_result
+from halfphysics.metrics.argument_checks import check_result
 from halfphysics.scene.trajectories import Moving
 
 if TYPE_CHECKING:
@@ -182,8 +182,8 @@ def events(result: Result, limits: Limits | None = None) -> Events:
     limits = Limits() if limits is None else limits
     if not isinstance(limits, Limits):
         raise InputError(f"limits: expected Limits, found {shown(limits)}")
-    from halfphysics.labels.carried import Loads, holds_and_drops
-    from halfphysics.labels.sliding import slips_of
+    from halfphysics.labels.holds import Loads, holds_and_drops
+    from halfphysics.labels.slips import slips_of
 
     scene = result.scene
     holds: list[Hold] = []

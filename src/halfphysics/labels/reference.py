@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from halfphysics.geometry.mesh_queries import closest_reference, winding_reference
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
-from halfphysics.labels.near import Near, Target
-from halfphysics.labels.part_balls import part_balls
-from halfphysics.labels.solids import Solid, Thing
+from halfphysics.labels.bounding_spheres import part_balls
+from halfphysics.labels.item_solids import Solid, Thing
+from halfphysics.labels.proximity import Near, Target
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

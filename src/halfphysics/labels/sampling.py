@@ -17,7 +17,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Sphere
-from halfphysics.labels.solids import Thing
+from halfphysics.labels.item_solids import Thing
 
 if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene

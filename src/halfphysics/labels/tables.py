@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
-from halfphysics.labels.near import Near, Target, near
+from halfphysics.labels.item_solids import things_of
+from halfphysics.labels.proximity import Near, Target, near
 from halfphysics.labels.sampling import ObjectSurface
-from halfphysics.labels.solids import things_of
 from halfphysics.labels.solver_contacts import SolverContacts
 from halfphysics.motion.skeleton import JOINT_INDEX, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
 

@@ -6,15 +6,15 @@ Motions are `halfphysics.motion.motion.Motion`, bodies `halfphysics.body.body.Bo
 
 from __future__ import annotations
 
-from halfphysics.metrics.completeness import success
-from halfphysics.metrics.contact_labels import LabelReport, contact_precision
+from halfphysics.metrics.contact_precision import LabelReport, contact_precision
+from halfphysics.metrics.deviation import Deviation, IntentReport, deviation
 from halfphysics.metrics.forces import ForceReport, contact_forces
-from halfphysics.metrics.intent import Deviation, IntentReport, deviation
 from halfphysics.metrics.joint_errors import mpjpe, mpjpe_global
 from halfphysics.metrics.penetration import PenetrationReport, penetration
 from halfphysics.metrics.sequences import PenetrationSummary, over_sequences
 from halfphysics.metrics.skating import SkateReport, foot_skate
 from halfphysics.metrics.smoothness import jerk
+from halfphysics.metrics.success import success
 from halfphysics.metrics.volume import VolumeReport, penetrating_volume
 
 __all__ = [

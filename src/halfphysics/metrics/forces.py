@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.base import rotations as rot
-from halfphysics.metrics.inputs import Array, check_result
-from halfphysics.metrics.things import links_of
+from halfphysics.metrics.argument_checks import Array, check_result
+from halfphysics.metrics.scene_solids import links_of
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene.material_pairs import PERSON
 from halfphysics.scene.trajectories import Moving

@@ -8,7 +8,7 @@ import numpy as np
 
 from halfphysics.base import validation
 from halfphysics.errors import InputError
-from halfphysics.metrics.inputs import Array, check_motion
+from halfphysics.metrics.argument_checks import Array, check_motion
 
 
 def mpjpe(a: Any, b: Any, body: Any) -> float:

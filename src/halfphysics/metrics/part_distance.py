@@ -14,9 +14,9 @@ from halfphysics.base import rotations as rot
 from halfphysics.body import skinning
 from halfphysics.geometry.colliders import ConvexCollider, convex_collider
 from halfphysics.geometry.shapes import Mesh, Plane
-from halfphysics.metrics.inputs import Array
+from halfphysics.metrics.argument_checks import Array
 from halfphysics.metrics.part_gaps import part_gaps
-from halfphysics.metrics.things import links_of
+from halfphysics.metrics.scene_solids import links_of
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.body import skinning
-from halfphysics.metrics.inputs import Array
+from halfphysics.metrics.argument_checks import Array
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

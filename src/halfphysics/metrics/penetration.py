@@ -12,9 +12,9 @@ from halfphysics.base import rotations, validation
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import MeshQuery, is_closed
-from halfphysics.metrics.inputs import Array, check_motion
+from halfphysics.metrics.argument_checks import Array, check_motion
+from halfphysics.metrics.scene_solids import Solid, links_of, solids_of, tracks_of
 from halfphysics.metrics.skins import batches, frames_of, skin
-from halfphysics.metrics.things import Solid, links_of, solids_of, tracks_of
 from halfphysics.scene.scene import Scene
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from halfphysics.base.validation import number
-from halfphysics.metrics.inputs import joints_of
+from halfphysics.metrics.argument_checks import joints_of
 from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: The balls of the feet.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.metrics.inputs import Array
+from halfphysics.metrics.argument_checks import Array
 
 _BATCH = 32  # frames skinned at a time: about 10 MB of vertices
 

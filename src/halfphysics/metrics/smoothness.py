@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.metrics.inputs import joints_of
+from halfphysics.metrics.argument_checks import joints_of
 
 
 def jerk(motion: Any, body: Any) -> float:

@@ -12,7 +12,7 @@ from halfphysics.errors import InputError
 from halfphysics.geometry.parallel_rays import crossings
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Capsule, Cylinder, Mesh, Plane, Sphere
-from halfphysics.metrics.inputs import Array
+from halfphysics.metrics.argument_checks import Array
 from halfphysics.metrics.spans import Spans
 
 Ints = NDArray[np.int64]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.geometry.parallel_rays import ray_key
-from halfphysics.metrics.inputs import Array
+from halfphysics.metrics.argument_checks import Array
 
 Ints = NDArray[np.int64]
 

@@ -17,11 +17,11 @@ from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import boundary_edges, components
 from halfphysics.geometry.parallel_rays import crossings
 from halfphysics.geometry.shapes import Capsule, Cylinder, Plane, Sphere
-from halfphysics.metrics.inputs import Array, check_motion
+from halfphysics.metrics.argument_checks import Array, check_motion
+from halfphysics.metrics.scene_solids import solids_of, tracks_of
 from halfphysics.metrics.skins import batches, frames_of, skin
 from halfphysics.metrics.solid_spans import Grid, Placed
 from halfphysics.metrics.spans import Spans
-from halfphysics.metrics.things import solids_of, tracks_of
 from halfphysics.scene.scene import Scene
 
 Ints = NDArray[np.int64]

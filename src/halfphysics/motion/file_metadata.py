@@ -1,4 +1,4 @@
-"""Origin: what a motion file holds besides the motion, kept to be written back."""
+"""What a motion file holds besides the motion, kept to be written back."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SAME_TIME = 1e-6
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Origin:
+class FileMetadata:
     """What a motion's file said besides the motion: all a writer needs to give it back.
 
     `fields` belongs to the format (key names, dtypes, constants); `per_frame` holds arrays
@@ -27,12 +27,12 @@ class Origin:
     fields: Mapping[str, Any] = field(default_factory=dict)
     per_frame: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
-    def taken(self, rows: Any) -> Origin:
+    def taken(self, rows: Any) -> FileMetadata:
         """The same with the per-frame arrays indexed by `rows`."""
         per_frame = {key: value[rows] for key, value in self.per_frame.items()}
-        return Origin(format=self.format, fields=self.fields, per_frame=per_frame)
+        return FileMetadata(format=self.format, fields=self.fields, per_frame=per_frame)
 
-    def sampled(self, position: Array) -> Origin:
+    def sampled(self, position: Array) -> FileMetadata:
         """The same with the per-frame arrays at fractional frames `position` (T,)."""
         low, high, weight = neighbours(position)
         per_frame = {}
@@ -43,7 +43,7 @@ class Origin:
                 per_frame[key] = mixed.astype(value.dtype)
             else:
                 per_frame[key] = value[np.where(weight < 0.5, low, high)]
-        return Origin(format=self.format, fields=self.fields, per_frame=per_frame)
+        return FileMetadata(format=self.format, fields=self.fields, per_frame=per_frame)
 
 
 def neighbours(position: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:

@@ -15,7 +15,7 @@ from halfphysics.base import validation
 from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.validation import frame_rate, number
 from halfphysics.errors import InputError
-from halfphysics.motion.file_metadata import SAME_TIME, Origin, neighbours
+from halfphysics.motion.file_metadata import SAME_TIME, FileMetadata, neighbours
 from halfphysics.motion.pose import Pose, checked, checked_axes, flat_rotations
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class Motion:
     gender: str = "neutral"
     model: str = "smplx"
     axes: Array = field(default_factory=lambda: np.eye(3), repr=False)
-    origin: Origin | None = field(default=None, repr=False)
+    origin: FileMetadata | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         translation = checked("translation", self.translation, (None, 3), "(T, 3)")
@@ -138,9 +138,9 @@ class Motion:
         """A `Pose` for an integer, a `Motion` for a slice; a step keeps real time (fps / step)."""
         if isinstance(index, slice):
             step = 1 if index.step is None else abs(int(index.step))
-            origin = None if self.origin is None else self.origin.taken(index)
+            metadata = None if self.origin is None else self.origin.taken(index)
             return self._replaced(
-                self.translation[index], self.rotations[index], self.fps / max(step, 1), origin
+                self.translation[index], self.rotations[index], self.fps / max(step, 1), metadata
             )
         try:
             return Pose(self.translation[index], self.rotations[index], self.axes)
@@ -150,7 +150,11 @@ class Motion:
     # -- changing ------------------------------------------------------------------------
 
     def _replaced(
-        self, translation: ArrayLike, rotations: ArrayLike, fps: float, origin: Origin | None
+        self,
+        translation: ArrayLike,
+        rotations: ArrayLike,
+        fps: float,
+        metadata: FileMetadata | None,
     ) -> Motion:
         return Motion(
             np.asarray(translation, dtype=np.float64),
@@ -160,7 +164,7 @@ class Motion:
             gender=self.gender,
             model=self.model,
             axes=self.axes,
-            origin=origin,
+            origin=metadata,
         )
 
     def with_frames(
@@ -171,10 +175,10 @@ class Motion:
         Extra per-frame data of the file is kept while the number of frames and fps stay.
         """
         fps = self.fps if fps is None else fps
-        origin = self.origin
-        if origin is not None and (len(np.asarray(translation)) != len(self) or fps != self.fps):
-            origin = Origin(format=origin.format, fields=origin.fields)
-        return self._replaced(translation, rotations, fps, origin)
+        metadata = self.origin
+        if metadata is not None and (len(np.asarray(translation)) != len(self) or fps != self.fps):
+            metadata = FileMetadata(format=metadata.format, fields=metadata.fields)
+        return self._replaced(translation, rotations, fps, metadata)
 
     def resample(self, fps: float) -> Motion:
         """The motion at another frame rate: SLERP of rotations, linear translation.
@@ -208,8 +212,8 @@ class Motion:
                 w[between],
             )
         )
-        origin = None if self.origin is None else self.origin.sampled(position)
-        return self._replaced(translation, rotations, fps, origin)
+        metadata = None if self.origin is None else self.origin.sampled(position)
+        return self._replaced(translation, rotations, fps, metadata)
 
     def grounded(self, body: Body, z: float = 0.0, *, percentile: float = 0.0) -> Motion:
         """The motion moved along z so that its lowest skin vertex touches height `z` [m].

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
-from halfphysics.render.drawing import GHOST, PEOPLE, Drawing
 from halfphysics.render.rasterizer import Camera, Color, Look, render
+from halfphysics.render.result_meshes import GHOST, PEOPLE, Drawing
 from halfphysics.render.viewpoint import cameras, choose_direction, glass
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def caption(result: Result, frame: int) -> tuple[str, str]:
     return time, ",  ".join(said[:2]) + more
 
 
-def picture_strip(
+def save_contact_sheet(
     result: Result,
     path: str | os.PathLike[str],
     frames: Sequence[int] | None = None,
@@ -163,7 +163,7 @@ def picture_strip(
     return Path(path)
 
 
-def strip_png(
+def contact_sheet_png(
     result: Result,
     frames: Sequence[int] | None = None,
     columns: int = 6,
@@ -176,7 +176,7 @@ def strip_png(
     """The same strip as the bytes of a PNG with a palette: a third of the size, to be embedded.
 
     Args:
-        result, frames, columns, size, samples, views: As of `picture_strip`.
+        result, frames, columns, size, samples, views: As of `save_contact_sheet`.
         colors: In the palette, 2 to 256.
 
     Raises:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.render.drawing import Drawing
 from halfphysics.render.rasterizer import Camera, Surface, visible
+from halfphysics.render.result_meshes import Drawing
 
 Array = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base.validation import number, quaternion, shown, vector
 from halfphysics.errors import InputError
+from halfphysics.geometry.contact_pieces import joined
 from halfphysics.geometry.convex_decomposition import USUAL, Cut, Decomposition
 from halfphysics.geometry.mesh import Mesh, MeshSource
-from halfphysics.geometry.object_pieces import joined
 from halfphysics.geometry.shape_base import Shape, Triangles
 
 Array = NDArray[np.float64]

@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import number, shown, vector
 from halfphysics.errors import InputError
+from halfphysics.geometry.contact_pieces import asked, touching
 from halfphysics.geometry.convex_decomposition import THRESHOLD
 from halfphysics.geometry.mesh import Mesh
-from halfphysics.geometry.object_pieces import asked, touching
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Plane
 from halfphysics.scene.items import (

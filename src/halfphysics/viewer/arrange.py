@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.render.drawing import Drawing, Item
 from halfphysics.render.rasterizer import Camera
+from halfphysics.render.result_meshes import Drawing, Item
 from halfphysics.render.viewpoint import FOV, choose_direction, glass, spread, subject
 from halfphysics.viewer.framing import framed
 

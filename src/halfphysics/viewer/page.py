@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.errors import InputError
-from halfphysics.render.drawing import Drawing
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.contacts import ContactNodes
 from halfphysics.viewer.page_head import head

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.render.drawing import GHOST, PEOPLE, Drawing
 from halfphysics.render.rasterizer import Color
+from halfphysics.render.result_meshes import GHOST, PEOPLE, Drawing
 from halfphysics.viewer.arrange import Arrangement
 from halfphysics.viewer.contacts import KINDS
 from halfphysics.viewer.figure import rgb

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from halfphysics.render.drawing import Drawing
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.catalog import Catalog, Choice

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import is_closed
-from halfphysics.render.drawing import FAINT_ALPHA, FLOOR, Drawing, Item
 from halfphysics.render.rasterizer import Camera
+from halfphysics.render.result_meshes import FAINT_ALPHA, FLOOR, Drawing, Item
 from halfphysics.render.viewpoint import FOV
 from halfphysics.viewer.bones import GRAIN
 from halfphysics.viewer.figure import Figure, moving_joints, rgb

@@ -13,7 +13,7 @@ import numpy as np
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX
-from halfphysics.render.drawing import Drawing
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import arrange, floor_height
 from halfphysics.viewer.camera import Cameras
 from halfphysics.viewer.controls import Controls

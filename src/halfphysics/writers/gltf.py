@@ -25,11 +25,11 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.atomic import atomic_write
 from halfphysics.body.body import Body
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
-from halfphysics.render.drawing import CREASE
 from halfphysics.render.rasterizer import Color
+from halfphysics.render.result_meshes import CREASE
+from halfphysics.writers.colors import actors_coloured, linear, props_coloured
 from halfphysics.writers.correctives import correctives
 from halfphysics.writers.gltf_buffer import INDICES, VERTICES, Buffer
-from halfphysics.writers.looks import actors_coloured, linear, props_coloured
 from halfphysics.writers.normals import creased, vertex_normals
 from halfphysics.writers.take import Actor, Prop, Take
 

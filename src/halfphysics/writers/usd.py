@@ -23,10 +23,10 @@ from halfphysics.base.atomic import atomic_write
 from halfphysics.body.body import Body
 from halfphysics.errors import MissingDependencyError
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
-from halfphysics.render.drawing import CREASE
 from halfphysics.render.rasterizer import Color
+from halfphysics.render.result_meshes import CREASE
+from halfphysics.writers.colors import actors_coloured, linear, props_coloured
 from halfphysics.writers.correctives import correctives
-from halfphysics.writers.looks import actors_coloured, linear, props_coloured
 from halfphysics.writers.normals import creased, vertex_normals
 from halfphysics.writers.take import Actor, Prop, Take
 

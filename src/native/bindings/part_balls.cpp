@@ -1,4 +1,4 @@
-// Balls around groups of vertices (labels/part_balls.h), for labels/part_balls.py.
+// Balls around groups of vertices (labels/part_balls.h), for labels/bounding_spheres.py.
 #include "labels/part_balls.h"
 
 #include <vector>

@@ -12,11 +12,11 @@ from PIL import Image
 
 from halfphysics.errors import FileError, InputError, MissingDependencyError
 from halfphysics.geometry.shapes import Box, Plane, Sphere
-from halfphysics.render.drawing import Drawing
 from halfphysics.render.film import CAMERAS, FilmOptions, encoding, save_film, save_picture
 from halfphysics.render.film.filming import Shoot
 from halfphysics.render.film.saving import film_rate, film_times
 from halfphysics.render.film.tracking import Story, hiding, track
+from halfphysics.render.result_meshes import Drawing
 from halfphysics.render.viewpoint import choose_direction, spread
 from halfphysics.scene.scene import Scene
 from support.results.small_result import FPS, FRAMES, small_result

@@ -8,7 +8,7 @@ import pytest
 from halfphysics import metrics
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
-from halfphysics.geometry.object_pieces import joined
+from halfphysics.geometry.contact_pieces import joined
 from halfphysics.geometry.shapes import Box, Mesh, Sphere
 from halfphysics.results.result import ObjectTrack
 from halfphysics.scene.scene import Scene

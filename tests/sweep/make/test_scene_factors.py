@@ -172,7 +172,7 @@ def test_pieces_are_scaled_not_cut_again(monkeypatch):
         raise AssertionError("pieces were cut again")
 
     for name in ("decompose", "judged", "touching"):
-        monkeypatch.setattr(f"halfphysics.geometry.object_pieces.{name}", never)
+        monkeypatch.setattr(f"halfphysics.geometry.contact_pieces.{name}", never)
     made = varied(scene, objects__scale=1.25).objects["gibbet"]
     assert len(made.pieces) == len(was.pieces) == 2
     for small, large in zip(was.pieces, made.pieces, strict=True):

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from halfphysics.errors import FileError, InputError
-from halfphysics.formats.inputs import MotionOptions
+from halfphysics.formats.loading import MotionOptions
 from halfphysics.sweep import Plan, Variants
 from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
 from halfphysics.sweep.plan.inputs import Inputs, resolve

@@ -226,7 +226,7 @@ def test_slots_follow_the_cluster(tmp_path, fake, monkeypatch):
 
 def test_another_program_on_a_machine_stops_the_sweep(tmp_path, fake, monkeypatch):
     engine = engine_of(tmp_path)
-    monkeypatch.setattr(ray_engine, "program", lambda: "another")  # where it runs
+    monkeypatch.setattr(ray_engine, "code_hash", lambda: "another")  # where it runs
     engine.submit(task(0))
     fake.given[0].end()
     ((_, done),) = engine.wait()

@@ -8,7 +8,7 @@ import mujoco
 import numpy
 
 import halfphysics
-from halfphysics.base.code_hash import engines, program
+from halfphysics.base.code_hash import code_hash, engines
 from halfphysics.sweep.store.provenance import changed, versions
 
 
@@ -17,8 +17,8 @@ def test_versions_are_those_in_use():
     assert found["halfphysics"] == halfphysics.__version__
     assert found["numpy"] == numpy.__version__
     assert found["mujoco"] == mujoco.__version__
-    assert found["program"] == program()
-    assert len(program()) == 64
+    assert found["program"] == code_hash()
+    assert len(code_hash()) == 64
     assert json.loads(json.dumps(found)) == found
     assert set(engines()) < set(found)
 
@@ -28,7 +28,7 @@ def test_what_differs_is_said_in_words():
     there = {**versions(), "mujoco": "0.1", "program": "ff" * 32}
     assert changed(there) == [
         f"mujoco 0.1 there, {mujoco.__version__} here",
-        f"the program (ffffffffffff... there, {program()[:12]}... here)",
+        f"the program (ffffffffffff... there, {code_hash()[:12]}... here)",
     ]
     del there["numpy"]
     assert f"numpy None there, {numpy.__version__} here" in changed(there)

@@ -17,12 +17,17 @@ from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.npz import Npz
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError, InputError
-from halfphysics.formats.building import mean_hands, rotations_of, same_length, warn_of_degrees
+from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.format import Options, Source
-from halfphysics.formats.record import Record
-from halfphysics.formats.speeds import warn_of_speed
+from halfphysics.formats.motion_builder import (
+    mean_hands,
+    rotations_of,
+    same_length,
+    warn_of_degrees,
+)
+from halfphysics.formats.speed_check import warn_of_speed
 from halfphysics.motion import skeleton
-from halfphysics.motion.file_metadata import Origin
+from halfphysics.motion.file_metadata import FileMetadata
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
 from halfphysics.motion.smplx_names import one_shape
 
@@ -207,12 +212,14 @@ def load(source: Source, options: Options, format: str) -> Motion:
     translation = trans
     if (options.up or "z") != "z":
         translation, rotations = turned(translation, rotations, axes)
-    origin = _origin(npz, format, options.frames, len(trans), rigid)
-    fields = {**origin.fields, "width": width, "fps_key": fps_key, "hands_mean": mean}
+    metadata = _file_metadata(npz, format, options.frames, len(trans), rigid)
+    fields = {**metadata.fields, "width": width, "fps_key": fps_key, "hands_mean": mean}
     fields["betas_shape"] = betas_shape
-    origin = Origin(format=format, fields=fields, per_frame=origin.per_frame)
+    metadata = FileMetadata(format=format, fields=fields, per_frame=metadata.per_frame)
     try:
-        motion = Motion(translation, rotations, fps, betas, gender, model, axes=axes, origin=origin)
+        motion = Motion(
+            translation, rotations, fps, betas, gender, model, axes=axes, origin=metadata
+        )
     except InputError as error:
         raise FileError(f"{source.path}: {error}") from None
     # What is in a result was looked at when it was read the first time.
@@ -221,7 +228,9 @@ def load(source: Source, options: Options, format: str) -> Motion:
     return motion
 
 
-def _origin(npz: Npz, format: str, frames: slice, count: int, rigid: Array | None) -> Origin:
+def _file_metadata(
+    npz: Npz, format: str, frames: slice, count: int, rigid: Array | None
+) -> FileMetadata:
     """All the file holds besides the motion. Pickled extras are left behind, as are the parts
     of result files (keys with a slash): they are not of the motion."""
     constants: Fields = {}
@@ -244,7 +253,7 @@ def _origin(npz: Npz, format: str, frames: slice, count: int, rigid: Array | Non
     if rigid is not None:
         per_frame["_rigid_hands"] = rigid
     fields = {"keys": tuple(keys), "dtypes": dtypes, "constants": constants, "frames": count}
-    return Origin(format=format, fields=fields, per_frame=per_frame)
+    return FileMetadata(format=format, fields=fields, per_frame=per_frame)
 
 
 def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:

@@ -18,12 +18,12 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.euler import smoothest
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError, InputError
-from halfphysics.formats.building import motion_of
 from halfphysics.formats.bvh.retarget import names_of, retarget
 from halfphysics.formats.bvh.skeleton_maps import names_of_smplx
 from halfphysics.formats.bvh.source_skeleton import SourceSkeleton
 from halfphysics.formats.bvh.text import KEYWORD, Bvh, read_bvh, write_bvh
 from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import motion_of
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 
@@ -36,7 +36,7 @@ NAME = "bvh"
 #: Units of the files that are written, per metre: centimetres.
 UNITS = 100.0
 ROOT = "root"
-#: In `Origin.fields`: the motion was put on the default body.
+#: In `FileMetadata.fields`: the motion was put on the default body.
 DEFAULT_BODY = "default_body"
 _PLACES = ("Xposition", "Yposition", "Zposition")
 _TURNS = ("Xrotation", "Yrotation", "Zrotation")

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.base.stored_objects import write
-from halfphysics.formats.building import (
+from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import (
     file_parameters,
     lost_joints,
     lost_rate,
     motion_of,
     rotations_of,
 )
-from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.record import Record
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 

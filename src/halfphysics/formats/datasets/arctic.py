@@ -19,7 +19,14 @@ from halfphysics.base import stored_objects as stored
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.npy import Npy
 from halfphysics.errors import FileError
-from halfphysics.formats.building import (
+from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.datasets.arctic_object import PARTS as OBJECT_PARTS
+from halfphysics.formats.datasets.arctic_object import add_hinged
+from halfphysics.formats.datasets.assets import ends, find, note, seek
+from halfphysics.formats.datasets.recorded import of_file
+from halfphysics.formats.datasets.subject import subject_body
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import (
     file_parameters,
     lost_rate,
     motion_of,
@@ -27,13 +34,6 @@ from halfphysics.formats.building import (
     rotations_of,
     same_length,
 )
-from halfphysics.formats.datasets.arctic_object import PARTS as OBJECT_PARTS
-from halfphysics.formats.datasets.arctic_object import add_hinged
-from halfphysics.formats.datasets.assets import ends, find, note, seek
-from halfphysics.formats.datasets.recorded import of_file
-from halfphysics.formats.datasets.subject import subject_body
-from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.record import Record
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.smplx_names import PARTS
 from halfphysics.scene.scene import Scene

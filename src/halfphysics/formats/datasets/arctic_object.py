@@ -18,10 +18,10 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.reader_warnings import warn
 from halfphysics.formats.datasets.recorded import DENSITY
 from halfphysics.formats.format import Options
+from halfphysics.geometry.contact_pieces import asked, touching
 from halfphysics.geometry.convex_decomposition import THRESHOLD
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.mesh_files import load_mesh
-from halfphysics.geometry.object_pieces import asked, touching
 from halfphysics.results.result import ObjectTrack
 
 if TYPE_CHECKING:

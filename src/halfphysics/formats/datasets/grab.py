@@ -22,12 +22,12 @@ from halfphysics.base.npz_objects import NpzObjects
 from halfphysics.base.reader_warnings import warn
 from halfphysics.body.model_files import read_hands
 from halfphysics.errors import InputError
-from halfphysics.formats.building import motion_of, own_fields, rotations_of, same_length
+from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.assets import ends, find
 from halfphysics.formats.datasets.recorded import add_recorded, of_file
 from halfphysics.formats.datasets.subject import model_names, named_model, subject_body
 from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.record import Record
+from halfphysics.formats.motion_builder import motion_of, own_fields, rotations_of, same_length
 from halfphysics.geometry.mesh_files import load_mesh
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.smplx_names import PARTS

@@ -25,18 +25,24 @@ from halfphysics.base import torch_file
 from halfphysics.base.reader_warnings import warn
 from halfphysics.body.body import Body
 from halfphysics.errors import FileError, InputError
-from halfphysics.formats.building import (
+from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.datasets.assets import find
+from halfphysics.formats.datasets.recorded import add_recorded
+from halfphysics.formats.datasets.shape_from_joints import (
+    Bones,
+    bend,
+    bones_of,
+    default_like,
+    shaped_like,
+)
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import (
     file_parameters,
     lost_joints,
     lost_rate,
     motion_of,
     rotations_of,
 )
-from halfphysics.formats.datasets.assets import find
-from halfphysics.formats.datasets.bones import Bones, bend, bones_of, default_like, shaped_like
-from halfphysics.formats.datasets.recorded import add_recorded
-from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.record import Record
 from halfphysics.geometry.mesh_files import load_mesh
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import MODELS, Motion

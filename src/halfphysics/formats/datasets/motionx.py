@@ -13,7 +13,9 @@ import numpy as np
 
 from halfphysics.base.atomic import atomic_write
 from halfphysics.errors import FileError
-from halfphysics.formats.building import (
+from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import (
     file_parameters,
     lost_joints,
     lost_model,
@@ -21,8 +23,6 @@ from halfphysics.formats.building import (
     motion_of,
     rotations_of,
 )
-from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.record import Record
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 

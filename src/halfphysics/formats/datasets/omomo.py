@@ -22,7 +22,11 @@ from numpy.typing import NDArray
 from halfphysics.base.reader_warnings import warn
 from halfphysics.base.stored_objects import write
 from halfphysics.errors import FileError
-from halfphysics.formats.building import (
+from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.datasets.assets import find
+from halfphysics.formats.datasets.recorded import add_recorded
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import (
     file_parameters,
     lost_joints,
     lost_model,
@@ -32,10 +36,6 @@ from halfphysics.formats.building import (
     rotations_of,
     same_length,
 )
-from halfphysics.formats.datasets.assets import find
-from halfphysics.formats.datasets.recorded import add_recorded
-from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.record import Record
 from halfphysics.geometry.mesh_files import load_mesh
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion

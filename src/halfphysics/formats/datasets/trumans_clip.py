@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from halfphysics.base.stored_objects import write
-from halfphysics.formats.building import (
+from halfphysics.formats.checked_fields import Record
+from halfphysics.formats.format import Format, Options, Source
+from halfphysics.formats.motion_builder import (
     file_parameters,
     lost_model,
     motion_of,
     rotations_of,
     same_length,
 )
-from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.record import Record
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.smplx_names import PARTS
 

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from halfphysics.base.npy import Npy
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError
-from halfphysics.formats.building import motion_of, own_name, rotations_of, same_length
+from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.assets import find
 from halfphysics.formats.datasets.recorded import add_recorded
 from halfphysics.formats.format import Format, Options, Source
-from halfphysics.formats.record import Record
+from halfphysics.formats.motion_builder import motion_of, own_name, rotations_of, same_length
 from halfphysics.motion import skeleton
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene

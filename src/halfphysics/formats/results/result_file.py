@@ -269,7 +269,7 @@ def _person(npz: Npz, index: int, data: Any, fps: float, body: Any) -> PersonRes
         **common,
     )
     if index == 0:
-        motion, reference = _with_origin(npz.path, motion, reference)
+        motion, reference = _with_metadata(npz.path, motion, reference)
     key = f"{prefix}torque"
     return PersonResult(
         name=str(data["name"]),
@@ -280,7 +280,7 @@ def _person(npz: Npz, index: int, data: Any, fps: float, body: Any) -> PersonRes
     )
 
 
-def _with_origin(path: Path, motion: Motion, reference: Motion) -> tuple[Motion, Motion]:
+def _with_metadata(path: Path, motion: Motion, reference: Motion) -> tuple[Motion, Motion]:
     """The motions with what the keys on top say besides, which must be the same motion."""
     top = load_motion(path, gender=motion.gender, model=motion.model)
     trans, rotations = top.translation, top.rotations

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from halfphysics.base.validation import is_whole
 from halfphysics.errors import InputError
-from halfphysics.render.drawing import GHOST, PEOPLE, Drawing
 from halfphysics.render.film.options import FilmOptions
 from halfphysics.render.film.overlay import Overlay, Place
 from halfphysics.render.film.sampling import sampled
 from halfphysics.render.film.tracking import Story, hiding, track
 from halfphysics.render.rasterizer import Camera, Look, Surface, render
+from halfphysics.render.result_meshes import GHOST, PEOPLE, Drawing
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result

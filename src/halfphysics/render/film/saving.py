@@ -122,7 +122,7 @@ def save_picture(
     from PIL import Image
 
     from halfphysics.base.atomic import atomic_write
-    from halfphysics.render.contact_sheet import picture_strip
+    from halfphysics.render.contact_sheet import save_contact_sheet
 
     shown_results, options = _listed(results), options or FilmOptions()
     for name in ("fps", "speed", "start", "end"):
@@ -137,7 +137,7 @@ def save_picture(
     count = workers(threads)
     if frame is None and len(shown_results) == 1 and options == _plain(options):
         size = options.size if isinstance(options.size, tuple) else _TILE
-        return picture_strip(first, path, size=size, samples=options.samples, threads=count)
+        return save_contact_sheet(first, path, size=size, samples=options.samples, threads=count)
     with atomic_write(path) as file:  # an impossible path is refused before the work
         times = np.arange(len(first.motion)) / first.fps
         if frame is not None:

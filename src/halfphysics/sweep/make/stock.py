@@ -16,7 +16,7 @@ import numpy as np
 from halfphysics.base.digests import sha256_of
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.datasets.assets import noted
-from halfphysics.formats.inputs import betas_for, furnished, model_for
+from halfphysics.formats.loading import betas_for, furnished, model_for
 from halfphysics.sweep.make.kept import Kept
 from halfphysics.sweep.make.motion_factors import recorded_in_step, retimed
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from halfphysics.base.validation import file_path, frame_rate, shown
 from halfphysics.errors import FileError, InputError
-from halfphysics.formats.inputs import MotionOptions
+from halfphysics.formats.loading import MotionOptions
 from halfphysics.motion.motion import MODELS
 from halfphysics.sweep.plan.factors import NOT_PLAIN
 

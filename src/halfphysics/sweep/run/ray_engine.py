@@ -30,7 +30,7 @@ from urllib.parse import urlsplit
 
 from halfphysics import __version__
 from halfphysics.base import machine
-from halfphysics.base.code_hash import program
+from halfphysics.base.code_hash import code_hash
 from halfphysics.base.workers import DIED, FULL, THREADS, Death
 from halfphysics.errors import HalfPhysicsError, InputError, MissingDependencyError
 from halfphysics.sweep.run.local import GIB
@@ -111,7 +111,7 @@ class RayEngine:
         self.slots, self._asked = 1, 0.0
         self._refresh()
         share = None if memory is None else int(GIB * memory / self.slots)
-        self._order = function, str(Path(folder).absolute()), share, program()
+        self._order = function, str(Path(folder).absolute()), share, code_hash()
         self._remote = self._function("halfphysics", calls=_FRESH)
         # Processes belong to an environment, and those of this one answer once: it finds none.
         self._alone = self._function("halfphysics-alone", calls=1, HALFPHYSICS_ALONE="1")
@@ -215,7 +215,7 @@ def _answer(
 ) -> _Answer:
     """What runs in the processes of the cluster."""
     place = f"on {socket.gethostname()}"
-    if program() != ours:
+    if code_hash() != ours:
         stop = (
             f"{place}: halfphysics {__version__} there, or what it computes with (mujoco, numpy, "
             "scipy, trimesh, coacd, zlib), is not what is installed here. Install the same "

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 from functools import cache
 
-from halfphysics.base.code_hash import engines, program
+from halfphysics.base.code_hash import code_hash, engines
 
 
 @cache
 def _versions() -> tuple[tuple[str, str | None], ...]:
     from halfphysics import __version__
 
-    own = {"halfphysics": __version__, "program": program()}
+    own = {"halfphysics": __version__, "program": code_hash()}
     return tuple((own | dict(engines())).items())
 
 
@@ -31,9 +31,9 @@ def versions() -> dict[str, str | None]:
     return dict(_versions())
 
 
-def changed(stored: dict[str, str | None], program: str | None = None) -> list[str]:
-    """In words, what of the versions in a card is not this program's (or that of `program`)."""
-    here = versions() if program is None else {**versions(), "program": program}
+def changed(stored: dict[str, str | None], code: str | None = None) -> list[str]:
+    """In words, which versions in a card differ from those of this code (or of hash `code`)."""
+    here = versions() if code is None else {**versions(), "program": code}
     words = []
     for name in sorted({*stored, *here} - {"program"}):
         if stored.get(name) != here.get(name):

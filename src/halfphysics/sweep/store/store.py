@@ -13,14 +13,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from halfphysics.base.code_hash import program as this_program
+from halfphysics.base.code_hash import code_hash
 from halfphysics.errors import FileError, InputError
 from halfphysics.sweep.report import manifest
 from halfphysics.sweep.store import documents, hdf5, reopening, sealing
 from halfphysics.sweep.store.documents import reported
+from halfphysics.sweep.store.fixed_code import check_code, check_same
 from halfphysics.sweep.store.fixed_inputs import check_inputs
 from halfphysics.sweep.store.fixed_plan import check_plan
-from halfphysics.sweep.store.fixed_program import check_program, check_same
 from halfphysics.sweep.store.fragments import Fragments, Sample
 from halfphysics.sweep.store.layout import INPUTS, PLAN, Layout
 from halfphysics.sweep.store.locking import Lock
@@ -42,23 +42,23 @@ class Store:
     Args:
         folder: Where it is or will be.
         plan: What is made.
-        program: Of which program the data is; None: this one.
-        remake: Whether what another program made is made again, instead of refused.
+        code: Hash of the code that makes the data; None: of this code.
+        remake: Make again what other code has made, instead of refusing the folder.
     """
 
     def __init__(
         self,
         folder: str | os.PathLike[str],
         plan: Plan,
-        program: str | None = None,
+        code: str | None = None,
         *,
         remake: bool = False,
     ) -> None:
         self.folder = Path(folder)
         self.plan = plan
         self._remake = remake
-        self._program = program = this_program() if program is None else program
-        self.identity = hashlib.sha256(f"{plan.identity} {program}".encode()).hexdigest()
+        self._code = code = code_hash() if code is None else code
+        self.identity = hashlib.sha256(f"{plan.identity} {code}".encode()).hexdigest()
         self._lock = Lock(self.folder / "work" / "driver.lock")
 
     # -- the folder ------------------------------------------------------------------------
@@ -118,7 +118,7 @@ class Store:
             self.plan.save(self.folder / PLAN)
         check_inputs(self.folder / INPUTS, resolve_inputs(self.plan))
         layout = self.layout
-        check_program(layout, self._program, self.identity, remake=self._remake)
+        check_code(layout, self._code, self.identity, remake=self._remake)
         for folder in (layout.shard_folder, layout.work):
             with reported(folder):
                 folder.mkdir(exist_ok=True)
@@ -133,7 +133,7 @@ class Store:
         Raises:
             InputError: The sweep was begun by another program than this.
         """
-        check_same(self.layout, self._program)
+        check_same(self.layout, self._code)
 
     def close(self) -> None:
         """Let others in."""

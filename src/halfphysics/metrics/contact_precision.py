@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.base.validation import number
-from halfphysics.metrics.inputs import Array, check_result
+from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.part_distance import Poses
 
 if TYPE_CHECKING:

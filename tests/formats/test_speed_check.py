@@ -9,7 +9,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.formats import speeds
+from halfphysics.formats import speed_check
 from support.files.layouts import movement
 
 
@@ -22,7 +22,7 @@ def test_a_plausible_motion_is_silent(tmp_path):
     translation, rotations = movement(60)
     motion = loaded(tmp_path / "a.npz", translation, rotations)
     joints = hp.Body.default().joints(motion)
-    assert np.linalg.norm(np.diff(joints, axis=0), axis=2).max() * 60.0 < speeds.JOINT_SPEED
+    assert np.linalg.norm(np.diff(joints, axis=0), axis=2).max() * 60.0 < speed_check.JOINT_SPEED
 
 
 def test_a_root_that_races_is_named(tmp_path):
@@ -43,7 +43,7 @@ def test_a_joint_that_flips_is_named(tmp_path, turned, seen):
         motion = loaded(tmp_path / "a.npz", translation, rotations)
     # What is said is what the skeleton does.
     joints = hp.Body.default().joints(motion)[40:42]
-    assert np.linalg.norm(joints[1] - joints[0], axis=1).max() * 60.0 > speeds.JOINT_SPEED
+    assert np.linalg.norm(joints[1] - joints[0], axis=1).max() * 60.0 > speed_check.JOINT_SPEED
 
 
 def test_a_rate_that_is_wrong_is_seen(tmp_path):
@@ -74,7 +74,7 @@ def test_the_bound_is_above_all_speeds():
         step = np.linalg.norm(np.diff(translation, axis=0), axis=1) * 60.0
         joints = body.joints(motion)[:, :22]
         speed = np.linalg.norm(np.diff(joints, axis=0), axis=2).max(axis=1) * 60.0
-        assert (speed <= speeds._bounds(motion, step)).all()
+        assert (speed <= speed_check._bounds(motion, step)).all()
 
 
 def test_results_and_degrees_are_not_warned_of_twice(tmp_path):

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.body import skinning
-from halfphysics.labels.part_balls import PartBalls, part_balls
+from halfphysics.labels.bounding_spheres import PartBalls, part_balls
+from halfphysics.labels.item_solids import Thing
 from halfphysics.labels.sampling import ObjectSurface
-from halfphysics.labels.solids import Thing
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.base.validation import number
-from halfphysics.metrics.inputs import check_result
+from halfphysics.metrics.argument_checks import check_result
 from halfphysics.motion.joint_groups import JOINT_GROUPS
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.results.result import SETTLE

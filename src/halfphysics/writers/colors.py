@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from halfphysics.base import rotations as rot
-from halfphysics.render.drawing import FLOOR, OBJECTS, PEOPLE, StaticColors
 from halfphysics.render.rasterizer import Color
+from halfphysics.render.result_meshes import FLOOR, OBJECTS, PEOPLE, StaticColors
 from halfphysics.writers.take import Actor, Prop
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.metrics.inputs import check_motion
+from halfphysics.metrics.argument_checks import check_motion
 
 
 def success(motion: Any | None, asked: Any) -> bool:

@@ -1,7 +1,7 @@
-"""Which program a sweep is made with: fixed at the first start, so that no data is lost to another.
+"""The code that makes a sweep: fixed at the first start, so that no finished data is thrown away.
 
-Numbers depend on the program. What another version has made would have to be made again, all of
-it, which may be weeks of work: that is for the user to say.
+Numbers depend on the code. Data of another version would all have to be made again, which may be
+weeks of work: the user decides that.
 """
 
 from __future__ import annotations
@@ -17,55 +17,55 @@ from halfphysics.sweep.store.provenance import changed, versions
 NAME = "program.json"
 
 
-def check_program(layout: Layout, program: str, identity: str, *, remake: bool) -> None:
-    """Write down which program it is, or compare it with what is there.
+def check_code(layout: Layout, code: str, identity: str, *, remake: bool) -> None:
+    """Record the hash of the code, or compare it with the recorded one.
 
     Args:
         layout: The folder.
-        program: This program's hash.
-        identity: Of the plan with it, as records have it.
-        remake: Whether what another program has made is to be made again.
+        code: Hash of this code.
+        identity: Of the plan with that code, as in records.
+        remake: Make again what other code has made.
 
     Raises:
-        InputError: Another program has made what is there, and `remake` is not said.
+        InputError: Other code has made what is there, and `remake` is not set.
         FileError: It cannot be read or written.
     """
     path = layout.folder / NAME
-    here = {**versions(), "program": program}
+    here = {**versions(), "program": code}
     there = documents.read(path)
     if there == here:
         return
     if not remake and _made_by_another(layout, identity):
         raise InputError(
             f"{layout.folder}: what is done was made by another program: "
-            f"{_words(there, program)}. Use that one, give another folder (--out), or have "
+            f"{_words(there, code)}. Use that one, give another folder (--out), or have "
             "everything made again (--remake)"
         )
     documents.write(path, here)
 
 
-def check_same(layout: Layout, program: str) -> None:
-    """Whether a worker runs the program that the sweep was begun with.
+def check_same(layout: Layout, code: str) -> None:
+    """Check that a worker runs the code with which the sweep was begun.
 
     Raises:
         InputError: It does not.
     """
     there = documents.read(layout.folder / NAME)
-    if there is not None and there.get("program") != program:
+    if there is not None and there.get("program") != code:
         raise InputError(
             f"{layout.folder}: a worker has another program than the sweep was started with: "
-            f"{_words(there, program)}. Expected the same versions everywhere"
+            f"{_words(there, code)}. Expected the same versions everywhere"
         )
 
 
-def _words(there: dict[str, Any] | None, program: str) -> str:
+def _words(there: dict[str, Any] | None, code: str) -> str:
     if there is None:
         return f"which one is not known, {NAME} is missing"
-    return "; ".join(changed(there, program))
+    return "; ".join(changed(there, code))
 
 
 def _made_by_another(layout: Layout, identity: str) -> bool:
-    """Whether the first thing found that is done is of another program."""
+    """Whether the first finished batch or shard that is found was made by other code."""
     for folder, pattern in ((layout.shard_folder, "*/*.json"), (layout.work, "0*/*.json")):
         first = next(folder.glob(pattern), None)
         if first is not None:

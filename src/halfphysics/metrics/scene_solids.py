@@ -11,7 +11,7 @@ from halfphysics.base import rotations
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.geometry.shape_base import Shape
-from halfphysics.metrics.inputs import Array
+from halfphysics.metrics.argument_checks import Array
 from halfphysics.scene.material_pairs import PERSON
 from halfphysics.scene.scene import Scene
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.labels.carried import Loads, frames_in, intervals, lasts, summed
 from halfphysics.labels.events import Limits, Slip
+from halfphysics.labels.holds import Loads, frames_in, intervals, lasts, summed
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.result import PersonResult
 

@@ -18,9 +18,9 @@ from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats.format import Options
-from halfphysics.formats.speeds import warn_of_speed
+from halfphysics.formats.speed_check import warn_of_speed
 from halfphysics.motion import skeleton
-from halfphysics.motion.file_metadata import Origin
+from halfphysics.motion.file_metadata import FileMetadata
 from halfphysics.motion.motion import GENDERS, MODELS, Motion
 from halfphysics.motion.smplx_names import one_shape
 
@@ -140,7 +140,7 @@ def motion_of(
         betas: (n,), (1, n) or equal rows (T, n); None or empty where the file does not say.
         hands: What zero fingers mean; "unsaid": the caller must say it; None: the file has no
             fingers.
-        fields, per_frame: What the format's writer needs besides; see `Origin`.
+        fields, per_frame: What the format's writer needs besides; see `FileMetadata`.
 
     Raises:
         FileError: The motion is impossible, or something is missing that the caller must say.
@@ -190,13 +190,15 @@ def motion_of(
     axes = axes_of(options.up or up)
     if (options.up or up) != "z":
         translation, rotations = turned(translation, rotations, axes)
-    origin = Origin(
+    metadata = FileMetadata(
         format=format,
         fields={**(fields or {}), "hands_mean": mean},
         per_frame=dict(per_frame or {}),
     )
     try:
-        motion = Motion(translation, rotations, fps, shape, gender, model, axes=axes, origin=origin)
+        motion = Motion(
+            translation, rotations, fps, shape, gender, model, axes=axes, origin=metadata
+        )
     except InputError as error:
         raise FileError(f"{where}: {error}") from None
     if not degrees:
@@ -205,7 +207,7 @@ def motion_of(
 
 
 def own_fields(motion: Motion) -> Mapping[str, Any]:
-    """What the file of a motion said besides (`Origin.fields`); nothing where it had none."""
+    """What the file of a motion said besides (`FileMetadata.fields`); nothing where it had none."""
     return motion.origin.fields if motion.origin is not None else {}
 
 
@@ -214,7 +216,7 @@ def file_parameters(motion: Motion, format: str) -> tuple[Array, Array, Mapping[
 
     Returns:
         Translation (T, 3) and rotations (T, 55, 3) in the axes and hands of the file that the
-        motion came from, and the `Origin.fields` (empty if it is of another format).
+        motion came from, and the `FileMetadata.fields` (empty if it is of another format).
     """
     translation, rotations = motion.in_file_axes()
     own = motion.origin if motion.origin and motion.origin.format == format else None

@@ -7,7 +7,7 @@ import pytest
 
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.render.drawing import FLOOR, Drawing
+from halfphysics.render.result_meshes import FLOOR, Drawing
 from support.results.small_result import FRAMES, small_result
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from halfphysics.body.body import Body
-from halfphysics.body.variant import DENSITY, Variant, build_variant
+from halfphysics.body.rigid_parts import DENSITY, Variant, build_variant
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry.mesh_queries import is_closed
 from halfphysics.geometry.mesh_solids import solid_moments

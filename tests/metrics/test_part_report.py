@@ -193,8 +193,8 @@ def test_the_nearest_of_several_shapes_of_a_part(body, monkeypatch):
         ],
         model=SimpleNamespace(qpos0=np.zeros(3)),
         stepper=Stepper(),
-        mover_name=np.array([4, 4, 4, 2]),
-        mover_part=np.array([HEAD, HEAD, FOOT, -1]),
+        shape_name=np.array([4, 4, 4, 2]),
+        shape_part=np.array([HEAD, HEAD, FOOT, -1]),
         static_name=np.array([1, 0]),
     )
     monkeypatch.setattr(part_report, "_world", lambda result: world)

@@ -88,7 +88,7 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness, contact):
     stepper.keep_trace(True)
     targets = simulator.world.motion_coordinates([motion])
     own = person_drive(simulator, settings, targets[0])
-    ball = simulator.world.things[0].dof
+    ball = simulator.world.objects[0].dof
     contacts = 0
     violation = []
     for t in range(1, len(motion)):

@@ -15,9 +15,10 @@ from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.metrics import penetration
 from halfphysics.motion.skeleton import JOINT_INDEX
-from halfphysics.results.inside import Depths, Inside, inside_of
+from halfphysics.results.inside import Depths, Inside
 from halfphysics.results.result import Result
 from halfphysics.scene.scene import Scene
+from halfphysics.simulation.core_rows import inside_rows
 from halfphysics.simulation.simulate import simulate
 from halfphysics.simulation.simulator import Simulator
 from support.people import along_x
@@ -89,8 +90,8 @@ def test_several_shapes_of_a_part_are_one_row_and_the_deepest_counts():
     world = SimpleNamespace(
         names=("a", "floor", "wall", "b", "box", "person"),
         people=[None],
-        mover_name=np.array([5, 5, 5, 4]),
-        mover_part=np.array([FOOT, FOOT, ANKLE, -1]),
+        shape_name=np.array([5, 5, 5, 4]),
+        shape_part=np.array([FOOT, FOOT, ANKLE, -1]),
         static_name=np.array([1, 2]),
     )
     rows = np.array(
@@ -106,7 +107,7 @@ def test_several_shapes_of_a_part_are_one_row_and_the_deepest_counts():
             [1, 0, -1, 0.015],
         ]
     )
-    inside = inside_of(world, rows, np.array([3, 3, 3, 3, 3, 3, 3, 3, 4]))
+    inside = inside_rows(world, rows, np.array([3, 3, 3, 3, 3, 3, 3, 3, 4]))
     found = {
         (int(f), int(p), int(part), int(s), int(o)): float(d)
         for f, p, part, s, o, d in zip(
@@ -130,7 +131,7 @@ def test_several_shapes_of_a_part_are_one_row_and_the_deepest_counts():
     }
     assert (np.diff(inside.frame) >= 0).all()
     assert inside.no_way_out.sum() == 1
-    assert len(inside_of(world, np.zeros((0, 4)), np.zeros(0, dtype=int))) == 0
+    assert len(inside_rows(world, np.zeros((0, 4)), np.zeros(0, dtype=int))) == 0
 
 
 def test_in_words_deepest_first():

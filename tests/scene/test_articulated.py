@@ -101,7 +101,7 @@ def test_a_ball_opens_a_door_and_their_angular_momentum_stays():
     turn = rot.to_matrix(panel.inertia_quaternion)
     about = axis + (turn @ np.diag(panel.inertia) @ turn.T)[2, 2]
     velocity = simulator.world.stepper.qvel()
-    ball, hinge = simulator.world.things[0], simulator.world.joints[0]
+    ball, hinge = simulator.world.objects[0], simulator.world.joints[0]
     at = frames[-1].objects["ball"][0]
     v = velocity[ball.dof : ball.dof + 3]
     spin = 0.4 * mass * radius**2 * velocity[ball.dof + 5]  # it has hardly turned

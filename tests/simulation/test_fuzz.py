@@ -64,7 +64,7 @@ def play(run):
         # Nothing pulls.
         assert (np.einsum("ij,ij->i", c.impulse, c.normal) >= 0.0).all()
         # Every change of a thing's momentum is in the contacts, or gravity's.
-        for place in world.things:
+        for place in world.objects:
             mass, index = world.scene.objects[place.name].mass, simulator.names.index(place.name)
             rows = slice(place.dof, place.dof + 3)
             gained = mass * (after[rows] - before[rows] - world.scene.gravity * simulator.dt)
@@ -91,7 +91,7 @@ def _check_clear(run, frames):
         verdict = Judge(run.simulator).judge(start, frames)
         assert verdict.gap >= -COAL, f"{verdict.where} overlap by {-verdict.gap} m"
         assert not verdict.crossed, f"crossed: {verdict.crossed[:5]}"
-    if run.simulator.world.things or len(run.motions) > 1:
+    if run.simulator.world.objects or len(run.motions) > 1:
         watch = Watch(run.simulator)
         for f, frame in enumerate(frames):
             for k, qpos in enumerate(frame.substeps):
@@ -141,10 +141,10 @@ def test_people_and_things_go_through_nothing(case):
 def test_things_go_through_nothing_and_gain_no_energy(thrown, case):
     case = Case(**{**vars(case), "things": thrown})
     run = build(case, floor=True)
-    assume(run.simulator.world.things)
+    assume(run.simulator.world.objects)
     frames, energies = fall(run)
     check_clear(run, frames)
-    for place in run.simulator.world.things:
+    for place in run.simulator.world.objects:
         x = np.concatenate([f.substeps[:, place.qpos : place.qpos + 3] for f in frames])
         assert x[:, 0].max() < 1.2  # this side of the wall
         assert x[:, 2].min() > 0.0  # and of the floor
@@ -240,7 +240,7 @@ def energy(run):
     world, stepper = run.simulator.world, run.simulator.world.stepper
     qpos, qvel = stepper.qpos(), stepper.qvel()
     total = fastest = 0.0
-    for place in world.things:
+    for place in world.objects:
         thing = world.scene.objects[place.name]
         v, w = qvel[place.dof : place.dof + 3], qvel[place.dof + 3 : place.dof + 6]
         x = qpos[place.qpos : place.qpos + 3]

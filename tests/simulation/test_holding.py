@@ -181,7 +181,7 @@ def test_limp_arms_and_what_hangs_on_them_gain_no_energy(body):
     simulator = holding(
         body, motion, shape=Box((0.1, 0.1, 0.1)), out=0.3, mass=10.0, settings=settings
     )
-    top = simulator.world.things[0].pose(simulator.world.stepper.qpos())[0][2]
+    top = simulator.world.objects[0].pose(simulator.world.stepper.qpos())[0][2]
     lowest = top
     for t in range(150):
         frame = simulator.step(motion[0])
@@ -215,7 +215,7 @@ def test_a_wall_that_it_meets_stops_the_hand(body, contact, fps):
     first, pushed, nearest = None, 0.0, np.inf
     for t in range(1, frames):
         frame = simulator.step(motion[t])
-        place = simulator.world.things[0]
+        place = simulator.world.objects[0]
         for q in frame.substeps:
             gap = tip + 0.6 - corners(STICK.size, place.pose(q))[:, 0].max()
             nearest = min(nearest, gap)
@@ -258,7 +258,7 @@ def test_what_it_hits_flies(body):
             frame = simulator.step(motion[t])
             world = simulator.world
             for q in frame.substeps:
-                at = {thing.name: thing.pose(q) for thing in world.things}
+                at = {thing.name: thing.pose(q) for thing in world.objects}
                 local = rot.rotate(rot.conjugate(at["stick"][1]), at["ball"][0] - at["stick"][0])
                 out = np.maximum(np.abs(local) - 0.5 * np.asarray(STICK.size), 0.0)
                 clear = min(clear, np.linalg.norm(out) - 0.08)

@@ -118,7 +118,7 @@ def test_let_go_against_a_wall_it_stays_out(body):
         if t == 30:
             simulator.release("stick")
         frame = simulator.step(motion[t])
-        place = simulator.world.things[0]
+        place = simulator.world.objects[0]
         for q in frame.substeps:
             points = corners(STICK.size, place.pose(q))
             assert points[:, 0].max() < tip + 0.3

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 import halfphysics as hp
 from halfphysics import scenarios
+from halfphysics.simulation.compiled_model import model_arrays
 from halfphysics.simulation.simulate import follow
 from halfphysics.simulation.simulator import Simulator
-from halfphysics.simulation.world import model_arrays
 from halfphysics.simulation.world_cache import use_again
 
 SHAPES = {

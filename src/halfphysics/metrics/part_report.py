@@ -12,6 +12,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.errors import FileError
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.records import SceneRecord
+from halfphysics.simulation.build_world import build_world
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -103,14 +104,14 @@ def clearances(result: Result, frames: slice = slice(None)) -> tuple[Array, Ints
         qpos[:, place.qpos : place.qpos + place.count] = place.coordinates(
             motion.translation[frames], motion.rotations[frames], motion.axes
         )
-    static = np.empty((count, len(world.mover_name)), dtype=np.int32)
+    static = np.empty((count, len(world.shape_name)), dtype=np.int32)
     dist = world.stepper.clearances(qpos, result.settings.clearance_range, static)
     first_person = len(world.names) - len(world.people)
     best = np.full((len(world.people), count, N_JOINTS), np.inf)
     nearest = np.full(best.shape, -1)
     # One more entry for index -1.
     name_of = np.append(world.static_name, -1)
-    for shape, (name, part) in enumerate(zip(world.mover_name, world.mover_part, strict=True)):
+    for shape, (name, part) in enumerate(zip(world.shape_name, world.shape_part, strict=True)):
         if name < first_person:
             continue
         at = name - first_person, slice(None), part
@@ -122,8 +123,6 @@ def clearances(result: Result, frames: slice = slice(None)) -> tuple[Array, Ints
 
 def _world(result: Result) -> World:
     """The people and the scene of a result, compiled again."""
-    from halfphysics.simulation.world import World
-
     held = vars(result)["_scene"]
     lost = held.missing() if isinstance(held, SceneRecord) else {}
     if lost:
@@ -141,4 +140,4 @@ def _world(result: Result) -> World:
             "the clearance of parts cannot be measured, the scene is another one: found "
             f"{', '.join(found) or 'nothing'} in it, expected {', '.join(known) or 'nothing'}"
         )
-    return World([person.body for person in result.people], scene, result.settings)
+    return build_world([person.body for person in result.people], scene, result.settings)

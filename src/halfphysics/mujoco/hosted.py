@@ -17,17 +17,18 @@ from numpy.typing import NDArray
 
 from halfphysics.baselines.modes import ENGINE_MODES, FORCED
 from halfphysics.body.mjcf_person import add_person, addresses
-from halfphysics.body.strength import limits_of
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
-from halfphysics.motion.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
+from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.mujoco import geoms
 from halfphysics.scene.items import PERSON_FRICTION
 from halfphysics.settings import Settings
-from halfphysics.simulation.contact_rows import Touches, touches
-from halfphysics.simulation.person_shapes import add_person_movers
-from halfphysics.simulation.world import FINGER_INERTIA, Person, model_arrays, set_settings
+from halfphysics.simulation.compiled_model import armature_of, model_arrays
+from halfphysics.simulation.coordinates import Person
+from halfphysics.simulation.core_rows import ContactRows, contact_rows
+from halfphysics.simulation.core_settings import set_settings, set_strength
+from halfphysics.simulation.person_shapes import add_person_shapes
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -122,18 +123,11 @@ class Control:
             )
         at = addresses(model, human.prefix)
         _check_masses(model, human, at.body)
-        count = 7 + 4 * (N_JOINTS - 1)
         self._model, self._data, self._human = model, data, human
         self.settings = settings
         self._stiffness = stiffness_array(settings.stiffness, "Settings.stiffness")
-        self._person = Person(
-            human.prefix.rstrip("/") or "human",
-            human.body,
-            int(at.body[0]),
-            at.root_position,
-            count,
-            at.quat,
-        )
+        name = human.prefix.rstrip("/") or "human"
+        self._person = Person.of(model, human.prefix, name, human.body)
         self.people = (self._person,)
         self._mine = model.body_rootid == at.body[0]
         used = [g for g in range(model.ngeom) if geoms.collides(model, g)]
@@ -147,14 +141,11 @@ class Control:
         self._stepper = _native.Stepper()
         self._set_finger_armature(at.dof)
         self._stepper.set_model(*model_arrays(model))
-        self._add_movers()
+        self._add_shapes()
         self._set_pairings()
         set_settings(self._stepper, settings, np.array(model.opt.gravity))
         self._stepper.finish([self._person.root])
-        if settings.strength is not None:
-            force, torque = limits_of(settings.strength, human.body)
-            limits = np.concatenate([[force], torque[self._person.balls]])
-            self._stepper.set_strength(0, limits)
+        set_strength(self._stepper, settings, self.people)
         self._dof_of = np.asarray(model.dof_bodyid, dtype=np.int64)
         self._qpos_of = _qpos_bodies(model)
         self._axes = np.eye(3)
@@ -226,9 +217,9 @@ class Control:
         return Pose.trusted(*self._person.pose(self._stepper.qpos(), self._axes), self._axes)
 
     @property
-    def contacts(self) -> Touches:
+    def contacts(self) -> ContactRows:
         """What touched the person during the last `step`; `other` indexes `names`."""
-        return touches(self, self._stepper.touches())[0]
+        return contact_rows(self, self._stepper.touches())[0]
 
     @property
     def torque(self) -> Array:
@@ -314,23 +305,23 @@ class Control:
 
     def _set_finger_armature(self, dof: NDArray[np.int64]) -> None:
         # The compiled model has what suits a stiffness of 1; other settings want their own.
-        fingers = list(LEFT_HAND_JOINTS + RIGHT_HAND_JOINTS)
-        armature = FINGER_INERTIA / (1.0 + self._stiffness[fingers])
-        self._model.dof_armature[dof[fingers][:, None] + np.arange(3)] = armature[:, None]
+        armature = armature_of(self._stiffness)
+        fingers = np.flatnonzero(armature)
+        self._model.dof_armature[dof[fingers][:, None] + np.arange(3)] = armature[fingers, None]
 
-    def _add_movers(self) -> None:
+    def _add_shapes(self) -> None:
         model, person = self._model, self._person
         index = len(self.names) - 1
-        parts = add_person_movers(
+        parts = add_person_shapes(
             self._stepper,
             model,
             person.body,
             self.settings,
             prefix=self._human.prefix,
             index=0,
-            name=lambda _: index,
+            row=lambda _: index,
         )
-        mover_name, static_name = [index] * len(parts), []
+        shape_name, static_name = [index] * len(parts), []
         rotations, positions = geoms.fixed_poses(model)
         for name, g in enumerate(self._geoms):
             body = int(model.geom_bodyid[g])
@@ -346,10 +337,10 @@ class Control:
             rotation, position = geoms.pose_in_body(model, g)
             collider = geoms.geom_collider(model, g).moved(rotation, position)
             self._stepper.add_mover(body, name, -1, -1, *collider.arrays)
-            mover_name.append(name)
+            shape_name.append(name)
             parts.append(-1)
-        self.mover_name = np.array(mover_name, dtype=np.int64)
-        self.mover_part = np.array(parts, dtype=np.int64)
+        self.shape_name = np.array(shape_name, dtype=np.int64)
+        self.shape_part = np.array(parts, dtype=np.int64)
         self.static_name = np.array(static_name, dtype=np.int64)
 
     def _add_static(self, name: int, geom: int, rotation: Array, position: Array) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,6 @@ from numpy.typing import NDArray
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.table import Ints, Table
-
-if TYPE_CHECKING:
-    from halfphysics.simulation.world import World
 
 Array = NDArray[np.float64]
 
@@ -65,7 +62,7 @@ class Depths(Table):
             people: How many there are: of several each part says whose it is.
         """
         words = []
-        for row in np.argsort(-_deepest_first(self.depth), kind="stable"):
+        for row in np.argsort(-deepest_first(self.depth), kind="stable"):
             person = int(self.person[row])
             if person < 0:
                 what = names[self.subject[row]]
@@ -99,40 +96,6 @@ class Inside(Depths):
         return Depths(**{name: getattr(rows, name) for name in Depths.columns()})
 
 
-def _deepest_first(depth: Array) -> Array:
+def deepest_first(depth: Array) -> Array:
     """Depths to sort by: what has no way out is deeper than all that has one."""
     return np.where(depth == 0.0, np.inf, depth)
-
-
-def inside_of(world: World, rows: Array, frame: Ints) -> Inside:
-    """The core's rows in terms of people, parts and names.
-
-    Several shapes of one part in one thing are one row: the deepest counts.
-
-    Args:
-        world: Whose stepper gave the rows.
-        rows: Shape, static or -1, other shape or -1, and depth [m], 0 where no way out was found:
-            (n, 4).
-        frame: The frame of every row (n,).
-    """
-    if not len(rows):
-        return Inside.none()
-    mover, static, mover2 = rows[:, :3].astype(np.int64).T
-    # One more entry for index -1: a row has either a static or a second shape.
-    static_name, mover_name = np.append(world.static_name, -1), np.append(world.mover_name, -1)
-    first_person = len(world.names) - len(world.people)
-    name = world.mover_name[mover]
-    human = name >= first_person
-    columns = {
-        "frame": frame,
-        "person": np.where(human, name - first_person, -1),
-        "part": world.mover_part[mover],
-        "subject": np.where(human, -1, name),
-        "other": np.where(static >= 0, static_name[static], mover_name[mover2]),
-        "depth": rows[:, 3],
-    }
-    keys = np.stack([columns[k] for k in ("frame", "person", "part", "subject", "other")])
-    order = np.lexsort((-_deepest_first(rows[:, 3]), *keys[::-1]))
-    keys = keys[:, order]
-    new = np.append(True, (keys[:, 1:] != keys[:, :-1]).any(axis=0))
-    return Inside(**{k: values[order[new]] for k, values in columns.items()})

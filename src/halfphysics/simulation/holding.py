@@ -1,10 +1,10 @@
-"""Things held to a part of a person: bodies of the person's tree that no joint moves."""
+"""Objects held to a part of a person: bodies of the person's tree that no joint moves."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +14,19 @@ from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
+from halfphysics.scene.trajectories import Moving
+from halfphysics.simulation.coordinates import FreeObject
 
 if TYPE_CHECKING:
-    from halfphysics.simulation.world import Person, World
+    from halfphysics.simulation.coordinates import Person
+    from halfphysics.simulation.world import World
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Hold:
-    """Who holds a thing, by which part, and where: its centre of mass in the joint's frame.
+    """How a person holds an object: by which part, its centre of mass in the joint's frame.
 
     `joint` is the part's index. Plain numbers: two are equal where they are to the last bit.
     """
@@ -40,8 +43,8 @@ class Hold:
 
 
 @dataclass(frozen=True)
-class HeldThing:
-    """A thing that has no coordinates of its own: the holder's say where it is."""
+class HeldObject:
+    """An object without coordinates of its own: the holder's say where it is."""
 
     name: str
     com: Array
@@ -70,14 +73,8 @@ def part_pose(person: Person, joint: int, qpos: Array) -> tuple[Array, Array]:
     return position, quat
 
 
-def add_body(spec: Any, name: str, people: list[str], hold: Hold) -> Any:
-    """The thing's body, without a joint, in a `mujoco.MjSpec` that has the people."""
-    parent = spec.body(f"{people[hold.person]}/{hold.part}")
-    return parent.add_body(name=name, pos=hold.position, quat=hold.quaternion)
-
-
-def velocity(world: World, place: HeldThing) -> tuple[Array, Array]:
-    """Of a held thing's origin (3,) [m/s], and its spin (3,) [rad/s]: the part's, material."""
+def velocity(world: World, place: HeldObject) -> tuple[Array, Array]:
+    """Of a held object's origin (3,) [m/s], and its spin (3,) [rad/s], as a point of the part."""
     import mujoco
 
     model, data = world.model, mujoco.MjData(world.model)
@@ -92,14 +89,11 @@ def velocity(world: World, place: HeldThing) -> tuple[Array, Array]:
 
 
 def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, Hold]:
-    """What is held once this is, too: where it is now.
+    """`World.held` with one object more, held where it is now.
 
     Raises:
-        InputError: An unknown name, part or person, a thing that is not free.
+        InputError: An unknown name, part or person, an object that is not free.
     """
-    from halfphysics.scene.trajectories import Moving
-    from halfphysics.simulation.world import Thing
-
     what = f"attach {shown(name)}"
     driven = world.settings
     if driven.mode != "velocity" or driven.internal_forces or driven.joint_damping:
@@ -108,12 +102,12 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
             f"joint_damping={driven.joint_damping:g} nobody bears what is tied to them; expected "
             "mode='velocity' without the others. What a hand grips needs no attach"
         )
-    place = {thing.name: thing for thing in world.things}.get(name)
+    place = {place.name: place for place in world.objects}.get(name)
     if place is None:
         raise InputError(f"attach: {_stranger(world, name)}")
     if isinstance(world.scene.objects[name], Moving):
         raise InputError(f"{what}: it moves along its trajectory; expected an object of add_object")
-    if not isinstance(place, Thing):
+    if not isinstance(place, FreeObject):
         raise InputError(f"{what}: {_holder(world, name)} holds it already; release({name!r}) it")
     if part not in JOINT_NAMES:
         hint = did_you_mean(part, JOINT_NAMES, form=repr)
@@ -137,21 +131,21 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
 
 
 def without_held(world: World, name: str) -> Mapping[str, Hold]:
-    """What is held once this is not any more.
+    """`World.held` without one object.
 
     Raises:
-        InputError: Nobody holds it.
+        InputError: It is not held.
     """
     if name in world.held:
         return {n: hold for n, hold in world.held.items() if n != name}
-    if name not in {thing.name for thing in world.things}:
+    if name not in {place.name for place in world.objects}:
         raise InputError(f"release: {_stranger(world, name)}")
     held = ", ".join(world.held) or "nothing"
     raise InputError(f"release: nobody holds {name!r}. Held: {held}")
 
 
 def not_free(world: World, what: str, name: str) -> InputError:
-    """What to raise for what somebody holds."""
+    """The error for an object that is held."""
     return InputError(f"{what}: {_holder(world, name)} holds {name!r}; release({name!r}) it first")
 
 
@@ -161,11 +155,9 @@ def _holder(world: World, name: str) -> str:
 
 
 def _stranger(world: World, name: str) -> str:
-    if name in world.scene.articulated or name in world._owner:
+    if name in world.scene.articulated or name in world.called.owner:
         return (
             f"{name!r} is articulated, and what has joints cannot be held; expected an object of "
             "add_object"
         )
-    known = [thing.name for thing in world.things]
-    hint = did_you_mean(name, known, form=repr)
-    return f"there is no object called {shown(name)}{hint}. There are: {', '.join(known) or 'none'}"
+    return world.unknown_object(name)

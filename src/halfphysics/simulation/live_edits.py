@@ -10,20 +10,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.base.suggestions import did_you_mean
-from halfphysics.base.validation import shown, vector
+from halfphysics.base.validation import vector
 from halfphysics.errors import InputError
 from halfphysics.motion.pose import Pose
 from halfphysics.scene.rays import Ray, checked_names
 from halfphysics.scene.trajectories import Moving
 from halfphysics.simulation import holding
-from halfphysics.simulation.world import Thing, World
+from halfphysics.simulation.build_world import build_world
+from halfphysics.simulation.coordinates import FreeObject
 
 if TYPE_CHECKING:
     from halfphysics.scene.items import Object
     from halfphysics.scene.rays import Hit
+    from halfphysics.scene.items import Object
     from halfphysics.scene.scene import Scene
-    from halfphysics.simulation.holding import HeldThing, Hold
+    from halfphysics.simulation.holding import HeldObject, Hold
+    from halfphysics.simulation.world import World
 
 Array = NDArray[np.float64]
 
@@ -31,7 +33,7 @@ Array = NDArray[np.float64]
 def velocity(world: World, name: str) -> tuple[Array, Array]:
     """Velocity (3,) [m/s] of an object's origin and angular velocity (3,) [rad/s], in the world."""
     place, thing = _found(world, "velocity", name)
-    if not isinstance(place, Thing):
+    if not isinstance(place, FreeObject):
         return holding.velocity(world, place)
     quat, six = _turn(world, place), world.stepper.qvel()[place.dof : place.dof + 6]
     spin = rot.rotate(quat, six[3:])
@@ -93,7 +95,7 @@ def ray(
     for static in world.scene.statics.values():
         if static.name not in skipped:
             cast.meet(static.name, static.shape, static.position, static.quaternion)
-    for place in world.things:
+    for place in world.objects:
         if place.name not in skipped:
             cast.meet(place.name, world.scene.objects[place.name].shape, *place.pose(qpos))
     for person, its in zip(world.people, axes, strict=True):
@@ -111,11 +113,11 @@ def rebuilt(
     """
     if held is None:
         held = {name: hold for name, hold in world.held.items() if name in scene.objects}
-    new = World(world.bodies, scene, world.settings, held)
+    new = build_world(world.bodies, scene, world.settings, held)
     if not started:
         return new
     was, qpos, qvel = world.stepper.qpos(), np.zeros(new.nq), np.zeros(new.nv)
-    new.place_things(qpos, qvel)
+    new.place_objects(qpos, qvel)
     # What is held by another, or by nobody any more, is new: what it rested on is asked again.
     other = {n for n in scene.objects if world.held.get(n) != held.get(n)}
     bodies = {world.model.body(i).name: i for i in range(world.model.nbody)}
@@ -124,8 +126,8 @@ def rebuilt(
     for b, old in enumerate(body):
         if old >= 0:
             qpos[_coordinates(new.model, b)] = was[_coordinates(world.model, old)]
-    let_go = [p for p in world.things if p.name in other and not isinstance(p, Thing)]
-    free = {p.name: p for p in new.things if isinstance(p, Thing)}
+    let_go = [p for p in world.objects if p.name in other and not isinstance(p, FreeObject)]
+    free = {p.name: p for p in new.objects if isinstance(p, FreeObject)}
     let_go = [p for p in let_go if p.name in free]
     for place in let_go:
         position, quat = place.pose(was)
@@ -161,14 +163,14 @@ def _movers(world: World) -> list[tuple[str, int, int]]:
     """What tells the core's shapes apart: name, part, and which of several."""
     seen: Counter[tuple[str, int]] = Counter()
     keys = []
-    for name, part in zip(world.mover_name, world.mover_part, strict=True):
+    for name, part in zip(world.shape_name, world.shape_part, strict=True):
         key = (world.names[name], int(part))
         keys.append((*key, seen[key]))
         seen[key] += 1
     return keys
 
 
-def _pushed(world: World, what: str, name: str) -> tuple[Thing, Object]:
+def _pushed(world: World, what: str, name: str) -> tuple[FreeObject, Object]:
     """What can be given a velocity."""
     place, thing = _found(world, what, name)
     if isinstance(thing, Moving):
@@ -176,24 +178,19 @@ def _pushed(world: World, what: str, name: str) -> tuple[Thing, Object]:
             f"{what}: {name!r} moves along its trajectory and nothing pushes it; expected an "
             "object of add_object"
         )
-    if not isinstance(place, Thing):
+    if not isinstance(place, FreeObject):
         raise holding.not_free(world, what, name)
     return place, thing
 
 
-def _found(world: World, what: str, name: str) -> tuple[Thing | HeldThing, Object]:
-    for place in world.things:
+def _found(world: World, what: str, name: str) -> tuple[FreeObject | HeldObject, Object]:
+    for place in world.objects:
         if place.name == name:
             return place, world.scene.objects[name]
-    known = [thing.name for thing in world.things]
-    hint = did_you_mean(name, known, form=repr)
-    raise InputError(
-        f"{what}: there is no object called {shown(name)}{hint}. "
-        f"There are: {', '.join(known) or 'none'}"
-    )
+    raise InputError(f"{what}: {world.unknown_object(name)}")
 
 
-def _turn(world: World, place: Thing) -> Array:
+def _turn(world: World, place: FreeObject) -> Array:
     return np.array(world.stepper.qpos()[place.qpos + 3 : place.qpos + 7])
 
 

@@ -1,4 +1,4 @@
-"""What of a person touches, handed to the native stepper: hulls of the skin, or rigid parts."""
+"""Collision shapes of a person, handed to the core: hulls of the skin, or rigid parts."""
 
 from __future__ import annotations
 
@@ -15,27 +15,33 @@ if TYPE_CHECKING:
     from halfphysics.settings import Settings
 
 
-def add_person_movers(
-    stepper: Any,
+def add_person_shapes(
+    core: Any,
     model: Any,
     body: Body,
     settings: Settings,
     *,
     prefix: str,
     index: int,
-    name: Callable[[int], int],
+    row: Callable[[int], int],
 ) -> list[int]:
-    """Add the movers of person `index`; returns their joints.
+    """Add the shapes of person `index` to the core; returns the joint of each.
 
-    `name` says where the pairings have a part; `prefix` is that of the person's bodies in the
-    `mujoco.MjModel`.
+    Args:
+        core: The native stepper.
+        model: The `mujoco.MjModel` with the person's bodies.
+        body: The person's body.
+        settings: `Settings.contact` chooses between skin and parts.
+        prefix: Of the person's bodies in the model.
+        index: Of the person.
+        row: The row that material pairs have for a part, given its joint.
     """
     add = _add_skin if settings.contact == "skin" else _add_parts
-    return add(stepper, model, body, prefix, index, name)
+    return add(core, model, body, prefix, index, row)
 
 
 def _add_parts(
-    stepper: Any, model: Any, body: Body, prefix: str, index: int, name: Callable[[int], int]
+    core: Any, model: Any, body: Body, prefix: str, index: int, row: Callable[[int], int]
 ) -> list[int]:
     joints = []
     for part in body.variant.parts:
@@ -43,15 +49,15 @@ def _add_parts(
             continue
         at = model.body(prefix + part.name).id
         collider = part_collider(part)
-        stepper.add_mover(at, name(part.index), index, part.index, *collider.arrays)
+        core.add_mover(at, row(part.index), index, part.index, *collider.arrays)
         joints.append(part.index)
     return joints
 
 
 def _add_skin(
-    stepper: Any, model: Any, body: Body, prefix: str, index: int, name: Callable[[int], int]
+    core: Any, model: Any, body: Body, prefix: str, index: int, row: Callable[[int], int]
 ) -> list[int]:
-    skin = stepper.add_skin(
+    skin = core.add_skin(
         np.array([model.body(prefix + j).id for j in JOINT_NAMES], dtype=np.int32),
         np.ascontiguousarray(PARENTS, dtype=np.int32),
         np.ascontiguousarray(body.rest_joints),
@@ -62,7 +68,7 @@ def _add_skin(
     hulls = body.skin_corners
     for h, part in enumerate(hulls.part):
         vertices = hulls.vertex[hulls.first[h] : hulls.first[h + 1]]
-        stepper.add_skin_mover(
-            skin, name(int(part)), index, int(part), np.ascontiguousarray(vertices, dtype=np.int32)
+        core.add_skin_mover(
+            skin, row(int(part)), index, int(part), np.ascontiguousarray(vertices, dtype=np.int32)
         )
     return [int(part) for part in hulls.part]

@@ -1,70 +1,98 @@
-"""Which hulls of one person may touch each other."""
+"""Self-contact: the pairs of shapes of one person that may touch each other."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
+from halfphysics.scene.scene import Scene
+from halfphysics.settings import Settings
+from halfphysics.simulation.compiled_model import compile_model, model_arrays
+from halfphysics.simulation.coordinates import Person
+from halfphysics.simulation.person_shapes import add_person_shapes
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
-    from halfphysics.simulation.world import Person, World
+
+Ints = NDArray[np.int64]
 
 #: Parts whose joints are this few bones apart are neighbours: the skin between them bends.
 NEIGHBOURS = 2
-#: What is nearer than this at rest counts as overlapping there [m].
+#: Two shapes with a smaller gap than this at rest count as overlapping there [m].
 LEAST_REST_GAP = 2e-3
 FINGERS = ("thumb", "index", "middle", "ring", "pinky")
 
 
-def self_pairs(world: World, person: Person, name: int) -> NDArray[np.int64]:
-    """Pairs (n, 2) of the core's shapes of one person that are kept from each other.
-
-    Left out are parts within two joints of each other, those of one hand, and what overlaps in
-    the rest pose. Hulls are convex, so that at the armpit upper arm and flank always do: parts of
-    which any hulls of the skin overlap there are neighbours as a whole, with both kinds of contact.
+def set_self_pairs(core: Any, model: Any, people: Sequence[Person], shapes: Sequence[Ints]) -> None:
+    """Give the core the pairs of all people.
 
     Args:
-        world: With its people in the core.
-        person: Whose.
-        name: The person's index in the world's names.
+        core: With the shapes of the people in it.
+        model: Its `mujoco.MjModel`.
+        people: All people.
+        shapes: Of each person the joint of every shape of the core (n,), -1 of others' shapes.
     """
-    mine = np.flatnonzero(world.mover_name == name)
-    joint = world.mover_part[mine]
-    i, j = np.triu_indices(len(mine), 1)
-    may = _strangers(person.body)[joint[i], joint[j]]
-    pairs = np.stack([mine[i[may]], mine[j[may]]], axis=1)
-    return pairs[_rest_gaps(world, person, pairs) >= LEAST_REST_GAP]
+    pairs = [np.zeros((0, 2), dtype=np.int64)]
+    for person, joint in zip(people, shapes, strict=True):
+        pairs.append(_self_pairs(core, model, person, joint))
+    core.set_self_pairs(np.concatenate(pairs).astype(np.float64))
+
+
+def _self_pairs(core: Any, model: Any, person: Person, joint: Ints) -> Ints:
+    """Pairs (n, 2) of the core's shapes of one person that are kept from each other.
+
+    Left out are parts within two joints of each other, those of one hand, and shapes that overlap
+    in the rest pose. Hulls are convex, so that at the armpit upper arm and flank always do: parts
+    of which any hulls of the skin overlap there are neighbours as a whole, with both kinds of
+    contact.
+    """
+    may = _may_touch(person.body)
+    own = np.flatnonzero(joint >= 0)
+    i, j = (own[k] for k in np.triu_indices(len(own), 1))
+    may_touch = may[joint[i], joint[j]]
+    pairs = np.stack([i[may_touch], j[may_touch]], axis=1)
+    return pairs[_rest_gaps(core, model, person, pairs) >= LEAST_REST_GAP]
 
 
 _known: WeakKeyDictionary[Body, NDArray[np.bool_]] = WeakKeyDictionary()
 
 
-def _strangers(body: Body) -> NDArray[np.bool_]:
-    """Of any two joints (55, 55) of a body: may their parts touch?"""
-    from halfphysics.scene.scene import Scene
-    from halfphysics.settings import Settings
-    from halfphysics.simulation.world import World
-
+def _may_touch(body: Body) -> NDArray[np.bool_]:
+    """Of any two joints (55, 55) of a body: whether their parts may touch."""
     found = _known.get(body)
     if found is None:
         found = _far_apart().copy()
-        world = World([body], Scene(), Settings(contact="skin"))
-        joint = world.mover_part
+        core, model, person, joint = _alone(body)
         i, j = np.triu_indices(len(joint), 1)
         may = found[joint[i], joint[j]]
         i, j = i[may], j[may]
-        gaps = _rest_gaps(world, world.people[0], np.stack([i, j], axis=1))
-        near = gaps < LEAST_REST_GAP
+        near = _rest_gaps(core, model, person, np.stack([i, j], axis=1)) < LEAST_REST_GAP
         found[joint[i[near]], joint[j[near]]] = False
         found[joint[j[near]], joint[i[near]]] = False
         _known[body] = found
     return found
+
+
+def _alone(body: Body) -> tuple[Any, Any, Person, Ints]:
+    """A core with the skin of one person alone, its model, the person, and each shape's joint."""
+    from halfphysics import _native
+
+    model = compile_model([body], ["person"], Scene(), {}, np.zeros(N_JOINTS))
+    person = Person.of(model, "person/", "person", body)
+    core = _native.Stepper()
+    core.set_model(*model_arrays(model))
+    joint = add_person_shapes(
+        core, model, body, Settings(contact="skin"), prefix="person/", index=0, row=lambda _: 0
+    )
+    core.set_pairings(*np.zeros((3, 1, 1)))
+    core.finish([person.root])
+    return core, model, person, np.array(joint, dtype=np.int64)
 
 
 @cache
@@ -82,10 +110,10 @@ def _far_apart() -> NDArray[np.bool_]:
     return apart
 
 
-def _rest_gaps(world: World, person: Person, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
+def _rest_gaps(core: Any, model: Any, person: Person, pairs: Ints) -> NDArray[np.float64]:
     """Distances (n,) of pairs of shapes (n, 2) in the rest pose, negative where they overlap."""
     rest = person.coordinates(np.zeros((1, 3)), np.zeros((1, N_JOINTS, 3)), np.eye(3))
-    qpos = np.array(world.model.qpos0)
+    qpos = np.array(model.qpos0)
     qpos[person.qpos : person.qpos + person.count] = rest[0]
-    gaps: NDArray[np.float64] = world.stepper.pair_gaps(qpos, pairs.astype(np.float64))
+    gaps: NDArray[np.float64] = core.pair_gaps(qpos, pairs.astype(np.float64))
     return gaps

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,123 +13,18 @@ from halfphysics.baselines.modes import ENGINE_MODES, FORCED
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
-from halfphysics.motion.skeleton import N_JOINTS
-from halfphysics.results.inside import Depths, inside_of
+from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.simulation.contact_rows import Touches, touches
+from halfphysics.simulation import holding, live_edits
+from halfphysics.simulation.build_world import build_world
+from halfphysics.simulation.frame import Frame, State
+from halfphysics.simulation.people import checked_bodies, several
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.scene.rays import Hit
-    from halfphysics.scene.scene import Scene
-    from halfphysics.simulation.holding import Hold
-    from halfphysics.simulation.world import World
 
 Array = NDArray[np.float64]
-T = TypeVar("T")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Frame:
-    """The state after one `Simulator.step`.
-
-    Poses, objects, contacts and what is inside are worked out when first read: stepping pays for
-    none of them.
-
-    Attributes:
-        poses: The people's corrected poses.
-        objects: Name -> (position (3,) [m], quaternion (4,)); links of articulated objects too.
-        joints: Name of an articulated object's joint -> its value () [rad or m], (4,) of a ball.
-        contacts: What touched during the frame.
-        inside: Which parts and objects are inside what, and how deep.
-        clearance: Smallest distance of the people from the statics [m]; inf beyond
-            `Settings.clearance_range`, negative where they penetrate.
-        lost_time: Time by which blocked steps were shortened [s].
-        torques: What the drive exerted on the people's joints, see `PersonResult.torque`.
-        diagnostics: Numbers of the frame, see `halfphysics.results.result.DIAGNOSTICS`.
-        substeps: With `Settings.record="substeps"`: model coordinates (N, nq) after every
-            substep, else (0, nq).
-    """
-
-    clearance: float
-    lost_time: float
-    diagnostics: Mapping[str, float]
-    substeps: Array
-    _world: World
-    _qpos: Array
-    _axes: tuple[Array, ...]
-    _set: tuple[Pose, ...] | None  # poses that were set, as they were given
-    _touches: Array
-    _inside: Array
-    _torques: Array
-
-    @cached_property
-    def poses(self) -> tuple[Pose, ...]:
-        if self._set is not None:
-            return self._set
-        people = zip(self._world.people, self._axes, strict=True)
-        return tuple(Pose.trusted(*person.pose(self._qpos, axes), axes) for person, axes in people)
-
-    @cached_property
-    def objects(self) -> Mapping[str, tuple[Array, Array]]:
-        return {thing.name: thing.pose(self._qpos) for thing in self._world.tracked}
-
-    @cached_property
-    def joints(self) -> Mapping[str, Array]:
-        return {joint.name: joint.values(self._qpos) for joint in self._world.joints}
-
-    @cached_property
-    def contacts(self) -> Touches:
-        return touches(self._world, self._touches)[0]
-
-    @cached_property
-    def inside(self) -> Depths:
-        return inside_of(self._world, self._inside, np.zeros(len(self._inside), dtype=int)).at(0)
-
-    @cached_property
-    def torques(self) -> tuple[Array, ...]:
-        people = self._world.people
-        if not len(self._torques):
-            return tuple(np.zeros((N_JOINTS, 3)) for _ in people)
-        return tuple(self._world.torques(self._torques))
-
-    @property
-    def torque(self) -> Array:
-        """The first person's (55, 3) [N m], in the joints' own frames."""
-        return self.torques[0]
-
-    @property
-    def pose(self) -> Pose:
-        """The first person's pose."""
-        return self.poses[0]
-
-    def __getstate__(self) -> dict[str, Any]:
-        """For copies and other processes: everything worked out, the simulator left behind."""
-        done = {
-            "poses": self.poses,
-            "objects": self.objects,
-            "joints": self.joints,
-            "contacts": self.contacts,
-            "inside": self.inside,
-            "torques": self.torques,
-        }
-        return done | {name: v for name, v in vars(self).items() if not name.startswith("_")}
-
-    def __repr__(self) -> str:
-        return (
-            f"Frame({len(self.poses)} people, {len(self.objects)} objects, "
-            f"{len(self.contacts.part)} contacts, clearance {self.clearance:g} m)"
-        )
-
-
-@dataclass(frozen=True)
-class State:
-    """All that a simulation remembers between frames; `Simulator.set_state` resumes bit-exactly."""
-
-    numbers: bytes
-    axes: tuple[Array, ...]
-    signature: str
-    held: Mapping[str, Hold] = field(default_factory=dict)
 
 
 class Simulator:
@@ -156,23 +49,14 @@ class Simulator:
         settings: Settings | None = None,
         fps: float = 30.0,
     ) -> None:
-        from halfphysics.body.body import Body
-        from halfphysics.scene.scene import Scene
-        from halfphysics.simulation.world import World
-
-        if body is None:
-            body = Body.default()
-        bodies = several(body)
-        for one in bodies:
-            if not isinstance(one, Body):
-                raise InputError(f"body: found {one!r}, expected a halfphysics.Body")
+        bodies = checked_bodies(body)
         if scene is not None and not isinstance(scene, Scene):
             raise InputError(f"scene: found {scene!r}, expected a halfphysics.Scene")
         if settings is not None and not isinstance(settings, Settings):
             raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
         self.settings = settings or Settings()
         self.dt = 1.0 / _positive("fps", fps)
-        self.world = World(bodies, scene or Scene(), self.settings)
+        self.world = build_world(bodies, scene or Scene(), self.settings)
         self._axes: tuple[Array, ...] = tuple(np.eye(3) for _ in bodies)
         self._started = False
 
@@ -191,7 +75,7 @@ class Simulator:
         self._must_be_native()
         poses = self._checked(pose)
         if self.world.held:
-            self.world = running().rebuilt(self.world, self.world.scene, False, {})
+            self.world = build_world(self.bodies, self.world.scene, self.settings)
         self._axes = tuple(np.array(p.axes, dtype=np.float64) for p in poses)
         self.world.stepper.reset(*self.world.start(poses))
         self._set_firmness(np.tile(self.world.stiffness, (len(poses), 1)))
@@ -269,7 +153,7 @@ class Simulator:
             )
         world = self.world
         if state.held != world.held:
-            world = running().rebuilt(world, world.scene, False, state.held)
+            world = build_world(world.bodies, world.scene, world.settings, state.held)
         try:
             world.stepper.load(np.frombuffer(state.numbers))
         except ValueError as error:
@@ -282,8 +166,7 @@ class Simulator:
     def velocity(self, name: str) -> tuple[Array, Array]:
         """An object's velocity (3,) [m/s] of its origin and angular (3,) [rad/s], in the world."""
         self._must_run("velocity")
-        result: tuple[Array, Array] = running().velocity(self.world, name)
-        return result
+        return live_edits.velocity(self.world, name)
 
     def set_velocity(
         self, name: str, velocity: ArrayLike, angular_velocity: ArrayLike | None = None
@@ -300,7 +183,7 @@ class Simulator:
                 what is no vector.
         """
         self._must_run("set_velocity")
-        running().set_velocity(self.world, name, velocity, angular_velocity)
+        live_edits.set_velocity(self.world, name, velocity, angular_velocity)
 
     def apply_impulse(
         self,
@@ -321,7 +204,7 @@ class Simulator:
             InputError: As for `set_velocity`.
         """
         self._must_run("apply_impulse")
-        running().apply_impulse(self.world, name, impulse, point, angular)
+        live_edits.apply_impulse(self.world, name, impulse, point, angular)
 
     def add_object(self, name: str, shape: Any, **options: Any) -> None:
         """Bring in an object, where and as fast as its options say; all else goes on.
@@ -335,7 +218,7 @@ class Simulator:
         """
         scene = self.world.scene._copied()
         scene.add_object(name, shape, **options)
-        self.world = running().rebuilt(self.world, scene, self._started)
+        self.world = live_edits.rebuilt(self.world, scene, self._started)
 
     def remove_object(self, name: str) -> None:
         """Take an object away; all else goes on. See `add_object`.
@@ -343,9 +226,9 @@ class Simulator:
         Raises:
             InputError: There is none of this name.
         """
-        running().removable(self.world, name)
+        live_edits.removable(self.world, name)
         scene = self.world.scene._copied(without=name)
-        self.world = running().rebuilt(self.world, scene, self._started)
+        self.world = live_edits.rebuilt(self.world, scene, self._started)
 
     def attach(self, name: str, part: str = "right_wrist", person: int = 0) -> None:
         """Tie an object to a part of a person, where it is at this moment.
@@ -370,8 +253,8 @@ class Simulator:
                 f"attach: with Settings.mode={self.settings.mode!r} the person's pose is set, and "
                 "nothing hangs on it; expected another mode, such as 'velocity'"
             )
-        held = running().holding.with_held(self.world, name, part, person)
-        self.world = running().rebuilt(self.world, self.world.scene, True, held)
+        held = holding.with_held(self.world, name, part, person)
+        self.world = live_edits.rebuilt(self.world, self.world.scene, True, held)
 
     def release(self, name: str) -> None:
         """Let go of what `attach` tied: a free object again, with the velocity that it has.
@@ -380,8 +263,8 @@ class Simulator:
             InputError: Before `reset`, another name, or something that nobody holds.
         """
         self._must_run("release")
-        held = running().holding.without_held(self.world, name)
-        self.world = running().rebuilt(self.world, self.world.scene, True, held)
+        held = holding.without_held(self.world, name)
+        self.world = live_edits.rebuilt(self.world, self.world.scene, True, held)
 
     @property
     def held(self) -> Mapping[str, tuple[int, str]]:
@@ -400,8 +283,7 @@ class Simulator:
             InputError: Before `reset`, no vector, a direction of no length, an unknown name.
         """
         self._must_run("ray")
-        hit: Hit | None = running().ray(self.world, self._axes, origin, direction, ignore)
-        return hit
+        return live_edits.ray(self.world, self._axes, origin, direction, ignore)
 
     # -- inside ----------------------------------------------------------------------------
 
@@ -438,17 +320,10 @@ class Simulator:
             _qpos=stepper.qpos(),
             _axes=self._axes,
             _set=tuple(poses) if self.settings.mode in FORCED else None,
-            _touches=stepper.touches(),
+            _contacts=stepper.touches(),
             _inside=stepper.inside(),
             _torques=stepper.torques() if moved else np.zeros((0, 3)),
         )
-
-
-def running() -> Any:
-    """The module, when it is needed: imports stay quick."""
-    from halfphysics.simulation import live_edits as module
-
-    return module
 
 
 def _positive(name: str, value: float) -> float:
@@ -459,8 +334,3 @@ def _positive(name: str, value: float) -> float:
     if not (math.isfinite(number) and number > 0.0):
         raise InputError(f"{name}: found {value!r}, expected a positive number")
     return number
-
-
-def several(value: T | Sequence[T]) -> list[T]:
-    """One thing, or a list or tuple of them, as a list."""
-    return list(value) if isinstance(value, list | tuple) else [cast(T, value)]

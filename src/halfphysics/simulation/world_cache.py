@@ -1,28 +1,30 @@
-"""A world used again: for another scene whose things have the same shapes, other settings.
+"""World cache: a world used again for a scene whose items have the same shapes.
 
-What a world is made of is mostly its people: their parts compiled, the hulls of their skin handed
-to the core. None of it depends on what things weigh, how rough they are and where they start, and
-little on settings.
+Building a world takes time mostly for its people: their parts are compiled, the hulls of their skin
+handed to the core. None of it depends on masses, friction and starts of objects, and little on
+settings.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.body.mjcf_person import principal
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene.trajectories import Moving
-from halfphysics.simulation.world import armature_of
+from halfphysics.simulation.compiled_model import armature_of, compiled_inertia, model_arrays
+from halfphysics.simulation.core_settings import set_settings
+from halfphysics.simulation.names import parts_set_apart
+from halfphysics.simulation.pairing import set_pairings
+from halfphysics.simulation.world import World, signature_of
 
 if TYPE_CHECKING:
     from halfphysics.scene.items import Object, Static
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
     from halfphysics.simulation.simulator import Simulator
-    from halfphysics.simulation.world import World
 
 #: Settings that a world is made for: what touches, what the drive can, how the motion drives.
 FIXED = (
@@ -34,9 +36,9 @@ FIXED = (
 def use_again(simulator: Simulator, scene: Scene, settings: Settings, fps: float) -> bool:
     """Give a simulator another scene, if that differs only in masses, materials and starts.
 
-    It is then, to the last bit, what `Simulator` would make of its people and the rest; it has to
-    be reset. Where something moves on a trajectory or is held, or settings differ in what a world
-    is made for (`FIXED`), a new one is needed.
+    The simulator is then, to the last bit, what `Simulator` would make of its people and the new
+    scene; it has to be reset. Where an object moves on a trajectory or is held, or settings differ
+    in what a world is made for (`FIXED`), a new one is needed.
 
     Returns:
         Whether it could be done; if not, the simulator is as it was.
@@ -45,22 +47,32 @@ def use_again(simulator: Simulator, scene: Scene, settings: Settings, fps: float
     if not _fits(world, scene, settings):
         return False
     model, changed = world.model, _set_firmness(world, settings)
-    for name, thing in scene.objects.items():
+    for name, item in scene.objects.items():
         was = world.scene.objects[name]
-        if thing is was:
+        if item is was:
             continue
         body = model.body(f"object/{name}").id
-        if not np.array_equal(thing.position, was.position):
+        if not np.array_equal(item.position, was.position):
             at = model.jnt_qposadr[model.body_jntadr[body]]
-            model.body_pos[body] = model.qpos0[at : at + 3] = thing.position
+            model.body_pos[body] = model.qpos0[at : at + 3] = item.position
             changed = True
-        if thing.mass != was.mass or not np.array_equal(thing.inertia, was.inertia):
-            model.body_mass[body] = thing.mass
-            model.body_inertia[body], model.body_iquat[body] = _compiled(thing)
+        if item.mass != was.mass or not np.array_equal(item.inertia, was.inertia):
+            model.body_mass[body] = item.mass
+            model.body_inertia[body], model.body_iquat[body] = compiled_inertia(item)
             changed = True
-    world.put(scene, settings, changed)
+    _put(world, scene, settings, changed)
     simulator.settings, simulator.dt = settings, 1.0 / fps
     return True
+
+
+def _put(world: World, scene: Scene, settings: Settings, model_changed: bool) -> None:
+    """Give the core of a world a scene and settings that it fits."""
+    world.scene, world.settings = scene, settings
+    if model_changed:
+        world.stepper.set_model(*model_arrays(world.model))
+    set_pairings(world.stepper, scene, settings, world.called)
+    set_settings(world.stepper, settings, scene.gravity)
+    world.signature = signature_of(world.called, world.bodies, scene)
 
 
 def _set_firmness(world: World, settings: Settings) -> bool:
@@ -94,7 +106,7 @@ def _fits(world: World, scene: Scene, settings: Settings) -> bool:
         all(_same_static(old, scene.statics[n]) for n, old in was.statics.items())
         and all(_same_shape(old, scene.objects[n]) for n, old in was.objects.items())
         and all(old is scene.articulated[n] for n, old in was.articulated.items())
-        and world.told_of(was) == world.told_of(scene)
+        and parts_set_apart(was) == parts_set_apart(scene)
     )
 
 
@@ -115,17 +127,3 @@ def _same_shape(a: Object, b: Object) -> bool:
         and a.start == b.start
         and np.array_equal(a.com, b.com)
     )
-
-
-def _compiled(thing: Object) -> tuple[Any, Any]:
-    """Moments (3,) and quaternion (4,) of an object as a compiled model has them."""
-    import mujoco
-
-    spec = mujoco.MjSpec()
-    body = spec.worldbody.add_body(name="object", pos=thing.position)
-    body.add_freejoint()
-    body.mass, body.ipos = thing.mass, [0.0, 0.0, 0.0]
-    body.inertia, body.iquat = principal(thing.inertia)
-    body.explicitinertial = True
-    model = spec.compile()
-    return model.body_inertia[1].copy(), model.body_iquat[1].copy()

@@ -14,7 +14,7 @@ from halfphysics.viewer.figure import rgb
 if TYPE_CHECKING:
     from halfphysics.results.contacts import Contacts
     from halfphysics.results.result import Result
-    from halfphysics.simulation.contact_rows import Touches
+    from halfphysics.simulation.core_rows import ContactRows
     from halfphysics.viewer.stage import Stage
 
 Array = NDArray[np.float64]
@@ -126,7 +126,7 @@ def kinds(result: Result) -> Ints:
     return kinds_of(result.contacts, *count)
 
 
-def kinds_of(contacts: Contacts | Touches, names: int, objects: int, persons: int) -> Ints:
+def kinds_of(contacts: Contacts | ContactRows, names: int, objects: int, persons: int) -> Ints:
     """The same of contacts between so many names in all, objects and people among them."""
     people = names - persons
     objects = people - objects

@@ -60,7 +60,7 @@ class Drag:
         if not draggable(simulator, name):
             raise InputError(f"drag: found {name!r}, expected an object that moves freely")
         grip = vector(at, "drag: the point that is taken", unit="m")
-        place = next(thing for thing in simulator.world.things if thing.name == name)
+        place = next(p for p in simulator.world.objects if p.name == name)
         origin, _ = place.pose(simulator.world.stepper.qpos())
         return Drag(name, np.array(vector(pointer, "drag: pointer", unit="m")), origin - grip)
 
@@ -77,7 +77,7 @@ class Drag:
 
         What it meets on the way stops it: the velocity is only what it sets out with.
         """
-        place = next(thing for thing in simulator.world.things if thing.name == self.name)
+        place = next(p for p in simulator.world.objects if p.name == self.name)
         origin, _ = place.pose(simulator.world.stepper.qpos())
         speed, spin = simulator.velocity(self.name)
         # Gravity adds to the velocity during a frame; half of that is what the way is off by.

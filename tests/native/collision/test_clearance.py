@@ -29,7 +29,7 @@ def measured(simulator, motion, reach):
     """Distances (T, shapes) and nearest statics of a motion's poses."""
     world = simulator.world
     qpos = np.array([world.start([motion[t]])[0] for t in range(len(motion))])
-    static = np.full((len(qpos), len(world.mover_name)), 7, dtype=np.int32)
+    static = np.full((len(qpos), len(world.shape_name)), 7, dtype=np.int32)
     return world.stepper.clearances(qpos, reach, static), static, qpos
 
 
@@ -66,7 +66,7 @@ def test_hulls_of_the_skin_by_its_vertices(body):
     simulator = Simulator(scene, body=body, settings=Settings(contact="skin"))
     motion = violent(frames=4)
     dist, _, _ = measured(simulator, motion, 100.0)
-    parts = simulator.world.mover_part
+    parts = simulator.world.shape_part
     assert len(parts) > len(set(parts))  # some have several
     lowest = body.vertices(motion)[..., 2].min(axis=1) + 0.4
     assert lowest.min() < 0.0
@@ -118,7 +118,7 @@ def test_beyond_the_range_ignored_and_objects(body):
     motion = along_x(0.0, 2, start=0.0)
     dist, static, qpos = measured(simulator, motion, 0.5)
     far, _, _ = measured(simulator, motion, 100.0)
-    people = simulator.world.mover_part >= 0
+    people = simulator.world.shape_part >= 0
     assert np.isnan(dist[:, ~people]).all()
     assert (static[:, ~people] == -1).all()
     near = far[:, people] < 0.5

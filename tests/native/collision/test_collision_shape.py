@@ -10,6 +10,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.base import rotations as rot
+from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.world import World
 
 ROUNDING = 1e-13  # of coordinates of a metre [m]
@@ -30,7 +31,7 @@ def body(bent: bool) -> hp.Body:
 
 
 def world(bent: bool) -> World:
-    return World([body(bent)], hp.Scene(), hp.Settings(contact="skin"))
+    return build_world([body(bent)], hp.Scene(), hp.Settings(contact="skin"))
 
 
 def vertices_of(built: World, hull: int) -> np.ndarray:
@@ -83,7 +84,7 @@ def test_jacobians_are_the_derivatives_of_the_skin(bent: bool) -> None:
 
 def test_rigid_parts_and_skin_carry_one_mass() -> None:
     """What touches does not change what weighs."""
-    skin, parts = world(False), World([body(False)], hp.Scene(), hp.Settings(contact="parts"))
+    skin, parts = world(False), build_world([body(False)], hp.Scene(), hp.Settings(contact="parts"))
     qpos = skin.targets([random_pose(3)])
     np.testing.assert_array_equal(
         skin.stepper.inertia_matrix(qpos), parts.stepper.inertia_matrix(qpos)

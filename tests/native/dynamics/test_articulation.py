@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from halfphysics import _native
-from halfphysics.simulation.world import joint_arrays, model_arrays
+from halfphysics.simulation.compiled_model import joint_arrays, model_arrays
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 #: Rounding of forces of some hundred N m.

@@ -120,7 +120,7 @@ def test_velocities_with_contact_are_equal(body, name):
     stepper, model = simulator.world.stepper, simulator.world.model
     targets = simulator.world.motion_coordinates([motion])
     own = reference_drive(simulator, targets[0])
-    ball = simulator.world.things[0].dof
+    ball = simulator.world.objects[0].dof
     contacts = 0
     for t in range(1, len(motion)):
         qpos, qvel = np.array(stepper.qpos()), np.array(stepper.qvel())

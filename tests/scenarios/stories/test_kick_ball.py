@@ -31,7 +31,7 @@ def kick(body, scene, motion, settings=None):
     """The ball's speed after every frame."""
     simulator = Simulator(scene, body=body, settings=settings, fps=motion.fps)
     simulator.reset(motion[0])
-    d, speed = simulator.world.things[0].dof, []
+    d, speed = simulator.world.objects[0].dof, []
     for t in range(1, len(motion)):
         simulator.step(motion[t])
         speed.append(np.linalg.norm(simulator.world.stepper.qvel()[d : d + 3]))
@@ -90,7 +90,7 @@ def test_momentum_of_body_and_ball(body, drive, stiffness):
     simulator.reset(motion[0])
     stepper, model = simulator.world.stepper, simulator.world.model
     stepper.keep_trace(True)
-    person, ball = simulator.world.people[0], simulator.world.things[0].dof
+    person, ball = simulator.world.people[0], simulator.world.objects[0].dof
     root = int(model.jnt_dofadr[model.body_jntadr[person.root]])
     scale = 1.0
     if settings.drive_time is not None:

@@ -41,7 +41,7 @@ def test_pieces_are_those_of_the_core(simulator):
     (pieces,) = pieces_of(simulator)
     poses = poses_of(simulator, 4)
     at = pieces.at(poses)
-    assert len(pieces.names) == len(simulator.world.mover_part)
+    assert len(pieces.names) == len(simulator.world.shape_part)
     for t, pose in enumerate(poses):
         for i in range(len(pieces.names)):
             core = np.asarray(simulator.world.stepper.mover_points(pose, i))

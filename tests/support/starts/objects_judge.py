@@ -33,7 +33,7 @@ class ObjectJudge:
         self.hulls = Hulls(simulator.bodies[0], simulator.settings.contact)
         self.shapes = {
             t.name: [coal_shape(s.shape, solid=True) for s in solids_of(self.world.scene, t.name)]
-            for t in self.world.things
+            for t in self.world.objects
         }
 
     def judge(self, motion, frames):
@@ -45,7 +45,7 @@ class ObjectJudge:
         poses = np.concatenate([start[None], *(f.substeps for f in frames)])
         actual = Motion(*self.world.people[0].pose(poses, motion.axes), 1.0 / dt)
         posed = self.hulls.at(actual)
-        tracks = {t.name: t.pose(poses) for t in self.world.things}
+        tracks = {t.name: t.pose(poses) for t in self.world.objects}
         depths, self.touched = {}, set()
         names = list(tracks)
         for i, name in enumerate(names):

@@ -18,7 +18,7 @@ from halfphysics.errors import InputError
 from halfphysics.metrics.part_report import clearances
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.result import PersonResult, Result, Substeps
-from halfphysics.simulation.contact_rows import touches
+from halfphysics.simulation.core_rows import contact_rows
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
@@ -73,7 +73,7 @@ def follow_in_engine(
         bar(1)
     whole = np.concatenate(qpos)
     at_frames = whole[::substeps] if every else whole
-    columns, row = touches(engine, np.concatenate(rows))
+    columns, row = contact_rows(engine, np.concatenate(rows))
     result = Result(
         people=tuple(
             PersonResult(

@@ -19,7 +19,7 @@ from halfphysics.body import skinning
 if TYPE_CHECKING:
     from halfphysics.baselines.engine.velocity import Watch
     from halfphysics.motion.motion import Motion
-    from halfphysics.simulation.world import Person
+    from halfphysics.simulation.coordinates import Person
 
 Array = NDArray[np.float64]
 

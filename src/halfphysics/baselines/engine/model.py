@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.baselines.engine.scenery import add_scene
-from halfphysics.body.mjcf_person import add_person, add_person_mocap, addresses
+from halfphysics.body.mjcf_person import add_person, add_person_mocap
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
 from halfphysics.results.result import ObjectTrack
 from halfphysics.scene import articulated as jointed
 from halfphysics.scene.trajectories import Moving
-from halfphysics.simulation.world import Person
+from halfphysics.simulation.coordinates import Person
 
 if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
@@ -41,8 +41,8 @@ class EngineModel:
         people: Their places in the model's coordinates; of mocap people nothing but who they are.
         mocap: Mocap ids of the people's parts (people, 55); empty where they are trees of joints.
         moving: (mocap id, thing) of everything on a given trajectory.
-        static_name, mover_name: Of every geom the index into `names` (ngeom,).
-        mover_part: Of every geom the joint's index (ngeom,), -1 where it is no person's.
+        static_name, shape_name: Of every geom the index into `names` (ngeom,).
+        shape_part: Of every geom the joint's index (ngeom,), -1 where it is no person's.
         rank: Of every geom 0 where it is a person's, 1 a thing's that moves, 2 a static's (ngeom,).
     """
 
@@ -92,30 +92,28 @@ class EngineModel:
         self.mocap = np.zeros((0, N_JOINTS), dtype=np.int64)
         found = []
         for person, prefix in zip(world.people, prefixes, strict=True):
-            at = addresses(model, prefix)
-            root, count = int(at.body[0]), person.count
-            found.append(Person(person.name, person.body, root, at.root_position, count, at.quat))
+            found.append(Person.of(model, prefix, person.name, person.body))
         self.people = tuple(found)
 
     def _name_geoms(self, owner: dict[str, str], prefixes: Sequence[str]) -> None:
         model, names = self.model, self.names
         index = {name: i for i, name in enumerate(names)}
         first_person = len(names) - len(self.people)
-        self.mover_name = np.full(model.ngeom, -1, dtype=np.int64)
-        self.mover_part = np.full(model.ngeom, -1, dtype=np.int64)
+        self.shape_name = np.full(model.ngeom, -1, dtype=np.int64)
+        self.shape_part = np.full(model.ngeom, -1, dtype=np.int64)
         self.rank = np.zeros(model.ngeom, dtype=np.int64)
         for geom in range(model.ngeom):
             name = model.geom(geom).name
             if name in owner:
                 body = model.geom_bodyid[geom]
                 stands = model.body_weldid[body] == 0 and model.body_mocapid[body] < 0
-                self.mover_name[geom] = index[owner[name]]
+                self.shape_name[geom] = index[owner[name]]
                 self.rank[geom] = 2 if stands else 1
                 continue
             prefix, joint = name.rsplit("/", 1)
-            self.mover_name[geom] = first_person + prefixes.index(f"{prefix}/")
-            self.mover_part[geom] = JOINT_INDEX[joint]
-        self.static_name = self.mover_name
+            self.shape_name[geom] = first_person + prefixes.index(f"{prefix}/")
+            self.shape_part[geom] = JOINT_INDEX[joint]
+        self.static_name = self.shape_name
 
     def start(self) -> tuple[Array, Array]:
         """Coordinates (nq,) and velocities (nv,) at the start; the people's are not set."""

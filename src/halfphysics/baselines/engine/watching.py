@@ -54,7 +54,7 @@ class Recorder:
         self.qpos[substep] = data.qpos
         if not data.ncon:
             return
-        contact, rank, name = data.contact, self._engine.rank, self._engine.mover_name
+        contact, rank, name = data.contact, self._engine.rank, self._engine.shape_name
         geoms, at = np.array(contact.geom), np.array(contact.pos)
         axes = np.array(contact.frame).reshape(-1, 3, 3)
         for i in np.flatnonzero(np.asarray(contact.efc_address) >= 0):
@@ -83,7 +83,7 @@ class Recorder:
         rows.append(new)
 
     def rows(self) -> Array:
-        """The frame's contacts as `touches` reads them (n, 12)."""
+        """The frame's contacts as `contact_rows` reads them (n, 12)."""
         rows = []
         for (mover, other), sums in self._pairs.items():
             stands = self._engine.rank[other] == 2

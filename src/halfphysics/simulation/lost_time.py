@@ -1,4 +1,4 @@
-"""Where a motion was blocked for good: nobody had room, and time was lost."""
+"""Time that was lost where a motion was blocked for good: no room was left."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from halfphysics.errors import HalfPhysicsWarning
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
-#: Less lost time than this is told by `Result.lost_time` and `Result.summary` alone [s].
+#: Less lost time than this raises no warning: `Result.lost_time` and `Result.summary` tell it [s].
 WORTH_A_WORD = 0.05
-_NAMED = 5  # this many things are named
+_NAMED = 5  # this many names are given
 
 
 def warn_of_lost_time(result: Result, stacklevel: int) -> None:
-    """One warning that says when time was lost, how much, and between which things."""
+    """One warning that says when time was lost, how much, and between which names."""
     lost = result.lost_time
     if lost.sum() < WORTH_A_WORD:
         return

@@ -1,0 +1,53 @@
+"""Settings, gravity and limits of strength, handed to the core."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.body.strength import limits_of
+
+if TYPE_CHECKING:
+    from halfphysics.settings import Settings
+    from halfphysics.simulation.coordinates import Person
+
+Array = NDArray[np.float64]
+
+#: Least clearance that the core is given [m]. The contact solver is exact to about 1e-6 m; with as
+#: small a clearance a part would sometimes be inside a mesh, which does not hold it from there on.
+LEAST_CLEARANCE = 2e-5
+
+
+def set_settings(core: Any, settings: Settings, gravity: Array) -> None:
+    """Give the core its settings and gravity (3,) [m/s^2]."""
+    s = settings
+    core.set_settings(
+        0.0 if s.mode == "torque" else s.drive_time or 0.0,
+        s.recovery_rate,
+        s.root == "recover",
+        s.root_speed,
+        max(s.clearance, LEAST_CLEARANCE),
+        s.clearance_range,
+        s.depenetration_speed,
+        s.tolerance,
+        s.max_sweeps,
+        np.array(gravity),
+    )
+    core.set_ablations(
+        s.internal_forces,
+        s.joint_damping,
+        s.torque_frequency if s.mode == "torque" else 0.0,
+        s.torque_damping,
+    )
+
+
+def set_strength(core: Any, settings: Settings, people: Sequence[Person]) -> None:
+    """Give the core what the people's drives can exert, where `Settings.strength` limits it."""
+    if settings.strength is None:
+        return
+    for index, person in enumerate(people):
+        force, torque = limits_of(settings.strength, person.body)
+        core.set_strength(index, np.concatenate([[force], torque[person.balls]]))

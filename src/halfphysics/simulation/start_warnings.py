@@ -1,0 +1,68 @@
+"""Warnings about the start of a run: what is inside what, and clips that begin in mid-air."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from halfphysics.errors import HalfPhysicsWarning
+from halfphysics.simulation.core_rows import inside_rows
+from halfphysics.simulation.floating_start import floating
+
+if TYPE_CHECKING:
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.inside import Depths
+    from halfphysics.simulation.world import World
+
+#: A start that is deeper inside something than this is warned of [m].
+START_INSIDE = 1e-3
+_NAMED = 5  # this many of them are named
+#: From `warnings.warn` to the line that called `simulate`: through `simulate` and `follow`.
+_CALLER = 5
+
+
+def warn_of_start(world: World, motions: Sequence[Motion]) -> None:
+    """Warn of what starts inside something, or, where all is clear, of starts in mid-air.
+
+    Args:
+        world: Reset to the first frame of the motions.
+        motions: One per person.
+    """
+    rows = world.stepper.inside()
+    if len(rows):
+        _warn_of_inside(world, inside_rows(world, rows, np.zeros(len(rows), dtype=np.int64)))
+    else:
+        _warn_of_floating(world, motions)
+
+
+def _warn_of_inside(world: World, inside: Depths) -> None:
+    """One warning that names what starts inside what."""
+    worth = inside[(inside.depth > START_INSIDE) | inside.no_way_out]
+    if not len(worth):
+        return
+    words = worth.described(world.names, len(world.people))
+    more = f" and {len(words) - _NAMED} more" if len(words) > _NAMED else ""
+    warnings.warn(
+        f"the start is not clear: {', '.join(words[:_NAMED])}{more}. What starts inside is pushed "
+        "out; that it meets nothing is guaranteed for clear starts. Move the motion or the scene, "
+        "or see motion.grounded(body) for feet in a floor",
+        HalfPhysicsWarning,
+        stacklevel=_CALLER,
+    )
+
+
+def _warn_of_floating(world: World, motions: Sequence[Motion]) -> None:
+    """One warning for each clip from a file whose first frame is in mid-air in this scene."""
+    for person, motion in zip(world.people, motions, strict=True):
+        found = None if motion.origin is None else floating(person.body, motion[0], world.scene)
+        if found is not None:
+            warnings.warn(
+                f"{person.name} starts {100.0 * found[0]:.0f} cm above {found[1]}, on nothing. "
+                "Where the clip's floor is not the scene's: motion.grounded(body, z=...), or "
+                "--grounded",
+                HalfPhysicsWarning,
+                stacklevel=_CALLER,
+            )

@@ -22,7 +22,6 @@ from halfphysics.simulation.coordinates import FreeObject
 if TYPE_CHECKING:
     from halfphysics.scene.items import Object
     from halfphysics.scene.rays import Hit
-    from halfphysics.scene.items import Object
     from halfphysics.scene.scene import Scene
     from halfphysics.simulation.holding import HeldObject, Hold
     from halfphysics.simulation.world import World

@@ -66,17 +66,122 @@ constexpr int kSkinChunk = 256;
 
 namespace hp::tuning::collision {
 
+// Used by several phases
+
+// Distances are decided by comparison up to this [m]: a thousand times the rounding of coordinates
+// of some metres.
+constexpr double kRounding = 1e-9;
+// Overlaps up to this at the start are contacts at rest [m]: what scenes and motions lose when they are
+// written with five decimals. Less, and things that were set down on each other are pushed apart; more,
+// and real overlaps stay.
+constexpr double kRestingOverlap = 1e-5;
+// The gap down to which the clearance of contacts gives way where demands cannot all be met [m].
+constexpr double kLeastGap = 1e-4;
+// Two normals this near (cosine) belong to the same sides of two shapes.
+constexpr double kSameSide = 0.5;
+// Substeps without progress on the way out of an overlap before another direction is tried: 0.1 s at
+// 240 Hz. Less, and directions change while a body is still being turned out of the way.
+constexpr int kStuckPatience = 24;
+
 // Broad phase
+
+// Pairs are listed, and measured by the frame sweep, this much farther than is asked for [m]. Less, and
+// the list is made anew more often; more, and it is longer. No result depends on it.
+constexpr double kListMargin = 0.1;
+// The same of two shapes of one person, which are always near [m].
+constexpr double kSelfMargin = 0.15;
+// Where nothing of a mesh is near, its distance is looked for this far beyond [m]; no result depends on it.
+constexpr double kFartherLook = 1;
 
 // Narrow phase
 
+// Pairs are measured this much farther than is asked for, so that the bound lasts [m].
+constexpr double kLookAhead = 0.02;
+// Speed at which a clearance that was lost comes back [m/s]: 1 mm in 20 ms. Faster, and light objects
+// are thrown when the body that pressed on them lets go.
+constexpr double kRegainSpeed = 0.05;
+// A pair of one person that overlaps may get deeper by this share of the depenetration speed, where
+// others come out: limbs turn about joints that they share.
+constexpr double kDeeperShare = 0.3;
+// Other overlaps get no deeper than by this in a substep [m].
+constexpr double kOverlapRounding = 1e-7;
+// A step that would end nearer than half of kLeastGap (or of the distance it starts from) is shortened;
+// under the first of these it may only wear the gap away as slowly as solving is exact, under the
+// second not at all [m].
+constexpr double kWearFloor = 2e-5, kLastFloor = 5e-6;
+
+// Verification
+
+// Corners of the polygon that stands for a disc: it sticks out of the rim by 0.5 % of its radius.
+constexpr int kRimSides = 32;
+
 // Contact points
+
+// Points of one plane or pair; and those that a pass adds against a static.
+constexpr int kMostPoints = 16, kPointsPerPass = 4;
+// From this pass on a contact keeps the normal of the start; before, it takes that of the end. With a
+// normal that turns on, a corner on an edge may never settle.
+constexpr int kTurningPasses = 3;
+// A corner this much farther than the nearest point does for it [m].
+constexpr double kFlat = 1e-6;
+// Points nearer than 2 mm are one contact [m^2].
+constexpr double kSamePoint2 = 2e-3 * 2e-3;
+// The first points are at least 5 mm apart, where there is a choice [m^2].
+constexpr double kSpread2 = 5e-3 * 5e-3;
+// Points of a face are within this of its nearest one, along the normal [m].
+constexpr double kFaceThickness = 2e-3;
+// Cosines of the normals of one contact in two passes, and in two substeps.
+constexpr double kSamePassNormal = 0.9999, kCachedNormal = 0.99;
+// Directions of the deepest point of a disc: up to the first difference [-] it is one contact, which is
+// turned; up to the second it is left as it is.
+constexpr double kSameRim = 0.5, kSettledRim = 1e-4;
+// A disc lies on its edge where the cosine between its axis and a tangent of the plane exceeds this.
+constexpr double kOnEdge = 0.5;
 
 // Clearances
 
+// A mesh is asked for distances up to this at least: 0 would ask for nothing [m].
+constexpr double kLeastRange = 1e-9;
+
 // Self-contact
 
+// Directions of the lattice, 13 degrees apart, and steps of the refinement; by how much the best
+// direction is turned at first, and at last [rad].
+constexpr int kLatticeDirections = 192, kRefinements = 40;
+constexpr double kFirstTurn = 0.15, kLastTurn = 1e-4;
+// Directions are chosen anew where kStuckPatience substeps leave more than this share of the depth.
+constexpr double kEnoughProgress = 0.9;
+
 // Depenetration: the way out of what a motion starts inside of
+
+// Displaced hulls start this far outside [m]: room for kLeastGap and for what solving is off by.
+constexpr double kExitClearance = 2e-4;
+// Displacements are tried in these strides [m], up to this [m], and the last stride is halved so often:
+// to 0.04 mm. A gap that is narrower than a stride may be missed.
+constexpr double kExitStride = 5e-3, kFarthestExit = 0.6;
+constexpr int kExitBisections = 7;
+// Faces of a mesh within this of the group show directions [m], up to so many directions in all.
+constexpr double kExitFaces = 0.02;
+constexpr int kMostExitDirections = 80;
+// Cosines: directions this near are one; directions this near to one that failed are not tried again.
+constexpr double kSameDirection = 0.999, kOtherDirection = 0.7;
+// Parts that a static cuts off are on its right side only if they carry more than this share of the mass.
+constexpr double kGreaterPart = 0.1;
+// Planes are asked for this much farther than is needed [m].
+constexpr double kExitLookAhead = 5e-3;
+// From this depth on shapes come out more slowly [m], but not slower than this share of the speed: what
+// comes out fast overshoots.
+constexpr double kEaseDepth = 0.01, kLeastPace = 0.1;
+// A pair is stuck in a substep in which it progresses by less than one in this of what is asked.
+constexpr double kSlowProgress = 10;
+
+// People whose poses are prescribed
+
+// Objects that they overlap are not thrown faster than so many times the depenetration speed ...
+constexpr double kThrownFactor = 3;
+// ... and so an object between two groups whose exit directions have a smaller cosine than this is not
+// pushed: to leave both at the speed asked it would have to be thrown.
+constexpr double kOpposedExits = 2 / (kThrownFactor * kThrownFactor) - 1;
 
 }  // namespace hp::tuning::collision
 
@@ -382,9 +487,9 @@ constexpr double kPlacedByHost = 1e-12;
 // Internal forces grow with the square of velocities, and limp limbs would run away with what they gain: they
 // turn no joint faster than this, or than it was [rad/s]. Bullet has the same limit.
 constexpr double kFastestInternalSpin = 100;
-// Prescribed poses: no push makes an object faster than so many times the speed asked, or than it was and
-// that speed at right angles, with this margin.
-constexpr double kThrownFactor = 3, kThrownAcross = 1.01;
+// Prescribed poses: no push makes an object faster than collision::kThrownFactor times the speed asked, or
+// than it was and that speed at right angles, with this margin.
+constexpr double kThrownAcross = 1.01;
 // Such a push is tried again more gently: with kPushMargin of what is needed, no less than kLeastPush of it,
 // or kNoRoomPush where the object has no room; so often. It gains by kPushGain a substep.
 constexpr double kPushMargin = 0.9, kLeastPush = 0.1, kNoRoomPush = 0.3, kPushGain = 2;

@@ -61,9 +61,9 @@ inline void add_shapes(hp::World& world) {
   for (const Bone& bone : bones()) {
     hp::CollisionShape shape;
     shape.body = ++body, shape.name = person_name, shape.person = 0, shape.part = body - 1;
-    shape.shape.vertices = {{0, 0, 0}, bone.end};
-    shape.shape.radius = radius;
-    shape.shape.finish();
+    shape.hull.vertices = {{0, 0, 0}, bone.end};
+    shape.hull.radius = radius;
+    shape.hull.finish();
     world.shapes.push_back(shape);
   }
   hp::Static floor;

@@ -100,7 +100,7 @@ void bind_physics(nb::module_& m) {
               double radius, Doubles rim) {
              CollisionShape v;
              v.body = body, v.name = name, v.person = person, v.part = part;
-             v.shape = convex(vertices, radius, rim, vectors(normals));
+             v.hull = convex(vertices, radius, rim, vectors(normals));
              s.system.world.shapes.push_back(std::move(v));
            })
       // Poses (K, 3), (K, 4) of a body, K of them `fps` to the second; see Trajectory.
@@ -131,21 +131,21 @@ void bind_physics(nb::module_& m) {
              auto skin = std::make_shared<Skin>();
              skin->body = list<int>(body), skin->parent = list<int>(parent);
              skin->joint = vectors(joint), skin->rest = vectors(rest);
-             skin->first = list<int>(first), skin->at = list<int>(at);
+             skin->first_weight = list<int>(first), skin->weight_joint = list<int>(at);
              skin->weight = list<double>(weight);
              const size_t n = rest.shape(0), joints = joint.shape(0);
              need(body.shape(0) == joints && parent.shape(0) == joints && first.shape(0) == n + 1 &&
-                      at.shape(0) == weight.shape(0) && (size_t)skin->first[n] == at.shape(0),
+                      at.shape(0) == weight.shape(0) && (size_t)skin->first_weight[n] == at.shape(0),
                   "add_skin: arrays that do not fit together");
              for (int b : skin->body) {
                need(b > 0 && b < s.system.model.nbody, "add_skin: no such body");
                skin->dof.push_back(s.system.model.dof_first[b]);
              }
-             for (int j : skin->at) need(j >= 0 && (size_t)j < joints, "add_skin: no such joint");
+             for (int j : skin->weight_joint) need(j >= 0 && (size_t)j < joints, "add_skin: no such joint");
              need(bend.shape(0) == 0 || (bend.shape(0) == n && bend.shape(1) == 3 &&
                                          bend.shape(2) == (size_t)skin->features()),
                   "add_skin: bend has the wrong shape");
-             skin->bend.assign(bend.data(), bend.data() + bend.size());
+             skin->pose_blend.assign(bend.data(), bend.data() + bend.size());
              s.system.skins.push_back(std::move(skin));
              return (int)s.system.skins.size() - 1;
            })
@@ -172,7 +172,7 @@ void bind_physics(nb::module_& m) {
              Static v;
              v.kind = Static::Kind::Hull;
              v.name = name;
-             v.shape = convex(vertices, radius, rim, vectors(normals));
+             v.hull = convex(vertices, radius, rim, vectors(normals));
              s.system.world.statics.push_back(std::move(v));
            })
       .def("add_mesh",
@@ -234,7 +234,7 @@ void bind_physics(nb::module_& m) {
            [](Stepper& s, std::vector<int> person_roots) {
              // Hulls point at their own shapes: only now do the statics stop moving in memory.
              for (Static& v : s.system.world.statics)
-               if (v.kind == Static::Kind::Hull) v.placed.place(v.shape, {}, {});
+               if (v.kind == Static::Kind::Hull) v.posed.place(v.hull, {}, {});
              s.finish(person_roots);
            })
       .def("reset",

@@ -1,108 +1,84 @@
-// What moves and can be touched: rigid parts, objects, and hulls of a person's skin.
+// Convex collision shapes that bodies carry: rigid parts, objects, and hulls of a person's skin.
+//
+// A rigid shape is one hull in the frame of one body. A skin hull is the hull of some vertices of a
+// skin *where skinning has them*: its vertices are posed one by one (poses.h), and it deforms.
+//
+// All bounds on a shape's movement come from its joint influences: every point of it is a weighted
+// mean of points carried by the influencing bodies, so that for any convex function f of a point's
+// displacement (a speed, a distance travelled, a second derivative)
+//
+//     f(point) <= f_0 + sum_k max_weight_k max(0, f_k - f_0)   and   f(point) <= max_k f_k,
+//
+// with f_k the largest value for points carried by body k within `reach` of its anchor. The first
+// influence carries most of the shape. A rigid shape has one influence, and the bound is exact for its
+// bounding sphere.
 #pragma once
 #include <algorithm>
 #include <memory>
 #include <vector>
 
+#include "collision/skin.h"
 #include "geometry/convex.h"
-#include "contact/solver.h"
-#include "dynamics/kinematic_tree.h"
 
 namespace hp {
 
-// A person's skin: vertices that hang on several joints each (linear blend skinning with pose blend
-// shapes, SMPL, Loper et al. 2015):  x = sum_j w_j (R_j (rest + B vec(R_local - I) - j_j) + c_j).
-struct Skin {
-  std::vector<int> body, parent, dof;  // of each joint: the model's body, the parent joint, first dof
-  std::vector<Vec3> joint;        // at rest
-  std::vector<Vec3> rest;         // vertices at rest
-  std::vector<int> first, at;     // vertex v hangs on the joints at[first[v]] ... at[first[v + 1] - 1]
-  std::vector<double> weight;
-  std::vector<double> bend;  // vertices x 3 x 9 (joints - 1), empty: no pose blend shapes
-  int features() const { return 9 * ((int)joint.size() - 1); }
-};
-
-// A convex shape carried by a body: a part of a person, or an object. Or one whose vertices are
-// vertices of a skin.
 struct CollisionShape {
-  // Every point is a weighted mean of points carried by these bodies, each no farther than `reach`
-  // from `anchor`, with a weight of at most `most`. The first carries most.
-  struct Tie {
+  // A body that carries part of the shape.
+  struct Influence {
     int body;
-    double most;
-    Vec3 anchor;  // body's frame
-    double reach;
-    Vec3 middle;  // where the body carries the shape's centre; body's frame
+    double max_weight;  // of any vertex
+    Vec3 anchor;        // body's frame
+    double reach;       // no point that the body carries is farther from the anchor [m]
+    Vec3 center;        // where the body carries the shape's centre; body's frame
   };
-  Convex shape;  // of a skin: at rest
+  Convex hull;  // in the body's frame; of a skin: at rest
   int body = 0;
-  int name = 0;     // index into the names
+  int name = 0;     // index into the names of material pairs
   int person = -1;  // -1: an object
   int part = -1;    // joint index, -1: an object
-  double slack = 0;  // how far it sticks out of the surface that it stands for [m]
-  std::shared_ptr<const Skin> skin;
-  std::vector<int> vertex;  // of the skin
-  std::vector<Tie> ties;
-  std::vector<double> weights;  // of a skin: ties x vertices
-  struct Run {  // of vertices that hang on a tie
-    int tie, first, count;
-  };
-  std::vector<Run> runs;  // tie after tie
-  // Pose blend shapes: no vertex goes farther than `most` times the change of the joint's local
-  // rotation matrix (Frobenius).
-  struct Stretch {
-    int joint;
-    double most;
-  };
-  std::vector<Stretch> stretches;
+  // How far the hull sticks out of the surface that it approximates [m]: objects whose hulls overlap
+  // by no more than that at the start are not parted.
+  double slack = 0;
+  std::vector<Influence> influences;
 
+  // Of skin hulls.
+  std::shared_ptr<const Skin> skin;
+  std::vector<int> vertex;      // of the skin
+  std::vector<double> weights;  // influences x vertices
+  // Vertices in a row that an influence moves; the others have weight zero and are passed over.
+  struct WeightBlock {
+    int influence, first, count;
+  };
+  std::vector<WeightBlock> weight_blocks;  // influence after influence
+  // Pose blend shapes: a change of the joint's local rotation matrix by dR moves no vertex farther
+  // than gain |dR| [m], |.| the Frobenius norm.
+  struct BlendBound {
+    int joint;
+    double gain;
+  };
+  std::vector<BlendBound> blend_bounds;
+
+  // Derives everything from hull (rigid) or from skin and vertex (skin hulls); call once.
   void finish();
 
-  // Upper bound of a weighted mean over a point's ties, of what `of` says for each.
+  // Upper bound for every point of the shape of what `of(influence)` bounds for the points that one
+  // body carries; see above.
   template <typename Of>
-  double most_of(Of of) const {
-    const double first = of(ties[0]);
+  double weighted_bound(Of of) const {
+    const double first = of(influences[0]);
     double most = first, sum = first;
-    for (size_t k = 1; k < ties.size(); k++) {
-      const double d = of(ties[k]);
-      if (d > first) sum += ties[k].most * (d - first);
+    for (size_t k = 1; k < influences.size(); k++) {
+      const double d = of(influences[k]);
+      if (d > first) sum += influences[k].max_weight * (d - first);
       most = std::max(most, d);
     }
     return std::min(most, sum);
   }
+
+ private:
+  double find_blend_bounds();
+  void order_vertices(const std::vector<int>& joints);
+  void add_influence(int joint, double max_weight, double reach);
 };
-
-// Poses of all shapes.
-struct Poses {
-  unsigned stamp = 0;  // another one, another pose
-  Kinematics kin;
-  std::vector<PosedShape> placed;
-  std::vector<char> fresh;
-  // Of skins with pose blend shapes: entries of the local rotations, minus the identity.
-  struct Bends {
-    const Skin* skin;
-    std::vector<double> features;
-  };
-  std::vector<Bends> bends;
-
-  void place(const std::vector<CollisionShape>& shapes, int i);
-  const std::vector<double>& features(const Skin& s);
-  // A sphere that holds all of a shape.
-  struct Ball {
-    Vec3 center;
-    double radius;
-  };
-  Ball ball(const CollisionShape& m) const;
-  const Ball& known_ball(const std::vector<CollisionShape>& shapes, int i);  // found once
-  std::vector<Ball> balls;  // a negative radius: not yet
-  // A point of a shape's surface, now at x, and where it is at this pose. The shape must be placed.
-  Material material(const CollisionShape& m, const PosedShape& at, Vec3 x) const;
-  Vec3 position(const CollisionShape& m, const PosedShape& at, const Material& point) const;
-  Endpoint endpoint(const CollisionShape& m, const PosedShape& at, const Material& point) const;
-};
-
-// How far no point of each shape goes between two poses, for those of active bodies [m].
-void ways(const std::vector<CollisionShape>& shapes, const Poses& from, const Poses& to,
-          const std::vector<char>& active, std::vector<double>& way);
 
 }  // namespace hp

@@ -267,7 +267,7 @@ Plane plane_to(const PosedShape& a, const Vec3 v[3], int t, double reach, Vec3 g
   Support tri{{x, y, z, 3}};
   Vec3 pa, pb;
   if (norm2(guess) == 0) guess = a.center - nearest_on(v, a.center);
-  double r = a.shape->radius, d = gjk(a.support(), tri, guess, pa, pb, reach + r);
+  double r = a.hull->radius, d = gjk(a.support(), tri, guess, pa, pb, reach + r);
   if (d > reach + r) {
     Vec3 n = pa - pb;
     return {n, std::max(dot(n, v[0]), std::max(dot(n, v[1]), dot(n, v[2]))), d - r, t, false};

@@ -36,7 +36,7 @@ void Convex::finish() {
 }
 
 void PosedShape::place(const Convex& c, const Mat3& rot, Vec3 pos) {
-  shape = &c;
+  hull = &c;
   R = rot;
   center = pos + rot * c.center;
   int n = (int)c.vertices.size();
@@ -57,7 +57,7 @@ void PosedShape::place(const Convex& c, const Mat3& rot, Vec3 pos) {
 PosedShape displaced(const PosedShape& a, Vec3 shift) {
   PosedShape b(a);
   if (norm2(shift) == 0) return b;
-  const size_t n = a.shape->vertices.size();
+  const size_t n = a.hull->vertices.size();
   for (size_t k = 0; k < 3; k++)
     for (size_t i = 0; i < n; i++) b.xyz[k * n + i] += shift[(int)k];
   b.center += shift;
@@ -221,14 +221,14 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
 }
 
 Separation separate_along(const PosedShape& a, const PosedShape& b, Vec3 n) {
-  Vec3 pa = a.support().farthest(-n) - a.shape->radius * n;
+  Vec3 pa = a.support().farthest(-n) - a.hull->radius * n;
   double dist = dot(n, pa) - b.highest(n);
   return {dist, n, pa, pa - dist * n};
 }
 
 Separation separate(const PosedShape& a, const PosedShape& b, double beyond, bool way_out, Vec3 guess,
                     Hint* hint) {
-  double round = a.shape->radius + b.shape->radius;
+  double round = a.hull->radius + b.hull->radius;
   Vec3 pa, pb;
   if (norm2(guess) == 0) guess = a.center - b.center;
   double d = gjk(a.support(), b.support(), guess, pa, pb, beyond + round, hint);
@@ -241,19 +241,19 @@ Separation separate(const PosedShape& a, const PosedShape& b, double beyond, boo
   };
   if (d > 1e-9) {
     Vec3 n = (1 / d) * (pa - pb);
-    Separation found{d - round, n, pa - a.shape->radius * n, pb + b.shape->radius * n};
-    if (d > kClose && a.shape->rim == 0 && b.shape->rim == 0) return found;
+    Separation found{d - round, n, pa - a.hull->radius * n, pb + b.hull->radius * n};
+    if (d > kClose && a.hull->rim == 0 && b.hull->rim == 0) return found;
     // So near (and between flat ends of round things even farther off) rounding tilts the line
     // between the nearest points. A face normal that separates as well is the direction that was
     // meant; friction on a tilted one would creep.
     double like = d < kTouching ? 0.9 : 0.9999;
     const Vec3 in_a = mul_t(a.R, -n), in_b = mul_t(b.R, n);
-    for (Vec3 f : a.shape->normals)
+    for (Vec3 f : a.hull->normals)
       if (dot(f, in_a) > like) consider(-(a.R * f));
-    for (Vec3 f : b.shape->normals)
+    for (Vec3 f : b.hull->normals)
       if (dot(f, in_b) > like) consider(b.R * f);
     for (const PosedShape* c : {&a, &b}) {
-      if (c->shape->rim == 0) continue;
+      if (c->hull->rim == 0) continue;
       Vec3 side = n - dot(n, c->axis) * c->axis;  // length is its cosine to n
       if (norm(side) > like) consider((1 / norm(side)) * side);
     }
@@ -267,8 +267,8 @@ Separation separate(const PosedShape& a, const PosedShape& b, double beyond, boo
     if (d > kTouching || best.dist >= found.dist - kSeparates) return found;
   }
   if (!way_out) return {-1e300, {}, {}, {}};
-  for (Vec3 n : a.shape->normals) consider(-(a.R * n));
-  for (Vec3 n : b.shape->normals) consider(b.R * n);
+  for (Vec3 n : a.hull->normals) consider(-(a.R * n));
+  for (Vec3 n : b.hull->normals) consider(b.R * n);
   Vec3 line = a.center - b.center;
   double length = norm(line);
   consider(length > 1e-9 ? (1 / length) * line : Vec3{0, 0, 1});
@@ -279,8 +279,8 @@ Separation separate(const PosedShape& a, const PosedShape& b, double beyond, boo
     consider((-1 / size) * n);
   };
   for (const PosedShape* c : {&a, &b})
-    if (c->shape->rim > 0) either(line - dot(line, c->axis) * c->axis);
-  if (a.shape->rim > 0 && b.shape->rim > 0) either(cross(a.axis, b.axis));
+    if (c->hull->rim > 0) either(line - dot(line, c->axis) * c->axis);
+  if (a.hull->rim > 0 && b.hull->rim > 0) either(cross(a.axis, b.axis));
   return best;
 }
 
@@ -306,7 +306,7 @@ std::vector<P2> near_face(const PosedShape& s, Vec3 n, Vec3 t, Vec3 b, double to
     if (dot(n, x) > low + tol) continue;
     if (swept.rim == 0) {
       add(x);
-    } else if (2 * (s.reach(n) - s.shape->radius) > tol) {
+    } else if (2 * (s.reach(n) - s.hull->radius) > tol) {
       add(x + swept.on_rim(-n));
     } else {
       for (int k = 0; k < 8; k++)
@@ -387,8 +387,8 @@ int face_manifold(const PosedShape& a, const PosedShape& b, Vec3 n, double tol, 
   }
   for (size_t k = 0; k < pick.size(); k++) {
     Vec3 base = pick[k].u * t + pick[k].v * s;
-    pa[k] = base + (height_at(face_a, pick[k]) - a.shape->radius) * n;
-    pb[k] = base + (b.shape->radius - height_at(face_b, pick[k])) * n;  // of -n
+    pa[k] = base + (height_at(face_a, pick[k]) - a.hull->radius) * n;
+    pb[k] = base + (b.hull->radius - height_at(face_b, pick[k])) * n;  // of -n
   }
   return (int)pick.size();
 }

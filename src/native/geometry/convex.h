@@ -55,7 +55,7 @@ struct Convex {
 
 // The shape at one pose.
 struct PosedShape {
-  const Convex* shape = nullptr;
+  const Convex* hull = nullptr;
   std::vector<double> xyz;   // x..., y..., z...
   std::vector<double> rest;  // of a skin with pose blend shapes: the same before it is posed
   Vec3 center;
@@ -65,14 +65,14 @@ struct PosedShape {
 
   void place(const Convex& c, const Mat3& R, Vec3 pos);
   Points points() const {
-    int n = (int)shape->vertices.size();
+    int n = (int)hull->vertices.size();
     return {xyz.data(), xyz.data() + n, xyz.data() + 2 * n, n};
   }
-  Support support() const { return {points(), axis, shape->rim}; }
+  Support support() const { return {points(), axis, hull->rim}; }
   // How far the surface lies from the hull of the vertices, against n.
   double reach(Vec3 n) const {
-    double r = shape->radius;
-    return shape->rim == 0 ? r : r + shape->rim * norm(n - dot(n, axis) * axis);
+    double r = hull->radius;
+    return hull->rim == 0 ? r : r + hull->rim * norm(n - dot(n, axis) * axis);
   }
   // Smallest and largest of n.x over the rounded shape.
   double lowest(Vec3 n) const;

@@ -176,7 +176,7 @@ bool ContactStep::extend_reach(bool last) {
   const World& world = system_.world;
   std::vector<double>& reach = data_.attempt.reach;
   bool beyond = false;
-  ways(world.shapes, data_.state.pose, data_.step.end, world.active, way_);
+  travel_bounds(world.shapes, data_.state.pose, data_.step.end, world.active, way_);
   for (size_t i = 0; i < reach.size(); i++) {
     if (!world.active[world.shapes[i].body]) continue;
     const double least = way_[i] + world.settings.clearance;

@@ -56,10 +56,10 @@ double ExitMotion::fastest_point(System& system, Data& data, int shape, double l
   for (size_t k = 0; k < n; k++) {
     auto speed = [&](const std::vector<Twist>& twists) {
       Vec3 v;
-      for (size_t t = 0; t < m.ties.size(); t++) {
+      for (size_t t = 0; t < m.influences.size(); t++) {
         const double w = m.skin ? m.weights[t * n + k] : 1;
         if (w == 0) continue;
-        const Twist& body = twists[m.ties[t].body];
+        const Twist& body = twists[m.influences[t].body];
         v += w * (body.v + cross(body.w, p.at((int)k) - pose.kin.reference(system.model, m.body)));
       }
       return norm(v);

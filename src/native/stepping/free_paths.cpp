@@ -52,7 +52,7 @@ void FreePaths::find(System& system, Data& data, double dt) {
   sweep_.way.assign(n, 0);
   sweep_.bulge.assign(n, 0);
   assume_strays(system, data, dt);
-  ways(world.shapes, start, end, world.active, sweep_.straight);
+  travel_bounds(world.shapes, start, end, world.active, sweep_.straight);
   world.inner_ways(model, start, end, sweep_.inner);
   for (const Drive& d : system.drives) sweep(system, d, dt);
   world.active.assign(model.nbody, 1);
@@ -105,19 +105,19 @@ void FreePaths::bound_speeds(const Model& m, const Drive& d) {
 
 // Upper bound of the acceleration of all points of a shape [m/s^2].
 double FreePaths::bulge(const Model& m, const CollisionShape& shape) const {
-  double bulge = shape.most_of([&](const CollisionShape::Tie& t) {
+  double bulge = shape.weighted_bound([&](const CollisionShape::Influence& t) {
     const int b = t.body;
     return acceleration_[b] + (spin_[b] * spin_[b] + turn_[b]) * (norm(t.anchor) + t.reach);
   });
-  if (shape.stretches.empty()) return bulge;
+  if (shape.blend_bounds.empty()) return bulge;
   // Blend shapes move the points in frames that turn.
   double speed = 0, rate = 0, spin = 0;
-  for (const CollisionShape::Stretch& s : shape.stretches) {
+  for (const CollisionShape::BlendBound& s : shape.blend_bounds) {
     const int b = shape.skin->body[s.joint];
     const double w = spin_[b] - spin_[m.parent[b]];
-    speed += std::sqrt(2.0) * s.most * w, rate += std::sqrt(2.0) * s.most * w * w;
+    speed += std::sqrt(2.0) * s.gain * w, rate += std::sqrt(2.0) * s.gain * w * w;
   }
-  for (const CollisionShape::Tie& t : shape.ties) spin = std::max(spin, spin_[t.body]);
+  for (const CollisionShape::Influence& t : shape.influences) spin = std::max(spin, spin_[t.body]);
   bulge += rate + 2 * spin * speed;
   return bulge;
 }
@@ -167,7 +167,7 @@ void FreePaths::travel(System& system, Data& data) {
     for (int b = 1; b < model.nbody; b++) world.active[b] = !busy_[model.root[b]];
     end.kin.update(model, data.state.qpos.data());
     world.start_poses(end);
-    ways(world.shapes, followed_, end, world.active, way_);
+    travel_bounds(world.shapes, followed_, end, world.active, way_);
     world.inner_ways(model, followed_, end, sweep_.inner);
     world.travel(way_, sweep_.inner);
   } else {

@@ -25,7 +25,7 @@ std::vector<char> SubStepping::possible(const std::vector<double>& at, double h)
     if (excess(system_, data_, i, h) + attempt.candidates[i].target < attempt.candidates[i].hard)
       ok[data_.islands.of(system_, attempt.candidates[i])] = 0;
   // Planes hold only for the reach that was asked.
-  ways(world.shapes, data_.state.pose, data_.step.end, world.active, way_);
+  travel_bounds(world.shapes, data_.state.pose, data_.step.end, world.active, way_);
   for (size_t i = 0; i < attempt.reach.size(); i++)
     if (world.active[world.shapes[i].body] && way_[i] + tune::kBeyondReach > attempt.reach[i])
       ok[data_.islands.of_tree(system_.tree((int)i))] = 0;
@@ -70,7 +70,7 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
     step.move(system_, state, moved_, h);
   }
   record(share);
-  ways(world.shapes, state.pose, step.end, world.active, way_);
+  travel_bounds(world.shapes, state.pose, step.end, world.active, way_);
   world.inner_ways(model, state.pose, step.end, inner_);
   world.travel(way_, inner_);
   world.come_out(share);

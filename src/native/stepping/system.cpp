@@ -49,7 +49,7 @@ void System::find_loads() {
 void System::find_joint_reach() {
   joint_reach.assign(model.nbody, 0);
   for (const CollisionShape& m : world.shapes)
-    for (const CollisionShape::Tie& t : m.ties) {
+    for (const CollisionShape::Influence& t : m.influences) {
       double far = norm(t.anchor) + t.reach;
       for (int b = t.body; b > 0; far += norm(model.pos[b]), b = model.parent[b])
         joint_reach[b] = std::max(joint_reach[b], far);
@@ -64,15 +64,15 @@ int System::ball_count() const {
 
 double System::speed_bound(const Kinematics& k, const CollisionShape& shape,
                            const std::vector<Twist>& t) const {
-  double fastest = shape.most_of([&](const CollisionShape::Tie& tie) {
+  double fastest = shape.weighted_bound([&](const CollisionShape::Influence& tie) {
     const Twist& w = t[tie.body];
     const Vec3 at = k.xpos[tie.body] + k.xmat[tie.body] * tie.anchor;
     return norm(w.v + cross(w.w, at - k.reference(model, tie.body))) + norm(w.w) * tie.reach;
   });
-  for (const CollisionShape::Stretch& s : shape.stretches) {
+  for (const CollisionShape::BlendBound& s : shape.blend_bounds) {
     // The change of a rotation matrix is sqrt(2) times the angular velocity.
     const Skin& skin = *shape.skin;
-    fastest += std::sqrt(2.0) * s.most *
+    fastest += std::sqrt(2.0) * s.gain *
                norm(t[skin.body[s.joint]].w - t[skin.body[skin.parent[s.joint]]].w);
   }
   return fastest;

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "collision/narrow_phase.h"
+#include "collision/world.h"
 #include "dynamics/articulation.h"
 #include "stepping/drive.h"
 

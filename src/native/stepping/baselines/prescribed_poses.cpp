@@ -49,7 +49,7 @@ void PrescribedPoses::put_people(System& system, Data& data, double share) {
   end.kin.update(system.model, state.qpos.data());
   world.start_poses(end);
   for (int b = 1; b < system.model.nbody; b++) world.active[b] = system.is_person(b);
-  ways(world.shapes, state.pose, end, world.active, way_);
+  travel_bounds(world.shapes, state.pose, end, world.active, way_);
   world.travel(way_, {});
   world.people_put();
   // A step moves active trees from one pose to the other: all others are in both.
@@ -130,7 +130,7 @@ bool PrescribedPoses::soften(System& system, Data& data, int body, int tries) {
   if (world.squeezed[body]) pace = 0;
   const double pushed = world.settings.depenetration_speed;
   const double speed = fastest(system, kin, body, twists_);
-  const double most = std::max(tune::kThrownFactor * pushed,
+  const double most = std::max(tuning::collision::kThrownFactor * pushed,
                                tune::kThrownAcross * std::hypot(fastest(system, kin, body, free_), pushed));
   const bool room = data.attempt.good && !data.attempt.relaxed[system.model.root[body]];
   if (speed <= most && (room || pace == 0)) return false;

@@ -1,0 +1,90 @@
+// The records that pass from one phase of collision detection to the next.
+//
+// Broad phase: BroadPhasePair, two shapes whose distance is worth tracking. Narrow phase:
+// ContactCandidate, a separating plane that the substep must not cross. Contact generation: Contact
+// (contact/solver.h). From substep to substep: CachedContact. Lengths in [m].
+//
+// In all of them a pair is a shape (`shape`) and either a static (`other_static`) or a second shape
+// (`other_shape`); the one that is not meant is -1.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "contact/solver.h"
+#include "geometry/bvh.h"
+#include "geometry/convex.h"
+
+namespace hp {
+
+// A pair that may come near, and what is known of its distance: at least `dist` minus what the two
+// have travelled since, or, up to `planes_reach`, as far as the planes say. It only saves work: what
+// is skipped for it could not have been a candidate.
+struct BroadPhasePair {
+  static constexpr double kUnknown = -1e300;  // of `dist`
+
+  int shape = 0;
+  int other_static = -1, other_shape = -1;
+  bool own = false;         // two of one person: distances are travelled in the root's frame
+  double dist = kUnknown;   // lower bound when last measured [m]
+  double travelled = 0;     // what the two had travelled by then [m]
+  // Everything of the other within `planes_reach` of the shape lies behind these planes.
+  std::vector<Plane> planes;
+  double planes_reach = 0;
+  Vec3 axis;  // direction between the nearest points when last measured; 0: not yet
+  Hint hint;  // where that search ended
+};
+
+// A pair of shapes that may meet in this substep, and the plane that is to keep them apart.
+struct ContactCandidate {
+  int shape = 0;
+  int other_static = -1, other_shape = -1;
+  Vec3 n;             // unit, from the other to the shape
+  double offset = 0;  // static: the other lies in n.x <= offset
+  double dist = 0;    // at the start of the substep; negative: overlap along n [m]
+  double target = 0;  // distance demanded at its end [m]
+  double hard = 0;    // distance under which the step is shortened [m]
+  int triangle = -1;  // of a mesh
+  Hint hint;          // of two shapes at the start
+  bool forgiven = false;  // the plane may be crossed: nothing behind it is in the way
+  bool searched = false;  // candidates that its plane had hidden have been added
+  // A shape that overlapped at the start of the simulation is held clear where it would be after a
+  // displacement (depenetration.h): `from` at the start of the substep and, where the step makes
+  // `share` of it, that share of the way from there to `to` at its end.
+  int inside = -1;  // index into Depenetration::inside(); -1: an ordinary candidate
+  Vec3 from, to;
+  double share = 1;
+  Vec3 shift() const { return from + share * (to - from); }
+};
+
+// A contact point that carried an impulse in the substep before.
+struct CachedContact {
+  int64_t key;  // of the pair
+  int feature;
+  Material point, other;  // on the shape; on the other shape: the point opposite
+  Vec3 normal, impulse;   // in the world
+  bool used;
+};
+
+// Bounds for the shapes on their way from one pose to another, without contact; per shape [m].
+struct Sweep {
+  std::vector<double> way;       // no point of the shape goes farther
+  std::vector<double> straight;  // the part of `way` that follows from the two poses alone
+  std::vector<double> bulge;     // no point strays farther from the straight line between its ends
+  std::vector<double> inner;     // `straight` as seen from the root; empty without self-contact
+};
+
+// The identity of a pair as a number, in the order of shapes, and back.
+template <typename Pair>
+int64_t pair_key(const Pair& c) {
+  return ((int64_t)c.shape << 32) |
+         (int64_t)(c.other_static >= 0 ? 2 * c.other_static : 2 * c.other_shape + 1);
+}
+inline ContactCandidate pair_of_key(int64_t key) {
+  ContactCandidate c;
+  c.shape = (int)(key >> 32);
+  const int other = (int)(key & 0xffffffff);
+  (other % 2 == 0 ? c.other_static : c.other_shape) = other / 2;
+  return c;
+}
+
+}  // namespace hp

@@ -1,0 +1,78 @@
+// Initial overlaps and how they are resolved (docs/physics.md, "Starting inside").
+//
+// A shape that overlaps a static at the reset, or a part of a person that overlaps an object, is not
+// where it is held to be. A displacement w (`exit`, exit_search.h) takes it, and all hulls of its group
+// (overlap_groups.h), out on the right side. What contacts keep clear of the obstacle is the shape
+// displaced by (1 - s) w, and s (`out`) only grows: at s = 1 the shape itself is clear, and the pair is
+// an ordinary one from then on. Because a step of nothing at all at the old s is always clear, no
+// shape gets deeper, measured along w.
+//
+// In a substep of length h, s grows so far that no plane of the displaced shape is entered by more than
+// `growth` times the depenetration speed times h, less over the last centimetre. A group that hardly
+// progresses for some substeps tries another direction. Limits: a displacement of 0.6 m; where nothing
+// fits, nothing holds the pair until it is clear by itself.
+#pragma once
+#include <vector>
+
+#include "collision/broad_phase.h"
+#include "collision/gap_targets.h"
+#include "collision/inside.h"
+#include "collision/exit_search.h"
+
+namespace hp {
+
+class Depenetration {
+ public:
+  struct Overlap {
+    int shape, other_static, other_shape;  // one of the two
+  };
+
+  Depenetration(const CollisionWorld& world, GapTargets& targets) : world_(world), targets_(targets) {}
+
+  // Pairs that are not clear yet.
+  const std::vector<Inside>& inside() const { return inside_; }
+  bool any() const { return !inside_.empty(); }
+  Inside* find(const BroadPhasePair& e);
+
+  // The share of the depenetration speed that is asked for in the next substep.
+  double growth = 1;
+
+  void clear();
+  // Finds ways out of these overlaps, at the poses `start`.
+  void begin(const Model& m, Poses& start, const std::vector<Overlap>& overlaps);
+  // The candidates that hold a pair: planes of the obstacle against the displaced shape, up to `reach`;
+  // decides how far the pair comes out in this substep.
+  void add_candidates(Poses& start, BroadPhasePair& e, Inside& in, double reach, double h,
+                      std::vector<ContactCandidate>& out);
+  // Groups that are stuck try another direction. True if something has changed.
+  bool reroute(const Model& m, Poses& start);
+  // The substep has been made, by the trees' shares of it (per body; empty: whole).
+  void advance(const std::vector<double>& share);
+
+  void save(std::vector<double>& out) const;
+  const double* load(const double* in);
+  // Takes over the pairs of another simulation: `renamed` gives each its numbers here or says that it is
+  // gone, `known` says which of the pairs here the other one knew.
+  template <typename Renamed, typename Known>
+  void adopt(const Depenetration& old, Renamed renamed, Known known) {
+    std::vector<Inside> in;
+    for (Inside i : old.inside_)
+      if (renamed(i)) in.push_back(i);
+    for (const Inside& i : inside_)
+      if (!known(i)) in.push_back(i);
+    inside_ = in;
+    growth = old.growth;
+  }
+
+ private:
+  Obstacle obstacle(Poses& start, int other_static, int other_shape) const;
+  void add_group(Poses& start, const Obstacle& o, const OverlapGroup& group, const Exit& exit);
+  void find_planes(const PosedShape& a, const Obstacle& o, BroadPhasePair& e, double range) const;
+
+  const CollisionWorld& world_;
+  GapTargets& targets_;
+  std::vector<Inside> inside_;
+  Vec3 avoid_;  // unit direction that is not to be tried again; zero: none
+};
+
+}  // namespace hp

@@ -1,0 +1,131 @@
+#include "collision/exit_search.h"
+
+#include "tuning.h"
+
+namespace hp {
+
+using namespace tuning::collision;
+
+ExitSearch::ExitSearch(const CollisionWorld& world, const Model& m, Poses& start, const Obstacle& o,
+                       const OverlapGroup& group, Vec3 avoid)
+    : world_(world), model_(m), start_(start), obstacle_(o), group_(group), avoid_(avoid),
+      person_(world.shapes[group.shapes[0]].person >= 0) {
+  if (person_) find_free_shapes();
+  find_directions();
+}
+
+void ExitSearch::find_free_shapes() {
+  std::vector<char> between(model_.nbody, 0);  // bodies from the group to the root
+  for (int i : group_.shapes)
+    for (int b = world_.shapes[i].body; b > 0; b = model_.parent[b]) between[b] = 1;
+  for (int i = 0; i < (int)world_.shapes.size(); i++)
+    for (int j = 0; j < (int)world_.statics.size(); j++) {
+      const CollisionShape& M = world_.shapes[i];
+      if (!between[M.body] || world_.pairing(M.name, world_.statics[j].name).ignore) continue;
+      const Obstacle other = Obstacle::of_static(world_, j);
+      const PosedShape& a = world_.place(start_, i);
+      Box3 near = a.box;
+      near.grow(kFarthestExit);
+      if (other.meets(near) && other.clear(displaced(a, {}), kRestingOverlap)) free_.push_back({i, other});
+    }
+}
+
+bool ExitSearch::on_right_side(Vec3 shift) const {
+  const Obstacle& o = obstacle_;
+  if (o.object) return true;
+  const std::vector<Vec3>& x = start_.kin.xpos;
+  const std::vector<char>& moves = group_.moves;
+  for (int i : group_.shapes) {
+    const Vec3 c = world_.place(start_, i).center, j = x[world_.shapes[i].body];
+    if (person_ ? o.crosses(j + shift, c + shift) : !o.crosses(c, c) && o.crosses(c, c + shift))
+      return false;
+  }
+  const int root = model_.root[world_.shapes[group_.shapes[0]].body];
+  for (int b = 1; b < model_.nbody && person_; b++) {
+    if (model_.root[b] != root) continue;
+    if (moves[b] && group_.stays[b] && !o.crosses(x[b], x[b]) && o.crosses(x[b], x[b] + shift))
+      return false;
+    const int p = model_.parent[b];
+    if (b == root || moves[b] == moves[p]) continue;
+    if (o.crosses(moves[p] ? x[p] + shift : x[p], moves[b] ? x[b] + shift : x[b])) return false;
+  }
+  return true;
+}
+
+bool ExitSearch::enters_another(Vec3 shift) const {
+  for (const auto& [i, other] : free_)
+    if (!other.clear(displaced(world_.place(start_, i), shift), kRestingOverlap)) return true;
+  return false;
+}
+
+bool ExitSearch::fits(Vec3 shift) {
+  const std::vector<int>& shapes = group_.shapes;
+  for (size_t k = 0; k < shapes.size(); k++) {
+    const size_t i = (last_blocked_ + k) % shapes.size();
+    if (obstacle_.clear(displaced(world_.place(start_, shapes[i]), shift), kExitClearance)) continue;
+    last_blocked_ = i;
+    return false;
+  }
+  return on_right_side(shift) && (!others_too_ || !enters_another(shift));
+}
+
+void ExitSearch::add_direction(Vec3 n) {
+  const double length = norm(n);
+  if (length < 1e-9 || (int)directions_.size() >= kMostExitDirections) return;
+  n = (1 / length) * n;
+  for (Vec3 w : directions_)
+    if (dot(w, n) > kSameDirection) return;
+  directions_.push_back(n);
+}
+
+void ExitSearch::find_directions() {
+  const Obstacle& o = obstacle_;
+  if (o.is(Static::Kind::HalfSpace)) {
+    add_direction(o.fixed->n);
+    return;
+  }
+  if (o.is(Static::Kind::Mesh)) {
+    const TriangleTree& tree = *o.fixed->tree;
+    std::vector<Plane> planes;
+    for (int i : group_.shapes) {
+      planes.clear();
+      tree.planes(world_.place(start_, i), kExitFaces, planes);
+      for (const Plane& p : planes) {
+        Vec3 v[3];
+        tree.triangle(p.triangle, v);
+        const Vec3 n = cross(v[1] - v[0], v[2] - v[0]);
+        add_direction(n), add_direction(-n);
+      }
+    }
+  } else {
+    for (Vec3 n : o.posed().hull->normals) add_direction(o.posed().R * n);
+  }
+  for (int k = 0; k < 27; k++)
+    add_direction({(double)(k % 3 - 1), (double)(k / 3 % 3 - 1), (double)(k / 9 - 1)});
+}
+
+void ExitSearch::search(Exit& best) {
+  for (Vec3 w : directions_) {
+    if (dot(w, avoid_) > kOtherDirection) continue;
+    double bad = 0, good = -1;
+    for (double t = kExitStride; t < best.length + kExitStride && good < 0; t += kExitStride)
+      (fits(t * w) ? good : bad) = t;
+    if (good < 0 || bad >= best.length) continue;
+    for (int k = 0; k < kExitBisections; k++) {
+      const double t = 0.5 * (good + bad);
+      (fits(t * w) ? good : bad) = t;
+    }
+    if (good < best.length) best = {good * w, good};
+  }
+}
+
+Exit ExitSearch::run() {
+  Exit best{{}, kFarthestExit};
+  search(best);
+  if (norm2(best.displacement) > 0) return best;
+  others_too_ = false;
+  search(best);
+  return best;
+}
+
+}  // namespace hp

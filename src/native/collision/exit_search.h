@@ -1,0 +1,55 @@
+// The smallest displacement that takes a group of shapes out of an obstacle, onto the right side.
+//
+// Directions tried: the normals of faces nearby (of a mesh: of triangles near the group, both ways) and
+// the 26 directions of a grid. Along each, displacements grow in strides up to a limit until the group
+// fits, and the last stride is bisected; the shortest of all wins. A displacement fits if
+//
+// - every shape of the group is clear of the obstacle,
+// - of a static: every hull is on the side of its joint (an object: on its own side), no joint that
+//   leaves is taken through the static, and the bones between what leaves and what stays cross nothing,
+// - no shape of the group, nor of what hangs between it and the root, is taken into another static that
+//   it is clear of now. If nothing fits, this last condition is dropped.
+#pragma once
+#include <utility>
+#include <vector>
+
+#include "collision/overlap_groups.h"
+
+namespace hp {
+
+struct Exit {
+  Vec3 displacement;  // [m]; zero: no way out was found
+  double length = 0;  // [m]
+};
+
+class ExitSearch {
+ public:
+  // `avoid`: a unit direction that has been tried before, or zero.
+  ExitSearch(const CollisionWorld& world, const Model& m, Poses& start, const Obstacle& o,
+             const OverlapGroup& group, Vec3 avoid);
+  Exit run();
+
+ private:
+  void find_free_shapes();
+  bool on_right_side(Vec3 shift) const;
+  bool enters_another(Vec3 shift) const;
+  bool fits(Vec3 shift);
+  void find_directions();
+  void add_direction(Vec3 n);
+  void search(Exit& best);
+
+  const CollisionWorld& world_;
+  const Model& model_;
+  Poses& start_;
+  const Obstacle& obstacle_;
+  const OverlapGroup& group_;
+  const Vec3 avoid_;
+  const bool person_;
+  std::vector<Vec3> directions_;
+  // Shapes that carry the group or belong to it, and the statics that they are clear of.
+  std::vector<std::pair<int, Obstacle>> free_;
+  size_t last_blocked_ = 0;   // the shape of the group that did not fit last is tried first
+  bool others_too_ = true;    // other statics count
+};
+
+}  // namespace hp

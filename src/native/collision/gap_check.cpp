@@ -1,0 +1,158 @@
+#include "collision/gap_check.h"
+
+#include <cmath>
+
+#include "tuning.h"
+
+namespace hp {
+
+using namespace tuning::collision;
+
+namespace {
+
+// Corner k of the polygon around a disc, from its centre: the same material point at every pose.
+Vec3 rim_corner(const PosedShape& s, int k) {
+  Vec3 t, b;
+  tangents(s.hull->axis, t, b);
+  double angle = 2 * M_PI * k / kRimSides, r = s.hull->rim / std::cos(M_PI / kRimSides);
+  return s.R * (r * (std::cos(angle) * t + std::sin(angle) * b));
+}
+
+// Coordinates of points, as GJK reads them: the vertices of a shape at two poses.
+struct SweptPoints {
+  std::vector<double> xyz;
+  int n;  // vertices at one pose
+  explicit SweptPoints(int n) : xyz(6 * (size_t)n), n(n) {}
+  void set(int i, Vec3 p) {
+    double *x = xyz.data(), *y = x + 2 * n, *z = y + 2 * n;
+    x[i] = p.x, y[i] = p.y, z[i] = p.z;
+  }
+  Support support() const {
+    const double *x = xyz.data(), *y = x + 2 * n, *z = y + 2 * n;
+    return Support{{x, y, z, 2 * n}};
+  }
+};
+
+// The swept hull of the candidate's shape; `back` and `shift` take the end into the start frame of
+// the other. A disc is replaced by the polygon around it.
+SweptPoints swept_points(const PosedShape& a0, const PosedShape& a1, const ContactCandidate& c,
+                         const Mat3& back, Vec3 shift) {
+  const bool disc = a0.hull->rim > 0;
+  const Points p0 = a0.points(), p1 = a1.points();
+  const int n = p0.n * (disc ? kRimSides : 1);
+  auto corner = [&](const PosedShape& s, Points p, int i) {
+    return disc ? p.at(i / kRimSides) + rim_corner(s, i % kRimSides) : p.at(i);
+  };
+  SweptPoints swept(n);
+  for (int i = 0; i < n; i++) {
+    Vec3 p = corner(a0, p0, i) + c.from, q = corner(a1, p1, i) + c.shift();
+    if (c.other_shape >= 0) q = back * q + shift;
+    swept.set(i, p), swept.set(n + i, q);
+  }
+  return swept;
+}
+
+}  // namespace
+
+// r angle^2 / 8 of a shape's points, as seen by a frame that turns by `back` meanwhile.
+double GapCheck::bulge(int shape, const Poses& start, const Poses& end, const Mat3& back) const {
+  return world_.shapes[shape].weighted_bound([&](const CollisionShape::Influence& t) {
+    const Mat3 turn = back * (end.kin.xmat[t.body] * transposed(start.kin.xmat[t.body]));
+    const double cosine = 0.5 * (turn.m[0] + turn.m[4] + turn.m[8] - 1),
+                 angle = std::acos(std::min(1.0, std::max(-1.0, cosine)));
+    return t.reach * angle * angle / 8;
+  });
+}
+
+bool GapCheck::swept_clear(const ContactCandidate& c, Poses& start, Poses& end) const {
+  if (c.dist < world_.settings.clearance) return false;
+  const PosedShape &a0 = world_.place(start, c.shape), &a1 = world_.place(end, c.shape);
+  Mat3 back;
+  Vec3 shift;
+  if (c.other_shape >= 0) {
+    // Into the other's start frame: x -> R0 R1^T (x - p1) + p0.
+    int b = world_.shapes[c.other_shape].body;
+    back = start.kin.xmat[b] * transposed(end.kin.xmat[b]);
+    shift = start.kin.xpos[b] - back * end.kin.xpos[b];
+  }
+  const SweptPoints swept = swept_points(a0, a1, c, back, shift);
+  double margin = bulge(c.shape, start, end, back) + a0.hull->radius + world_.settings.clearance;
+  Vec3 pa, pb;
+  if (c.other_static >= 0 && c.triangle >= 0) {
+    Vec3 v[3];
+    world_.statics[c.other_static].tree->triangle(c.triangle, v);
+    double tx[3] = {v[0].x, v[1].x, v[2].x}, ty[3] = {v[0].y, v[1].y, v[2].y},
+           tz[3] = {v[0].z, v[1].z, v[2].z};
+    return gjk(swept.support(), Support{{tx, ty, tz, 3}}, c.n, pa, pb, margin) > margin;
+  }
+  const PosedShape& b =
+      c.other_static >= 0 ? world_.statics[c.other_static].posed : world_.place(start, c.other_shape);
+  margin += b.hull->radius;
+  if (c.other_shape < 0 || !world_.shapes[c.other_shape].skin)
+    return gjk(swept.support(), b.support(), c.n, pa, pb, margin) > margin;
+  // A skin hull deforms as seen from the frame that carries it: both ends of it are in its swept hull.
+  const Points q0 = b.points(), q1 = world_.place(end, c.other_shape).points();
+  SweptPoints other(q0.n);
+  for (int i = 0; i < q0.n; i++) other.set(i, q0.at(i)), other.set(q0.n + i, back * q1.at(i) + shift);
+  margin += bulge(c.other_shape, start, end, back);
+  return gjk(swept.support(), other.support(), c.n, pa, pb, margin) > margin;
+}
+
+bool GapCheck::mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) {
+  if (world_.shapes[c.shape].hull.rim > 0) return false;
+  if (answers_stamp_ != end.stamp) answers_.clear(), answers_stamp_ = end.stamp;
+  for (const MeshAnswer& w : answers_)
+    if (w.shape == c.shape && w.other_static == c.other_static) return w.clear;
+  const bool clear = swept_mesh_clear(c, start, end);
+  answers_.push_back({c.shape, c.other_static, clear});
+  return clear;
+}
+
+bool GapCheck::swept_mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) const {
+  const PosedShape &a0 = world_.place(start, c.shape), &a1 = world_.place(end, c.shape);
+  static thread_local Convex hull;
+  static thread_local PosedShape swept;
+  const int n = a0.points().n;
+  hull.vertices.resize(2 * (size_t)n);
+  swept.hull = &hull;
+  swept.xyz.resize(6 * (size_t)n);
+  for (int k = 0; k < 3; k++)
+    for (int i = 0; i < n; i++) {
+      swept.xyz[(size_t)k * 2 * n + i] = a0.xyz[(size_t)k * n + i] + c.from[k];
+      swept.xyz[(size_t)k * 2 * n + n + i] = a1.xyz[(size_t)k * n + i] + c.shift()[k];
+    }
+  swept.center = 0.5 * (a0.center + c.from + a1.center + c.shift());
+  swept.box = {};
+  for (Vec3 p : {a0.box.lo + c.from, a0.box.hi + c.from, a1.box.lo + c.shift(), a1.box.hi + c.shift()})
+    swept.box.add(p);
+  const double margin = bulge(c.shape, start, end, {}) + a0.hull->radius + world_.settings.clearance;
+  return world_.statics[c.other_static].tree->distance(swept, margin) >= margin;
+}
+
+double GapCheck::excess(Poses& start, Poses& end, ContactCandidate& c) const {
+  const PosedShape& a1 = world_.place(end, c.shape);
+  c.forgiven = false;
+  double gap;
+  if (c.other_static >= 0) {
+    gap = a1.lowest(c.n) + dot(c.n, c.shift()) - c.offset;
+    const bool half_space = world_.statics[c.other_static].kind == Static::Kind::HalfSpace;
+    if (half_space || gap >= c.target) return gap - c.target;
+  } else {
+    const PosedShape& b1 = world_.place(end, c.other_shape);
+    PosedShape moved;
+    if (c.inside >= 0) moved = displaced(a1, c.shift());
+    const PosedShape& a = c.inside >= 0 ? moved : a1;
+    gap = separate_along(a, b1, c.n).dist;
+    if (gap >= c.target || c.dist < 0) return gap - c.target;
+    Hint hint = c.hint;
+    Separation s = separate(a, b1, 1e300, false, c.n, &hint);
+    if (s.dist > 0 && dot(s.n, c.n) > kSameSide) return s.dist - c.target;
+  }
+  if (swept_clear(c, start, end)) {
+    c.forgiven = true;
+    return kForgiven;
+  }
+  return gap - c.target;
+}
+
+}  // namespace hp

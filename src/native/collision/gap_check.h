@@ -1,0 +1,44 @@
+// Does the end pose keep the gap that a candidate demands, and where not, is anything in the way?
+//
+// The gap at the end is measured along the candidate's plane; of two shapes whose nearest features have
+// stayed the same, it is their true distance at the end, because the plane turns as they do. A plane
+// that is crossed is *forgiven* if nothing behind it is met: if the swept hull (the hull of the shape's
+// start and end vertices, seen from the other) is disjoint from the other by the clearance and by the
+// bulge. The bulge is how far the arcs of turning points stray out of the swept hull: a point at r that
+// turns by an angle on an arc strays from the chord by at most r angle^2 / 8 (sagitta). There are no
+// ghost contacts at edges that a shape passes by.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "collision/collision_world.h"
+
+namespace hp {
+
+class GapCheck {
+ public:
+  explicit GapCheck(const CollisionWorld& world) : world_(world) {}
+
+  // Smallest gap of a candidate at the end pose minus its target [m]; kForgiven, and c.forgiven is set,
+  // where the plane is crossed but nothing is behind it.
+  double excess(Poses& start, Poses& end, ContactCandidate& c) const;
+  static constexpr double kForgiven = 1e300;
+  // Is the swept hull clear of the candidate's whole mesh? Then no plane of it that may be crossed
+  // hides anything. Computed once per pair and end pose.
+  bool mesh_clear(const ContactCandidate& c, Poses& start, Poses& end);
+
+ private:
+  double bulge(int shape, const Poses& start, const Poses& end, const Mat3& back) const;
+  bool swept_clear(const ContactCandidate& c, Poses& start, Poses& end) const;
+  bool swept_mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) const;
+
+  const CollisionWorld& world_;
+  struct MeshAnswer {
+    int shape, other_static;
+    bool clear;
+  };
+  std::vector<MeshAnswer> answers_;
+  uint64_t answers_stamp_ = 0;  // of the end pose that they hold for
+};
+
+}  // namespace hp

@@ -25,11 +25,11 @@ from halfphysics.sweep.plan.inputs import Inputs
 from halfphysics.sweep.plan.plan import Outputs, Plan, resolve_inputs
 from halfphysics.sweep.plan.values import spec
 from halfphysics.sweep.plan.variants import Variants
-from halfphysics.sweep.report.data_card import DataCard
 from halfphysics.sweep.run.driver import Report, run
 from halfphysics.sweep.run.local import LocalEngine
 from halfphysics.sweep.run.progress import Progress
 from halfphysics.sweep.run.work import Done, Task, do
+from halfphysics.sweep.store.data_card import DataCard
 from halfphysics.sweep.store.store import Store
 
 if TYPE_CHECKING:

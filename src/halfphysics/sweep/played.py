@@ -23,11 +23,11 @@ from halfphysics.base.workers import Death
 from halfphysics.errors import InputError
 from halfphysics.sweep.make.card import CHECKS
 from halfphysics.sweep.make.making import failure
-from halfphysics.sweep.report.data_card import SPREADS, SUMMED, counted
+from halfphysics.sweep.make.provenance import versions
+from halfphysics.sweep.plan.layout import INPUTS, Layout
 from halfphysics.sweep.run.work import Done, Task
+from halfphysics.sweep.store.data_card import SPREADS, SUMMED, counted
 from halfphysics.sweep.store.fragments import Fragments
-from halfphysics.sweep.store.layout import INPUTS, Layout
-from halfphysics.sweep.store.provenance import versions
 from halfphysics.sweep.store.sources import Sources
 from halfphysics.sweep.store.store import Store
 

@@ -12,7 +12,7 @@ import numpy as np
 from halfphysics.base.npz_bytes import npz_bytes
 from halfphysics.sweep.make.card import CHECKS
 from halfphysics.sweep.plan.plan import Plan
-from halfphysics.sweep.report.data_card import SPREADS, SUMMED, DataCard
+from halfphysics.sweep.store.data_card import SPREADS, SUMMED, DataCard
 from halfphysics.sweep.store.store import Store
 
 FRAMES = 30

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from halfphysics.base.json_files import text_of
 from halfphysics.labels import events
 from halfphysics.motion.motion import Motion
 from halfphysics.results.inside import Inside
@@ -18,11 +19,10 @@ from halfphysics.results.result import ObjectTrack
 from halfphysics.settings import Settings
 from halfphysics.sweep.make.card import Checks, card_of, checks
 from halfphysics.sweep.make.making import Maker
+from halfphysics.sweep.make.provenance import versions
 from halfphysics.sweep.make.vary import Ready
 from halfphysics.sweep.plan.plan import OF_RESULT, Inputs, Plan
 from halfphysics.sweep.plan.variants import Variants
-from halfphysics.sweep.store.documents import text_of
-from halfphysics.sweep.store.provenance import versions
 from support.paths import DOCS
 from support.results.handled import Handled
 

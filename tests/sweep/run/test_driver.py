@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from halfphysics.sweep.plan.layout import Layout
 from halfphysics.sweep.run.driver import AHEAD, RATE, TARGET, Driver, SweepError
 from halfphysics.sweep.run.engines import Death
 from halfphysics.sweep.run.work import Done
-from halfphysics.sweep.store.layout import Layout
 
 
 class Outputs:

@@ -145,9 +145,11 @@ def test_what_a_process_needs_to_begin_is_not_the_tasks(tmp_path, monkeypatch):
         return before(self, number, limit)
 
     monkeypatch.setattr(making.Maker, "sample", sample)
-    assert do(str(tmp_path / "out"), Task("batches", 0, 0, 2)).seconds < 1.0
+    first = do(str(tmp_path / "out"), Task("batches", 0, 0, 2)).seconds
     naps.append(1.0)
-    assert do(str(tmp_path / "out"), Task("batches", 0, 2, 2)).seconds > 1.0
+    later = do(str(tmp_path / "out"), Task("batches", 0, 2, 2)).seconds
+    assert later > 1.0
+    assert first < later - 0.5  # both grow alike where the machine is busy
 
 
 def test_to_try_a_variant_leaves_nothing(tmp_path):

@@ -16,7 +16,7 @@ import pytest
 
 import halfphysics.sweep
 from halfphysics.errors import FileError, InputError
-from halfphysics.sweep.report.data_card import DataCard
+from halfphysics.sweep.store.data_card import DataCard
 from halfphysics.sweep.store.reading import read
 from support.paths import ROOT
 from support.sweeps.sweep_shards import arrays_of, plan_of, run, sample, write_tar

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.sweep.store.provenance import versions
+from halfphysics.sweep.make.provenance import versions
 
 if TYPE_CHECKING:
     from halfphysics.labels.events import Events

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.base.json_files import text_of
 from halfphysics.base.npz_bytes import npz_bytes
 from halfphysics.motion.skeleton import SMPLH_JOINTS
-from halfphysics.sweep.store.documents import text_of
 
 if TYPE_CHECKING:
     from halfphysics.results.result import PersonResult, Result

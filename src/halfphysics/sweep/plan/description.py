@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from halfphysics.sweep.plan.choices import OWN
+from halfphysics.sweep.plan.layout import Layout
 from halfphysics.sweep.plan.plan import Plan
 from halfphysics.sweep.plan.values import (
     Choice,
@@ -15,7 +16,6 @@ from halfphysics.sweep.plan.values import (
     Value,
 )
 from halfphysics.sweep.plan.variants import Variants, first_inputs
-from halfphysics.sweep.store.layout import Layout
 
 #: Variants from which the share that `keep` lets through is estimated.
 SAMPLE = 1000

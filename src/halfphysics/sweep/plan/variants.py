@@ -17,9 +17,9 @@ from halfphysics.errors import InputError
 from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
 from halfphysics.sweep.plan.draws import Stream
 from halfphysics.sweep.plan.inputs import Input, read_line
+from halfphysics.sweep.plan.layout import DIGITS, key_of
 from halfphysics.sweep.plan.plan import Plan
 from halfphysics.sweep.plan.values import Value
-from halfphysics.sweep.store.layout import DIGITS, key_of
 
 #: How many variants a sweep may have: keys in shards sort as numbers do.
 MOST = 10**DIGITS

@@ -13,10 +13,10 @@ from pathlib import Path
 from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import FileError, InputError
 from halfphysics.sweep.make.making import Maker, Sample
+from halfphysics.sweep.make.provenance import changed
+from halfphysics.sweep.plan.layout import INPUTS, PLAN, key_of
 from halfphysics.sweep.store.contents import DAMAGE
-from halfphysics.sweep.store.layout import INPUTS, PLAN, key_of
 from halfphysics.sweep.store.pieces import Piece, ranges_made
-from halfphysics.sweep.store.provenance import changed
 from halfphysics.sweep.store.sources import Sources
 
 #: So many variants are looked at for each one asked for, where filters leave most of them out.

@@ -18,7 +18,7 @@ from halfphysics.sweep.run.engines import Death, Engine
 from halfphysics.sweep.run.work import Done, Task
 
 if TYPE_CHECKING:
-    from halfphysics.sweep.store.layout import Layout
+    from halfphysics.sweep.plan.layout import Layout
     from halfphysics.sweep.store.store import Store
 
 AHEAD = 2  # so many tasks for each slot are handed over

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from halfphysics.errors import HalfPhysicsError
-from halfphysics.sweep.store.layout import INPUTS, PLAN, key_of
+from halfphysics.sweep.plan.layout import INPUTS, PLAN, key_of
 
 if TYPE_CHECKING:
     from halfphysics.sweep.make.making import Maker
@@ -126,7 +126,7 @@ def _batch(
     """Make a batch of a task; its samples are written as they come. `took`: adds seconds of each
     variant."""
     from halfphysics.sweep.make.making import Sample
-    from halfphysics.sweep.report.data_card import DataCard
+    from halfphysics.sweep.store.data_card import DataCard
 
     card, dead = DataCard(), dict(task.dead)
     record: dict[str, Any] = {"skipped": 0, "failures": [], "inputs": {}}

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from halfphysics.base import json_files
 from halfphysics.errors import InputError
-from halfphysics.sweep.store import documents
-from halfphysics.sweep.store.layout import Layout
-from halfphysics.sweep.store.provenance import changed, versions
+from halfphysics.sweep.make.provenance import changed, versions
+from halfphysics.sweep.plan.layout import Layout
 
 #: In the folder of a sweep.
 NAME = "program.json"
@@ -32,7 +32,7 @@ def check_code(layout: Layout, code: str, identity: str, *, remake: bool) -> Non
     """
     path = layout.folder / NAME
     here = {**versions(), "program": code}
-    there = documents.read(path)
+    there = json_files.read(path)
     if there == here:
         return
     if not remake and _made_by_another(layout, identity):
@@ -41,7 +41,7 @@ def check_code(layout: Layout, code: str, identity: str, *, remake: bool) -> Non
             f"{_words(there, code)}. Use that one, give another folder (--out), or have "
             "everything made again (--remake)"
         )
-    documents.write(path, here)
+    json_files.write(path, here)
 
 
 def check_same(layout: Layout, code: str) -> None:
@@ -50,7 +50,7 @@ def check_same(layout: Layout, code: str) -> None:
     Raises:
         InputError: It does not.
     """
-    there = documents.read(layout.folder / NAME)
+    there = json_files.read(layout.folder / NAME)
     if there is not None and there.get("program") != code:
         raise InputError(
             f"{layout.folder}: a worker has another program than the sweep was started with: "
@@ -69,6 +69,6 @@ def _made_by_another(layout: Layout, identity: str) -> bool:
     for folder, pattern in ((layout.shard_folder, "*/*.json"), (layout.work, "0*/*.json")):
         first = next(folder.glob(pattern), None)
         if first is not None:
-            record = documents.read(first)
+            record = json_files.read(first)
             return record is not None and record.get("of") != identity
     return False

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from itertools import zip_longest
 from pathlib import Path
 
+from halfphysics.base import json_files
+from halfphysics.base.json_files import reported
 from halfphysics.errors import InputError
-from halfphysics.sweep.store import documents
-from halfphysics.sweep.store.documents import reported
 
 _SHOWN = 3
 
@@ -25,7 +25,7 @@ def check_inputs(path: Path, lines: Sequence[str]) -> None:
         FileError: The file cannot be read or written.
     """
     if not path.exists():
-        with documents.replacing(path) as handle:
+        with json_files.replacing(path) as handle:
             for line in lines:
                 handle.write(f"{line}\n".encode())
         return

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from halfphysics.errors import FileError, InputError
+from halfphysics.sweep.plan.layout import PLAN
 from halfphysics.sweep.plan.plan import Plan
-from halfphysics.sweep.store.layout import PLAN
 
 
 def check_plan(folder: Path, plan: Plan) -> Plan | None:

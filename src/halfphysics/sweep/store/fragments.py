@@ -11,10 +11,11 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
+from halfphysics.base import json_files
+from halfphysics.base.json_files import reported
 from halfphysics.errors import InputError
-from halfphysics.sweep.store import documents, tar
-from halfphysics.sweep.store.documents import reported
-from halfphysics.sweep.store.layout import Layout, key_of
+from halfphysics.sweep.plan.layout import Layout, key_of
+from halfphysics.sweep.store import tar
 from halfphysics.sweep.store.sources import Sources
 
 #: A sample: its key, and its files by name.
@@ -44,7 +45,7 @@ class Fragments:
         digest, size, count, last = hashlib.sha256(), 0, 0, ""
         # A record must not vouch for another fragment than the one it was written for.
         self.forget(batch)
-        with documents.replacing(path) as handle:
+        with json_files.replacing(path) as handle:
             for key, files in samples:
                 if key <= last or key not in keys:
                     raise InputError(
@@ -68,12 +69,12 @@ class Fragments:
             "bytes": size,
             "sha256": digest.hexdigest(),
         }
-        documents.write(self._layout.fragment_record(batch), whole)
+        json_files.write(self._layout.fragment_record(batch), whole)
         return whole
 
     def read(self, batch: int) -> dict[str, Any] | None:
         """The record of a fragment that is there, else None."""
-        record = documents.read(self._layout.fragment_record(batch))
+        record = json_files.read(self._layout.fragment_record(batch))
         if record is None or record.get("of") != self._identity or record.get("batch") != batch:
             return None
         try:

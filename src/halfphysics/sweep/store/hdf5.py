@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.json_files import text_of
 from halfphysics.base.npz_bytes import packs
 from halfphysics.errors import FileError, MissingDependencyError
-from halfphysics.sweep.store.documents import text_of
 
 if TYPE_CHECKING:
     import h5py

@@ -7,8 +7,8 @@ import os
 import socket
 from pathlib import Path
 
+from halfphysics.base.json_files import reported
 from halfphysics.errors import InputError
-from halfphysics.sweep.store.documents import reported
 
 try:
     import fcntl

@@ -10,12 +10,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from halfphysics.base import json_files
 from halfphysics.base.digests import sha256_of
 from halfphysics.errors import FileError
-from halfphysics.sweep.store import documents, sealing
+from halfphysics.sweep.plan.layout import Layout, key_of
+from halfphysics.sweep.store import sealing
 from halfphysics.sweep.store.comparing import contents_differ, files_differ
 from halfphysics.sweep.store.contents import contents
-from halfphysics.sweep.store.layout import Layout, key_of
 
 #: Files of a shard from which samples are read, the better first.
 _SUFFIXES = (".tar", ".h5")
@@ -55,7 +56,7 @@ class Piece:
         batch = numbers[0] // layout.batch
         shard = layout.shard_of(batch)
         path = layout.shard_file(shard, ".json")
-        record = documents.read(path)
+        record = json_files.read(path)
         if record is not None and sealing.whole(record):
             known = record["files"]
             files = {
@@ -64,7 +65,7 @@ class Piece:
                 if suffix in known
             }
             return cls(record, files)
-        record = documents.read(layout.fragment_record(batch))
+        record = json_files.read(layout.fragment_record(batch))
         if record is None:
             raise FileError(
                 f"{path}: cannot be read, expected the record of a shard. Run the sweep again in "

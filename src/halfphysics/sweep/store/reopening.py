@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from halfphysics.base.digests import sha256_of
+from halfphysics.base.json_files import reported
 from halfphysics.errors import FileError
+from halfphysics.sweep.plan.layout import Layout
 from halfphysics.sweep.store import tar
 from halfphysics.sweep.store.contents import DAMAGE
-from halfphysics.sweep.store.documents import reported
 from halfphysics.sweep.store.fragments import Fragments
-from halfphysics.sweep.store.layout import Layout
 
 Files = dict[str, bytes]
 
@@ -50,7 +50,7 @@ def _record(
     layout: Layout, batch: int, samples: list[tuple[str, Files]], shard: Mapping[str, Any]
 ) -> dict[str, Any]:
     """What a worker said of a batch without failures, from its samples."""
-    from halfphysics.sweep.report.data_card import DataCard
+    from halfphysics.sweep.store.data_card import DataCard
 
     card = DataCard()
     skipped = len(layout.variants_of(batch)) - len(samples)

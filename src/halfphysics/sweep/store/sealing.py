@@ -12,13 +12,14 @@ from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from typing import Any
 
+from halfphysics.base import json_files
 from halfphysics.base.atomic import atomic_path
 from halfphysics.base.digests import sha256_of
+from halfphysics.base.json_files import reported
 from halfphysics.errors import FileError, InputError
-from halfphysics.sweep.store import documents, tar
-from halfphysics.sweep.store.documents import reported
+from halfphysics.sweep.plan.layout import Layout
+from halfphysics.sweep.store import tar
 from halfphysics.sweep.store.fragments import Fragments
-from halfphysics.sweep.store.layout import Layout
 
 _PIECE = 1 << 20
 #: The files that a plan can ask for: name of the format -> suffix.
@@ -49,8 +50,8 @@ def seal(
         "inputs": inputs,
         "files": files,
     }
-    documents.write(layout.stats(shard), stats)
-    documents.write(layout.shard_file(shard, ".json"), document, lasting=True)
+    json_files.write(layout.stats(shard), stats)
+    json_files.write(layout.shard_file(shard, ".json"), document, lasting=True)
 
 
 def _record(layout: Layout, fragments: Fragments, batch: int) -> dict[str, Any]:
@@ -162,7 +163,7 @@ def _inputs(
 
 def _merged(records: list[dict[str, Any]]) -> dict[str, Any]:
     """What the fragments' records say together."""
-    from halfphysics.sweep.report.data_card import DataCard
+    from halfphysics.sweep.store.data_card import DataCard
 
     card = DataCard()
     for record in records:

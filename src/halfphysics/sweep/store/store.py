@@ -13,16 +13,16 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from halfphysics.base import json_files
 from halfphysics.base.code_hash import code_hash
+from halfphysics.base.json_files import reported
 from halfphysics.errors import FileError, InputError
-from halfphysics.sweep.report import manifest
-from halfphysics.sweep.store import documents, hdf5, reopening, sealing
-from halfphysics.sweep.store.documents import reported
+from halfphysics.sweep.plan.layout import INPUTS, PLAN, Layout
+from halfphysics.sweep.store import hdf5, manifest, reopening, sealing
 from halfphysics.sweep.store.fixed_code import check_code, check_same
 from halfphysics.sweep.store.fixed_inputs import check_inputs
 from halfphysics.sweep.store.fixed_plan import check_plan
 from halfphysics.sweep.store.fragments import Fragments, Sample
-from halfphysics.sweep.store.layout import INPUTS, PLAN, Layout
 from halfphysics.sweep.store.locking import Lock
 from halfphysics.sweep.store.sources import Sources
 
@@ -179,7 +179,7 @@ class Store:
 
     def record(self, shard: int) -> dict[str, Any] | None:
         """The record of a shard that was sealed for this plan by this program, else None."""
-        record = documents.read(self.layout.shard_file(shard, ".json"))
+        record = json_files.read(self.layout.shard_file(shard, ".json"))
         if record is None or record.get("of") != self.identity or record.get("shard") != shard:
             return None
         return record if sealing.whole(record) else None
@@ -196,7 +196,7 @@ class Store:
         return self._sources.changed(record["inputs"], self._stats(shard)) is None
 
     def _stats(self, shard: int) -> dict[str, Any]:
-        return documents.read(self.layout.stats(shard)) or {}
+        return json_files.read(self.layout.stats(shard)) or {}
 
     def left(self, shard: int) -> list[int]:
         """The batches of a shard that have to be made, in order.

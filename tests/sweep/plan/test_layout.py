@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from halfphysics.sweep.store.layout import Layout, key_of
+from halfphysics.sweep.plan.layout import Layout, key_of
 
 
 def test_a_shard_is_whole_batches():

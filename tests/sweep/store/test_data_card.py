@@ -11,7 +11,7 @@ import pytest
 from halfphysics.errors import InputError
 from halfphysics.sweep.make.card import CHECKS
 from halfphysics.sweep.plan.plan import Inputs, Plan
-from halfphysics.sweep.report.data_card import SPREADS, SUMMED, VALUES, DataCard, counted
+from halfphysics.sweep.store.data_card import SPREADS, SUMMED, VALUES, DataCard, counted
 
 VERSIONS = {"halfphysics": "0.1.0", "program": "ab" * 32, "mujoco": "3.3.0", "coacd": None}
 

@@ -6,7 +6,7 @@ import json
 import time
 import tracemalloc
 
-from halfphysics.sweep.store import documents
+from halfphysics.base import json_files
 from halfphysics.sweep.store.store import Store
 from support.sweeps.sweep_shards import make_batch, plan_of
 
@@ -32,7 +32,7 @@ def test_manifest_of_many_shards(tmp_path):
             record = store.record(0)
             for shard in range(1, shards):
                 path = store.layout.shard_file(shard, ".json")
-                documents.write(path, record | {"shard": shard, "first": 2 * shard})
+                json_files.write(path, record | {"shard": shard, "first": 2 * shard})
             start = time.process_time()
             assert store.finish()["shards"] == shards
             took = time.process_time() - start

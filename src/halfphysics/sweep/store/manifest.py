@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from halfphysics.sweep.store import documents
-from halfphysics.sweep.store.layout import Layout
+from halfphysics.base import json_files
+from halfphysics.sweep.plan.layout import Layout
 
 if TYPE_CHECKING:
     from halfphysics.sweep.plan.plan import Plan
@@ -21,14 +21,14 @@ def write(plan: Plan, layout: Layout, records: Iterable[Mapping[str, Any]]) -> d
     Returns:
         Numbers of "shards", "samples", "skipped" and "failures".
     """
-    from halfphysics.sweep.report.data_card import DataCard
+    from halfphysics.sweep.store.data_card import DataCard
 
     card = DataCard(plan)
     folder = layout.folder
     totals = {"shards": 0, "samples": 0, "skipped": 0, "failures": 0}
     with (
-        documents.replacing(folder / "manifest.jsonl") as lines,
-        documents.replacing(folder / "failures.jsonl") as failures,
+        json_files.replacing(folder / "manifest.jsonl") as lines,
+        json_files.replacing(folder / "failures.jsonl") as failures,
     ):
         for record in records:
             card.add(record)
@@ -36,11 +36,11 @@ def write(plan: Plan, layout: Layout, records: Iterable[Mapping[str, Any]]) -> d
             totals["samples"] += record["samples"]
             totals["skipped"] += record["skipped"]
             totals["failures"] += len(record["failures"])
-            lines.write(documents.text_of(_line(layout, record)).encode() + b"\n")
+            lines.write(json_files.text_of(_line(layout, record)).encode() + b"\n")
             for failure in record["failures"]:
-                failures.write(documents.text_of(failure).encode() + b"\n")
-    documents.write(folder / "card.json", card.document())
-    with documents.replacing(folder / "card.md") as handle:
+                failures.write(json_files.text_of(failure).encode() + b"\n")
+    json_files.write(folder / "card.json", card.document())
+    with json_files.replacing(folder / "card.md") as handle:
         handle.write(card.markdown().encode())
     return totals
 

@@ -9,7 +9,7 @@ import numpy
 
 import halfphysics
 from halfphysics.base.code_hash import code_hash, engines
-from halfphysics.sweep.store.provenance import changed, versions
+from halfphysics.sweep.make.provenance import changed, versions
 
 
 def test_versions_are_those_in_use():

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from halfphysics.errors import InputError
 from halfphysics.sweep.make.card import CHECKS
-from halfphysics.sweep.report.counting import Bins, Counts, Spread, Table
+from halfphysics.sweep.store.counting import Bins, Counts, Spread, Table
 
 if TYPE_CHECKING:
     from halfphysics.sweep.plan.plan import Plan

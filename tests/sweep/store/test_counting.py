@@ -11,7 +11,7 @@ from fractions import Fraction
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from halfphysics.sweep.report.counting import FINEST, Bins, Spread, Table
+from halfphysics.sweep.store.counting import FINEST, Bins, Spread, Table
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**9), 10**9)
 LISTS = st.lists(NUMBERS, max_size=60)

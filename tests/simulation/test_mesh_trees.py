@@ -9,7 +9,8 @@ import pytest
 
 from halfphysics import _native
 from halfphysics.body.body import Body
-from halfphysics.geometry.colliders import hull_collider, part_collider
+from halfphysics.body.rigid_parts import part_collider
+from halfphysics.geometry.colliders import hull_collider
 from halfphysics.geometry.shapes import Box
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings

@@ -9,6 +9,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import dataclass
 from typing import Any, Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from halfphysics.body.mass import solid_parts
 from halfphysics.body.part_hull import PartHull, part_hull
 from halfphysics.errors import HalfPhysicsWarning, InputError
+from halfphysics.geometry.colliders import ConvexCollider, hull_collider
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
 
 Array = NDArray[np.float64]
@@ -196,3 +198,15 @@ def _fixed(array: NDArray[Any]) -> NDArray[Any]:
     array = np.ascontiguousarray(array)
     array.setflags(write=False)
     return array
+
+
+#: Colliders of rigid parts, for as long as their bodies are there.
+_colliders: WeakKeyDictionary[Part, ConvexCollider] = WeakKeyDictionary()
+
+
+def part_collider(part: Part) -> ConvexCollider:
+    """Collider of a rigid part that has vertices; computed once per part."""
+    collider = _colliders.get(part)
+    if collider is None:
+        collider = _colliders[part] = hull_collider(part.vertices)
+    return collider

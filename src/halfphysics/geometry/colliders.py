@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.errors import InputError
 
 if TYPE_CHECKING:
-    from halfphysics.body.rigid_parts import Part
     from halfphysics.geometry.shapes import Shape
 
 Array = NDArray[np.float64]
@@ -62,18 +60,6 @@ def hull_collider(points: ArrayLike) -> ConvexCollider:
     normals = np.unique(np.round(hull.equations[:, :3], 6), axis=0)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return ConvexCollider(vertices=points[np.sort(hull.vertices)], normals=normals)
-
-
-#: Colliders of rigid parts, for as long as their bodies are there.
-_parts: WeakKeyDictionary[Part, ConvexCollider] = WeakKeyDictionary()
-
-
-def part_collider(part: Part) -> ConvexCollider:
-    """Collider of a rigid part that has vertices; worked out once."""
-    collider = _parts.get(part)
-    if collider is None:
-        collider = _parts[part] = hull_collider(part.vertices)
-    return collider
 
 
 def convex_collider(shape: Shape) -> ConvexCollider:

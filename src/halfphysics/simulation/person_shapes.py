@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics.geometry.colliders import part_collider
+from halfphysics.body.rigid_parts import part_collider
 from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
 
 if TYPE_CHECKING:

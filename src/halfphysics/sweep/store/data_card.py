@@ -201,7 +201,7 @@ class DataCard:
 
     def markdown(self) -> str:
         """The card as a page that a person reads."""
-        from halfphysics.sweep.report.card_page import page
+        from halfphysics.sweep.store.card_page import page
 
         return page(self.document())
 

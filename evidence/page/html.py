@@ -9,7 +9,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from evidence.page import svg
+from evidence.page import charts
 from evidence.page.wording import (
     MISSING,
     number,
@@ -313,24 +313,24 @@ def _command(command: object) -> str:
 
 
 def _plot(plot: Mapping[str, Any]) -> str:
-    if svg.is_empty(plot):
+    if charts.is_empty(plot):
         return (
             f'<figure class="plot"><figcaption><b>{_e(plot["title"])}</b></figcaption>'
             '<p class="note">There is nothing to draw: no value came out.</p></figure>'
         )
-    kind = svg.kind_of(plot)
+    kind = charts.kind_of(plot)
     legend = "".join(
-        f"<li>{svg.swatch(k, kind)}{_e(series['name'])}</li>"
+        f"<li>{charts.swatch(k, kind)}{_e(series['name'])}</li>"
         for k, series in enumerate(plot["series"])
         if plain(series["name"])
     )
-    said = "; ".join(svg.scales(plot))
+    said = "; ".join(charts.scales(plot))
     note = f'<span class="scale">{said[:1].upper()}{said[1:]}.</span>' if said else ""
     return (
         f'<figure class="plot"><figcaption><b>{_e(plot["title"])}</b>{note}</figcaption>'
         + (f'<ul class="series">{legend}</ul>' if legend else "")
-        + f'<div class="wide">{svg.draw(plot, svg.WIDE)}</div>'
-        f'<div class="narrow">{svg.draw(plot, svg.NARROW)}</div></figure>'
+        + f'<div class="wide">{charts.draw(plot, charts.WIDE)}</div>'
+        f'<div class="narrow">{charts.draw(plot, charts.NARROW)}</div></figure>'
     )
 
 

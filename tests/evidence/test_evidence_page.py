@@ -195,7 +195,7 @@ LAYOUT = """(async () => {
   const seen = e => e.getClientRects().length > 0;
   const box = e => e.getBoundingClientRect();
   const wrong = [];
-  for (const svg of document.querySelectorAll("svg[viewBox]")) {
+  for (const svg of document.querySelectorAll("svg[role=img]")) {
     if (!seen(svg)) continue;
     const all = box(svg), texts = [...svg.querySelectorAll("text")];
     for (const [k, t] of texts.entries()) {
@@ -221,7 +221,7 @@ LAYOUT = """(async () => {
   return {
     wide: document.scrollingElement.scrollWidth, smallest, texts, wrong,
     images: [...document.images].every(i => i.complete && i.naturalWidth > 0),
-    plots: [...document.querySelectorAll("svg[viewBox]")].filter(seen).length,
+    plots: [...document.querySelectorAll("svg[role=img]")].filter(seen).length,
     clipped: [...document.querySelectorAll("td, th, li, figcaption, p, h1, h2, h3, dd")]
       .filter(e => seen(e) && !e.closest(".unseen, thead") && getComputedStyle(e).clipPath == "none"
               && e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0)

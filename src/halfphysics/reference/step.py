@@ -1,6 +1,6 @@
 """The substep in plain numpy: slow, obvious, and held equal to the native core by the tests.
 
-Reads beside docs/method.md. Quantities have the names of the equations: M inertia matrix, J
+Reads beside docs/physics.md. Quantities have the names of the equations: M inertia matrix, J
 contact Jacobian, h substep, v* velocity without contact, p contact impulses. Which points are in
 contact is not decided here: the reference takes the contact points that the core found.
 """

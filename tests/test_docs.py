@@ -1,0 +1,63 @@
+"""What the documents and the comments refer to exists."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+#: A source or a document in backquotes, with as much of its path as tells it apart.
+FILE = re.compile(r"`([\w./-]+\.(?:py|cpp|h|md))`")
+#: A document named in a comment, or a link from one document to another.
+DOCUMENT = re.compile(r"\bdocs/[\w-]+\.md\b")
+#: Names of files that a reader writes, not files of the repository.
+EXAMPLES = {"NAME.py", "my_format.py", "card.md"}
+
+
+def tracked() -> list[str]:
+    """The files of the repository; without git (an unpacked sdist) there is nothing to compare."""
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if listed.returncode:
+        pytest.skip("not a git checkout")
+    return [line for line in listed.stdout.splitlines() if (ROOT / line).is_file()]
+
+
+def documents() -> list[str]:
+    return ["README.md", "CONTRIBUTING.md", *(f"docs/{p.name}" for p in ROOT.glob("docs/*.md"))]
+
+
+@pytest.mark.parametrize("document", documents())
+def test_files_that_a_document_names_exist(document):
+    files = tracked()
+    text = (ROOT / document).read_text(encoding="utf-8")
+    named = set(FILE.findall(text)) - EXAMPLES
+    missing = [
+        name
+        for name in sorted(named)
+        if Path(name).name not in EXAMPLES
+        and not any(file == name or file.endswith(f"/{name}") for file in files)
+    ]
+    assert not missing, f"{document} names files that do not exist"
+
+
+def test_documents_that_a_source_names_exist():
+    missing = {}
+    for file in tracked():
+        if not file.endswith((".py", ".cpp", ".h", ".md", ".toml", ".sh")):
+            continue
+        if file == "CHANGELOG.md":  # names what there was at the time
+            continue
+        text = (ROOT / file).read_text(encoding="utf-8")
+        gone = {name for name in DOCUMENT.findall(text) if not (ROOT / name).is_file()}
+        if gone:
+            missing[file] = sorted(gone)
+    assert not missing

@@ -8,12 +8,14 @@ with those of a record.
     python tools/compare_results.py compare              # with tools/results.json; 1: something differs
     python tools/compare_results.py compare --quick      # a part of every family, in under a minute
     python tools/compare_results.py compare --only 'live/*' --only '*/self_contact'
+    python tools/compare_results.py compare --vector all # the core built for AVX2, SSE2, plain loops
     python tools/compare_results.py record               # write a new record, after results changed
     python tools/compare_results.py list
 
 What is run is the `halfphysics` that Python imports: the installed one, or the one of this checkout
-with PYTHONPATH=src and tools/build_inplace.sh. Motions and meshes are read from ../shared/data, or
-$HALFPHYSICS_TEST_DATA.
+with PYTHONPATH=src and tools/build_inplace.sh. `--vector` builds this checkout's core instead, in
+build/vector-MODE, and runs it with this checkout's Python files. Motions and meshes are read from
+../shared/data, or $HALFPHYSICS_TEST_DATA.
 
 The hashes hold for one machine's libm, numpy and mujoco: their versions stand at the head of the
 record, and where they differ that is said, and compared all the same.
@@ -49,6 +51,10 @@ Outcome = Mapping[str, Any]
 def main() -> int:
     """Do what the command line says; 0: done and nothing differs, 1: something does."""
     options = _options()
+    if options.vector:
+        from result_cases.vectors import run_in_modes
+
+        return run_in_modes(options)
     os.environ.update(ALONE)
     from result_cases import all_cases
 
@@ -77,6 +83,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--only", action="append", default=[], metavar="PATTERN",
                         help="cases of these names (*, ? and [...] match); may be repeated")  # fmt: skip
     parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--vector", choices=("avx2", "sse2", "plain", "all"),
+                        help="build this checkout's core for these instructions and run it")  # fmt: skip
     return parser.parse_args()
 
 
@@ -180,7 +188,10 @@ def record(
     file: Path, head: Mapping[str, str], names: list[str], outcomes: Mapping[str, Outcome]
 ) -> int:
     """Write a record, one line a case; those of cases that were not run stay."""
-    kept = json.loads(file.read_text())["cases"] if file.exists() else {}
+    from result_cases import all_cases
+
+    before = json.loads(file.read_text())["cases"] if file.exists() else {}
+    kept = {name: before[name] for name in all_cases() if name in before}
     kept |= {name: _line(outcomes[name]) for name in names if "error" not in outcomes[name]}
     about = {name: value for name, value in head.items() if name != "halfphysics"}
     lines = ",\n".join(f" {json.dumps(name)}: {json.dumps(kept[name])}" for name in sorted(kept))

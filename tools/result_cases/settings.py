@@ -15,6 +15,8 @@ from result_cases.scenes import body, bowling, clip, clips, moved
 
 #: One of every kind: walls, things held, joints, furniture, two people, a ball.
 VARIED = ("walk_into_wall", "push_door", "sit_on_sofa", "kick_ball", "grasp_glass", "shake_hands")
+#: Those of them that are played with all combinations of `grid`.
+GRID = ("walk_into_wall", "push_door", "sit_on_sofa")
 #: The two drives by name.
 DRIVES: Mapping[str, dict[str, Any]] = {"drive": {}, "algorithm1": {"drive_time": None}}
 #: Choices that stand alone, by name.
@@ -23,7 +25,7 @@ CHOICES: Mapping[str, dict[str, Any]] = {
     "self_contact_parts": {"self_contact": True, "contact": "parts"},
     "human": {"strength": "human"},
     "human_self": {"strength": "human", "self_contact": True},
-    "limits": {"strength": {"shoulders": 20.0, "root": 300.0, "pelvis": 100.0}},
+    "limits": {"strength": {"arms": 20.0, "root": 300.0, "pelvis": 100.0}},
     "recover": {"root": "recover", "root_speed": 0.6, "recovery_rate": 4.0},
     "by_joint": {"stiffness": {"arms": 0.2, "right_wrist": 5.0}},
     "wide": {"clearance": 0.01, "clearance_range": 0.2},
@@ -80,13 +82,15 @@ def cases() -> Iterator[Case]:
     """Scenarios as they are, then everything with every choice."""
     for name in hp.scenarios.names():
         yield Case(f"scenario/{name}", partial(scenario, name), quick=True)
-    for what, changes in (*grid(), *CHOICES.items()):
+    combined = dict(grid())
+    for what, changes in (*combined.items(), *CHOICES.items()):
         few = what in QUICK or what in ("algorithm1_0_8_skin", "drive_10_1_parts")
-        for name in VARIED:
-            alone = few and name in ("walk_into_wall", "shake_hands")
-            yield Case(f"{name}/{what}", partial(scenario, name, **changes), quick=alone)
         together = what in ("self_contact", "human", "algorithm1_0_8_skin")
+        everything = what in CHOICES or together
+        for name in VARIED if everything else GRID:
+            chosen = few if name == "walk_into_wall" else together and name == "shake_hands"
+            yield Case(f"{name}/{what}", partial(scenario, name, **changes), quick=chosen)
         yield Case(f"two_people/{what}", partial(pair, changes), quick=together)
-        for name in ("asap_kick1", "animdraw_dab"):
+        for name in ("asap_kick1", "animdraw_dab") if everything else ("asap_kick1",):
             if name in clips():
                 yield Case(f"solids/{name}/{what}", partial(solids, name, changes))

@@ -1,5 +1,6 @@
 #include "geometry/skinning.h"
 
+#include "math/simd.h"
 #include "tuning.h"
 
 #include <algorithm>
@@ -110,7 +111,7 @@ Block make_block(const SkinnedMesh& s, size_t start, size_t frames, const JointP
 }
 
 // Doubles side by side. Said outright where the compiler can: left to itself it shuffles.
-#if defined(__GNUC__)
+#if HP_VECTORS > 0 && defined(__GNUC__)
 typedef double Lanes4 __attribute__((vector_size(32), aligned(8)));
 #define HP_INLINE inline __attribute__((always_inline))
 #else
@@ -157,7 +158,7 @@ HP_INLINE void blend(const SkinnedMesh& s, const Block& b, size_t vertex, double
   std::memcpy(offset, sum, sizeof(sum));
 }
 
-#if defined(__x86_64__) && defined(__GNUC__)
+#if HP_VECTORS > 1 && defined(__x86_64__) && defined(__GNUC__)
 // The same operations, four lanes in one instruction.
 __attribute__((target("avx2"))) void blend8_avx2(const SkinnedMesh& s, const Block& b, size_t vertex,
                                                  double* offset) {
@@ -224,7 +225,7 @@ HP_INLINE void range(const SkinnedMesh& s, const Block& b, size_t from, size_t t
   }
 }
 
-#if defined(__x86_64__) && defined(__GNUC__)
+#if HP_VECTORS > 1 && defined(__x86_64__) && defined(__GNUC__)
 // The same operations, four lanes in one instruction.
 __attribute__((target("avx2"))) void range_avx2(const SkinnedMesh& s, const Block& b, size_t from,
                                                 size_t to, const double* positions, double* out) {
@@ -234,7 +235,7 @@ __attribute__((target("avx2"))) void range_avx2(const SkinnedMesh& s, const Bloc
 
 void skin_range(const SkinnedMesh& s, const Block& b, size_t from, size_t to, const double* positions,
                 double* out) {
-#if defined(__x86_64__) && defined(__GNUC__)
+#if HP_VECTORS > 1 && defined(__x86_64__) && defined(__GNUC__)
   static const bool wide = __builtin_cpu_supports("avx2");
   if (wide) return range_avx2(s, b, from, to, positions, out);
 #endif

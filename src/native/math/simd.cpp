@@ -5,7 +5,8 @@
 
 // On x86-64 Linux these functions are compiled twice, and the machine chooses when the library is
 // loaded. (Not under a sanitizer, whose own start comes too late for that.)
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__)
+#if HP_VECTORS > 1 && defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && \
+    !defined(__SANITIZE_ADDRESS__)
 #define HP_CLONES __attribute__((target_clones("avx2", "default")))
 #else
 #define HP_CLONES
@@ -13,7 +14,7 @@
 
 namespace hp {
 
-#if defined(__GNUC__)
+#if HP_VECTORS > 0 && defined(__GNUC__)
 
 namespace {
 

@@ -3,6 +3,13 @@
 // operations in the same order, none of them fused.
 #pragma once
 
+// Which instructions the core takes: 2, AVX2 where the processor has it, else those of every x86-64;
+// 1, those of every x86-64 (SSE2) alone; 0, loops over single numbers. The bits are the same, which
+// `tools/compare_results.py --vector` shows. Chosen by CMake's HALFPHYSICS_VECTORS.
+#ifndef HP_VECTORS
+#define HP_VECTORS 2
+#endif
+
 namespace hp {
 
 // Index of the largest dx x[i] + dy y[i] + dz z[i]: the first one of several.

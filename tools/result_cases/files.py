@@ -19,8 +19,13 @@ from result_cases.live import ACROSS, CABINET
 from result_cases.measured import simulated
 from result_cases.scenes import body, bowling, clip
 
-#: Formats that motions are written in.
-FORMATS = ("amass-smplx", "amass-smplh", "amass-smpl", "aist", "blender", "smpl-codec", "motionx")
+#: Format that motions are written in -> suffix of its files.
+FORMATS = {
+    **dict.fromkeys(("amass-smplx", "amass-smplh", "amass-smpl", "blender", "smpl-codec"), ".npz"),
+    "aist": ".pkl",
+    "motionx": ".npy",
+    "bvh": ".bvh",
+}
 
 
 def npz(path: Path) -> dict[str, Any]:
@@ -40,12 +45,12 @@ def results(name: str) -> dict[str, Any]:
 
 
 def motions(name: str, form: str) -> dict[str, Any]:
-    """A motion file of a format: its arrays or text, and what is read back."""
+    """A motion file of a format: its arrays or bytes, and what is read back."""
     motion = clip(name)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / ("motion.bvh" if form == "bvh" else "motion.npz")
-        motion.save(path, format=None if form == "bvh" else form, body=body())
-        written: Any = path.read_bytes() if form == "bvh" else npz(path)
+        path = Path(folder) / f"motion{FORMATS[form]}"
+        motion.save(path, format=form, body=body())
+        written: Any = npz(path) if path.suffix == ".npz" else path.read_bytes()
         return {"written": written, "read": motion_values(hp.Motion.load(path))}
 
 
@@ -111,7 +116,7 @@ def cases() -> Iterator[Case]:
     """All kinds of files."""
     for name in ("solids", "shake_hands", "push_door", "room"):
         yield Case(f"file/result/{name}", partial(results, name), name == "solids")
-    for form in (*FORMATS, "bvh"):
+    for form in FORMATS:
         for name in ("asap_kick1", "animdraw_dab"):
             quick = name == "asap_kick1" and form in ("amass-smplx", "bvh")
             yield Case(f"file/{form}/{name}", partial(motions, name, form), quick)

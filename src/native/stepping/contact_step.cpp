@@ -10,12 +10,6 @@ namespace hp {
 
 namespace tune = tuning::stepping;
 
-namespace {
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
-}  // namespace
-
 void ContactStep::run(double h) {
   Attempt& attempt = data_.attempt;
   begin(h);
@@ -100,13 +94,14 @@ bool ContactStep::check(double h, int pass) {
 bool ContactStep::settle(double h) {
   Attempt& attempt = data_.attempt;
   const double hopeless = tune::kHopelessMiss * system_.world.settings.clearance;
-  double most = attempt.work + tune::kMostAttemptWork, least = kInfinite, mark = kInfinite;
+  const double infinite = std::numeric_limits<double>::infinity();
+  double most = attempt.work + tune::kMostAttemptWork, least = infinite, mark = infinite;
   bool good = false;
   for (int pass = 1, stale = 0; !good; pass++) {
     if (pass > tune::kMostPasses || attempt.work > most || stale >= tune::kStalePasses) {
       if (least > hopeless || !give_way(system_, data_)) break;
       pass = 1, stale = 0;
-      most = attempt.work + tune::kMostAttemptWork, least = mark = kInfinite;
+      most = attempt.work + tune::kMostAttemptWork, least = mark = infinite;
     }
     solve(h);
     good = check(h, pass);

@@ -40,7 +40,7 @@ void FreePaths::find(System& system, Data& data, double dt) {
     const Drive& d = system.drives[p];
     if (system.carries(d) || !settled_[p]) continue;
     busy_[d.body(0)] = 0;
-    d.follow(1, end_qpos_.data());
+    d.motion.follow(1, end_qpos_.data());
     any = true;
   }
   if (!any) return;
@@ -71,7 +71,7 @@ void FreePaths::assume_strays(System& system, Data& data, double dt) {
     if (!busy_[system.tree((int)i)]) continue;
     if (!found) {
       state.pose.kin.update_dofs(system.model, state.qpos.data());
-      for (Drive& d : system.drives) d.velocity(state.qvel.data());
+      for (Drive& d : system.drives) d.motion.velocity(state.qvel.data());
       body_twists(system.model, state.pose.kin, state.qvel.data(), twists_);
       found = true;
     }
@@ -84,8 +84,7 @@ void FreePaths::assume_strays(System& system, Data& data, double dt) {
 
 // W, B and A of a person's bodies.
 void FreePaths::bound_speeds(const Model& m, const Drive& d) {
-  Vec3 root;
-  d.speeds(angular_, root);
+  d.motion.speeds(angular_);
   spin_.resize(m.nbody);
   turn_.resize(m.nbody);
   acceleration_.resize(m.nbody);
@@ -149,7 +148,7 @@ void FreePaths::arrive(System& system, Data& data, double* rows, int n) {
     const int first = d.first_qpos(), count = d.qpos_count();
     auto arrive = [&](double share, double* q) {
       std::copy_n(&start_qpos_[first], count, q + first);
-      d.follow(share, q);
+      d.motion.follow(share, q);
     };
     for (int k = 0; k < n && rows; k++) arrive((k + 1.0) / n, rows + (size_t)k * system.model.nq);
     arrive(1, state.qpos.data());

@@ -67,7 +67,7 @@ void Hosting::end(System& system, Data& data) {
     // As in Stepper::frame(): people whom nothing touched have arrived.
     if (!settled_[i] || data.result.disturbed[d.body(0)]) continue;
     std::copy_n(&start_qpos_[d.first_qpos()], d.qpos_count(), &state.qpos[d.first_qpos()]);
-    d.follow(1, state.qpos.data());
+    d.motion.follow(1, state.qpos.data());
     d.followed();
     state.pose_known = false;
   }

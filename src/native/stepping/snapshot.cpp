@@ -8,7 +8,7 @@
 namespace hp {
 
 void update_velocity(const System& system, State& state) {
-  for (const Drive& d : system.drives) d.velocity(state.qvel.data());
+  for (const Drive& d : system.drives) d.motion.velocity(state.qvel.data());
 }
 
 std::vector<double> Snapshot::save() {

@@ -123,10 +123,10 @@ const std::vector<double>& Stepper::qvel() {
 
 bool Stepper::torques(std::vector<double>& out) const {
   bool any = false;
-  for (const Drive& d : system.drives) any |= d.exerts();
+  for (const Drive& d : system.drives) any |= d.effort.any();
   if (!any) return false;
   for (const Drive& d : system.drives) {
-    const std::vector<double> force = d.force();
+    const std::vector<double> force = d.effort.mean_force(d.motion.frame_length());
     for (int b = 0; b < d.ball_count(); b++)
       for (int c = 0; c < 3; c++)
         out.push_back(force.empty() ? 0.0 : force[d.ball_dof(b) - d.first_dof() + c]);

@@ -176,7 +176,7 @@ void StrengthLimits::tally(System& system, Data& data, const HeldLoad& load, con
   for (size_t p = 0; p < system.drives.size(); p++) {
     Drive& d = system.drives[p];
     if (system.active(d) && exertion(system, data, load, internal, p, data.state.qvel, h))
-      d.exert(exerted_.data());
+      d.effort.add(exerted_.data() + d.first_dof());
   }
 }
 

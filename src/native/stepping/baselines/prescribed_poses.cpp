@@ -7,20 +7,6 @@ namespace hp {
 
 namespace tune = tuning::stepping;
 
-void Drive::put(double share, double* qpos) const {
-  double* q = qpos + qpos0_;
-  if (share >= 1) {
-    std::copy(target_.begin(), target_.end(), q);
-    return;
-  }
-  const Vec3 from = load3(previous_.data()), to = load3(target_.data());
-  store3(q, from + share * (to - from));
-  for (const Ball& b : balls_) {
-    const Quat begin = load4(&previous_[b.qpos]), end = load4(&target_[b.qpos]);
-    store4(q + b.qpos, normalized(begin * exp_quat(share * log_quat(conjugate(begin) * end))));
-  }
-}
-
 void PrescribedPoses::reset(System& system) {
   const int nbody = system.model.nbody;
   system.world.pace.assign(nbody, 1);
@@ -45,7 +31,7 @@ void PrescribedPoses::put_people(System& system, Data& data, double share) {
   World& world = system.world;
   State& state = data.state;
   Poses& end = data.step.end;
-  for (const Drive& d : system.drives) d.put(share, state.qpos.data());
+  for (const Drive& d : system.drives) d.motion.put(share, state.qpos.data());
   end.kin.update(system.model, state.qpos.data());
   world.start_poses(end);
   for (int b = 1; b < system.model.nbody; b++) world.active[b] = system.is_person(b);

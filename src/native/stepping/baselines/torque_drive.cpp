@@ -19,10 +19,10 @@ double DriveSettings::torque_firmness(double h) const {
 bool Drive::torque_deviation(const DriveSettings& s, double h, const double* qpos, const double* qvel,
                              double* deviation) const {
   const double wh = s.torque_frequency * h, share = wh / (wh + 2 * s.torque_damping);
-  for (size_t i = 1; i < balls_.size(); i++) {
-    const Ball& b = balls_[i];
-    const Vec3 eps = log_quat(conjugate(load4(qpos + qpos0_ + b.qpos)) * load4(&target_[b.qpos]));
-    store3(deviation + dof0_ + b.dof, share * eps - h * load3(qvel + dof0_ + b.dof));
+  for (size_t i = 1; i < (size_t)ball_count(); i++) {
+    const Ball& b = balls()[i];
+    const Vec3 eps = log_quat(conjugate(load4(qpos + first_qpos() + b.qpos)) * motion.after(b));
+    store3(deviation + first_dof() + b.dof, share * eps - h * load3(qvel + first_dof() + b.dof));
   }
   return true;
 }

@@ -32,7 +32,7 @@ class ConvexCollider:
 
     @property
     def arrays(self) -> tuple[Array, Array, float, Array]:
-        """What the core's add_mover() and add_hull() take last, in their order."""
+        """What the core's add_shape() and add_hull() take last, in their order."""
         return self.vertices, self.normals, self.radius, self.rim
 
     def moved(self, rotation: Array, position: Array) -> ConvexCollider:

@@ -113,12 +113,12 @@ def _fill(
     core: Any, model: Any, scene: Scene, settings: Settings, names: Names, places: _Places
 ) -> ShapeTable:
     """Everything that the core reads, in the order in which it has to come."""
-    core.set_model(*model_arrays(model))
-    core.set_joint_forces(*joint_arrays(model))
+    core.set_model(**model_arrays(model))
+    core.set_joint_forces(**joint_arrays(model))
     shapes = add_shapes(core, model, scene, settings, names, places.people, places.links)
     set_pairings(core, scene, settings, names)
     set_settings(core, settings, scene.gravity)
-    core.set_forced(FORCED.get(settings.mode, 0))
+    core.set_prescribed(FORCED.get(settings.mode, 0))
     for place, item in zip(places.objects, scene.objects.values(), strict=True):
         body = model.body(f"object/{item.name}").id
         if isinstance(item, Moving):

@@ -94,7 +94,7 @@ def _add_object(core: Any, model: Any, item: Object, index: int, table: ShapeTab
     body, cut = model.body(f"object/{item.name}").id, item.decomposition
     for piece in item.pieces:
         collider = convex_collider(piece).moved(np.eye(3), -np.array(item.com))
-        core.add_mover(body, index, -1, -1, *collider.arrays)
+        core.add_shape(body, index, -1, -1, *collider.arrays)
         if cut is not None:
             core.set_slack(1e-3 * cut.outside_mm)
         table.name.append(index)
@@ -108,7 +108,7 @@ def _add_links(
         body = model.body(f"articulated/{articulated.name}/{i}").id
         index = names.index(articulated.link_names[i])
         for geom in () if link.fixed else link.geoms:
-            core.add_mover(body, index, -1, -1, *geom.collider().arrays)
+            core.add_shape(body, index, -1, -1, *geom.collider().arrays)
             table.name.append(index)
             table.part.append(-1)
 

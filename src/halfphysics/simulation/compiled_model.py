@@ -91,25 +91,40 @@ def compiled_inertia(item: Object) -> tuple[Any, Any]:
     return model.body_inertia[1].copy(), model.body_iquat[1].copy()
 
 
-def joint_arrays(model: Any) -> tuple[Any, ...]:
-    """The arrays of an MjModel that the core's set_joint_forces() takes, in its order."""
-    return (
-        *map(_doubles, (model.dof_damping, model.jnt_stiffness, model.qpos_spring)),
-        np.ascontiguousarray(model.jnt_limited, dtype=np.int32),
-        _doubles(model.jnt_range).reshape(-1, 2),
-    )
+def joint_arrays(model: Any) -> dict[str, Any]:
+    """The arrays of an MjModel that the core's set_joint_forces() takes, by their names there."""
+    return {
+        "damping": _doubles(model.dof_damping),
+        "stiffness": _doubles(model.jnt_stiffness),
+        "spring": _doubles(model.qpos_spring),
+        "limited": _ints(model.jnt_limited),
+        "range": _doubles(model.jnt_range).reshape(-1, 2),
+    }
 
 
-def model_arrays(model: Any) -> tuple[Any, ...]:
-    """The arrays of an MjModel that the core's set_model() takes, in its order."""
-    return (
-        *map(_ints, (model.body_parentid, model.body_jntadr, model.body_jntnum)),
-        *map(_ints, (model.body_dofadr, model.body_dofnum)),
-        *map(_doubles, (model.body_pos, model.body_quat, model.body_ipos, model.body_iquat)),
-        *map(_doubles, (model.body_mass, model.body_inertia)),
-        *map(_ints, (model.jnt_type, model.jnt_qposadr, model.jnt_dofadr, model.jnt_bodyid)),
-        *map(_doubles, (model.jnt_pos, model.jnt_axis, model.qpos0, model.dof_armature)),
-    )
+def model_arrays(model: Any) -> dict[str, Any]:
+    """The arrays of an MjModel that the core's set_model() takes, by their names there."""
+    return {
+        "parent": _ints(model.body_parentid),
+        "jnt_first": _ints(model.body_jntadr),
+        "jnt_count": _ints(model.body_jntnum),
+        "dof_first": _ints(model.body_dofadr),
+        "dof_count": _ints(model.body_dofnum),
+        "pos": _doubles(model.body_pos),
+        "quat": _doubles(model.body_quat),
+        "ipos": _doubles(model.body_ipos),
+        "iquat": _doubles(model.body_iquat),
+        "mass": _doubles(model.body_mass),
+        "inertia": _doubles(model.body_inertia),
+        "jnt_type": _ints(model.jnt_type),
+        "jnt_qpos": _ints(model.jnt_qposadr),
+        "jnt_dof": _ints(model.jnt_dofadr),
+        "jnt_body": _ints(model.jnt_bodyid),
+        "jnt_pos": _doubles(model.jnt_pos),
+        "jnt_axis": _doubles(model.jnt_axis),
+        "qpos0": _doubles(model.qpos0),
+        "armature": _doubles(model.dof_armature),
+    }
 
 
 def _ints(x: Any) -> NDArray[np.int32]:

@@ -24,23 +24,25 @@ LEAST_CLEARANCE = 2e-5
 def set_settings(core: Any, settings: Settings, gravity: Array) -> None:
     """Give the core its settings and gravity (3,) [m/s^2]."""
     s = settings
-    core.set_settings(
-        0.0 if s.mode == "torque" else s.drive_time or 0.0,
-        s.recovery_rate,
-        s.root == "recover",
-        s.root_speed,
-        max(s.clearance, LEAST_CLEARANCE),
-        s.clearance_range,
-        s.depenetration_speed,
-        s.tolerance,
-        s.max_sweeps,
-        np.array(gravity),
+    core.set_drive(
+        time_constant=0.0 if s.mode == "torque" else s.drive_time or 0.0,
+        recovery_rate=s.recovery_rate,
+        recover_root=s.root == "recover",
+        root_speed=s.root_speed,
     )
-    core.set_ablations(
-        s.internal_forces,
-        s.joint_damping,
-        s.torque_frequency if s.mode == "torque" else 0.0,
-        s.torque_damping,
+    core.set_contact(
+        clearance=max(s.clearance, LEAST_CLEARANCE),
+        clearance_range=s.clearance_range,
+        depenetration_speed=s.depenetration_speed,
+        tolerance=s.tolerance,
+        max_sweeps=s.max_sweeps,
+        gravity=np.array(gravity),
+    )
+    core.set_baselines(
+        internal_forces=s.internal_forces,
+        joint_damping=s.joint_damping,
+        torque_frequency=s.torque_frequency if s.mode == "torque" else 0.0,
+        torque_damping=s.torque_damping,
     )
 
 

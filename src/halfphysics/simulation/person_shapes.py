@@ -49,7 +49,7 @@ def _add_parts(
             continue
         at = model.body(prefix + part.name).id
         collider = part_collider(part)
-        core.add_mover(at, row(part.index), index, part.index, *collider.arrays)
+        core.add_shape(at, row(part.index), index, part.index, *collider.arrays)
         joints.append(part.index)
     return joints
 
@@ -68,7 +68,7 @@ def _add_skin(
     hulls = body.skin_corners
     for h, part in enumerate(hulls.part):
         vertices = hulls.vertex[hulls.first[h] : hulls.first[h + 1]]
-        core.add_skin_mover(
+        core.add_skin_shape(
             skin, row(int(part)), index, int(part), np.ascontiguousarray(vertices, dtype=np.int32)
         )
     return [int(part) for part in hulls.part]

@@ -86,7 +86,7 @@ def _alone(body: Body) -> tuple[Any, Any, Person, Ints]:
     model = compile_model([body], ["person"], Scene(), {}, np.zeros(N_JOINTS))
     person = Person.of(model, "person/", "person", body)
     core = _native.Stepper()
-    core.set_model(*model_arrays(model))
+    core.set_model(**model_arrays(model))
     joint = add_person_shapes(
         core, model, body, Settings(contact="skin"), prefix="person/", index=0, row=lambda _: 0
     )

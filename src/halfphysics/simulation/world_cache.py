@@ -69,7 +69,7 @@ def _put(world: World, scene: Scene, settings: Settings, model_changed: bool) ->
     """Give the core of a world a scene and settings that it fits."""
     world.scene, world.settings = scene, settings
     if model_changed:
-        world.stepper.set_model(*model_arrays(world.model))
+        world.stepper.set_model(**model_arrays(world.model))
     set_pairings(world.stepper, scene, settings, world.called)
     set_settings(world.stepper, settings, scene.gravity)
     world.signature = signature_of(world.called, world.bodies, scene)

@@ -3,8 +3,7 @@
 #include <cstring>
 #include <string>
 
-#include "bindings/arrays.h"
-#include "stepping/stepper.h"
+#include "bindings/stepper.h"
 
 using namespace hp;
 
@@ -77,183 +76,202 @@ nb::dict contact_rows(const std::vector<Contact>& contacts) {
   return d;
 }
 
+nb::dict trace(Stepper& s) {
+  const Probe::Trace& t = s.probe.trace;
+  const size_t nv = s.system.model.nv;
+  nb::dict d;
+  d["qpos"] = array(t.qpos);
+  d["qvel"] = array(t.qvel);
+  d["v_free"] = array(t.v_free);
+  d["v"] = array(t.v);
+  d["h"] = t.h;
+  d["substep"] = t.k;
+  d["overcome"] = array({t.overcome.size() / nv, nv}, t.overcome);
+  d["contacts"] = contact_rows(t.contacts);
+  d["touched"] = array(std::vector<double>(t.touched.begin(), t.touched.end()));
+  return d;
+}
+
+// Positions (bodies, 3) and quaternions (bodies, 4).
+auto body_frames(Stepper& s, Doubles qpos) {
+  Kinematics k;
+  pose_of(s, qpos, k);
+  std::vector<double> x, q;
+  for (Vec3 p : k.xpos) push(x, p);
+  for (Quat r : k.xquat) q.insert(q.end(), {r.w, r.x, r.y, r.z});
+  const size_t n = s.system.model.nbody;
+  return nb::make_tuple(array({n, 3}, x), array({n, 4}, q));
+}
+
+auto inertia_matrix(Stepper& s, Doubles qpos) {
+  const Model& m = s.system.model;
+  const Inertia inertia = inertia_at(s, qpos);
+  const size_t n = m.nv;
+  std::vector<double> M(n * n, 0);
+  for (size_t i = 0; i < n; i++)
+    for (int a = 0; a < m.row_size[i]; a++) {
+      const int j = m.chain[m.row_start[i] + a];
+      M[i * n + j] = M[j * n + i] = inertia.M[m.row_start[i] + a];
+    }
+  return array({n, n}, M);
+}
+
+auto inertia_solve(Stepper& s, Doubles qpos, Doubles x) {
+  const Model& m = s.system.model;
+  Inertia inertia = inertia_at(s, qpos);
+  inertia.factor(m, std::vector<double>(m.nv, 1), std::vector<double>(m.nv, 0));
+  std::vector<double> y = list<double>(x);
+  inertia.solve(m, y.data());
+  return array(y);
+}
+
+// Coriolis, centrifugal and gravity forces, of whole trees.
+auto bias_forces_at(Stepper& s, Doubles qpos, Doubles qvel) {
+  const Model& m = s.system.model;
+  Kinematics k;
+  pose_of(s, qpos, k);
+  std::vector<int> bodies;
+  for (int b = 1; b < m.nbody; b++) bodies.push_back(b);
+  std::vector<double> out(m.nv);
+  bias_forces(m, k, qvel.data(), s.system.gravity, bodies, out.data());
+  return array(out);
+}
+
+auto integrated(Stepper& s, Doubles qpos, Doubles qvel, double t) {
+  std::vector<double> q = list<double>(qpos);
+  integrate(s.system.model, q.data(), qvel.data(), t);
+  return array(q);
+}
+
+// Vertices of the skin that are a shape's corners; none: it is rigid.
+auto shape_vertices(Stepper& s, int shape) {
+  const std::vector<int>& v = s.system.world.shapes.at(shape).vertex;
+  return array(std::vector<double>(v.begin(), v.end()));
+}
+
+// A shape's corners (n, 3) at a pose.
+auto shape_points(Stepper& s, Doubles qpos, int shape) {
+  Poses p;
+  pose_of(s, qpos, p);
+  const Points at = s.system.world.place(p, shape).points();
+  std::vector<double> x;
+  for (int i = 0; i < at.n; i++) push(x, at.at(i));
+  return array({(size_t)at.n, 3}, x);
+}
+
+// The Jacobian (3, nv) of one of them.
+auto shape_jacobian(Stepper& s, Doubles qpos, int shape, int corner) {
+  Poses p;
+  pose_of(s, qpos, p);
+  const Model& model = s.system.model;
+  const CollisionShape& m = s.system.world.shapes.at(shape);
+  const PosedShape& at = s.system.world.place(p, shape);
+  const Endpoint e = p.endpoint(m, at, p.material(m, at, at.points().at(corner)));
+  const size_t n = model.nv;
+  std::vector<double> J(3 * n), v(n, 0);
+  std::vector<Twist> twists;
+  for (size_t i = 0; i < n; i++) {
+    v[i] = 1;
+    body_twists(model, p.kin, v.data(), twists);
+    const Vec3 x = endpoint_velocity(model, p.kin, twists, v.data(), e);
+    for (int k = 0; k < 3; k++) J[k * n + i] = x[k];
+    v[i] = 0;
+  }
+  return array({3, n}, J);
+}
+
+// Contacts w = beta + A p on their own: impulses, sweeps and steps, what is left of it all and of the
+// normals alone [m/s].
+auto solve_contacts(Square A, Doubles beta, Doubles mu, Ints pairs, Doubles warm, double tolerance,
+                    double fine, int most) {
+  const size_t n = mu.shape(0), n3 = 3 * n;
+  need(A.shape(0) == n3 && A.shape(1) == n3 && beta.shape(0) == n3 && warm.shape(0) == n3 &&
+           pairs.shape(0) == n,
+       "solve_contacts: A (3n, 3n), beta (3n,), mu (n,), pairs (n,), warm (3n,)");
+  ContactProblem problem;
+  problem.clear((int)n);
+  for (size_t i = 0; i < n; i++) {
+    for (size_t j = 0; j <= i; j++)
+      for (size_t r = 0; r < 3; r++)
+        for (size_t c = 0; c < 3; c++) {
+          const double a = A.data()[(3 * i + r) * n3 + 3 * j + c];
+          problem.block((int)i, (int)j)[r * problem.stride() + c] = a;
+          problem.block((int)j, (int)i)[c * problem.stride() + r] = a;
+        }
+    problem.add(beta.data() + 3 * i, warm.data() + 3 * i, mu.data()[i], pairs.data()[i]);
+  }
+  SolveReport report;
+  {
+    nb::gil_scoped_release release;
+    problem.solve(tolerance, fine, most, report);
+  }
+  return nb::make_tuple(array(problem.p), report.sweeps, report.residual, report.normal);
+}
+
+// Impulses of one contact for each row of r (k, 3); `old` says where to look first.
+auto coulomb_contact(Square A, double mu, Rows3 r, Rows3 old) {
+  need(A.shape(0) == 3 && A.shape(1) == 3 && old.shape(0) == r.shape(0),
+       "coulomb_contact: A (3, 3), r and old (k, 3)");
+  Mat3 a;
+  std::memcpy(a.m, A.data(), sizeof a.m);
+  LocalContact contact;
+  contact.set(a, mu);
+  std::vector<double> out;
+  for (size_t i = 0; i < r.shape(0); i++)
+    push(out, contact.solve(load3(r.data() + 3 * i), load3(old.data() + 3 * i)));
+  return array({r.shape(0), 3}, out);
+}
+
+// Distance of two convex shapes; normals (may be empty) decide the way out of an overlap.
+auto convex_distance(Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b, Rows3 normals_b, double rb,
+                     Doubles rim_b) {
+  Convex A = convex(a, ra, rim_a, vectors(normals_a)), B = convex(b, rb, rim_b, vectors(normals_b));
+  PosedShape pa, pb;
+  pa.place(A, {}, {});
+  pb.place(B, {}, {});
+  Separation s = separate(pa, pb);
+  std::vector<double> n, x, y;
+  push(n, s.n);
+  push(x, s.pa);
+  push(y, s.pb);
+  return nb::make_tuple(s.dist, array(n), array(x), array(y));
+}
+
+// Planes (normal, offset, distance, triangle) between a convex shape and triangles.
+auto triangle_planes(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim, double reach) {
+  TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
+  Convex A = convex(hull, radius, rim);
+  PosedShape p;
+  p.place(A, {}, {});
+  std::vector<Plane> planes;
+  tree.planes(p, reach, planes);
+  std::vector<double> out;
+  for (const Plane& q : planes) {
+    push(out, q.n);
+    out.insert(out.end(), {q.offset, q.dist, (double)tree.face(q.triangle)});
+  }
+  return nb::make_tuple(array({planes.size(), 6}, out), tree.distance(p, reach));
+}
+
 }  // namespace
 
-void bind_probes(nb::module_& m, nb::class_<Stepper>& stepper) {
-  stepper
-      .def("keep_pieces", [](Stepper& s, bool on) { s.probe.keep_pieces = on; })
+void bind_probes(nb::module_& m, StepperClass& stepper) {
+  stepper.def("keep_pieces", [](Stepper& s, bool on) { s.probe.keep_pieces = on; })
       .def("keep_times", [](Stepper& s, bool on) { s.probe.keep_times = on; })
       .def("solve_times", [](Stepper& s) { return array(s.probe.solve_times); })
       .def("keep_trace", [](Stepper& s, bool on) { s.probe.keep_trace = on; })
-      .def("trace",
-           [](Stepper& s) {
-             nb::dict d;
-             d["qpos"] = array(s.probe.trace.qpos);
-             d["qvel"] = array(s.probe.trace.qvel);
-             d["v_free"] = array(s.probe.trace.v_free);
-             d["v"] = array(s.probe.trace.v);
-             d["h"] = s.probe.trace.h;
-             d["substep"] = s.probe.trace.k;
-             const size_t nv = s.system.model.nv;
-             d["overcome"] = array({s.probe.trace.overcome.size() / nv, nv}, s.probe.trace.overcome);
-             d["contacts"] = contact_rows(s.probe.trace.contacts);
-             d["touched"] = array(std::vector<double>(s.probe.trace.touched.begin(), s.probe.trace.touched.end()));
-             return d;
-           })
+      .def("trace", &trace)
       // Kinematics and inertia on their own, for tests against other engines.
-      .def("body_frames",
-           [](Stepper& s, Doubles qpos) {
-             Kinematics k;
-             pose_of(s, qpos, k);
-             std::vector<double> x, q;
-             for (Vec3 p : k.xpos) push(x, p);
-             for (Quat r : k.xquat) q.insert(q.end(), {r.w, r.x, r.y, r.z});
-             size_t n = s.system.model.nbody;
-             return nb::make_tuple(array({n, 3}, x), array({n, 4}, q));
-           })
-      .def("inertia_matrix",
-           [](Stepper& s, Doubles qpos) {
-             const Model& mod = s.system.model;
-             const Inertia inertia = inertia_at(s, qpos);
-             size_t n = mod.nv;
-             std::vector<double> M(n * n, 0);
-             for (size_t i = 0; i < n; i++)
-               for (int a = 0; a < mod.row_size[i]; a++) {
-                 int j = mod.chain[mod.row_start[i] + a];
-                 M[i * n + j] = M[j * n + i] = inertia.M[mod.row_start[i] + a];
-               }
-             return array({n, n}, M);
-           })
-      // Forces of gravity, turning axes and so on, of whole trees.
-      .def("bias_forces",
-           [](Stepper& s, Doubles qpos, Doubles qvel) {
-             const Model& mod = s.system.model;
-             Kinematics k;
-             pose_of(s, qpos, k);
-             std::vector<int> bodies;
-             for (int b = 1; b < mod.nbody; b++) bodies.push_back(b);
-             std::vector<double> out(mod.nv);
-             bias_forces(mod, k, qvel.data(), s.system.gravity, bodies, out.data());
-             return array(out);
-           })
-      // Vertices of the skin that are a shape's corners; none: it is rigid.
-      .def("mover_vertices",
-           [](Stepper& s, int shape) {
-             const std::vector<int>& v = s.system.world.shapes.at(shape).vertex;
-             return array(std::vector<double>(v.begin(), v.end()));
-           })
-      // Of a shape at a pose: its corners (n, 3), and the Jacobian (3, nv) of one of them.
-      .def("mover_points",
-           [](Stepper& s, Doubles qpos, int shape) {
-             Poses p;
-             pose_of(s, qpos, p);
-             const Points at = s.system.world.place(p, shape).points();
-             std::vector<double> x;
-             for (int i = 0; i < at.n; i++) push(x, at.at(i));
-             return array({(size_t)at.n, 3}, x);
-           })
-      .def("mover_jacobian",
-           [](Stepper& s, Doubles qpos, int shape, int corner) {
-             Poses p;
-             pose_of(s, qpos, p);
-             const CollisionShape& m = s.system.world.shapes.at(shape);
-             const PosedShape& at = s.system.world.place(p, shape);
-             const Endpoint e = p.endpoint(m, at, p.material(m, at, at.points().at(corner)));
-             const size_t n = s.system.model.nv;
-             std::vector<double> J(3 * n), v(n, 0);
-             std::vector<Twist> twists;
-             for (size_t i = 0; i < n; i++) {
-               v[i] = 1;
-               body_twists(s.system.model, p.kin, v.data(), twists);
-               const Vec3 x = endpoint_velocity(s.system.model, p.kin, twists, v.data(), e);
-               for (int k = 0; k < 3; k++) J[k * n + i] = x[k];
-               v[i] = 0;
-             }
-             return array({3, n}, J);
-           })
-      .def("inertia_solve",
-           [](Stepper& s, Doubles qpos, Doubles x) {
-             const Model& mod = s.system.model;
-             Inertia inertia = inertia_at(s, qpos);
-             inertia.factor(mod, std::vector<double>(mod.nv, 1), std::vector<double>(mod.nv, 0));
-             std::vector<double> y = list<double>(x);
-             inertia.solve(mod, y.data());
-             return array(y);
-           })
-      .def("integrate", [](Stepper& s, Doubles qpos, Doubles qvel, double t) {
-        std::vector<double> q = list<double>(qpos);
-        integrate(s.system.model, q.data(), qvel.data(), t);
-        return array(q);
-      });
-
-  // Contacts w = beta + A p on their own: impulses, sweeps and steps, what is left of it all and of the
-  // normals alone [m/s].
-  m.def("solve_contacts", [](Square A, Doubles beta, Doubles mu, Ints pairs, Doubles warm,
-                             double tolerance, double fine, int most) {
-    const size_t n = mu.shape(0), n3 = 3 * n;
-    need(A.shape(0) == n3 && A.shape(1) == n3 && beta.shape(0) == n3 && warm.shape(0) == n3 &&
-             pairs.shape(0) == n,
-         "solve_contacts: A (3n, 3n), beta (3n,), mu (n,), pairs (n,), warm (3n,)");
-    ContactProblem problem;
-    problem.clear((int)n);
-    for (size_t i = 0; i < n; i++) {
-      for (size_t j = 0; j <= i; j++)
-        for (size_t r = 0; r < 3; r++)
-          for (size_t c = 0; c < 3; c++) {
-            const double a = A.data()[(3 * i + r) * n3 + 3 * j + c];
-            problem.block((int)i, (int)j)[r * problem.stride() + c] = a;
-            problem.block((int)j, (int)i)[c * problem.stride() + r] = a;
-          }
-      problem.add(beta.data() + 3 * i, warm.data() + 3 * i, mu.data()[i], pairs.data()[i]);
-    }
-    SolveReport report;
-    {
-      nb::gil_scoped_release release;
-      problem.solve(tolerance, fine, most, report);
-    }
-    return nb::make_tuple(array(problem.p), report.sweeps, report.residual, report.normal);
-  });
-  // Impulses of one contact for each row of r (k, 3); `old` says where to look first.
-  m.def("coulomb_contact", [](Square A, double mu, Rows3 r, Rows3 old) {
-    need(A.shape(0) == 3 && A.shape(1) == 3 && old.shape(0) == r.shape(0),
-         "coulomb_contact: A (3, 3), r and old (k, 3)");
-    Mat3 a;
-    std::memcpy(a.m, A.data(), sizeof a.m);
-    LocalContact contact;
-    contact.set(a, mu);
-    std::vector<double> out;
-    for (size_t i = 0; i < r.shape(0); i++)
-      push(out, contact.solve(load3(r.data() + 3 * i), load3(old.data() + 3 * i)));
-    return array({r.shape(0), 3}, out);
-  });
-  // Distance of two convex shapes; normals (may be empty) decide the way out of an overlap.
-  m.def("convex_distance", [](Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b,
-                              Rows3 normals_b, double rb, Doubles rim_b) {
-    Convex A = convex(a, ra, rim_a, vectors(normals_a)), B = convex(b, rb, rim_b, vectors(normals_b));
-    PosedShape pa, pb;
-    pa.place(A, {}, {});
-    pb.place(B, {}, {});
-    Separation s = separate(pa, pb);
-    std::vector<double> n, x, y;
-    push(n, s.n);
-    push(x, s.pa);
-    push(y, s.pb);
-    return nb::make_tuple(s.dist, array(n), array(x), array(y));
-  });
-  // Planes (normal, offset, distance, triangle) between a convex shape and triangles.
-  m.def("triangle_planes", [](Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
-                              double reach) {
-    TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
-    Convex A = convex(hull, radius, rim);
-    PosedShape p;
-    p.place(A, {}, {});
-    std::vector<Plane> planes;
-    tree.planes(p, reach, planes);
-    std::vector<double> out;
-    for (const Plane& q : planes) {
-      push(out, q.n);
-      out.insert(out.end(), {q.offset, q.dist, (double)tree.face(q.triangle)});
-    }
-    return nb::make_tuple(array({planes.size(), 6}, out), tree.distance(p, reach));
-  });
+      .def("body_frames", &body_frames)
+      .def("inertia_matrix", &inertia_matrix)
+      .def("inertia_solve", &inertia_solve)
+      .def("bias_forces", &bias_forces_at)
+      .def("integrate", &integrated)
+      .def("shape_vertices", &shape_vertices)
+      .def("shape_points", &shape_points)
+      .def("shape_jacobian", &shape_jacobian);
+  m.def("solve_contacts", &solve_contacts);
+  m.def("coulomb_contact", &coulomb_contact);
+  m.def("convex_distance", &convex_distance);
+  m.def("triangle_planes", &triangle_planes);
 }

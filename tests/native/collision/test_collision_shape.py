@@ -35,7 +35,7 @@ def world(bent: bool) -> World:
 
 
 def vertices_of(built: World, hull: int) -> np.ndarray:
-    return built.stepper.mover_vertices(hull).astype(np.int64)
+    return built.stepper.shape_vertices(hull).astype(np.int64)
 
 
 def random_pose(seed: int) -> hp.Pose:
@@ -52,7 +52,7 @@ def test_corners_are_the_skins_vertices(bent: bool, seed: int) -> None:
     for h in range(len(hulls.part)):
         mine = vertices_of(built, h)
         assert sorted(mine) == sorted(hulls.vertex[hulls.first[h] : hulls.first[h + 1]])
-        corners = built.stepper.mover_points(qpos, h)
+        corners = built.stepper.shape_points(qpos, h)
         np.testing.assert_allclose(corners, skin[mine], atol=10 * ROUNDING, rtol=0.0)
 
 
@@ -78,7 +78,7 @@ def test_jacobians_are_the_derivatives_of_the_skin(bent: bool) -> None:
             ends.append(body(bent).vertices(hp.Pose(translation, rotations), indices=vertices))
         slopes[:, :, dof] = (ends[0] - ends[1]) / (2.0 * STEP)
     for k, (h, c) in enumerate(zip(chosen, corners, strict=True)):
-        jacobian = built.stepper.mover_jacobian(qpos, int(h), c)
+        jacobian = built.stepper.shape_jacobian(qpos, int(h), c)
         np.testing.assert_allclose(jacobian, slopes[k], atol=DIFFERENCES, rtol=0.0)
 
 

@@ -15,10 +15,18 @@ EXACT = 1e-11
 def stepper_of(model, gravity=GRAVITY):
     """A stepper that moves an MjModel's trees, without shapes."""
     stepper = _native.Stepper()
-    stepper.set_model(*model_arrays(model))
-    stepper.set_joint_forces(*joint_arrays(model))
+    stepper.set_model(**model_arrays(model))
+    stepper.set_joint_forces(**joint_arrays(model))
     stepper.set_pairings(*(np.zeros((1, 1)) for _ in range(3)))
-    stepper.set_settings(0.02, 8.0, False, 1.0, 1e-3, 0.05, 0.5, 1e-6, 50, gravity)
+    stepper.set_drive(time_constant=0.02, recovery_rate=8.0, recover_root=False, root_speed=1.0)
+    stepper.set_contact(
+        clearance=1e-3,
+        clearance_range=0.05,
+        depenetration_speed=0.5,
+        tolerance=1e-6,
+        max_sweeps=50,
+        gravity=gravity,
+    )
     stepper.finish([])
     return stepper
 

@@ -47,7 +47,7 @@ def model():
 @pytest.fixture(scope="module")
 def core(model):
     stepper = _native.Stepper()
-    stepper.set_model(*model_arrays(model))
+    stepper.set_model(**model_arrays(model))
     return stepper
 
 

@@ -44,7 +44,7 @@ def test_pieces_are_those_of_the_core(simulator):
     assert len(pieces.names) == len(simulator.world.shape_part)
     for t, pose in enumerate(poses):
         for i in range(len(pieces.names)):
-            core = np.asarray(simulator.world.stepper.mover_points(pose, i))
+            core = np.asarray(simulator.world.stepper.shape_points(pose, i))
             mine = at.points(i, t)
             assert len(core) == len(mine)
             # The core has corners in an order of its own.

@@ -1,0 +1,31 @@
+// The parts that the Python face of the stepper is bound in, each one group of its methods.
+#pragma once
+#include "bindings/arrays.h"
+#include "stepping/stepper.h"
+
+using StepperClass = nb::class_<hp::Stepper>;
+
+// A static mesh in the world frame: its tree, shared by all that ask for the same triangles.
+struct MeshTree {
+  std::shared_ptr<const hp::TriangleTree> tree;
+};
+
+void bind_stepper_system(StepperClass& stepper);   // model, settings, strength (stepper_system.cpp)
+void bind_stepper_shapes(StepperClass& stepper);   // shapes, statics, pairs of them (stepper_shapes.cpp)
+void bind_stepper_frames(StepperClass& stepper);   // reset, frames, hosting, snapshots (stepper_frames.cpp)
+void bind_stepper_results(StepperClass& stepper);  // poses, contacts, clearances (stepper_results.cpp)
+// Looks inside the stepper, for tests and measurements (probes.cpp).
+void bind_probes(nb::module_& m, StepperClass& stepper);
+
+namespace hp {
+
+// Columns: shape, other static, other shape, position, normal, impulse.
+void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out);
+// Columns: shape, static, other shape, depth [m].
+void inside_rows(const World& world, std::vector<double>& out);
+// Numbers of targets of all people together.
+int target_count(const Stepper& s);
+// lambda of every ball of all people, in the model's order.
+void set_stiffness(Stepper& s, const double* lambda);
+
+}  // namespace hp

@@ -1,0 +1,118 @@
+// What came of a frame: poses, contacts, clearances, torques.
+#include <nanobind/stl/optional.h>
+
+#include <optional>
+
+#include "bindings/stepper.h"
+
+using namespace hp;
+
+namespace hp {
+
+void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
+  for (const Touch& t : touches) {
+    out.insert(out.end(), {(double)t.shape, (double)t.other_static, (double)t.other_shape});
+    const double length = norm(t.normal);
+    push(out, t.weight > 0 ? (1 / t.weight) * t.position : t.position);
+    push(out, length > 0 ? (1 / length) * t.normal : t.normal);
+    push(out, t.impulse);
+  }
+}
+
+void inside_rows(const World& world, std::vector<double>& out) {
+  for (const Inside& in : world.inside())
+    out.insert(out.end(), {(double)in.shape, (double)in.other_static, (double)in.other_shape, in.depth()});
+}
+
+}  // namespace hp
+
+namespace {
+
+// Distances (n,) of pairs of shapes (n, 2) at a pose [m], negative where they overlap.
+auto pair_gaps(Stepper& s, Doubles qpos, Square pairs) {
+  const System& system = s.system;
+  const size_t n = system.world.shapes.size();
+  need((int)qpos.shape(0) == system.model.nq, "pair_gaps: bad length of qpos");
+  need(pairs.shape(0) == 0 || pairs.shape(1) == 2, "pair_gaps: pairs must be (n, 2)");
+  std::vector<double> gaps;
+  Poses p;  // of its own
+  p.kin.resize(system.model);
+  p.kin.update(system.model, qpos.data());
+  system.world.start_poses(p);
+  for (size_t k = 0; k < pairs.shape(0); k++) {
+    const size_t i = (size_t)pairs.data()[2 * k], j = (size_t)pairs.data()[2 * k + 1];
+    need(i < n && j < n, "pair_gaps: no such shapes");
+    gaps.push_back(system.world.gap(p, (int)i, (int)j));
+  }
+  return array(gaps);
+}
+
+// Of poses (T, nq): distances (T, shapes); `nearest` (T, shapes) is filled with statics.
+auto clearances(Stepper& s, Square qpos, double range, std::optional<Indices> nearest) {
+  const size_t poses = qpos.shape(0), n = s.system.world.shapes.size();
+  need((int)qpos.shape(1) == s.system.model.nq, "clearances: bad shape of qpos");
+  need(!nearest || (nearest->shape(0) == poses && nearest->shape(1) == n),
+       "clearances: bad shape of nearest");
+  std::vector<double> dist(poses * n);
+  std::vector<int> others(nearest ? 0 : poses * n);
+  {
+    nb::gil_scoped_release release;
+    s.clearances(qpos.data(), poses, range, dist.data(), nearest ? nearest->data() : others.data());
+  }
+  return array({poses, n}, dist);
+}
+
+auto clearance(Stepper& s) {
+  nb::gil_scoped_release release;
+  return s.clearance();
+}
+
+nb::dict diagnostics(Stepper& s) {
+  const Diagnostics& d = s.result().diagnostics;
+  nb::dict out;
+  out["planes"] = d.candidates;
+  out["contacts"] = d.contacts;
+  out["passes"] = d.passes;
+  out["sweeps"] = d.sweeps;
+  out["shortened"] = d.shortened;
+  out["residual"] = d.residual;
+  out["lost_time"] = d.lost_time;
+  return out;
+}
+
+}  // namespace
+
+void bind_stepper_results(StepperClass& stepper) {
+  stepper.def("qpos", [](Stepper& s) { return array(s.qpos()); })
+      .def("qvel", [](Stepper& s) { return array(s.qvel()); })
+      .def("clearance", &clearance)
+      .def("clearances", &clearances, nb::arg("qpos"), nb::arg("range"), nb::arg("nearest") = nb::none())
+      .def("pair_gaps", &pair_gaps)
+      .def("touches",
+           [](Stepper& s) {
+             const std::vector<Touch>& touches = s.result().touches;
+             std::vector<double> out;
+             touch_rows(touches, out);
+             return array({touches.size(), 12}, out);
+           })
+      .def("diagnostics", &diagnostics)
+      // Bodies whose tree was touched in the substep before (a person's: in the frame).
+      .def("disturbed",
+           [](Stepper& s) {
+             const std::vector<char>& disturbed = s.result().disturbed;
+             return array(std::vector<double>(disturbed.begin(), disturbed.end()));
+           })
+      // Shapes that started inside something and are not out yet, see inside_rows().
+      .def("inside",
+           [](Stepper& s) {
+             std::vector<double> out;
+             inside_rows(s.system.world, out);
+             return array({out.size() / 4, 4}, out);
+           })
+      // Of the last frame (balls, 3), see Stepper::torques; (0, 3): none.
+      .def("torques", [](Stepper& s) {
+        std::vector<double> out;
+        s.torques(out);
+        return array({out.size() / 3, 3}, out);
+      });
+}

@@ -70,10 +70,6 @@ class Command:
     """Of --engine ray: the cluster (auto, HOST:PORT or ray://HOST:PORT)."""
     dry_run: bool = False
     """Only show what would be done."""
-    rehearse: Annotated[int | None, tyro.conf.arg(metavar="MACHINES")] = None
-    """Simulate nothing: play the sweep on so many machines and measure what drives them."""
-    cores: int | None = None
-    """Of --rehearse: cores of each machine; 16 if not said."""
     verify: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
     """Make so many samples of a finished sweep again and compare them bit by bit; 10 if it does not
     say how many."""
@@ -96,35 +92,22 @@ class Command:
         # No byte of the data depends on --out: only what is shown says where it goes.
         shown = replace(plan, outputs=replace(plan.outputs, folder=str(folder.absolute())))
         print(describe(shown, Variants(plan, resolve_inputs(plan))))
-        if self.rehearse is not None:
-            from halfphysics.sweep.rehearsal import CORES, Play, rehearse
-
-            play = Play(machines=self.rehearse, cores=self.cores or CORES)
-            print(f"\n{rehearse(plan, play, self.out)}")
-        elif not self.dry_run:
+        if not self.dry_run:
             sys.stdout.flush()
             self._sweep(plan, folder)
 
     def _check(self) -> None:
         modes = {
             "--dry-run": self.dry_run,
-            "--rehearse": self.rehearse is not None,
             "--verify": self.verify is not None,
             "--retry-failed": self.retry_failed,
         }
         chosen = [name for name, given in modes.items() if given]
         if len(chosen) > 1:
             raise InputError(f"{' and '.join(chosen)}: expected one of these at a time")
-        if self.cores is not None and self.rehearse is None:
-            raise InputError("--cores: is for --rehearse, which is not there")
         if self.address is not None and self.engine != "ray":
             raise InputError("--address: is for --engine ray, found --engine local")
-        for name, count in (
-            ("jobs", self.jobs),
-            ("verify", self.verify),
-            ("rehearse", self.rehearse),
-            ("cores", self.cores),
-        ):
+        for name, count in (("jobs", self.jobs), ("verify", self.verify)):
             if count is not None and count < 1:
                 raise InputError(f"--{name}: found {count}, expected at least 1")
         if self.limit is not None:

@@ -1,59 +1,59 @@
-"""A sweep without its simulations: what would a thousand machines ask of the one that drives them?
+"""The cost of driving a large sweep, measured on a simulated cluster.
 
-The driver, the numbering of variants, the folder, the sealing of shards, manifest and data card are
-the real ones; machines are played (`sweep.played`). What is measured is the driver: its time and
-memory must not grow faster than the sweep does.
+    PYTHONPATH=tests python -m campaigns.sweep_driver plan.yaml [--machines 1000] [--cores 16]
+                                                      [--out FOLDER]
+
+The driver, the numbering of variants, the folder, the sealing of shards, the manifest and the data
+card are those of `halfphysics.sweep`; the machines are simulated
+(`support.sweeps.simulated_cluster`), and no variant is computed. The time and memory of the driver
+must not grow faster than the sweep does.
 """
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from halfphysics.base.machine import resident
+from halfphysics.base.workers import Death
 from halfphysics.errors import InputError
-from halfphysics.sweep.played import CORES, Play, PlayedEngine
+from halfphysics.sweep.plan.plan import Plan
 from halfphysics.sweep.run.driver import Driver
 from halfphysics.sweep.run.progress import bytes_text, time_text
+from halfphysics.sweep.run.work import Done, Task
 from halfphysics.sweep.store.store import Store
-
-if TYPE_CHECKING:
-    from halfphysics.base.workers import Death
-    from halfphysics.sweep.plan.plan import Plan
-    from halfphysics.sweep.run.work import Done, Task
-
-__all__ = ["CORES", "PARTS", "Play", "Rehearsal", "rehearse"]
+from support.sweeps.simulated_cluster import CORES, Cluster, SimulatedEngine
 
 #: A sweep is cut into so many equal parts, to see whether the last costs what the first did.
 PARTS = 8
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rehearsal:
-    """What a rehearsal found.
+class Costs:
+    """What a sweep costs its driver.
 
-    Times are processor time [s], of the driver alone: not what machines are played with.
+    Times are processor time [s] of the driver alone, without the simulation of the cluster.
 
     Attributes:
-        play: What was played.
+        cluster: The simulated cluster.
         variants, batches, shards: Of the sweep.
         tasks, deaths, failures: What happened.
         begin: To list the inputs and open the folder.
         parts: To drive each of `PARTS` equal parts of the sweep.
         finish: To write manifest, data card and failures.
         step: The most that the driver ever took to answer.
-        memory: By how much the process grew [bytes]: with the played machines in it.
+        memory: Growth of the process [bytes], the simulated cluster included.
         manifest, records: Sizes of the manifest and of all records of shards [bytes].
         makespan: How long the sweep would take if the driver took no time [s].
         utilisation: The part of the cores' time for which they worked.
     """
 
-    play: Play
+    cluster: Cluster
     variants: int
     batches: int
     shards: int
@@ -82,13 +82,13 @@ class Rehearsal:
         return sum(self.parts[half:]) / max(sum(self.parts[:half]), 1e-9)
 
     def __str__(self) -> str:
-        play = self.play
+        cluster = self.cluster
         million = self.driving * 1e6 / self.variants
         parts = ", ".join(f"{part:.3g}" for part in self.parts)
         return "\n".join(
             (
-                f"{play.machines:,} machines of {play.cores} cores, played: "
-                f"{play.seconds:g} s a variant",
+                f"{cluster.machines:,} machines of {cluster.cores} cores, simulated: "
+                f"{cluster.seconds:g} s a variant",
                 f"sweep    {self.variants:,} variants, {self.batches:,} batches, {self.shards:,} "
                 f"shards in {self.tasks:,} tasks; {self.deaths:,} deaths of processes, "
                 f"{self.failures:,} variants that fail",
@@ -99,19 +99,19 @@ class Rehearsal:
                 f"         {self.begin:.3g} s to begin, {self.finish:.3g} s to finish; eighths of "
                 f"the sweep: {parts} s; second half over first {self.growth:.2f}",
                 f"         longest answer {1000.0 * self.step:.3g} ms",
-                f"memory   {bytes_text(self.memory)} more than before, with the played machines",
+                f"memory   {bytes_text(self.memory)} more than before, with the simulated cluster",
                 f"written  manifest {bytes_text(self.manifest)}, records of shards "
                 f"{bytes_text(self.records)}",
             )
         )
 
 
-def rehearse(plan: Plan, play: Play, folder: Path | None = None) -> Rehearsal:
-    """Drive a sweep whose machines are played.
+def measure(plan: Plan, cluster: Cluster, folder: Path | None = None) -> Costs:
+    """Drive a sweep on a simulated cluster.
 
     Args:
         plan: The sweep; its inputs are listed but not read.
-        play: What the machines do.
+        cluster: What the machines do.
         folder: Where records and manifest are written, missing or empty; None: a temporary one.
 
     Raises:
@@ -124,13 +124,13 @@ def rehearse(plan: Plan, play: Play, folder: Path | None = None) -> Rehearsal:
             folder = Path(stack.enter_context(temporary))
         elif folder.is_dir() and any(folder.iterdir()):
             raise InputError(
-                f"{folder}: found files in it, expected an empty folder: what a rehearsal writes "
-                "is no data. Leave --out away for a temporary one"
+                f"{folder}: found files in it, expected an empty folder: what is written is no "
+                "data. Without --out it is a temporary one"
             )
         before, start = resident(), time.process_time()
         store = stack.enter_context(Store(folder, plan))
         begin = time.process_time() - start
-        engine = PlayedEngine(folder, plan, play)
+        engine = SimulatedEngine(folder, plan, cluster)
         watch = _Watch(engine)
         Driver(store, engine, watch).run()
         parts = watch.parts()
@@ -139,8 +139,8 @@ def rehearse(plan: Plan, play: Play, folder: Path | None = None) -> Rehearsal:
         finish = time.process_time() - start
         layout = store.layout
         records = layout.shard_folder.rglob("*.json")
-        return Rehearsal(
-            play=play,
+        return Costs(
+            cluster=cluster,
             variants=layout.variants,
             batches=layout.batches,
             shards=totals["shards"],
@@ -162,7 +162,7 @@ def rehearse(plan: Plan, play: Play, folder: Path | None = None) -> Rehearsal:
 class _Watch:
     """Looks at the driver's time whenever another part of the sweep is done."""
 
-    def __init__(self, engine: PlayedEngine) -> None:
+    def __init__(self, engine: SimulatedEngine) -> None:
         self.deaths = 0
         self._engine = engine
         self._variants = self._done = 0
@@ -176,7 +176,7 @@ class _Watch:
         self._done += variants
 
     def ended(self, task: Task, done: Done) -> None:
-        # Who tries a variant alone makes none.
+        # A task that tries one variant alone keeps no variant.
         self._done += done.variants if task.kind == "batches" else 0
         while len(self._marks) < PARTS and self._done * PARTS >= self._variants * len(self._marks):
             self._marks.append(self._time())
@@ -191,3 +191,19 @@ class _Watch:
 
     def _time(self) -> float:
         return time.process_time() - self._start - self._engine.used
+
+
+def main() -> None:
+    """Measure the sweep of a plan file and print what it costs."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("plan", type=Path, help="the plan of the sweep; its inputs are only listed")
+    parser.add_argument("--machines", type=int, default=1000, help="machines of the cluster")
+    parser.add_argument("--cores", type=int, default=CORES, help="cores of each machine")
+    parser.add_argument("--out", type=Path, help="an empty folder; a temporary one without it")
+    given = parser.parse_args()
+    cluster = Cluster(machines=given.machines, cores=given.cores)
+    print(measure(Plan.load(given.plan), cluster, given.out))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,7 +1,7 @@
-"""Machines that are played: an engine with a clock of its own, and a folder without fragments.
+"""A simulated cluster for sweeps: an engine with its own clock, and a folder without fragments.
 
-What happens to a variant depends on the seed and its number; what happens to processes and
-machines on the seed and the order of tasks.
+The fate of a variant depends on the seed and its number; the fates of processes and machines
+depend on the seed and the order of tasks.
 """
 
 from __future__ import annotations
@@ -35,32 +35,33 @@ if TYPE_CHECKING:
     from halfphysics.sweep.plan.plan import Plan
     from halfphysics.sweep.plan.variants import Variant, Variants
 
-#: Of a machine, if nothing else is said.
+#: Cores of a machine by default.
 CORES = 16
 
-CAUSE = "played: this variant cannot be simulated"
+CAUSE = "simulated cluster: this variant fails"
 
-_SLOW = 3.0  # who straggles takes so many times as long
+_SLOW = 3.0  # a straggling task takes this many times as long
 _SHAPE = 4.0  # of the gamma distribution of times: half and twice the average are common
 _NOTHING = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"  # its SHA-256
 
 
 @dataclass(frozen=True, kw_only=True)
-class Play:
-    """What the machines do.
+class Cluster:
+    """What the machines of the simulated cluster do.
 
     Attributes:
-        machines, cores: So many machines, each with so many cores.
-        seconds: A variant takes so long on average [s].
-        sealing: Sealing a shard takes so long [s].
-        failing: The part of the variants that fail.
-        killing: The part of the variants that always kill their process.
-        dying: The part of the tasks whose process dies for no reason of theirs.
-        straggling: The part of the tasks that take three times as long.
-        seed: Of all that is drawn.
+        machines: Number of machines.
+        cores: Number of cores of each machine.
+        seconds: Mean time of a variant [s].
+        sealing: Time to seal a shard [s].
+        failing: Fraction of variants that fail.
+        killing: Fraction of variants that always kill their process.
+        dying: Fraction of tasks whose process dies, whatever the task.
+        straggling: Fraction of tasks that take three times as long.
+        seed: Seed of all random numbers.
 
     Raises:
-        InputError: A number that cannot be.
+        InputError: An impossible number.
     """
 
     machines: int
@@ -85,8 +86,8 @@ class Play:
                 raise InputError(f"{name}: found {getattr(self, name)}, expected 0 to 1")
 
 
-class PlayedEngine:
-    """The cores of the played machines.
+class SimulatedEngine:
+    """The cores of the simulated cluster, as an engine of a sweep.
 
     Attributes:
         slots: Cores of all machines.
@@ -98,13 +99,13 @@ class PlayedEngine:
         most: The most memory that this process held [bytes].
     """
 
-    def __init__(self, folder: Path, plan: Plan, play: Play) -> None:
-        self.slots = play.machines * play.cores
+    def __init__(self, folder: Path, plan: Plan, cluster: Cluster) -> None:
+        self.slots = cluster.machines * cluster.cores
         self.now = self.busy = self.used = self.step = 0.0
         self.tasks = self.most = 0
-        self._play = play
-        self._store = _PlayedStore(folder, plan, play)
-        self._random = np.random.default_rng([play.seed, 0])
+        self._cluster = cluster
+        self._store = _SimulatedStore(folder, plan, cluster)
+        self._random = np.random.default_rng([cluster.seed, 0])
         self._queue = deque[Task]()
         self._running: list[tuple[float, int, Task, Done | Death]] = []
         self._left = time.process_time()
@@ -155,12 +156,12 @@ class PlayedEngine:
     def _end(self, task: Task) -> tuple[float, Done | Death]:
         """How long a task will take, and how it will end."""
         straggles, dies, when = self._random.random(3).tolist()
-        slow = _SLOW if straggles < self._play.straggling else 1.0
+        slow = _SLOW if straggles < self._cluster.straggling else 1.0
         if task.kind == "seal":
-            done, killed = Done(slow * self._play.sealing), False
+            done, killed = Done(slow * self._cluster.sealing), False
         else:
             done, killed = self._store.fates(task.shard).of(self._numbers(task), task.dead, slow)
-        if killed or dies < self._play.dying:
+        if killed or dies < self._cluster.dying:
             return when * done.seconds, Death()
         return done.seconds, done
 
@@ -204,28 +205,28 @@ class _Fates:
 
 
 @dataclass(frozen=True)
-class _PlayedLayout(Layout):
+class _SimulatedLayout(Layout):
     """All fragments are one empty file."""
 
     def fragment(self, batch: int) -> Path:
-        return self.work / "played.fragment"
+        return self.work / "empty.fragment"
 
 
-class _PlayedStore(Store):
+class _SimulatedStore(Store):
     """A folder whose fragments are not on disk, but known from the seed; the rest is."""
 
-    def __init__(self, folder: Path, plan: Plan, play: Play) -> None:
+    def __init__(self, folder: Path, plan: Plan, cluster: Cluster) -> None:
         super().__init__(folder, plan)
-        self._play = play
+        self._cluster = cluster
         #: Twice the tasks that are under way belong to so many shards, and some.
-        open_shards = 2 * play.machines * play.cores // self.layout.batches_per_shard + 64
+        open_shards = 2 * cluster.machines * cluster.cores // self.layout.batches_per_shard + 64
         self.fates = lru_cache(open_shards)(self._fates)
         self.layout.fragment(0).touch()
 
     @cached_property
     def layout(self) -> Layout:
         whole = super().layout
-        return _PlayedLayout(whole.folder, whole.variants, whole.batch, whole.per_shard)
+        return _SimulatedLayout(whole.folder, whole.variants, whole.batch, whole.per_shard)
 
     @cached_property
     def variants(self) -> Variants:
@@ -237,30 +238,30 @@ class _PlayedStore(Store):
 
     @cached_property
     def _fragments(self) -> Fragments:
-        return _PlayedFragments(self)
+        return _SimulatedFragments(self)
 
     def _fates(self, shard: int) -> _Fates:
         batches = self.layout.batches_of(shard)
         first = self.layout.variants_of(batches[0])[0]
         numbers = range(first, self.layout.variants_of(batches[-1])[-1] + 1)
-        play, random = self._play, np.random.default_rng([self._play.seed, 1, shard])
+        cluster, random = self._cluster, np.random.default_rng([self._cluster.seed, 1, shard])
         skipped = np.zeros(len(numbers), dtype=bool)
         if self.plan.keep:
             kept = (self.variants.keeps(self.variants[number]) for number in numbers)
             skipped = ~np.fromiter(kept, dtype=bool, count=len(numbers))
         return _Fates(
             first,
-            random.gamma(_SHAPE, play.seconds / _SHAPE, len(numbers)),
-            random.random(len(numbers)) < play.failing,
-            random.random(len(numbers)) < play.killing,
+            random.gamma(_SHAPE, cluster.seconds / _SHAPE, len(numbers)),
+            random.random(len(numbers)) < cluster.failing,
+            random.random(len(numbers)) < cluster.killing,
             skipped,
         )
 
 
-class _PlayedFragments(Fragments):
+class _SimulatedFragments(Fragments):
     """What the records of fragments would be."""
 
-    def __init__(self, store: _PlayedStore) -> None:
+    def __init__(self, store: _SimulatedStore) -> None:
         super().__init__(store.layout, store.identity, Sources(0))
         self._store = store
         self._empty = counted(())

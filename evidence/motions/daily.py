@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.scenarios.acting.acting import Act
-from halfphysics.scenarios.acting.gait import Walk, walk
+from halfphysics.scenarios.acting.gait import walk
+from halfphysics.scenarios.acting.walk_plan import Walk
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

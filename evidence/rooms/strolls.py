@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.motion.motion import Motion
 from halfphysics.scenarios.acting.acting import SIDES, Act
-from halfphysics.scenarios.acting.gait import Walk, ease, walk
+from halfphysics.scenarios.acting.gait import walk
+from halfphysics.scenarios.acting.walk_plan import Walk, ease
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

@@ -10,7 +10,8 @@ from halfphysics.body.body import Body
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.metrics import penetration
 from halfphysics.results.result import Result
-from halfphysics.scenarios.acting.gait import Walk, walk
+from halfphysics.scenarios.acting.gait import walk
+from halfphysics.scenarios.acting.walk_plan import Walk
 from support.doors import ACROSS, DOOR
 from support.judges.coal_scene import Watch
 from support.people import along_x

@@ -9,8 +9,9 @@ from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX
-from halfphysics.scenarios.acting.gait import Kick, Walk, walk
+from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.legs import about, leg_of, planted, solve
+from halfphysics.scenarios.acting.walk_plan import Kick, Walk
 
 
 @pytest.fixture(scope="module")

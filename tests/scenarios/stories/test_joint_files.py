@@ -8,7 +8,8 @@ import pytest
 import halfphysics as hp
 from halfphysics.motion.skeleton import RIGHT_HAND_JOINTS
 from halfphysics.scenarios.acting import arms, reaching
-from halfphysics.scenarios.acting.gait import Walk, ease, pose_at
+from halfphysics.scenarios.acting.gait import pose_at
+from halfphysics.scenarios.acting.walk_plan import Walk, ease
 from halfphysics.scenarios.props import laptop, stage
 from halfphysics.scenarios.stories import close_laptop
 from support.joint_scenarios import done

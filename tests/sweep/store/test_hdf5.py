@@ -39,7 +39,7 @@ def same(a, b):
 
 
 def test_the_same_samples_as_the_tar(tar, tmp_path):
-    convert(tar, tmp_path / "a.h5")
+    convert(read(tar), tmp_path / "a.h5")
     from_tar, from_h5 = list(read(tar)), list(read(tmp_path / "a.h5"))
     assert [s["key"] for s in from_h5] == ["000000000", "000000001", "000000004"]
     for a, b in zip(from_tar, from_h5, strict=True):
@@ -47,7 +47,7 @@ def test_the_same_samples_as_the_tar(tar, tmp_path):
 
 
 def test_laid_out_for_people(tar, tmp_path):
-    convert(tar, tmp_path / "a.h5")
+    convert(read(tar), tmp_path / "a.h5")
     with h5py.File(tmp_path / "a.h5") as file:
         group = file["000000004"]
         assert json.loads(group.attrs["card"])["number"] == 4
@@ -62,23 +62,23 @@ def test_laid_out_for_people(tar, tmp_path):
 
 
 def test_the_same_bytes_at_another_time(tar, tmp_path):
-    convert(tar, tmp_path / "a.h5")
+    convert(read(tar), tmp_path / "a.h5")
     time.sleep(1.1)  # the library's dates have whole seconds
     (tmp_path / "elsewhere").mkdir()
-    convert(tar, tmp_path / "elsewhere" / "b.h5")
+    convert(read(tar), tmp_path / "elsewhere" / "b.h5")
     assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "elsewhere" / "b.h5").read_bytes()
 
 
 def test_a_long_card(tmp_path):
     long = sample_with_card(2, {"number": 2, "notes": "ö" * 80_000})
     tar = write_tar(tmp_path / "a.tar", [long])
-    convert(tar, tmp_path / "a.h5")
+    convert(read(tar), tmp_path / "a.h5")
     (only,) = read(tmp_path / "a.h5")
     assert only["card"]["notes"] == "ö" * 80_000
 
 
 def test_parts(tar, tmp_path):
-    convert(tar, tmp_path / "a.h5")
+    convert(read(tar), tmp_path / "a.h5")
     for one in read(tmp_path / "a.h5", ["card"]):
         assert one.keys() == {"key", "card"}
 
@@ -92,7 +92,7 @@ def test_no_file(tmp_path):
 def test_without_h5py(tar, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(MissingDependencyError, match=r"halfphysics\[hdf5\]"):
-        convert(tar, tmp_path / "a.h5")
+        convert(read(tar), tmp_path / "a.h5")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no limits there")
@@ -103,9 +103,10 @@ def test_a_full_disk(tmp_path):
         "import resource, sys\n"
         "from pathlib import Path\n"
         "from halfphysics.sweep.store.hdf5 import convert\n"
+        "from halfphysics.sweep.store.reading import read\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))\n"
         "try:\n"
-        "    convert(Path(sys.argv[1]), Path(sys.argv[2]))\n"
+        "    convert(read(Path(sys.argv[1])), Path(sys.argv[2]))\n"
         "except OSError as error:\n"
         "    print('stopped:', error)\n"
     )

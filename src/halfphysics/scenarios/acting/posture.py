@@ -13,7 +13,7 @@ from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.scenarios.acting.legs import Leg, about
 
 if TYPE_CHECKING:
-    from halfphysics.scenarios.acting.gait import Walk
+    from halfphysics.scenarios.acting.walk_plan import Walk
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,8 @@ from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Plane, Sphere
 from halfphysics.motion.motion import MODELS, Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
-from halfphysics.scenarios.acting.gait import DOUBLE, IMPACT, Walk, pose_at
+from halfphysics.scenarios.acting.gait import DOUBLE, IMPACT, pose_at
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ import numpy as np
 
 from halfphysics.base.validation import number
 from halfphysics.geometry.shapes import Box, Cylinder
-from halfphysics.scenarios.acting.gait import Kick, Walk, walk
+from halfphysics.scenarios.acting.gait import walk
+from halfphysics.scenarios.acting.walk_plan import Kick, Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.scene.scene import Scene
 from halfphysics.simulation.sequence import Sequence

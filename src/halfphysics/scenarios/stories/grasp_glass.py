@@ -9,7 +9,7 @@ import numpy as np
 
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
-from halfphysics.scenarios.acting.gait import Walk
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import glass, stage
 from halfphysics.scenarios.props.vessels import vessel
 from halfphysics.simulation.sequence import Sequence

@@ -9,7 +9,8 @@ import numpy as np
 
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_INDEX
-from halfphysics.scenarios.acting.gait import Kick, Walk, pose_at, walk
+from halfphysics.scenarios.acting.gait import pose_at, walk
+from halfphysics.scenarios.acting.walk_plan import Kick, Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.geometry.shapes import Box
-from halfphysics.scenarios.acting.gait import Walk, walk
+from halfphysics.scenarios.acting.gait import walk
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.validation import number
 from halfphysics.scenarios.acting import arms, hands, reaching
-from halfphysics.scenarios.acting.gait import ease
+from halfphysics.scenarios.acting.walk_plan import ease
 from halfphysics.scenarios.props import laptop, stage
 from halfphysics.simulation.sequence import Sequence
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from halfphysics.scenarios.acting.gait import Walk
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import glass, stage
 from halfphysics.scenarios.props.vessels import vessel
 from halfphysics.simulation.sequence import Sequence

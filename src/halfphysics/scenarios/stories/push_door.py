@@ -13,8 +13,9 @@ from halfphysics.geometry.shapes import Box
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
 from halfphysics.scenarios.acting import arms
-from halfphysics.scenarios.acting.gait import Walk, ease, walk
+from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.reaching import between
+from halfphysics.scenarios.acting.walk_plan import Walk, ease
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 

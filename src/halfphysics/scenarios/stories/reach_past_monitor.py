@@ -12,8 +12,9 @@ from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.scenarios.acting import arms
-from halfphysics.scenarios.acting.gait import Walk, ease, pose_at
+from halfphysics.scenarios.acting.gait import pose_at
 from halfphysics.scenarios.acting.legs import about
+from halfphysics.scenarios.acting.walk_plan import Walk, ease
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 

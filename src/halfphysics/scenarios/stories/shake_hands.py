@@ -13,8 +13,9 @@ from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.scenarios.acting import arms, clasp, reaching
-from halfphysics.scenarios.acting.gait import Walk, ease, walk
+from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.legs import about
+from halfphysics.scenarios.acting.walk_plan import Walk, ease
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 

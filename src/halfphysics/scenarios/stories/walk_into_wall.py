@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from halfphysics.geometry.shapes import Box
-from halfphysics.scenarios.acting.gait import Walk, walk
+from halfphysics.scenarios.acting.gait import walk
+from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from halfphysics.sweep.store.data_card import COUNTED
+from halfphysics.sweep.store.counting import COUNTED
 
 #: Of more rows than these for a factor, neighbours are taken together: bins, and numbers that were
 #: drawn, of which each has fewer samples than the other.

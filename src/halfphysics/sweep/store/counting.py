@@ -17,6 +17,8 @@ FINEST = -24
 NANO = 1_000_000_000
 
 Counts = list[int]
+#: What is counted of each value of a factor, in this order.
+COUNTED = ("samples", "success", "slipped", "dropped", "failed")
 
 
 def add_to(counts: Counts, more: Counts) -> None:

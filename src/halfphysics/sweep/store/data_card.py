@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from halfphysics.errors import InputError
 from halfphysics.sweep.make.card import CHECKS
-from halfphysics.sweep.store.counting import Bins, Counts, Spread, Table
+from halfphysics.sweep.store.counting import COUNTED, Bins, Counts, Spread, Table
 
 if TYPE_CHECKING:
     from halfphysics.sweep.plan.plan import Plan
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 VERSION = 1
 #: A factor with more values than these is told in bins, of as many at most.
 VALUES = 50
-#: What is counted of each value of a factor, in this order.
-COUNTED = ("samples", "success", "slipped", "dropped", "failed")
 #: Numbers of a sample's card whose spread is told, and their unit.
 SPREADS = {
     "seconds": "s",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import json
 import os
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 _PACKED, _CHUNK = 4096, 1 << 20
 
 
-def convert(tar: Path, path: Path) -> None:
-    """Write the samples of a tar into an HDF5 file, one at a time.
+def convert(read: Iterable[dict[str, Any]], path: Path) -> None:
+    """Write samples into an HDF5 file, one at a time.
 
     Args:
-        tar: What `Store.seal` wrote.
+        read: Samples as `reading.read` gives those of a tar.
         path: The file; it is replaced.
 
     Raises:
@@ -41,11 +41,9 @@ def convert(tar: Path, path: Path) -> None:
         OSError: The file cannot be written.
     """
     h5 = _h5py()
-    from halfphysics.sweep.store.reading import read
-
     with _Sink(path) as sink:
         with h5.File(sink, "w", libver=("v110", "v110"), track_order=False) as file:
-            for sample in read(tar):
+            for sample in read:
                 _add(file, sample)
                 if sink.error is not None:
                     break

@@ -99,10 +99,11 @@ def _write_files(
             files[".tar"] = whole
         if ".h5" in suffixes:
             from halfphysics.sweep.store.hdf5 import convert
+            from halfphysics.sweep.store.reading import read
 
             made = layout.shard_file(shard, ".h5")
             with reported(made), atomic_path(made) as temporary:
-                convert(tar_path, temporary)
+                convert(read(tar_path), temporary)
                 with temporary.open("rb+") as handle:
                     os.fsync(handle.fileno())
                 files[".h5"] = {

@@ -20,7 +20,7 @@ void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
 }
 
 void inside_rows(const World& world, std::vector<double>& out) {
-  for (const Inside& in : world.inside())
+  for (const Inside& in : world.depenetration.inside())
     out.insert(out.end(), {(double)in.shape, (double)in.other_static, (double)in.other_shape, in.depth()});
 }
 
@@ -42,7 +42,7 @@ auto pair_gaps(Stepper& s, Doubles qpos, Square pairs) {
   for (size_t k = 0; k < pairs.shape(0); k++) {
     const size_t i = (size_t)pairs.data()[2 * k], j = (size_t)pairs.data()[2 * k + 1];
     need(i < n && j < n, "pair_gaps: no such shapes");
-    gaps.push_back(system.world.gap(p, (int)i, (int)j));
+    gaps.push_back(pair_gap(system.world, p, (int)i, (int)j));
   }
   return array(gaps);
 }

@@ -1,4 +1,4 @@
-// Initial overlaps and how they are resolved (docs/physics.md, "Starting inside").
+// Initial overlaps and how they are resolved (docs/physics.md, "Initial overlaps").
 //
 // A shape that overlaps a static at the reset, or a part of a person that overlaps an object, is not
 // where it is held to be. A displacement w (`exit`, exit_search.h) takes it, and all hulls of its group

@@ -29,11 +29,8 @@
 #include "collision/prescribed_exits.h"
 #include "collision/self_depenetration.h"
 #include "collision/travel_bounds.h"
-#include "tuning.h"
 
 namespace hp {
-
-using tuning::collision::kLeastGap;
 
 class World : public CollisionWorld {
  public:
@@ -51,64 +48,11 @@ class World : public CollisionWorld {
   ContactPoints contact_points{*this};
   GapCheck gap_check{*this};
 
-  // What stepping calls, until it calls the components themselves.
-  std::vector<double>& pace = prescribed_exits.pace;
-  std::vector<char>& squeezed = prescribed_exits.squeezed;
-  double& growth = depenetration.growth;
-  void people_put() { prescribed_exits.forget(); }
-  void forget() { broad_phase.forget(); }
-  void travel(const std::vector<double>& way, const std::vector<double>& inner) {
-    broad_phase.travel(way, inner);
-  }
-  void list(const Model& m, const Poses& p, const std::vector<double>& reach) {
-    broad_phase.update(m, p, reach, depenetration.inside());
-  }
-  void find_busy(const Model& m, Poses& start, Poses& end, const Sweep& sweep, std::vector<char>& busy) {
-    mark_busy_trees(*this, broad_phase, depenetration.inside(), m, start, end, sweep, busy);
-  }
-  double travelled(int shape) const { return broad_phase.travelled(shape); }
-  void choose_again(const Model& m, Poses& start) { self_depenetration.update(m, start); }
-  double gap(Poses& p, int a, int b) const { return pair_gap(*this, p, a, b); }
-  void inner_ways(const Model& m, const Poses& from, const Poses& to, std::vector<double>& way) const {
+  // No point of a shape travels farther between two poses than `way`, seen from the shape's root body [m]; empty
+  // without self-contact.
+  void inner_travel(const Model& m, const Poses& from, const Poses& to, std::vector<double>& way) const {
     way.clear();
     if (self_contact()) travel_bounds_in_root_frame(shapes, m, from, to, active, way);
-  }
-  const std::vector<Inside>& inside() const { return depenetration.inside(); }
-  bool any_inside() const { return depenetration.any(); }
-  void reroute(const Model& m, Poses& start) {
-    if (depenetration.reroute(m, start)) broad_phase.invalidate();
-  }
-  void come_out(const std::vector<double>& share) { depenetration.advance(share); }
-  void gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
-              std::vector<ContactCandidate>& out) {
-    narrow_phase.gather(m, start, reach, h, out);
-  }
-  double excess(Poses& start, Poses& end, ContactCandidate& c) const {
-    return gap_check.excess(start, end, c);
-  }
-  bool mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) {
-    return gap_check.mesh_clear(c, start, end);
-  }
-  void search_behind(Poses& start, const std::vector<double>& reach, double h, int index,
-                     std::vector<ContactCandidate>& all) {
-    narrow_phase.search_behind(start, reach, h, index, all);
-  }
-  void add_contacts(const std::vector<CachedContact>& cached, Poses& start, Poses& end,
-                    const ContactCandidate& c, int index, int pass, std::vector<Contact>& contacts) const {
-    contact_points.add(cached, start, end, c, index, pass, contacts);
-  }
-  bool recall(const std::vector<CachedContact>& cached, const std::vector<ContactCandidate>& candidates,
-              std::vector<char>& out) const {
-    return contact_points.recall(cached, candidates, out);
-  }
-  double gap_at(Poses& start, Poses& end, const Contact& c) const {
-    return contact_points.gap_at(start, end, c);
-  }
-  double clearance(const Model&, Poses& p, double range) const {
-    return smallest_clearance(*this, broad_phase, p, range);
-  }
-  void clearances(Poses& p, double range, double* dist, int* nearest) const {
-    shape_clearances(*this, p, range, dist, nearest);
   }
 
   // The simulation starts here: remembers the pairs that are nearer than the clearance or overlap, and

@@ -74,8 +74,8 @@ void ContactStep::find_candidates(double h, bool first) {
   untouched_.begin(system_, data_.step.resistance, data_.inertia);
   attempt.solved = 0;
   attempt.tolerance = world.settings.tolerance;
-  world.list(system_.model, data_.state.pose, attempt.reach);
-  world.gather(system_.model, data_.state.pose, attempt.reach, h, attempt.candidates);
+  world.broad_phase.update(system_.model, data_.state.pose, attempt.reach, world.depenetration.inside());
+  world.narrow_phase.gather(system_.model, data_.state.pose, attempt.reach, h, attempt.candidates);
   if (first) kinematic_.give_up_clearance(system_, data_);
   relax(system_, attempt);
   int& most = data_.result.diagnostics.candidates;
@@ -121,7 +121,7 @@ void ContactStep::add_contacts(double h, int pass) {
   const size_t old = attempt.contacts.size();
   for (size_t i = 0; i < attempt.candidates.size(); i++)
     if (attempt.violated[i])
-      system_.world.add_contacts(data_.cache.contacts(), start, end, attempt.candidates[i], (int)i, pass,
+      system_.world.contact_points.add(data_.cache.contacts(), start, end, attempt.candidates[i], (int)i, pass,
                                  attempt.contacts);
   for (size_t i = 0; i < attempt.contacts.size(); i++) {
     Contact& c = attempt.contacts[i];
@@ -137,7 +137,7 @@ void ContactStep::drop_idle() {
   size_t kept = 0;
   for (Contact& c : contacts)
     if (norm2(c.impulse) > 0 ||
-        system_.world.gap_at(data_.state.pose, data_.step.end, c) < c.target)
+        system_.world.contact_points.gap_at(data_.state.pose, data_.step.end, c) < c.target)
       contacts[kept++] = c;
   contacts.resize(kept);
 }
@@ -151,7 +151,7 @@ void ContactStep::correct_prediction(Contact& c, double h) {
   const bool object = !system_.is_person(world.shapes[data_.attempt.candidates[c.pair].shape].body);
   const double most = object ? tune::kMostObjectCorrectionSpeed : tune::kMostCorrectionSpeed;
   c.shift = std::min(c.dist + h * approach(model, start.kin, c, twists_, data_.step.v) -
-                         world.gap_at(data_.state.pose, data_.step.end, c),
+                         world.contact_points.gap_at(data_.state.pose, data_.step.end, c),
                      std::max(0.0, c.dist - c.target) + h * most);
 }
 

@@ -3,9 +3,10 @@
 // Free motion has no forces, so a velocity that the drive sets stays. With e = v - v_ref the deviation of
 // velocity from the motion's own, xi how far a joint is from where the motion has it, h the substep:
 //
-//   time constant tau > 0    v* = v_ref + (e - h xi/tau^2)/s,   s = (1 + h/tau)^2,   M^ = s (M + lambda diag(I))
+//   time constant tau > 0    v* = v_ref + (e - h xi/tau^2)/s,  s = (1 + h/tau)^2,
+//                            M^ = s (M + lambda diag(I))
 //   tau = 0 (Algorithm 1)    v is set to log(q^-1 q_target)/dt once a frame; within it (PJSC)
-//                            v* = v + M^^-1 (lambda I/h) (log(q^-1 q~) - h v),       M^ = M + lambda diag(I)
+//                            v* = v + M^^-1 (lambda I/h) (log(q^-1 q~) - h v),  M^ = M + lambda diag(I)
 //
 // lambda is the firmness of each ball joint, I the mean of its diagonal entries of M [kg m^2], q~ the pose
 // without contact. A deviation decays like a critically damped spring, whatever the frame rate.

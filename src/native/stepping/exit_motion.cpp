@@ -7,8 +7,8 @@ namespace hp {
 namespace tune = tuning::stepping;
 
 bool ExitMotion::begin(World& world) {
-  if (!world.any_inside()) return false;
-  world.growth = std::min(1.0, tune::kExitGain * world.growth);
+  if (!world.depenetration.any()) return false;
+  world.depenetration.growth = std::min(1.0, tune::kExitGain * world.depenetration.growth);
   return true;
 }
 
@@ -17,13 +17,13 @@ bool ExitMotion::accept(System& system, Data& data) {
   if (data.attempt.good && speed <= tune::kExitSpeed) return true;
   const double slower =
       speed > tune::kExitSpeed ? tune::kExitMargin * tune::kExitSpeed / speed : tune::kExitCut;
-  system.world.growth *= std::max(tune::kLeastExitCut, slower);
+  system.world.depenetration.growth *= std::max(tune::kLeastExitCut, slower);
   return false;
 }
 
 void ExitMotion::give_up(World& world) {
-  kept_ = world.growth;
-  world.growth = 0;
+  kept_ = world.depenetration.growth;
+  world.depenetration.growth = 0;
 }
 
 // By how much the fastest point of the trees that come out of something is faster than asked [m/s].
@@ -36,7 +36,7 @@ double ExitMotion::excess_speed(System& system, Data& data) {
   body_twists(model, data.state.pose.kin, data.step.v.data(), twists_);
   body_twists(model, data.state.pose.kin, asked.data(), asked_);
   std::vector<char> tree(model.nbody, 0);
-  for (const Inside& in : world.inside()) tree[system.tree(in.shape)] = 1;
+  for (const Inside& in : world.depenetration.inside()) tree[system.tree(in.shape)] = 1;
   double fastest = 0;
   for (size_t i = 0; i < world.shapes.size(); i++) {
     const CollisionShape& m = world.shapes[i];
@@ -70,14 +70,14 @@ double ExitMotion::fastest_point(System& system, Data& data, int shape, double l
 }
 
 bool comes_out(const System& system, const Drive& d) {
-  for (const Inside& in : system.world.inside())
+  for (const Inside& in : system.world.depenetration.inside())
     if (system.tree(in.shape) == d.body(0)) return true;
   return false;
 }
 
 void start_exits(System& system, State& state) {
   std::vector<char>& path = state.exit_path;
-  for (const Inside& in : system.world.inside())
+  for (const Inside& in : system.world.depenetration.inside())
     for (int b = system.world.shapes[in.shape].body; b > 0 && !path[b]; b = system.model.parent[b])
       path[b] = 1;
   for (Drive& d : system.drives)

@@ -1,9 +1,9 @@
-// The motion of bodies that come out of an initial overlap (docs/physics.md, "Starting inside"). World says
-// whereto and how fast they are to come (collision/inside.cpp); here is what that may do to the body.
+// The motion of bodies that come out of an initial overlap (docs/physics.md, "Initial overlaps"). Whereto and
+// how fast they are to come is found by collision/depenetration.h; here is what that may do to the body.
 //
-// - A step: World::growth in [0, 1] is the share of the exit speed that is asked. Where a step would make any
-//   point faster than the motion by kExitSpeed, or cannot be verified, it is tried again with less, and with
-//   none after kExitTries.
+// - A step: Depenetration::growth in [0, 1] is the share of the exit speed that is asked. Where a step would
+//   make any point faster than the motion by kExitSpeed, or cannot be verified, it is tried again with less,
+//   and with none after kExitTries.
 // - Joints on the path from the root to the part that comes out resist as if they had 4 times their inertia,
 //   all others 300 times (EffectiveInertia).
 // - The person goes back to the motion gently until it is there (Drive::go_gently).
@@ -16,11 +16,11 @@ class ExitMotion {
  public:
   // A substep attempt begins: the exit speed grows again. False if no body is inside of anything.
   bool begin(World& world);
-  // After a try: true if it may stand. Otherwise World::growth is less.
+  // After a try: true if it may stand. Otherwise Depenetration::growth is less.
   bool accept(System& system, Data& data);
   // All tries are spent: the next one asks for no motion out, finish() sets the speed for the next substep.
   void give_up(World& world);
-  void finish(World& world) const { world.growth = kept_; }
+  void finish(World& world) const { world.depenetration.growth = kept_; }
 
  private:
   double excess_speed(System& system, Data& data);

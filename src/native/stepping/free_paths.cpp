@@ -53,11 +53,11 @@ void FreePaths::find(System& system, Data& data, double dt) {
   sweep_.bulge.assign(n, 0);
   assume_strays(system, data, dt);
   travel_bounds(world.shapes, start, end, world.active, sweep_.straight);
-  world.inner_ways(model, start, end, sweep_.inner);
+  world.inner_travel(model, start, end, sweep_.inner);
   for (const Drive& d : system.drives) sweep(system, d, dt);
   world.active.assign(model.nbody, 1);
-  world.list(model, start, sweep_.way);
-  world.find_busy(model, start, end, sweep_, busy_);
+  world.broad_phase.update(model, start, sweep_.way, world.depenetration.inside());
+  mark_busy_trees(world, world.broad_phase, world.depenetration.inside(), model, start, end, sweep_, busy_);
 }
 
 // Busy trees are assumed not to get much farther than they would by themselves.
@@ -78,7 +78,7 @@ void FreePaths::assume_strays(System& system, Data& data, double dt) {
     const double fall = norm(system.gravity) * dt * dt;
     const double speed = system.speed_bound(state.pose.kin, world.shapes[i], twists_);
     sweep_.way[i] = 1.5 * dt * speed + fall + tune::kFrameStray;
-    assumed_[i] = world.travelled((int)i) + sweep_.way[i];
+    assumed_[i] = world.broad_phase.travelled((int)i) + sweep_.way[i];
   }
 }
 
@@ -136,7 +136,7 @@ void FreePaths::sweep(const System& system, const Drive& d, double dt) {
 bool FreePaths::strayed(const System& system) {
   bool strayed = false;
   for (size_t i = 0; i < system.world.shapes.size(); i++)
-    strayed |= busy_[system.tree((int)i)] && system.world.travelled((int)i) > assumed_[i];
+    strayed |= busy_[system.tree((int)i)] && system.world.broad_phase.travelled((int)i) > assumed_[i];
   return strayed;
 }
 
@@ -167,10 +167,10 @@ void FreePaths::travel(System& system, Data& data) {
     end.kin.update(model, data.state.qpos.data());
     world.start_poses(end);
     travel_bounds(world.shapes, followed_, end, world.active, way_);
-    world.inner_ways(model, followed_, end, sweep_.inner);
-    world.travel(way_, sweep_.inner);
+    world.inner_travel(model, followed_, end, sweep_.inner);
+    world.broad_phase.travel(way_, sweep_.inner);
   } else {
-    world.travel(sweep_.straight, sweep_.inner);
+    world.broad_phase.travel(sweep_.straight, sweep_.inner);
   }
   std::swap(data.state.pose, end);
   world.active.assign(model.nbody, 1);

@@ -51,7 +51,7 @@ void Hosting::substep(System& system, Data& data, Substep& substep, int k, doubl
   }
   if (change != Change::None) state.pose_known = false;
   state.update_pose(system);
-  if (change == Change::Placed) system.world.forget();
+  if (change == Change::Placed) system.world.broad_phase.forget();
   for (int b = 1; b < model.nbody; b++)
     if (!system.is_person(b)) data.result.disturbed[b] = 0;
   data.step.host_v_free = v_free;

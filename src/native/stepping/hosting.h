@@ -1,6 +1,6 @@
-// People in another engine's world (docs/physics.md, "In somebody else's world"): the host moves all bodies
-// but people and says, substep by substep, where they are and which velocity they would have without the
-// people. The impulses between the two are solved as everywhere else.
+// People in another engine's world (docs/physics.md, "In another program's MuJoCo world"): the host moves
+// all bodies but people and says, substep by substep, where they are and which velocity they would have
+// without the people. The impulses between the two are solved as everywhere else.
 #pragma once
 #include "stepping/substep.h"
 

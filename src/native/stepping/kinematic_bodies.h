@@ -1,4 +1,5 @@
-// Kinematic bodies: objects that follow a trajectory (docs/physics.md, "Things that move as told").
+// Kinematic bodies: objects that follow a trajectory (docs/physics.md, "Kinematic bodies and sleeping
+// objects").
 //
 // In every substep a kinematic body has the velocity that takes it from where it is to where its trajectory
 // has it after the substep. To contacts it has infinite mass: its velocity enters v_n, and no impulse changes

@@ -30,7 +30,7 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   data_.cache.clear();
   data_.result.touches.clear();
   probe.solve_times.clear();
-  world.forget();
+  world.broad_phase.forget();
   state.pose_known = false;
   state.update_pose(system);
   world.asleep.assign(model.nbody, 0);  // what they rest on is known when they wake
@@ -137,9 +137,9 @@ bool Stepper::torques(std::vector<double>& out) const {
 double Stepper::clearance() {
   data_.state.update_pose(system);
   const World& world = system.world;
-  double smallest = world.clearance(system.model, data_.state.pose, system.clearance_range);
+  double smallest = smallest_clearance(world, world.broad_phase, data_.state.pose, system.clearance_range);
   // A part inside a mesh may be far from all of its triangles.
-  for (const Inside& in : world.inside())
+  for (const Inside& in : world.depenetration.inside())
     if (in.other_static >= 0 && world.shapes[in.shape].person >= 0)
       smallest = std::min(smallest, -in.depth());
   return smallest;
@@ -152,7 +152,7 @@ void Stepper::clearances(const double* qpos, size_t poses, double range, double*
   for (size_t t = 0; t < poses; t++) {
     p.kin.update(system.model, qpos + t * system.model.nq);
     system.world.start_poses(p);
-    system.world.clearances(p, range, dist + t * n, nearest + t * n);
+    shape_clearances(system.world, p, range, dist + t * n, nearest + t * n);
   }
 }
 

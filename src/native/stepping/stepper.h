@@ -56,7 +56,7 @@ class Stepper {
   // Smallest distance of people from static geometry at the present pose, up to the range [m].
   double clearance();
   // Of any poses (poses x nq): distance and nearest static of every shape (poses x shapes), see
-  // World::clearances. The simulation does not change.
+  // shape_clearances(). The simulation does not change.
   void clearances(const double* qpos, size_t poses, double range, double* dist, int* nearest) const;
 
   // Snapshots (snapshot.h).

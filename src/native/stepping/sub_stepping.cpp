@@ -71,9 +71,9 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
   }
   record(share);
   travel_bounds(world.shapes, state.pose, step.end, world.active, way_);
-  world.inner_ways(model, state.pose, step.end, inner_);
-  world.travel(way_, inner_);
-  world.come_out(share);
+  world.inner_travel(model, state.pose, step.end, inner_);
+  world.broad_phase.travel(way_, inner_);
+  world.depenetration.advance(share);
   std::swap(state.pose, step.end);
   state.qpos = step.end_qpos;
   std::vector<double>* pieces = data_.probe.pieces;

@@ -33,8 +33,9 @@ void Substep::begin(double h) {
   data_.step.resistance.begin(model, system_.drives.size());
   data_.step.length = data_.step.gravity_time = h;
   data_.cache.begin_substep();
-  if (world.any_inside()) world.reroute(model, state.pose);
-  if (world.self_contact()) world.choose_again(model, state.pose);
+  if (world.depenetration.any() && world.depenetration.reroute(model, state.pose))
+    world.broad_phase.invalidate();
+  if (world.self_contact()) world.self_depenetration.update(model, state.pose);
   if (probe.keep_times) probe.solve_times.push_back(0);
   probe.tracing = probe.keep_trace;
   probe.trace.overcome.clear();

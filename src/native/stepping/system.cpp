@@ -25,8 +25,8 @@ void System::finish(const std::vector<int>& person_roots) {
   find_joint_reach();
   world.standing.assign(model.nbody, 0);
   world.asleep.assign(model.nbody, 0);
-  world.pace.assign(model.nbody, 1);
-  world.squeezed.assign(model.nbody, 0);
+  world.prescribed_exits.pace.assign(model.nbody, 1);
+  world.prescribed_exits.squeezed.assign(model.nbody, 0);
 }
 
 void System::find_objects() {

@@ -37,10 +37,10 @@ double excess(System& system, Data& data, size_t i, double h) {
   World& world = system.world;
   Poses &start = data.state.pose, &end = data.step.end;
   std::vector<ContactCandidate>& candidates = data.attempt.candidates;
-  const double e = world.excess(start, end, candidates[i]);
+  const double e = world.gap_check.excess(start, end, candidates[i]);
   if (candidates[i].forgiven && candidates[i].triangle >= 0 && !candidates[i].searched &&
-      !world.mesh_clear(candidates[i], start, end))
-    world.search_behind(start, data.attempt.reach, h, (int)i, candidates);
+      !world.gap_check.mesh_clear(candidates[i], start, end))
+    world.narrow_phase.search_behind(start, data.attempt.reach, h, (int)i, candidates);
   return e;
 }
 
@@ -53,7 +53,7 @@ bool Verification::check(System& system, Data& data, double h, int pass) {
   // Where there is a first solve anyhow, candidates between a person and an object are checked after it,
   // not before it too.
   const bool begins =
-      pass == 0 && system.world.recall(data.cache.contacts(), attempt.candidates, recalled_);
+      pass == 0 && system.world.contact_points.recall(data.cache.contacts(), attempt.candidates, recalled_);
   for (size_t i = 0; i < attempt.candidates.size(); i++) {  // forgiven planes add to them
     if (begins && system.world.handles(attempt.candidates[i])) {
       attempt.violated.push_back(recalled_[i]);
@@ -78,7 +78,7 @@ void Verification::find_overdue(const System& system, Data& data) const {
   Attempt& attempt = data.attempt;
   for (const Contact& c : attempt.contacts)
     if (attempt.violated[c.pair] && system.is_object(attempt.candidates[c.pair])) {
-      const double miss = c.target - system.world.gap_at(data.state.pose, data.step.end, c);
+      const double miss = c.target - system.world.contact_points.gap_at(data.state.pose, data.step.end, c);
       if (miss > tune::kObjectSettling * system.world.settings.clearance)
         attempt.overdue = std::max(attempt.overdue, miss);
     }
@@ -114,7 +114,7 @@ void relax(const System& system, Attempt& attempt) {
         (c.other_shape < 0 || !relaxed[system.tree(c.other_shape)]))
       continue;
     if (system.self_overlap(c)) continue;
-    c.target = std::min(c.target, c.dist >= 0 ? std::min(c.dist, kLeastGap) : c.dist);
+    c.target = std::min(c.target, c.dist >= 0 ? std::min(c.dist, tuning::collision::kLeastGap) : c.dist);
     if (c.target >= 0 && c.target < tune::kNarrowGap)
       attempt.tolerance = tune::kNarrowTolerance * system.world.settings.tolerance;
   }

@@ -4,7 +4,7 @@
 // lines. The end pose itself is checked against every candidate (separating plane or pair of shapes):
 // excess = gap - target [m]. A gap may miss its target by allowed(): solver tolerance, 2 % of the gap for
 // paths that curve, more while a person separates from itself. Planes that the shape's path does not cross
-// are forgiven by World::excess, and what they had hidden is searched.
+// are forgiven by GapCheck, and what they had hidden is searched.
 #pragma once
 #include <vector>
 

@@ -9,8 +9,8 @@ namespace tune = tuning::stepping;
 
 void PrescribedPoses::reset(System& system) {
   const int nbody = system.model.nbody;
-  system.world.pace.assign(nbody, 1);
-  system.world.squeezed.assign(nbody, 0);
+  system.world.prescribed_exits.pace.assign(nbody, 1);
+  system.world.prescribed_exits.squeezed.assign(nbody, 0);
   push_.assign(nbody, {});
   if (system.prescribed != Prescribed::No) stand_aside(system);
 }
@@ -36,8 +36,8 @@ void PrescribedPoses::put_people(System& system, Data& data, double share) {
   world.start_poses(end);
   for (int b = 1; b < system.model.nbody; b++) world.active[b] = system.is_person(b);
   travel_bounds(world.shapes, state.pose, end, world.active, way_);
-  world.travel(way_, {});
-  world.people_put();
+  world.broad_phase.travel(way_, {});
+  world.prescribed_exits.forget();
   // A step moves active trees from one pose to the other: all others are in both.
   state.pose.kin = end.kin;
   world.start_poses(state.pose);
@@ -77,7 +77,7 @@ void PrescribedPoses::gain_pace(World& world, double h) {
   for (size_t b = 1; b < push_.size(); b++) {
     Push& p = push_[b];
     p.wait = std::max(0.0, p.wait - h);
-    double& pace = world.pace[b];
+    double& pace = world.prescribed_exits.pace[b];
     pace = p.wait > 0 ? 0 : pace == 0 ? 1 : std::min(1.0, tune::kPushGain * pace);
   }
 }
@@ -112,8 +112,8 @@ void PrescribedPoses::release_jammed(Model& m) {
 bool PrescribedPoses::soften(System& system, Data& data, int body, int tries) {
   World& world = system.world;
   const Kinematics& kin = data.state.pose.kin;
-  double& pace = world.pace[body];
-  if (world.squeezed[body]) pace = 0;
+  double& pace = world.prescribed_exits.pace[body];
+  if (world.prescribed_exits.squeezed[body]) pace = 0;
   const double pushed = world.settings.depenetration_speed;
   const double speed = fastest(system, kin, body, twists_);
   const double most = std::max(tuning::collision::kThrownFactor * pushed,
@@ -155,11 +155,14 @@ bool PrescribedPoses::accept(System& system, Data& data, int tries) {
 
 void PrescribedPoses::save(const World& world, std::vector<double>& out) const {
   for (size_t b = 0; b < push_.size(); b++)
-    out.insert(out.end(), {world.pace[b], push_[b].wait, push_[b].patience});
+    out.insert(out.end(), {world.prescribed_exits.pace[b], push_[b].wait, push_[b].patience});
 }
 
 const double* PrescribedPoses::load(World& world, const double* in) {
-  for (size_t b = 0; b < push_.size(); b++, in += 3) world.pace[b] = in[0], push_[b] = {in[1], in[2]};
+  for (size_t b = 0; b < push_.size(); b++, in += 3) {
+    world.prescribed_exits.pace[b] = in[0];
+    push_[b] = {in[1], in[2]};
+  }
   return in;
 }
 

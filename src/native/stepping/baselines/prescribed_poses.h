@@ -6,9 +6,9 @@
 // Settings.depenetration_speed at most; where objects have no room they stay overlapped.
 //
 // No push makes an object faster than kThrownFactor times that speed, or than it was and that speed at right
-// angles. A try at a step that does is repeated with a gentler push (World::pace in [0, 1] is its share of the
-// speed). Objects without room are not pushed for some time; those that are thrown even so are jammed: they
-// stand still in the substep.
+// angles. A try at a step that does is repeated with a gentler push (PrescribedExits::pace in [0, 1] is its
+// share of the speed). Objects without room are not pushed for some time; those that are thrown even so are
+// jammed: they stand still in the substep.
 #pragma once
 #include <vector>
 

@@ -14,6 +14,7 @@ from halfphysics.body import skinning
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import PARENTS
 from support.files.model_files import VERTICES, fields
+from support.references.skinning import kinematics_reference, skin_reference
 
 FRAMES = 21  # two whole blocks of the native core and a part of one
 
@@ -58,7 +59,7 @@ def test_kinematics_equals_the_reference(skin: skinning.Skin) -> None:
     turns = make_rotations()
     root = np.random.default_rng(2).normal(size=(FRAMES, 3))
     found = skinning.kinematics(turns, root, skin.rest_joints)
-    expected = skinning.kinematics_reference(turns, root, skin.rest_joints)
+    expected = kinematics_reference(turns, root, skin.rest_joints)
     for a, b in zip(found, expected, strict=True):
         np.testing.assert_allclose(a, b, rtol=0, atol=TOLERANCE)
     np.testing.assert_allclose(np.linalg.norm(found[1], axis=-1), 1.0, rtol=0, atol=1e-14)
@@ -67,9 +68,9 @@ def test_kinematics_equals_the_reference(skin: skinning.Skin) -> None:
 def test_skin_equals_the_reference(skin: skinning.Skin) -> None:
     turns = make_rotations()
     root = np.random.default_rng(2).normal(size=(FRAMES, 3))
-    frames = skinning.kinematics_reference(turns, root, skin.rest_joints)
+    frames = kinematics_reference(turns, root, skin.rest_joints)
     found = skinning.skin(skin, turns, *frames)
-    expected = skinning.skin_reference(skin, turns, *frames)
+    expected = skin_reference(skin, turns, *frames)
     np.testing.assert_allclose(found, expected, rtol=0, atol=TOLERANCE)
 
 
@@ -77,8 +78,8 @@ def test_reference_equals_transforms_of_four_by_four() -> None:
     """The reference itself, against homogeneous matrices vertex by vertex."""
     skin = make_skin(posedirs=True)
     turns = make_rotations(1)
-    frames = skinning.kinematics_reference(turns, np.array([[1.0, -2.0, 0.5]]), skin.rest_joints)
-    found = skinning.skin_reference(skin, turns, *frames)[0]
+    frames = kinematics_reference(turns, np.array([[1.0, -2.0, 0.5]]), skin.rest_joints)
+    found = skin_reference(skin, turns, *frames)[0]
     world = []
     for j, parent in enumerate(PARENTS):
         step = np.eye(4)

@@ -20,8 +20,8 @@ from evidence.runs import ablations, following
 from evidence.runs.choices import LIMP, said
 from evidence.sections import table1, table3, table4
 from evidence.store import Store
-from halfphysics.body.skinning import kinematics_reference
 from halfphysics.errors import FileError
+from support.references.skinning import kinematics_reference
 
 QUICK = Options(quick=True)
 SHORT = {"kind": "dance", "number": 4, "seed": 0, "seconds": 1.0}

@@ -14,13 +14,12 @@ from halfphysics.geometry.mesh_files import load_mesh
 from halfphysics.geometry.mesh_queries import (
     MeshQuery,
     boundary_edges,
-    closest_reference,
     is_closed,
     merge_vertices,
     piece_count,
-    winding_reference,
 )
 from halfphysics.geometry.shapes import Box, Cylinder, Sphere
+from support.references.mesh_queries import closest_reference, winding_reference
 
 # Sums of up to 10,000 solid angles, each good to a few units in the last place.
 ROUNDING = 1e-9

@@ -13,8 +13,8 @@ from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import MeshQuery
 from halfphysics.labels import ContactLabels, arctic, behave, chois, contact_labels, omomo
 from halfphysics.labels.item_solids import things_of
-from halfphysics.labels.reference import solid_distance
 from halfphysics.results.result import Result
+from support.references.labels import solid_distance
 
 
 @cache

@@ -14,10 +14,10 @@ from halfphysics.bench.clips import straight
 from halfphysics.labels.bounding_spheres import part_balls
 from halfphysics.labels.item_solids import Solid, Thing, things_of
 from halfphysics.labels.proximity import Target, near
-from halfphysics.labels.reference import near_reference, solid_distance
 from halfphysics.labels.sampling import ObjectSurface, covered
 from halfphysics.results.result import ObjectTrack
 from support.judges.coal_shapes import coal_shape
+from support.references.labels import near_reference, solid_distance
 
 #: Both do the same sums in another order.
 ROUNDING = 1e-12

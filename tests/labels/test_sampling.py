@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics.geometry.mesh_queries import closest_reference, is_closed
+from halfphysics.geometry.mesh_queries import is_closed
 from halfphysics.geometry.mesh_solids import solid_moments
 from halfphysics.labels.item_solids import things_of
 from halfphysics.labels.sampling import MOST, covered, surface_of
 from halfphysics.results.result import ObjectTrack
+from support.references.mesh_queries import closest_reference
 
 SHAPES = {
     "box": hp.Box((0.3, 0.07, 0.12)),

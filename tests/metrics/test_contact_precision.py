@@ -14,9 +14,9 @@ import halfphysics as hp
 from halfphysics import metrics, scenarios
 from halfphysics.bench.clips import straight
 from halfphysics.errors import InputError
-from halfphysics.geometry.mesh_queries import closest_reference
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.result import Result
+from support.references.mesh_queries import closest_reference
 
 LEFT_FOOT = hp.JOINT_NAMES.index("left_foot")
 

@@ -11,10 +11,10 @@ import pytest
 from halfphysics import metrics
 from halfphysics.base import rotations
 from halfphysics.errors import InputError
-from halfphysics.geometry.mesh_queries import closest_reference, winding_reference
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.scene.scene import Scene
 from support.point_bodies import Ball, Cloud, Drift, Track
+from support.references.mesh_queries import closest_reference, winding_reference
 
 
 @pytest.fixture

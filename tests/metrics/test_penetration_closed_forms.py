@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from halfphysics import metrics
-from halfphysics.geometry.mesh_queries import closest_reference, winding_reference
 from halfphysics.geometry.shapes import Box, Capsule, Mesh, Plane, Shape, Sphere
 from halfphysics.scene.scene import Scene
 from support.point_bodies import Cloud, Drift
+from support.references.mesh_queries import closest_reference, winding_reference
 
 STILL = Drift(np.zeros((1, 3)))
 

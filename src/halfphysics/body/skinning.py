@@ -1,8 +1,7 @@
-"""Forward kinematics and linear blend skinning: the fast path and the readable reference.
+"""Forward kinematics and linear blend skinning.
 
 `kinematics` and `skin` run in the native core (native/geometry/skinning.cpp);
-`kinematics_reference` and `skin_reference` are the same in numpy, one equation a line. Tests hold
-them equal.
+`tests/support/references/skinning.py` has the same in plain numpy. The tests hold both equal.
 
 With R_j, x_j the world rotation and position of joint j, j_j its place at rest, w_vj the skin's
 weights and B_v the pose blend shapes of vertex v (SMPL, Loper et al. 2015, equations 2 to 9)::
@@ -20,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 import halfphysics._native as _native
-from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import PARENTS
 
@@ -143,30 +141,3 @@ def checked_indices(indices: Ints, count: int) -> Ints:
             f"indices: found {array.min()} to {array.max()}, expected vertices 0 to {count - 1}"
         )
     return np.ascontiguousarray(array, dtype=np.int32)
-
-
-def kinematics_reference(rotations: Array, root: Array, rest_joints: Array) -> tuple[Array, Array]:
-    """`kinematics` in plain numpy."""
-    local = rot.exp(rotations)
-    positions, quaternions = np.empty(rotations.shape), np.empty(local.shape)
-    positions[:, 0], quaternions[:, 0] = root, local[:, 0]
-    for j, p in enumerate(PARENTS[1:], start=1):
-        arm = rot.rotate(quaternions[:, p], rest_joints[j] - rest_joints[p])
-        positions[:, j] = positions[:, p] + arm
-        quaternions[:, j] = rot.multiply(quaternions[:, p], local[:, j])
-    return positions, quaternions
-
-
-def skin_reference(skin: Skin, rotations: Array, positions: Array, quaternions: Array) -> Array:
-    """`skin` of all vertices in plain numpy."""
-    shaped = np.broadcast_to(skin.rest_vertices, (len(positions), *skin.rest_vertices.shape))
-    if skin.posedirs is not None:
-        features = rot.rotvec_to_matrix(rotations[:, 1:]) - np.eye(3)
-        shaped = shaped + np.einsum("vck,tk->tvc", skin.posedirs, features.reshape(-1, 486))
-    # Blended about the pelvis: the translation passes through exactly, whatever its size.
-    world = rot.to_matrix(quaternions)
-    shift = positions - positions[:, :1] - np.einsum("tjab,jb->tja", world, skin.rest_joints)
-    blended = np.einsum("vj,tjab->tvab", skin.weights, world)
-    moved = np.einsum("tvab,tvb->tva", blended, shaped)
-    result: Array = positions[:, :1] + moved + np.einsum("vj,tja->tva", skin.weights, shift)
-    return result

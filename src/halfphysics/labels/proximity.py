@@ -1,7 +1,7 @@
 """Which vertices are near what: of the skin to the things of a scene, of an object to the skin.
 
 Parts whose ball is far from a thing are not looked at, those far from everything not skinned.
-`reference.py` says the same slowly; the tests hold both equal.
+`tests/support/references/labels.py` has the same in plain numpy; the tests hold both equal.
 """
 
 from __future__ import annotations

@@ -10,7 +10,6 @@ import pytest
 
 from halfphysics.base import rotations as rot
 from halfphysics.body.body import Body
-from halfphysics.geometry.mesh_queries import closest_reference, winding_reference
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene
@@ -20,6 +19,7 @@ from support.judges.skin_judge import SkinJudge
 from support.judges.skin_obstacles import Primitive, hull_of, obstacles_of, signed_distance
 from support.judges.triangle_soup import Soup
 from support.people import FACING_X, t_pose, violent
+from support.references.mesh_queries import closest_reference, winding_reference
 
 trimesh = pytest.importorskip("trimesh")
 

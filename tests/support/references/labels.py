@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.geometry.mesh_queries import closest_reference, winding_reference
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.labels.bounding_spheres import part_balls
 from halfphysics.labels.item_solids import Solid, Thing
 from halfphysics.labels.proximity import Near, Target
+from support.references.mesh_queries import closest_reference, winding_reference
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body

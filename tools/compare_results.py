@@ -43,6 +43,8 @@ RECORD = Path(__file__).resolve().with_name("results.json")
 PACKAGES = ("numpy", "scipy", "mujoco", "trimesh", "coacd", "pillow", "usd-core")
 #: Threads of numpy's linear algebra: their number may change its sums.
 ALONE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+#: Of what went wrong so much is shown [characters].
+SAID = 300
 
 #: What came of a case: its hash and those of its values, or what went wrong.
 Outcome = Mapping[str, Any]
@@ -135,8 +137,6 @@ def run(names: list[str], jobs: int) -> dict[str, Outcome]:
     began, found = time.perf_counter(), {}
     for name, outcome in _everything(names, max(1, jobs)):
         found[name] = outcome
-        if "error" in outcome:
-            print(f"failed     {name}: {outcome['error']}", flush=True)
     print(f"{len(found)} cases in {time.perf_counter() - began:.1f} s", flush=True)
     return {name: found[name] for name in names}
 
@@ -177,7 +177,8 @@ def outcome_of(name: str) -> Outcome:
             warnings.simplefilter("ignore")
             whole, each = digests(all_cases()[name].run())
     except Exception as error:  # one case that fails leaves the others to be compared
-        return {"error": f"{type(error).__name__}: {error}"}
+        said = " ".join(f"{type(error).__name__}: {error}".split())
+        return {"error": said[:SAID] + ("..." if len(said) > SAID else "")}
     return {"hash": whole, "values": each, "seconds": time.process_time() - began}
 
 
@@ -196,7 +197,11 @@ def record(
     about = {name: value for name, value in head.items() if name != "halfphysics"}
     lines = ",\n".join(f" {json.dumps(name)}: {json.dumps(kept[name])}" for name in sorted(kept))
     file.write_text(f'{{"about": {json.dumps(about, indent=1)},\n"cases": {{\n{lines}\n}}}}\n')
-    failed = sum("error" in outcome for outcome in outcomes.values())
+    failed = 0
+    for name, outcome in outcomes.items():
+        if "error" in outcome:
+            print(f"failed     {name}: {outcome['error']}")
+            failed += 1
     print(f"{file}: {len(names) - failed} cases recorded, {failed} failed")
     return int(failed > 0)
 

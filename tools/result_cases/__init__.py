@@ -12,9 +12,19 @@ from result_cases.case import Case
 
 def all_cases() -> dict[str, Case]:
     """Every case by name, in the order of the record; building them simulates nothing."""
-    from result_cases import baselines, clips, files, hosted, live, measured, meshes, settings
+    from result_cases import (
+        baselines,
+        clips,
+        files,
+        hosted,
+        live,
+        measured,
+        meshes,
+        settings,
+        varied,
+    )
 
-    families = (settings, baselines, clips, meshes, live, hosted, measured, files)
+    families = (settings, baselines, clips, meshes, live, hosted, measured, files, varied)
     out: dict[str, Case] = {}
     for family in families:
         for case in family.cases():

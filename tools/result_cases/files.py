@@ -29,7 +29,7 @@ FORMATS = {
 
 
 def npz(path: Path) -> dict[str, Any]:
-    """The arrays of a file but those about who wrote it and how (meta/...)."""
+    """The arrays of a file except those about the program that wrote it (meta/...)."""
     with np.load(path) as file:
         return {key: file[key] for key in sorted(file) if not key.startswith("meta/")}
 
@@ -89,7 +89,7 @@ def bodies() -> dict[str, Any]:
 
 
 def animated(suffix: str, name: str) -> dict[str, Any]:
-    """An animated scene as a file, but for who wrote it."""
+    """An animated scene as a file, without the name of the program that wrote it."""
     result = simulated(name)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"scene{suffix}"

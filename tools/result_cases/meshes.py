@@ -29,7 +29,7 @@ def stands(name: str, contact: str) -> dict[str, Any]:
 
 
 def falls(name: str, pieces: str) -> dict[str, Any]:
-    """A mesh that is thrown onto a floor and against a post, nobody there."""
+    """A mesh that is thrown onto a floor and against a post; there is no person."""
     scene = floor()
     scene.add_static("post", hp.Cylinder(0.1, 2.0), position=(0.9, 0.0, 1.0))
     thrown = {"velocity": (2.0, 0.3, 0.0), "angular_velocity": (1.0, 3.0, -2.0)}

@@ -93,4 +93,4 @@ def cases() -> Iterator[Case]:
         yield Case(f"two_people/{what}", partial(pair, changes), quick=together)
         for name in ("asap_kick1", "animdraw_dab") if everything else ("asap_kick1",):
             if name in clips():
-                yield Case(f"solids/{name}/{what}", partial(solids, name, changes))
+                yield Case(f"solids/{name}/{what}", partial(solids, name, changes), quick=few)

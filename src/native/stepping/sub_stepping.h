@@ -1,4 +1,4 @@
-// Sub-stepping: what a substep becomes that cannot be made whole (docs/physics.md, "The substep", 6).
+// Sub-stepping: what a substep becomes that cannot be made whole (docs/physics.md, "The substep", 8).
 //
 // A step whose end pose is violated is shortened, island by island: by bisection, the largest share of it at
 // whose end every gap is at least ContactCandidate::hard, half of what was asked, and no shape is beyond the

@@ -1,12 +1,13 @@
 // The substep: one step of length h, verified (docs/physics.md, "The substep").
 //
-//   1. free velocity    v*: drive, forces of joints, gravity; limits of strength, held loads
-//   2. attempts         planes, contacts, solve, verify (contact_step.h), tried again where bodies wake,
-//                       come out of an overlap too fast (step_attempts.h), squeeze others or are too weak
-//   3. commit, or shorten and go on in pieces (sub_stepping.h)
-//   4. end              velocities at the end, what the drives exerted, clocks of trajectories
+//   free velocity (1)     v*: drive, forces of joints, gravity; limits of strength, held loads
+//   attempt (2 to 7)      broad phase, candidates, contacts, solve, verify (contact_step.h); made again where
+//                         bodies wake or come out of an overlap too fast (step_attempts.h), where a kinematic
+//                         body squeezes others, or where a joint exceeds its strength
+//   commit or shorten (8) the whole step, or a share of it and the rest in pieces (sub_stepping.h)
+//   end                   velocities at the end, what the drives exerted, clocks of trajectories
 //
-// `run` reads like that.
+// `run` reads like that; the numbers are those of docs/physics.md.
 #pragma once
 #include "stepping/free_motion.h"
 #include "stepping/strength.h"

@@ -38,11 +38,63 @@ constexpr double kNoRotation = 1e-12;
 
 namespace hp::tuning::geometry {
 
-// convex.cpp
+// Distances of convex shapes (gjk.cpp, separation.cpp, bvh.cpp)
 
-// bvh.cpp
+// Iterations of GJK: 5 to 15 are used on hulls of a skin; what is left is rounding.
+constexpr int kGjkIterations = 64;
+// Relative progress of the squared distance under which the search ends: some rounding errors.
+constexpr double kGjkProgress = 1e-13;
+// Support points nearer than 0.01 pm are the same; points of the simplex nearer than 0.01 nm to the
+// origin are at it [m^2].
+constexpr double kSameSupport2 = 1e-28, kAtOrigin2 = 1e-22;
+// A distance that a separating direction proves to exceed this is no rounding [m].
+constexpr double kProvedApart = 1e-9;
+// A line between nearest points that is shorter than this may be tilted, or point anywhere, by the
+// rounding of coordinates of some metres (1e-15) over its length [m]: the direction of shapes that rest
+// on each other. It counts only if it separates them to within the second distance.
+constexpr double kTouching = 1e-5, kSeparates = 1e-6;
+// Shapes nearer than this take the normal of a face [m] if it separates them as well, to within the
+// second distance: friction on a plane that is tilted by rounding creeps.
+constexpr double kNearFaces = 2e-3, kSameDistance = 1e-7;
+// A face is tried if the cosine of its normal to the line between nearest points exceeds this: of
+// shapes that touch, and of others. Less, and a face beside an edge could take the place of the edge.
+constexpr double kLikeTouching = 0.9, kLikeNear = 0.9999;
 
-// triangle_cluster.h, triangle_tree.h
+// contact_manifold.cpp
+
+// Corners of a face nearer than this are one [m]; twice the area of three corners on a line [m^2].
+constexpr double kSameCorner = 1e-9, kStraight = 1e-12;
+
+// bvh.cpp, bvh_build.cpp
+
+// Overlaps of a shape and a triangle up to this deep count as touching [m]: what was set down exactly
+// on a surface. More, and a limb may start that deep in a sheet without being moved out.
+constexpr double kMeshTouch = 1e-4;
+// Triangles whose doubled area is less have no normal [m^2].
+constexpr double kNoTriangle = 1e-14;
+// A box, a triangle, may stick out of the plane that culls it by this [m]: neighbours in a flat face
+// do, by rounding of normals.
+constexpr double kBoxBehind = 1e-9, kTriangleBehind = 1e-7;
+// Planes of one shape against one mesh. A body part among rods takes a dozen; the farthest are left out
+// beyond this, and then the shape is measured again in every substep.
+constexpr int kMostPlanes = 64;
+// Planes that cull others without being a result. More cost more than they save.
+constexpr size_t kMostCullers = 12;
+// Triangles in a leaf, and bins of the surface-area heuristic. No result depends on them.
+constexpr int kBvhLeaf = 4, kSahBins = 16;
+// Nodes deeper than this are halved by count: deeper than any sensible tree, so that no arrangement of
+// triangles makes the depth more than this and the logarithm of their number.
+constexpr int kSahDepth = 64;
+
+// triangle_tree.h
+
+// Triangles in a leaf. No result depends on it.
+constexpr int kPointLeaf = 4;
+// Clusters that are opened at most for one question about a whole ball, and for each of its points. No
+// result depends on them: what is not answered is asked point by point.
+constexpr int kMostOpened = 2048, kOpenedEach = 8;
+// So few points are asked one by one; more are cut in so many parts where a ball has no one answer.
+constexpr int kFewPoints = 4, kPointParts = 4;
 
 // point_queries.cpp
 

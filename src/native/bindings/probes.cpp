@@ -4,6 +4,7 @@
 #include <string>
 
 #include "bindings/stepper.h"
+#include "geometry/separation.h"
 
 using namespace hp;
 

@@ -2,11 +2,12 @@
 
 #include <cmath>
 
+#include "geometry/separation.h"
 #include "tuning.h"
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 void BroadPhase::forget() {
   const size_t n = world_.shapes.size();
@@ -51,7 +52,7 @@ void BroadPhase::update(const Model& m, const Poses& p, const std::vector<double
   if (good) return;
   listed_once_ = true;
   listed_ = travelled_;
-  for (int i = 0; i < n; i++) range_[i] = 2 * reach[i] + kListMargin;
+  for (int i = 0; i < n; i++) range_[i] = 2 * reach[i] + tune::kListMargin;
   const Bounds b = bounds(m, p);
   old_.clear();
   old_.swap(pairs_);
@@ -119,7 +120,7 @@ bool BroadPhase::covers_people(double range) const {
 bool BroadPhase::behind_planes(const BroadPhasePair& e, const PosedShape& a, double r) const {
   if (!planes_reach(e, r)) return false;
   for (const Plane& p : e.planes)
-    if (p.overlaps || a.lowest(p.n) - p.offset <= r + kRounding) return false;
+    if (p.overlaps || a.lowest(p.n) - p.offset <= r + tune::kRounding) return false;
   return true;
 }
 
@@ -152,7 +153,7 @@ void BroadPhase::measure_static(Poses& p, BroadPhasePair& e, double r) const {
     e.dist = r;
     for (const Plane& q : e.planes) e.dist = std::min(e.dist, q.dist);
     // Nothing near: knowing how much farther there is nothing saves many measurements.
-    if (e.planes.empty()) e.dist = std::max(r, S.tree->distance(a, r + kFartherLook));
+    if (e.planes.empty()) e.dist = std::max(r, S.tree->distance(a, r + tune::kFartherLook));
   }
 }
 

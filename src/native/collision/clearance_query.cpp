@@ -2,11 +2,12 @@
 
 #include <limits>
 
+#include "geometry/separation.h"
 #include "tuning.h"
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 namespace {
 
@@ -25,7 +26,7 @@ double distance_below(const CollisionWorld& world, Poses& p, int i, const Boundi
   if (S.kind == Static::Kind::Hull)
     return box.meets(S.posed.box) ? separate(world.place(p, i), S.posed, std::max(best, 0.0)).dist : kFar;
   return box.meets(S.tree->box())
-             ? S.tree->distance(world.place(p, i), std::max(best, kLeastRange), near)
+             ? S.tree->distance(world.place(p, i), std::max(best, tune::kLeastRange), near)
              : kFar;
 }
 

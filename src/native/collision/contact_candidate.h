@@ -13,6 +13,7 @@
 #include "contact/solver.h"
 #include "geometry/bvh.h"
 #include "geometry/convex.h"
+#include "geometry/gjk.h"
 
 namespace hp {
 

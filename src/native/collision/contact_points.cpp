@@ -4,11 +4,13 @@
 #include <cmath>
 #include <functional>
 
+#include "geometry/contact_manifold.h"
+#include "geometry/separation.h"
 #include "tuning.h"
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 namespace {
 
@@ -129,7 +131,7 @@ void Generator::add_deepest_vertices() {
   int added = 0;
   std::vector<Vec3> chosen;
   while (!worst.empty()) {
-    if (added == kPointsPerPass || already + added == kMostPoints) break;
+    if (added == tune::kPointsPerPass || already + added == tune::kMostPoints) break;
     std::pop_heap(worst.begin(), worst.end(), later);
     const int v = worst.back().second;
     worst.pop_back();
@@ -137,7 +139,7 @@ void Generator::add_deepest_vertices() {
     bool skip = false;
     for (const Contact& k : contacts) skip |= k.pair == index && k.feature == v;
     if (already == 0)
-      for (Vec3 o : chosen) skip |= norm2(o - x) < kSpread2;
+      for (Vec3 o : chosen) skip |= norm2(o - x) < tune::kSpread2;
     if (skip) continue;
     chosen.push_back(x);
     added++;
@@ -156,7 +158,7 @@ std::vector<Generator::RimPoint> Generator::deep_rim_points() const {
     const Vec3 toward[5] = {s1.on_rim(-c.n), t, s, -t, -s};
     for (int k = 0; k < 5; k++) {
       // The last four are for a disc that lies flat; on its edge some would be nowhere in particular.
-      if (k > 0 && std::fabs(dot(toward[k], s1.axis)) > kOnEdge) continue;
+      if (k > 0 && std::fabs(dot(toward[k], s1.axis)) > tune::kOnEdge) continue;
       Vec3 out = s1.on_rim(toward[k]);
       double gap = dot(c.n, s1.points.at(v) + c.shift() + out) - a0.hull->radius - c.offset;
       if (gap < c.target && norm2(out) > 0) worst.push_back({gap, 5 * v + k, toward[k]});
@@ -171,7 +173,7 @@ int Generator::rim_contact(int feature, Vec3 toward) const {
   int same = -1;
   for (size_t k = 0; k < contacts.size(); k++)
     if (contacts[k].pair == index && contacts[k].feature == feature &&
-        norm(contacts[k].rim - toward) < kSameRim)
+        norm(contacts[k].rim - toward) < tune::kSameRim)
       same = (int)k;
   return same;
 }
@@ -181,13 +183,13 @@ void Generator::add_rim_points() {
   int added = 0;
   std::vector<Vec3> chosen;
   for (const RimPoint& w : deep_rim_points()) {
-    if (added == kPointsPerPass || already + added == kMostPoints) break;
+    if (added == tune::kPointsPerPass || already + added == tune::kMostPoints) break;
     const Vec3 toward = (1 / norm(w.toward)) * w.toward;
     const Vec3 x = s0.points.at(w.feature / 5) + s0.on_rim(toward) - a0.hull->radius * c.n;
     const int same = rim_contact(w.feature, toward);
-    if (same >= 0 && norm(contacts[same].rim - toward) < kSettledRim) continue;
+    if (same >= 0 && norm(contacts[same].rim - toward) < tune::kSettledRim) continue;
     bool near = false;
-    for (Vec3 o : chosen) near |= norm2(o - x) < kSpread2;
+    for (Vec3 o : chosen) near |= norm2(o - x) < tune::kSpread2;
     if (near && already == 0) continue;
     chosen.push_back(x);
     make(c.n, dot(c.n, x + c.from) - c.offset, x, x, w.feature);
@@ -202,17 +204,17 @@ void Generator::add_rim_points() {
 // The nearest points of the displaced shape and the object, at the start or, later, at the end; they
 // act where the shape is.
 void Generator::add_displaced() {
-  if (already == kMostPoints) return;
+  if (already == tune::kMostPoints) return;
   Poses& at = already == 0 ? start : end;
   const Vec3 shift = already == 0 ? c.from : c.shift();
   const Separation s = separate(displaced(world.place(at, c.shape), shift),
                                 world.place(at, c.other_shape), 1e300, true, c.n);
   const bool settle =
-      already > 0 && (pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < kSameSide);
+      already > 0 && (pass > tune::kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < tune::kSameSide);
   const Vec3 n = settle ? c.n : s.n;
   const Vec3 xa = start_of(c.shape, at, s.pa - shift), xb = start_of(c.other_shape, at, s.pb);
   for (const Contact& k : contacts)
-    if (k.pair == index && norm2(k.at_a - xa) < kSamePoint2 && dot(k.n, n) > kSamePassNormal) return;
+    if (k.pair == index && norm2(k.at_a - xa) < tune::kSamePoint2 && dot(k.n, n) > tune::kSamePassNormal) return;
   make(n, dot(n, xa + c.from - xb), xa, xa, 5 + already);
   contacts.back().gap_b =
       start.material(world.shapes[c.other_shape], world.place(start, c.other_shape), xb);
@@ -223,12 +225,12 @@ void Generator::add_cached(bool& nearest) {
   const CollisionShape& other = world.shapes[c.other_shape];
   const PosedShape& b0 = world.place(start, c.other_shape);
   for (const CachedContact& w : cached) {
-    if (w.key != pair_key(c) || dot(w.normal, c.n) < kCachedNormal) continue;
+    if (w.key != pair_key(c) || dot(w.normal, c.n) < tune::kCachedNormal) continue;
     Vec3 xa = start.position(shape, a0, w.point), xb = start.position(other, b0, w.other);
     double gap = dot(c.n, xa - xb);
-    if (norm2(xa - xb - gap * c.n) > kSamePoint2 || gap < c.dist - kFlat) continue;
+    if (norm2(xa - xb - gap * c.n) > tune::kSamePoint2 || gap < c.dist - tune::kFlat) continue;
     make_opposite(c.n, std::max(c.dist, gap), xa, xb, w.feature);
-    nearest |= gap < c.dist + kFlat;
+    nearest |= gap < c.dist + tune::kFlat;
   }
 }
 
@@ -240,13 +242,13 @@ void Generator::add_first() {
   add_cached(nearest);
   auto known = [&](Vec3 xa, Vec3 xb) {
     for (size_t k = first; k < contacts.size(); k++)
-      if (norm2(contacts[k].position - 0.5 * (xa + xb)) < kSamePoint2) return true;
+      if (norm2(contacts[k].position - 0.5 * (xa + xb)) < tune::kSamePoint2) return true;
     return false;
   };
-  int n = face_manifold(a0, b0, c.n, kFaceThickness, 4, pa, pb);
+  int n = face_manifold(a0, b0, c.n, tune::kFaceThickness, 4, pa, pb);
   for (int i = 0; i < n; i++) {
     double gap = std::max(c.dist, dot(c.n, pa[i] - pb[i]));
-    nearest |= gap < c.dist + kFlat;
+    nearest |= gap < c.dist + tune::kFlat;
     if (!known(pa[i], pb[i])) make_opposite(c.n, gap, pa[i], pb[i], i);
   }
   // The corners of a slanted face need not be where the two are nearest.
@@ -259,7 +261,7 @@ void Generator::add_first() {
 void Generator::add_at_end() {
   const PosedShape &a1 = world.place(end, c.shape), &b1 = world.place(end, c.other_shape);
   Separation s = separate(a1, b1, 1e300, false, c.n);
-  const bool settle = pass > kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < kSameSide;
+  const bool settle = pass > tune::kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < tune::kSameSide;
   if (settle) {
     s.n = c.n;
     s.pa = a1.support().farthest(-c.n) - a1.hull->radius * c.n;
@@ -275,11 +277,11 @@ void Generator::add_at_end() {
   for (size_t i = 0; i < contacts.size(); i++) {
     const Contact& k = contacts[i];
     if (k.pair == index &&
-        (round || (norm2(k.at_a - xa) < kSamePoint2 && norm2(k.at_b - xb) < kSamePoint2)))
+        (round || (norm2(k.at_a - xa) < tune::kSamePoint2 && norm2(k.at_b - xb) < tune::kSamePoint2)))
       same = (int)i;
   }
   if (same >= 0 && settle && dot(contacts[same].n, s.n) > 1 - 1e-9) return;  // only its shift is missing
-  if (same < 0 && already == kMostPoints) return;
+  if (same < 0 && already == tune::kMostPoints) return;
   const int feature = same >= 0 ? contacts[same].feature : 5 + already;
   if (settle)
     make(s.n, dist, xa, xb, feature);

@@ -4,11 +4,12 @@
 
 #include "collision/exit_search.h"
 #include "collision/overlap_groups.h"
+#include "geometry/separation.h"
 #include "tuning.h"
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 Inside* Depenetration::find(const BroadPhasePair& e) {
   for (Inside& in : inside_)
@@ -57,17 +58,17 @@ void Depenetration::add_group(Poses& start, const Obstacle& o, const OverlapGrou
     in.exit = exit.displacement;
     in.lost = norm2(in.exit) == 0;
     auto clear_at = [&](double out) {
-      return o.clear(displaced(world_.place(start, i), (1 - out) * in.exit), kExitClearance);
+      return o.clear(displaced(world_.place(start, i), (1 - out) * in.exit), tune::kExitClearance);
     };
     double bad = 1;
-    for (double out = 0; !in.lost; out += kExitStride / exit.length) {
+    for (double out = 0; !in.lost; out += tune::kExitStride / exit.length) {
       if (out >= 1 || !clear_at(out)) {
         bad = std::min(out, 1.0);
         break;
       }
       in.out = out;
     }
-    for (int k = 0; k < kExitBisections && !in.lost; k++) {
+    for (int k = 0; k < tune::kExitBisections && !in.lost; k++) {
       const double out = 0.5 * (in.out + bad);
       (clear_at(out) ? in.out : bad) = out;
     }
@@ -95,19 +96,19 @@ void Depenetration::add_candidates(Poses& start, BroadPhasePair& e, Inside& in, 
   e.planes_reach = 0;
   const Obstacle o = obstacle(start, in.other_static, in.other_shape);
   if (in.lost) {
-    if (o.clear(world_.place(start, in.shape), kLeastGap)) in.next = 1;
+    if (o.clear(world_.place(start, in.shape), tune::kLeastGap)) in.next = 1;
     return;
   }
   const double speed = world_.settings.depenetration_speed, length = norm(in.exit),
-               ease = std::min(1.0, std::max(kLeastPace, in.depth() / kEaseDepth)),
+               ease = std::min(1.0, std::max(tune::kLeastPace, in.depth() / tune::kEaseDepth)),
                pace = growth * ease * speed * h;
-  const double r = reach + pace + kExitLookAhead;
+  const double r = reach + pace + tune::kExitLookAhead;
   find_planes(displaced(world_.place(start, in.shape), (1 - in.out) * in.exit), o, e, r);
-  double most = (pace + kExitLookAhead) / length;
+  double most = (pace + tune::kExitLookAhead) / length;
   for (const Plane& p : e.planes) {
     const double closing = dot(p.n, in.exit);
     if (p.dist <= r && closing > 1e-9)
-      most = std::min(most, (std::max(0.0, p.dist - kLeastGap) + pace) / closing);
+      most = std::min(most, (std::max(0.0, p.dist - tune::kLeastGap) + pace) / closing);
   }
   in.pace = ease * speed * h;
   in.next = std::min(1.0, in.out + most);
@@ -124,7 +125,7 @@ void Depenetration::add_candidates(Poses& start, BroadPhasePair& e, Inside& in, 
 
 bool Depenetration::reroute(const Model& m, Poses& start) {
   const auto stuck = std::find_if(inside_.begin(), inside_.end(),
-                                  [](const Inside& in) { return in.stuck >= kStuckPatience; });
+                                  [](const Inside& in) { return in.stuck >= tune::kStuckPatience; });
   if (stuck == inside_.end()) return false;
   const Inside first = *stuck;
   std::vector<Inside> kept;
@@ -153,7 +154,7 @@ void Depenetration::advance(const std::vector<double>& share) {
   for (Inside& in : inside_) {
     const int b = world_.shapes[in.shape].body;
     if (!world_.active[b]) continue;
-    const double got = in.next - in.out, slow = kSlowProgress * norm(in.exit) * got;
+    const double got = in.next - in.out, slow = tune::kSlowProgress * norm(in.exit) * got;
     in.stuck = in.lost || slow >= in.pace ? 0 : in.stuck + 1;
     in.out += (share.empty() ? 1 : std::max(0.0, share[b])) * (in.next - in.out);
     in.next = in.out;

@@ -4,7 +4,7 @@
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 ExitSearch::ExitSearch(const CollisionWorld& world, const Model& m, Poses& start, const Obstacle& o,
                        const OverlapGroup& group, Vec3 avoid)
@@ -25,8 +25,8 @@ void ExitSearch::find_free_shapes() {
       const Obstacle other = Obstacle::of_static(world_, j);
       const PosedShape& a = world_.place(start_, i);
       Box3 near = a.box;
-      near.grow(kFarthestExit);
-      if (other.meets(near) && other.clear(displaced(a, {}), kRestingOverlap)) free_.push_back({i, other});
+      near.grow(tune::kFarthestExit);
+      if (other.meets(near) && other.clear(displaced(a, {}), tune::kRestingOverlap)) free_.push_back({i, other});
     }
 }
 
@@ -54,7 +54,7 @@ bool ExitSearch::on_right_side(Vec3 shift) const {
 
 bool ExitSearch::enters_another(Vec3 shift) const {
   for (const auto& [i, other] : free_)
-    if (!other.clear(displaced(world_.place(start_, i), shift), kRestingOverlap)) return true;
+    if (!other.clear(displaced(world_.place(start_, i), shift), tune::kRestingOverlap)) return true;
   return false;
 }
 
@@ -62,7 +62,7 @@ bool ExitSearch::fits(Vec3 shift) {
   const std::vector<int>& shapes = group_.shapes;
   for (size_t k = 0; k < shapes.size(); k++) {
     const size_t i = (last_blocked_ + k) % shapes.size();
-    if (obstacle_.clear(displaced(world_.place(start_, shapes[i]), shift), kExitClearance)) continue;
+    if (obstacle_.clear(displaced(world_.place(start_, shapes[i]), shift), tune::kExitClearance)) continue;
     last_blocked_ = i;
     return false;
   }
@@ -71,10 +71,10 @@ bool ExitSearch::fits(Vec3 shift) {
 
 void ExitSearch::add_direction(Vec3 n) {
   const double length = norm(n);
-  if (length < 1e-9 || (int)directions_.size() >= kMostExitDirections) return;
+  if (length < 1e-9 || (int)directions_.size() >= tune::kMostExitDirections) return;
   n = (1 / length) * n;
   for (Vec3 w : directions_)
-    if (dot(w, n) > kSameDirection) return;
+    if (dot(w, n) > tune::kSameDirection) return;
   directions_.push_back(n);
 }
 
@@ -89,7 +89,7 @@ void ExitSearch::find_directions() {
     std::vector<Plane> planes;
     for (int i : group_.shapes) {
       planes.clear();
-      tree.planes(world_.place(start_, i), kExitFaces, planes);
+      tree.planes(world_.place(start_, i), tune::kExitFaces, planes);
       for (const Plane& p : planes) {
         Vec3 v[3];
         tree.triangle(p.triangle, v);
@@ -106,12 +106,12 @@ void ExitSearch::find_directions() {
 
 void ExitSearch::search(Exit& best) {
   for (Vec3 w : directions_) {
-    if (dot(w, avoid_) > kOtherDirection) continue;
+    if (dot(w, avoid_) > tune::kOtherDirection) continue;
     double bad = 0, good = -1;
-    for (double t = kExitStride; t < best.length + kExitStride && good < 0; t += kExitStride)
+    for (double t = tune::kExitStride; t < best.length + tune::kExitStride && good < 0; t += tune::kExitStride)
       (fits(t * w) ? good : bad) = t;
     if (good < 0 || bad >= best.length) continue;
-    for (int k = 0; k < kExitBisections; k++) {
+    for (int k = 0; k < tune::kExitBisections; k++) {
       const double t = 0.5 * (good + bad);
       (fits(t * w) ? good : bad) = t;
     }
@@ -120,7 +120,7 @@ void ExitSearch::search(Exit& best) {
 }
 
 Exit ExitSearch::run() {
-  Exit best{{}, kFarthestExit};
+  Exit best{{}, tune::kFarthestExit};
   search(best);
   if (norm2(best.displacement) > 0) return best;
   others_too_ = false;

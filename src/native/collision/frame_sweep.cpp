@@ -1,10 +1,12 @@
 #include "collision/frame_sweep.h"
 
+#include "geometry/gjk.h"
+#include "geometry/separation.h"
 #include "tuning.h"
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 namespace {
 
@@ -35,7 +37,7 @@ bool FrameSweep::meets_static(BroadPhasePair& e) {
     return true;
   };
   if (passes()) return false;
-  broad_phase.measure_static(start, e, r + kListMargin);
+  broad_phase.measure_static(start, e, r + tune::kListMargin);
   return !(e.dist > r || passes());
 }
 
@@ -43,7 +45,7 @@ bool FrameSweep::meets_shape(BroadPhasePair& e) {
   const double r = sweep.way[e.shape] + sweep.way[e.other_shape] + clear;
   if (broad_phase.far(e, r)) return false;
   broad_phase.measured(
-      e, separate(world.place(start, e.shape), world.place(start, e.other_shape), r + kListMargin).dist);
+      e, separate(world.place(start, e.shape), world.place(start, e.other_shape), r + tune::kListMargin).dist);
   return e.dist <= r;
 }
 
@@ -67,7 +69,7 @@ bool FrameSweep::meets_itself(BroadPhasePair& e) {
         return false;
     }
   }
-  const Separation s = separate(a, b, r + kSelfMargin, false, e.axis);
+  const Separation s = separate(a, b, r + tune::kSelfMargin, false, e.axis);
   e.axis = s.n;
   broad_phase.measured(e, s.dist);
   if (s.dist > r) return false;
@@ -106,7 +108,7 @@ void mark_busy_trees(const CollisionWorld& world, BroadPhase& broad_phase,
     busy[m.root[shapes[in.shape].body]] = 1;
     if (in.other_shape >= 0) busy[m.root[shapes[in.other_shape].body]] = 1;
   }
-  FrameSweep frame{world, broad_phase, m, start, end, sweep, world.settings.clearance + kRounding};
+  FrameSweep frame{world, broad_phase, m, start, end, sweep, world.settings.clearance + tune::kRounding};
   for (BroadPhasePair& e : broad_phase.pairs()) {
     const int mine = m.root[shapes[e.shape].body];
     if (e.other_shape < 0) {

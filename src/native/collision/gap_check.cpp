@@ -2,11 +2,13 @@
 
 #include <cmath>
 
+#include "geometry/gjk.h"
+#include "geometry/separation.h"
 #include "tuning.h"
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 namespace {
 
@@ -14,7 +16,7 @@ namespace {
 Vec3 rim_corner(const PosedShape& s, int k) {
   Vec3 t, b;
   tangents(s.hull->axis, t, b);
-  double angle = 2 * M_PI * k / kRimSides, r = s.hull->rim / std::cos(M_PI / kRimSides);
+  double angle = 2 * M_PI * k / tune::kRimSides, r = s.hull->rim / std::cos(M_PI / tune::kRimSides);
   return s.R * (r * (std::cos(angle) * t + std::sin(angle) * b));
 }
 
@@ -39,9 +41,9 @@ SweptPoints swept_points(const PosedShape& a0, const PosedShape& a1, const Conta
                          const Mat3& back, Vec3 shift) {
   const bool disc = a0.hull->rim > 0;
   const Points p0 = a0.points(), p1 = a1.points();
-  const int n = p0.n * (disc ? kRimSides : 1);
+  const int n = p0.n * (disc ? tune::kRimSides : 1);
   auto corner = [&](const PosedShape& s, Points p, int i) {
-    return disc ? p.at(i / kRimSides) + rim_corner(s, i % kRimSides) : p.at(i);
+    return disc ? p.at(i / tune::kRimSides) + rim_corner(s, i % tune::kRimSides) : p.at(i);
   };
   SweptPoints swept(n);
   for (int i = 0; i < n; i++) {
@@ -146,7 +148,7 @@ double GapCheck::excess(Poses& start, Poses& end, ContactCandidate& c) const {
     if (gap >= c.target || c.dist < 0) return gap - c.target;
     Hint hint = c.hint;
     Separation s = separate(a, b1, 1e300, false, c.n, &hint);
-    if (s.dist > 0 && dot(s.n, c.n) > kSameSide) return s.dist - c.target;
+    if (s.dist > 0 && dot(s.n, c.n) > tune::kSameSide) return s.dist - c.target;
   }
   if (swept_clear(c, start, end)) {
     c.forgiven = true;

@@ -1,4 +1,5 @@
 #include "collision/least_overlap.h"
+#include "geometry/separation.h"
 
 namespace hp {
 

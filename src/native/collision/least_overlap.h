@@ -17,7 +17,7 @@ namespace hp {
 // The unit direction n in which apart(n) is largest.
 template <typename Apart>
 Vec3 best_direction(Apart apart, const std::vector<Vec3>& guesses) {
-  using namespace tuning::collision;
+  namespace tune = tuning::collision;
   Vec3 best;
   double most = -1e300;
   auto attempt = [&](Vec3 n) {
@@ -31,12 +31,12 @@ Vec3 best_direction(Apart apart, const std::vector<Vec3>& guesses) {
   };
   for (Vec3 n : guesses) attempt(n);
   const double golden = M_PI * (3 - std::sqrt(5.0));
-  for (int k = 0; k < kLatticeDirections; k++) {
-    const double z = 1 - (2 * k + 1.0) / kLatticeDirections, r = std::sqrt(1 - z * z);
+  for (int k = 0; k < tune::kLatticeDirections; k++) {
+    const double z = 1 - (2 * k + 1.0) / tune::kLatticeDirections, r = std::sqrt(1 - z * z);
     attempt({r * std::cos(golden * k), r * std::sin(golden * k), z});
   }
-  double turn = kFirstTurn;
-  for (int k = 0; k < kRefinements && turn > kLastTurn; k++) {
+  double turn = tune::kFirstTurn;
+  for (int k = 0; k < tune::kRefinements && turn > tune::kLastTurn; k++) {
     Vec3 t, s;
     tangents(best, t, s);
     const Vec3 from = best;

@@ -1,11 +1,13 @@
 #include "collision/narrow_phase.h"
 
 #include "collision/least_overlap.h"
+#include "geometry/gjk.h"
+#include "geometry/separation.h"
 #include "tuning.h"
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 void NarrowPhase::gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
                          std::vector<ContactCandidate>& out) {
@@ -81,7 +83,7 @@ void NarrowPhase::add_shapes(const Model& m, Poses& start, const PosedShape& a, 
   const PosedShape& b = world_.place(start, e.other_shape);
   if (passing_through(a, b, c)) return;
   if (e.own && broad_phase_.spheres_apart(start, e, r)) return;
-  const Separation s = separate(a, b, e.dist > r ? r + kLookAhead : r, true, e.axis, &e.hint);
+  const Separation s = separate(a, b, e.dist > r ? r + tune::kLookAhead : r, true, e.axis, &e.hint);
   e.axis = s.n;
   broad_phase_.measured(e, s.dist);
   if (s.dist > r) return;
@@ -106,7 +108,7 @@ void NarrowPhase::add_static(Poses& start, const PosedShape& a, BroadPhasePair& 
   // A pair that was near will be measured again in the next substep anyhow; one that was not is
   // measured a little farther, so that its bound lasts.
   broad_phase_.measure_static(
-      start, e, e.dist > r || e.dist == BroadPhasePair::kUnknown ? r + kLookAhead : r);
+      start, e, e.dist > r || e.dist == BroadPhasePair::kUnknown ? r + tune::kLookAhead : r);
   const Static& S = world_.statics[e.other_static];
   if (S.kind == Static::Kind::Hull) {
     if (e.dist > r) return;

@@ -1,8 +1,11 @@
 #include "collision/obstacle.h"
 
+#include "geometry/separation.h"
 #include "tuning.h"
 
 namespace hp {
+
+namespace tune = tuning::collision;
 
 namespace {
 
@@ -49,7 +52,7 @@ bool Obstacle::clear(const PosedShape& a, double range) const {
 bool Obstacle::crosses(Vec3 a, Vec3 b) const {
   if (is(Static::Kind::HalfSpace))
     return std::min(dot(fixed->n, a), dot(fixed->n, b)) <= fixed->offset;
-  return !clear(Segment(a, b).posed, tuning::collision::kRestingOverlap);
+  return !clear(Segment(a, b).posed, tune::kRestingOverlap);
 }
 
 }  // namespace hp

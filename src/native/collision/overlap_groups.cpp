@@ -7,7 +7,7 @@
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 namespace {
 
@@ -41,7 +41,7 @@ int main_part(const Model& m, const Kinematics& kin, const Obstacle& o, int root
   for (int b = 1; b < m.nbody; b++)
     if (m.root[b] == root) mass[parts.find(b)] += m.mass[b], all += m.mass[b];
   for (int b = 1; b < m.nbody; b++) {
-    if (m.root[b] != root || mass[b] <= kGreaterPart * all) continue;
+    if (m.root[b] != root || mass[b] <= tune::kGreaterPart * all) continue;
     const double within =
         o.is(Static::Kind::Mesh) ? std::round(o.fixed->tree->winding(kin.xpos[b])) : 0;
     if (within < least || (within == least && mass[b] > mass[main])) least = within, main = b;

@@ -1,10 +1,11 @@
 #include "collision/prescribed_exits.h"
 
+#include "geometry/separation.h"
 #include "tuning.h"
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 void PrescribedExits::forget() {
   known_ = false;
@@ -84,7 +85,7 @@ void PrescribedExits::update(const Model& m, Poses& start, const std::vector<Bro
     const Vec3 exit = least_deep_direction(start, all, group);
     const int object = world_.shapes[all[first].other].body;
     for (const Found& f : found)
-      if (f.object == object && dot(f.exit, exit) < kOpposedExits) squeezed[object] = 1;
+      if (f.object == object && dot(f.exit, exit) < tune::kOpposedExits) squeezed[object] = 1;
     found.push_back({object, exit});
     for (size_t i : group) {
       ContactCandidate c;

@@ -5,7 +5,7 @@
 
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 void SelfDepenetration::reset(const Model& m, Poses& start) {
   waited_ = 0, depth_ = 1e300;
@@ -13,7 +13,7 @@ void SelfDepenetration::reset(const Model& m, Poses& start) {
 }
 
 void SelfDepenetration::update(const Model& m, Poses& start) {
-  if (++waited_ < kStuckPatience) return;
+  if (++waited_ < tune::kStuckPatience) return;
   waited_ = 0;
   double depth = 0;
   for (const Pair& p : overlapping(m)) {
@@ -21,7 +21,7 @@ void SelfDepenetration::update(const Model& m, Poses& start) {
     const PosedShape &a = world_.place(start, p.shape), &b = world_.place(start, p.other);
     depth += std::max(0.0, b.highest(n) - a.lowest(n));
   }
-  if (depth > 0 && depth > kEnoughProgress * depth_) choose_directions(m, start);
+  if (depth > 0 && depth > tune::kEnoughProgress * depth_) choose_directions(m, start);
   depth_ = depth > 0 ? depth : 1e300;
 }
 

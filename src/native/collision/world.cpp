@@ -1,8 +1,10 @@
 #include "collision/world.h"
 
+#include "geometry/separation.h"
+
 namespace hp {
 
-using namespace tuning::collision;
+namespace tune = tuning::collision;
 
 // Listed pairs that overlap and are to be parted by depenetration: shapes and statics, people and
 // objects. Two objects, and two people, are not; nor are people whose poses are prescribed.
@@ -13,13 +15,13 @@ std::vector<Depenetration::Overlap> World::overlaps(Poses& start) {
     bool overlap = false;
     if (e.other_shape >= 0) {
       if (shapes[e.shape].person < 0 || shapes[e.other_shape].person >= 0) continue;
-      overlap = separate(place(start, e.shape), place(start, e.other_shape)).dist < -kRestingOverlap;
+      overlap = separate(place(start, e.shape), place(start, e.other_shape)).dist < -tune::kRestingOverlap;
     } else {
       broad_phase.measure_static(start, e, settings.clearance);
       if (statics[e.other_static].kind == Static::Kind::Mesh)
         for (const Plane& p : e.planes) overlap |= p.overlaps;
       else
-        overlap = e.dist < -kRestingOverlap;
+        overlap = e.dist < -tune::kRestingOverlap;
     }
     if (overlap) found.push_back({e.shape, e.other_static, e.other_shape});
   }
@@ -45,13 +47,13 @@ void World::reset(const Model& m, Poses& start) {
 
 // What touches, to within the rounding of files, rests there; what overlaps by more comes out.
 void World::remember_pair(const Model& m, const ContactCandidate& c) {
-  if (c.dist < -kRestingOverlap && c.other_shape >= 0) {
+  if (c.dist < -tune::kRestingOverlap && c.other_shape >= 0) {
     const CollisionShape &A = shapes[c.shape], &B = shapes[c.other_shape];
     if (A.person >= 0 && B.person >= 0 && m.root[A.body] != m.root[B.body])
       pair_states[c].through = true;
     if (A.person < 0) pair_states[c].kept = -c.dist <= A.slack + B.slack;
   }
-  if (c.inside >= 0 || c.dist < -kRestingOverlap || c.dist >= settings.clearance) return;
+  if (c.inside >= 0 || c.dist < -tune::kRestingOverlap || c.dist >= settings.clearance) return;
   const double own = std::max(c.dist, 0.0);
   PairState& state = pair_states.add(c, {own, false, {}, false});
   state.clearance = std::min(state.clearance, own);

@@ -1,4 +1,17 @@
-// Bounding-volume tree over triangles, and the separating planes between a convex shape and them.
+// A bounding-volume hierarchy over the triangles of static geometry, asked by convex shapes: separating
+// planes and distances. (geometry/triangle_tree.h is the one that points ask.)
+//
+// *Built* by the surface-area heuristic in 16 bins (Wald 2007, "On fast construction of SAH-based
+// bounding volume hierarchies"), in the same order on every platform. Any soup will do: open,
+// non-manifold, duplicated, degenerate triangles.
+//
+// *Planes.* All triangles within reach of a shape are to be kept apart from it by as few planes as
+// possible: a foot on a finely divided floor needs one. Nodes and triangles are visited in the order of
+// their distance (lower bounds by boxes, then GJK); the nearest triangle's plane comes first, and
+// whatever lies wholly behind a plane already found is culled, because the plane keeps the shape from
+// that too. The planes hold for displacements up to the reach that was asked for.
+//
+// Lengths in [m].
 #pragma once
 #include <memory>
 #include <vector>
@@ -7,35 +20,36 @@
 
 namespace hp {
 
+// Separates a convex shape from a triangle.
 struct Plane {
-  Vec3 n;           // unit, towards the convex shape
-  double offset;    // the triangle lies in n.x <= offset
-  double dist;      // of the rounded shape from the triangle; negative: overlap along n
-  int triangle;     // its number in the tree
-  bool overlaps;    // the shape meets the triangle deeper than a touch
+  Vec3 n;         // unit, towards the convex shape
+  double offset;  // the triangle lies in n.x <= offset
+  double dist;    // of the rounded shape from the triangle; negative: overlap along n
+  int triangle;   // its number in the tree
+  bool overlaps;  // the shape meets the triangle deeper than a touch
 };
 
 class TriangleTree {
  public:
-  // Any soup: open, non-manifold, duplicated, degenerate triangles. Vertices in the world frame.
+  // Vertices (nv, 3) in the world frame, faces (nf, 3) of their indices.
   TriangleTree(const double* vertices, int nv, const int* faces, int nf);
-  // The tree of these triangles: the one that is there already, if somebody holds it, else a new
-  // one. Told apart by content, bit for bit. Any thread may ask.
+  // The tree of these triangles: one that exists already, if anything still holds it, else a new one.
+  // Trees are told apart by content, bit for bit. Thread-safe.
   static std::shared_ptr<const TriangleTree> shared(const double* vertices, int nv,
                                                     const int* faces, int nf);
 
-  // Planes that together separate `a` from every triangle within `reach` of it: nearest triangle
-  // first; what lies behind a plane already found is culled. Triangles `without` are left out.
-  // What `out` holds on entry, from a pose nearby, is looked at first: it is likely to be it again.
-  // False if there were more planes than are kept: the farthest are missing.
+  // Planes that together separate `a` from every triangle within `reach` of it, nearest triangle
+  // first. Triangles `without` are left out. The triangles of the planes that `out` holds on entry,
+  // from a pose nearby, are measured first: they are likely to be the ones again. False if there were
+  // more planes than are kept: the farthest are missing.
   bool planes(const PosedShape& a, double reach, std::vector<Plane>& out,
               const std::vector<int>& without = {}) const;
   // Smallest distance of `a` from the triangles, up to `range`; `range` if none is nearer, <= 0
-  // where it meets one. The triangles of `near` are looked at first.
+  // where it meets one. The triangles of `near` are measured first.
   double distance(const PosedShape& a, double range, const std::vector<Plane>& near = {}) const;
 
-  // How often the triangles wind around p: 1 inside a closed mesh, 0 outside; between where it is open
-  // (Jacobson et al. 2013). Looks at all of them.
+  // How often the triangles wind around p: 1 inside a closed mesh, 0 outside, between where it is open
+  // (generalised winding number: Jacobson et al. 2013). Sums over all triangles.
   double winding(Vec3 p) const;
 
   // Triangles are numbered in the order of the leaves; `face` is the index into the faces given.
@@ -49,12 +63,14 @@ class TriangleTree {
     Box3 box;
     int left = -1, right = -1, first = 0, count = 0;
   };
+  struct PlaneSearch;
+  struct DistanceSearch;
   void build();
+  void order_corners();
   bool holds(const double* vertices, const int* faces, int nf) const;
 
   std::vector<Vec3> corner_;  // three per triangle, in the order of the leaves
   std::vector<int> face_;     // index into the faces given
-  std::vector<int> order_;    // of the leaves' triangles: 0, 1, 2, ...
   std::vector<Node> nodes_;
 };
 

@@ -13,12 +13,13 @@
 #include <vector>
 
 #include "geometry/triangle_cluster.h"
+#include "tuning.h"
 
 namespace triangles {
 
-constexpr int kLeaf = 4;       // triangles in a leaf
+namespace tune = hp::tuning::geometry;
+
 constexpr int kStack = 128;    // median splits: depth is at most log2(triangles) + 1
-constexpr int kSteps = 2048;   // clusters opened at most for one question
 constexpr double kUnknown = 100.0;    // off by more than any winding number that is asked for
 
 struct Node {
@@ -110,7 +111,7 @@ class Tree {
   // the full sum would say: 1 yes, 0 no, -1 not known after so many steps. The cluster that leaves
   // most open is opened first, until what is open cannot change the answer.
   int decide(Vec q, double rho, double threshold, int steps) const {
-    Open heap[kSteps + 1];
+    Open heap[tune::kMostOpened + 1];
     int size = 0;
     double value = 0.0, off = 0.0;  // at the centre, and by how much it may be another anywhere
     auto less = [](const Open& a, const Open& b) { return a.off < b.off; };
@@ -139,9 +140,7 @@ class Tree {
   // be said of all of it. `order` is changed.
   template <typename Point, typename Tell>
   void exceeds_all(const Point& point, int* order, int n, double threshold, const Tell& tell) const {
-    // A question about several is worth so many steps for each of them.
-    constexpr int kFew = 4, kParts = 4, kEach = 8;
-    if (n <= kFew) {
+    if (n <= tune::kFewPoints) {
       for (int i = 0; i < n; ++i) tell(order[i], exceeds(point(order[i]), threshold));
       return;
     }
@@ -153,7 +152,8 @@ class Tree {
       hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
     }
     const Vec extent = hi - lo;
-    const int known = decide(0.5 * (lo + hi), 0.5 * norm(extent), threshold, std::min(kSteps, kEach * n));
+    const int known = decide(0.5 * (lo + hi), 0.5 * norm(extent), threshold, 
+                             std::min(tune::kMostOpened, tune::kOpenedEach * n));
     if (known >= 0) {
       for (int i = 0; i < n; ++i) tell(order[i], known == 1);
       return;
@@ -161,8 +161,8 @@ class Tree {
     const int k = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2)
                                        : (extent.y >= extent.z ? 1 : 2);
     std::sort(order, order + n, [&](int a, int b) { return axis(point(a), k) < axis(point(b), k); });
-    for (int i = 0; i < kParts; ++i)
-      exceeds_all(point, order + n * i / kParts, n * (i + 1) / kParts - n * i / kParts, threshold,
+    for (int i = 0; i < tune::kPointParts; ++i)
+      exceeds_all(point, order + n * i / tune::kPointParts, n * (i + 1) / tune::kPointParts - n * i / tune::kPointParts, threshold,
                   tell);
   }
 
@@ -303,7 +303,7 @@ class Tree {
     slabs_[node] = flat(&triangles_[first], count, box);
     nodes_[node] = {-1, first, count};
     if (winding_) clusters_[node] = describe(&triangles_[first], count, box);
-    if (count <= kLeaf) return;
+    if (count <= tune::kPointLeaf) return;
     const Vec extent = middle.hi - middle.lo;
     const int k = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2)
                                        : (extent.y >= extent.z ? 1 : 2);

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "geometry/separation.h"
+
 namespace hp {
 
 double GapThing::gap(const PosedShape& hull, const Mat3& turn, Vec3 position, double range) const {

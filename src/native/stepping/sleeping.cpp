@@ -1,5 +1,6 @@
 #include "stepping/sleeping.h"
 
+#include "geometry/separation.h"
 #include "stepping/free_motion.h"
 #include "tuning.h"
 

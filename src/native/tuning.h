@@ -40,7 +40,8 @@ namespace hp::tuning::geometry {
 
 // Distances of convex shapes (gjk.cpp, separation.cpp, bvh.cpp)
 
-// Iterations of GJK: 5 to 15 are used on hulls of a skin; what is left is rounding.
+// Iterations of GJK: a bound against endless cycles by rounding. A search that ends by it reports a
+// distance that is too large by what it had not converged.
 constexpr int kGjkIterations = 64;
 // Relative progress of the squared distance under which the search ends: some rounding errors.
 constexpr double kGjkProgress = 1e-13;
@@ -75,10 +76,11 @@ constexpr double kNoTriangle = 1e-14;
 // A box, a triangle, may stick out of the plane that culls it by this [m]: neighbours in a flat face
 // do, by rounding of normals.
 constexpr double kBoxBehind = 1e-9, kTriangleBehind = 1e-7;
-// Planes of one shape against one mesh. A body part among rods takes a dozen; the farthest are left out
-// beyond this, and then the shape is measured again in every substep.
+// Planes of one shape against one mesh. Beyond this the farthest are left out, and the shape is measured
+// again in every substep.
 constexpr int kMostPlanes = 64;
-// Planes that cull others without being a result. More cost more than they save.
+// Planes that cull others without being a result. Each is tested against every box and triangle: many
+// cost more than they save. No result depends on it.
 constexpr size_t kMostCullers = 12;
 // Triangles in a leaf, and bins of the surface-area heuristic. No result depends on them.
 constexpr int kBvhLeaf = 4, kSahBins = 16;
@@ -149,8 +151,8 @@ constexpr double kFartherLook = 1;
 
 // Pairs are measured this much farther than is asked for, so that the bound lasts [m].
 constexpr double kLookAhead = 0.02;
-// Speed at which a clearance that was lost comes back [m/s]: 1 mm in 20 ms. Faster, and light objects
-// are thrown when the body that pressed on them lets go.
+// Speed at which a clearance that was lost comes back [m/s]: 1 mm in 20 ms. Objects
+// that were pressed keep that speed when the body lets go: faster, and they fly off.
 constexpr double kRegainSpeed = 0.05;
 // A pair of one person that overlaps may get deeper by this share of the depenetration speed, where
 // others come out: limbs turn about joints that they share.
@@ -197,7 +199,7 @@ constexpr double kLeastRange = 1e-9;
 
 // Self-contact
 
-// Directions of the lattice, 13 degrees apart, and steps of the refinement; by how much the best
+// Directions of the lattice, some 15 degrees apart, and steps of the refinement; by how much the best
 // direction is turned at first, and at last [rad].
 constexpr int kLatticeDirections = 192, kRefinements = 40;
 constexpr double kFirstTurn = 0.15, kLastTurn = 1e-4;

@@ -11,8 +11,7 @@
 // with `beyond` the search stops as soon as that exceeds it, and where rounding makes a flat simplex say
 // something else, the bound is believed.
 //
-// Limits: 64 iterations (a face of a mesh takes 5 to 15); distances under some nanometres may be
-// reported as 0. Of discs the rim is exact, not a polygon.
+// Limits: 64 iterations; distances under some nanometres may be reported as 0. Of discs the rim is exact, not a polygon.
 #pragma once
 #include "geometry/convex.h"
 

@@ -11,7 +11,7 @@ import pytest
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.scene.scene import Scene
-from halfphysics.scene.scene_file import scene_document
+from halfphysics.scene.scene_writer import scene_document
 from support.paths import DOCS
 
 WHOLE = """\

@@ -96,8 +96,8 @@ def touching(
             f"the mesh is not a closed surface: its holes count as filled, "
             f"mass and inertia are spread over its {f'{many} pieces' if many > 1 else 'hull'}"
         )
-    for text in said:
-        warnings.warn(f"{what}: {text}.", HalfPhysicsWarning, stacklevel=3)
+    for text in said:  # shown at the caller of `Scene.add_object`
+        warnings.warn(f"{what}: {text}.", HalfPhysicsWarning, stacklevel=5)
     if many == 1:
         return made.pieces[0], made
     return given if given.closed else joined(made.pieces), made

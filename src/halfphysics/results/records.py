@@ -40,7 +40,7 @@ class SceneRecord:
     @staticmethod
     def of(scene: Scene) -> SceneRecord:
         """The record of a scene."""
-        from halfphysics.scene.scene_file import scene_document
+        from halfphysics.scene.scene_writer import scene_document
 
         document = json.loads(json.dumps(scene_document(scene)))
         for group in ("statics", "objects", "moving"):

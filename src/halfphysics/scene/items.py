@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,10 @@ from halfphysics.geometry.contact_pieces import joined
 from halfphysics.geometry.convex_decomposition import USUAL, Cut, Decomposition
 from halfphysics.geometry.mesh import Mesh, MeshSource
 from halfphysics.geometry.shape_base import Shape, Triangles
+from halfphysics.scene.material_pairs import PERSON
+
+if TYPE_CHECKING:
+    from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -91,6 +96,32 @@ def fixed(array: Array) -> Array:
     result = np.array(array, dtype=np.float64)
     result.setflags(write=False)
     return result
+
+
+def checked_name(scene: Scene, name: object, kind: str) -> str:
+    """KIND 'NAME', to begin messages with.
+
+    Raises:
+        InputError: Another type than text, a character that names cannot hold, or a name in use.
+    """
+    if not isinstance(name, str) or not name.strip() or "/" in name or not name.isprintable():
+        raise InputError(
+            f"{kind}: found name {shown(name)}, expected text without '/' or line breaks"
+        )
+    if name == PERSON:
+        raise InputError(f"{kind} {name!r}: this name means the people; choose another")
+    groups: tuple[tuple[str, Mapping[str, Any]], ...] = (
+        ("a static", scene.statics),
+        ("an object", scene.objects),
+        ("an articulated object", scene.articulated),
+    )
+    for group, items in groups:
+        if name in items:
+            raise InputError(
+                f"{kind} {name!r}: the scene has {group} of this name already; "
+                "names are unique among statics and objects together"
+            )
+    return f"{kind} {name!r}"
 
 
 def checked_pose(what: str, position: ArrayLike, turn: ArrayLike) -> dict[str, Any]:

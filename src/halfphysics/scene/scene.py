@@ -13,14 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.base.suggestions import did_you_mean
-from halfphysics.base.validation import number, shown, vector
-from halfphysics.errors import InputError
-from halfphysics.geometry.contact_pieces import asked, touching
+from halfphysics.base.validation import number, vector
 from halfphysics.geometry.convex_decomposition import THRESHOLD
-from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.shape_base import Shape
-from halfphysics.geometry.shapes import Plane
 from halfphysics.scene.items import (
     OBJECT_FRICTION,
     PERSON_FRICTION,
@@ -28,16 +23,17 @@ from halfphysics.scene.items import (
     Object,
     Static,
     checked_material,
+    checked_name,
     checked_pose,
     checked_shape,
-    fixed,
 )
-from halfphysics.scene.material_pairs import PERSON, check_part, ends, of_person, wider
+from halfphysics.scene.material_pairs import MaterialPairs, checked_pair, of_person
+from halfphysics.scene.object_builder import PieceOptions, build_kinematic, build_object
+from halfphysics.scene.trajectories import Moving
 
 if TYPE_CHECKING:
     from halfphysics.scene.articulated import Articulated
     from halfphysics.scene.rays import Hit
-    from halfphysics.scene.trajectories import Moving
 
 Array = NDArray[np.float64]
 
@@ -57,8 +53,7 @@ class Scene:
         self._statics: dict[str, Static] = {}
         self._objects: dict[str, Object] = {}
         self._articulated: dict[str, Articulated] = {}
-        self._friction: dict[frozenset[str], float] = {}
-        self._ignored: dict[frozenset[str], None] = {}
+        self._pairs = MaterialPairs()
 
     @property
     def gravity(self) -> Array:
@@ -110,7 +105,7 @@ class Scene:
         Raises:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
         """
-        what = self._new(name, "static")
+        what = checked_name(self, name, "static")
         pose = checked_pose(what, position, quaternion)
         material = checked_material(what, friction, restitution)
         made, source = checked_shape(what, shape, scale, up)
@@ -168,61 +163,26 @@ class Scene:
         Raises:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
         """
-        what = self._new(name, "object")
-        pose = checked_pose(what, position, quaternion)
-        material = checked_material(what, friction, restitution)
-        if (mass is None) == (density is None):
-            found = "neither" if mass is None else f"both, {shown(mass)} and {shown(density)}"
-            raise InputError(f"{what}: expected mass= [kg] or density= [kg/m^3], found {found}")
-        if mass is not None:
-            mass = number(mass, f"{what}: mass", above=0.0, unit="kg")
-        if density is not None:
-            density = number(density, f"{what}: density", above=0.0, unit="kg/m^3")
-        motion: dict[str, Any] = {
-            "velocity": vector(velocity, f"{what}: velocity", unit="m/s"),
-            "angular_velocity": vector(angular_velocity, f"{what}: angular_velocity", unit="rad/s"),
-        }
-        if start not in ("awake", "asleep"):
-            raise InputError(f"{what}: start: expected 'awake' or 'asleep', found {shown(start)}")
-        if start == "asleep" and any(v.any() for v in motion.values()):
-            raise InputError(
-                f"{what}: found a velocity and start='asleep'; what is asleep does not move. "
-                "Leave one of them out"
-            )
-        given, source = checked_shape(what, shape, scale, up)
-        if isinstance(given, Plane):
-            raise InputError(
-                f"{what}: a Plane has no volume to move, expected Box, Sphere, "
-                "Capsule, Cylinder or a mesh; add_static takes planes"
-            )
-        own, cut = asked(what, given, pieces, threshold, max_pieces)
-        visual = given if isinstance(given, Mesh) else None
-        if visual is not None and not visual.closed and density is not None:
-            raise InputError(
-                f"{what}: the mesh is not a closed surface, so it has no volume for a density; "
-                "expected mass= [kg], or a mesh without holes"
-            )
-        solid, decomposition = touching(what, given, cut, own)
-        filled = given if visual is None or visual.closed else solid
-        properties = filled.mass_properties(mass=mass, density=density)
-        centre = properties.com if com is None else vector(com, f"{what}: com", unit="m")
-        thing = Object(
+        item = build_object(
+            checked_name(self, name, "object"),
+            shape,
+            PieceOptions(pieces=pieces, threshold=threshold, max_pieces=max_pieces),
             name=name,
-            shape=solid,
-            mass=properties.mass,
-            com=fixed(centre),
-            inertia=fixed(properties.inertia),
-            source=source,
-            visual=visual,
+            mass=mass,
+            density=density,
+            friction=friction,
+            restitution=restitution,
+            com=com,
+            position=position,
+            quaternion=quaternion,
+            velocity=velocity,
+            angular_velocity=angular_velocity,
+            scale=scale,
+            up=up,
             start=start,
-            cut=cut,
-            decomposition=decomposition,
-            **pose,
-            **material,
-            **motion,
         )
-        self._keep(thing)
-        return thing
+        self._keep(item)
+        return item
 
     def add_moving(
         self,
@@ -259,45 +219,21 @@ class Scene:
         Raises:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
         """
-        from halfphysics.scene.trajectories import Moving, start_velocity, trajectory
-
-        what = self._new(name, "moving thing")
-        material = checked_material(what, friction, restitution)
-        places, turns = trajectory(what, positions, quaternions)
-        rate = number(fps, f"{what}: fps", above=0.0, unit="1/s")
-        if not isinstance(loop, bool):
-            raise InputError(f"{what}: loop: expected True or False, found {shown(loop)}")
-        given, source = checked_shape(what, shape, scale, up)
-        if isinstance(given, Plane):
-            raise InputError(
-                f"{what}: a Plane has no volume to move, expected Box, Sphere, "
-                "Capsule, Cylinder or a mesh; add_static takes planes"
-            )
-        own, cut = asked(what, given, "auto", THRESHOLD, None)
-        solid, decomposition = touching(what, given, cut, own)
-        velocity, spin = start_velocity(places, turns, rate)
-        thing = Moving(
+        item = build_kinematic(
+            checked_name(self, name, "moving thing"),
+            shape,
+            positions,
+            quaternions,
             name=name,
-            shape=solid,
-            cut=cut,
-            decomposition=decomposition,
-            mass=np.inf,
-            com=fixed(np.zeros(3)),
-            inertia=fixed(np.diag([np.inf] * 3)),
-            position=fixed(places[0]),
-            quaternion=fixed(turns[0]),
-            velocity=fixed(velocity),
-            angular_velocity=fixed(spin),
-            source=source,
-            visual=given if isinstance(given, Mesh) else None,
-            positions=places,
-            quaternions=turns,
-            fps=rate,
+            fps=fps,
+            friction=friction,
+            restitution=restitution,
             loop=loop,
-            **material,
+            scale=scale,
+            up=up,
         )
-        self._keep(thing)
-        return thing
+        self._keep(item)
+        return item
 
     def add_articulated(
         self,
@@ -332,14 +268,14 @@ class Scene:
         """
         from halfphysics.scene.mjcf_import import load_articulated
 
-        what = self._new(name, "articulated")
+        what = checked_name(self, name, "articulated")
         pose = checked_pose(what, position, quaternion)
         material = checked_material(what, friction, restitution)
-        thing = load_articulated(
+        item = load_articulated(
             name, source, joints=joints, velocities=velocities, **pose, **material
         )
-        self._articulated[name] = thing
-        return thing
+        self._articulated[name] = item
+        return item
 
     def friction(self, a: str, b: str, mu: float) -> None:
         """Coulomb friction `mu` between two things, instead of the smaller of their own.
@@ -349,28 +285,31 @@ class Scene:
         "person". Raises `InputError` for a name that is not there and for a negative mu.
         """
         pair = self._pair("friction", a, b)
-        self._friction[pair] = number(mu, f"friction between {a!r} and {b!r}", least=0.0)
+        mu = number(mu, f"friction between {a!r} and {b!r}", least=0.0)
+        self._pairs.set_friction(pair, mu)
 
     def ignore(self, a: str, b: str) -> None:
-        """Let two things pass through each other; names as in `friction`."""
-        self._ignored[self._pair("ignore", a, b)] = None
+        """Let two items pass through each other; names as in `friction`."""
+        self._pairs.ignore(self._pair("ignore", a, b))
 
     def friction_of(self, a: str, b: str) -> float:
-        """Coulomb friction between two things (names as in `friction`)."""
+        """Coulomb friction between two items (names as in `friction`)."""
         self._pair("friction_of", a, b)
-        said = [self._friction[p] for p in wider(a, b) if p in self._friction]
-        return said[0] if said else min(self._own_friction(a), self._own_friction(b))
+        items = self._items()
+        return self._pairs.friction(
+            a, b, lambda n: PERSON_FRICTION if of_person(n) else float(items[n].friction)
+        )
 
     def restitution_of(self, a: str, b: str) -> float:
-        """Restitution between two things: the larger of the two (a person has 0)."""
+        """Restitution between two items: the larger of the two (a person has 0)."""
         self._pair("restitution_of", a, b)
-        things: dict[str, Any] = {**self._statics, **self._objects, **self._articulated}
-        return max(0.0 if of_person(n) else things[n].restitution for n in (a, b))
+        items = self._items()
+        return max(0.0 if of_person(n) else items[n].restitution for n in (a, b))
 
     def ignores(self, a: str, b: str) -> bool:
-        """Whether two things pass through each other (names as in `friction`)."""
+        """Whether two items pass through each other (names as in `friction`)."""
         self._pair("ignores", a, b)
-        return any(pair in self._ignored for pair in wider(a, b))
+        return self._pairs.ignores(a, b)
 
     def ray(
         self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
@@ -390,13 +329,13 @@ class Scene:
 
     @property
     def friction_pairs(self) -> tuple[tuple[str, str, float], ...]:
-        """What `friction` was called with: (a, b, mu), names sorted."""
-        return tuple((*ends(pair), mu) for pair, mu in self._friction.items())
+        """Arguments of `friction`: (a, b, mu), names sorted."""
+        return self._pairs.friction_pairs
 
     @property
     def ignored_pairs(self) -> tuple[tuple[str, str], ...]:
-        """What `ignore` was called with: (a, b), names sorted."""
-        return tuple(ends(pair) for pair in self._ignored)
+        """Arguments of `ignore`: (a, b), names sorted."""
+        return self._pairs.ignored_pairs
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Scene:
@@ -415,84 +354,43 @@ class Scene:
         Meshes that came from no file are written out in full. Raises `InputError` for another
         suffix and `FileError` where it cannot be written.
         """
-        from halfphysics.scene.scene_file import save_scene
+        from halfphysics.scene.scene_writer import save_scene
 
         save_scene(self, path)
 
     def _copied(self, without: str | None = None) -> Scene:
-        """The same things in a scene of its own, but for one and what was said of it."""
+        """A new scene of the same items and pairs, but for the object or static `without`."""
         scene = Scene(self._gravity)
         scene._statics = {n: s for n, s in self._statics.items() if n != without}
         scene._objects = {n: o for n, o in self._objects.items() if n != without}
         scene._articulated = dict(self._articulated)
-        scene._friction = {p: mu for p, mu in self._friction.items() if without not in p}
-        scene._ignored = {p: None for p in self._ignored if without not in p}
+        scene._pairs = self._pairs.copied(without)
         return scene
 
     def _with(
         self,
-        things: Mapping[str, Static | Object | Articulated],
+        items: Mapping[str, Static | Object | Articulated],
         friction: Mapping[tuple[str, str], float],
     ) -> Scene:
-        """A scene of its own: some things in the place of those of their names, pairs said anew."""
+        """A new scene in which `items` replace those of their names, with `friction` of pairs."""
         scene = self._copied()
         groups: tuple[dict[str, Any], ...] = (scene._statics, scene._objects, scene._articulated)
         for group in groups:
-            group.update({name: things[name] for name in group if name in things})
+            group.update({name: items[name] for name in group if name in items})
         for (a, b), mu in friction.items():
             scene.friction(a, b, mu)
         return scene
 
-    def _keep(self, thing: Object) -> None:
-        """What moves on a trajectory comes last: the order in files and results."""
-        from halfphysics.scene.trajectories import Moving
+    def _items(self) -> dict[str, Any]:
+        """All items by name: statics, objects, articulated objects."""
+        return {**self._statics, **self._objects, **self._articulated}
 
-        self._objects[thing.name] = thing
-        if not isinstance(thing, Moving):
+    def _keep(self, item: Object) -> None:
+        """Add an object; kinematic ones come last: the order in files and results."""
+        self._objects[item.name] = item
+        if not isinstance(item, Moving):
             for name in [n for n, o in self._objects.items() if isinstance(o, Moving)]:
                 self._objects[name] = self._objects.pop(name)
 
-    def _new(self, name: object, kind: str) -> str:
-        if not isinstance(name, str) or not name.strip() or "/" in name or not name.isprintable():
-            raise InputError(
-                f"{kind}: found name {shown(name)}, expected text without '/' or line breaks"
-            )
-        if name == PERSON:
-            raise InputError(f"{kind} {name!r}: this name means the people; choose another")
-        groups: tuple[tuple[str, Mapping[str, Any]], ...] = (
-            ("static", self._statics),
-            ("object", self._objects),
-            ("articulated object", self._articulated),
-        )
-        for there, things in groups:
-            if name in things:
-                raise InputError(
-                    f"{kind} {name!r}: the scene has {_article(there)} of this name already; "
-                    "names are unique among statics and objects together"
-                )
-        return f"{kind} {name!r}"
-
     def _pair(self, what: str, a: str, b: str) -> frozenset[str]:
-        known = [*self._statics, *self._objects, *self._articulated, PERSON]
-        for name in (a, b):
-            if isinstance(name, str) and name.startswith(f"{PERSON}/"):
-                check_part(what, name)
-            elif name not in known:
-                hint = did_you_mean(name, known, form=repr)
-                raise InputError(
-                    f"{what}: the scene has nothing called {shown(name)}{hint}. "
-                    f"It has: {', '.join(known)}. Add it first."
-                )
-        if a == b and not of_person(a):
-            raise InputError(f"{what}: found {a!r} twice, expected two different things")
-        return frozenset((a, b))
-
-    def _own_friction(self, name: str) -> float:
-        if of_person(name):
-            return PERSON_FRICTION
-        things: dict[str, Any] = {**self._statics, **self._objects, **self._articulated}
-        return float(things[name].friction)
-
-
-def _article(kind: str) -> str:
-    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+        return checked_pair(what, a, b, self._items())

@@ -1,8 +1,7 @@
-"""Scene files, YAML or JSON: read strictly, written back. The format: docs/scene-files.md."""
+"""Reads scene files, YAML or JSON, strictly. docs/scene-files.md describes the format."""
 
 from __future__ import annotations
 
-import json
 import os
 import warnings
 from collections.abc import Callable, Mapping
@@ -11,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics.base.atomic import atomic_write
 from halfphysics.base.document_entries import (
     Read,
     choice,
@@ -27,32 +25,28 @@ from halfphysics.base.document_entries import (
 )
 from halfphysics.base.document_tree import Entry, plain_tree, read_tree
 from halfphysics.base.validation import file_path
-from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
-from halfphysics.geometry.convex_decomposition import USUAL
+from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning
 from halfphysics.geometry.shapes import (
     Box,
     Capsule,
     Cylinder,
     Mesh,
-    MeshSource,
     Plane,
     Shape,
     Sphere,
 )
-from halfphysics.scene.items import OBJECT_FRICTION, STATIC_FRICTION, Object, Static
 from halfphysics.scene.scene import Scene
-from halfphysics.scene.trajectories import Moving
 
 if TYPE_CHECKING:
-    from halfphysics.scene.articulated import Articulated
+    pass
 
 #: Written into files; a reader of another version refuses with both numbers.
 VERSION = 1
 
-_SUFFIXES = (".yaml", ".yml", ".json")
+SUFFIXES = (".yaml", ".yml", ".json")
 
 #: Shape by its name in files, and the keys that its constructor takes.
-_SHAPES: dict[str, tuple[type[Shape], tuple[str, ...], tuple[str, ...]]] = {
+SHAPES: dict[str, tuple[type[Shape], tuple[str, ...], tuple[str, ...]]] = {
     # name: class, keys needed, keys that may be left out
     "plane": (Plane, (), ("normal", "offset")),
     "box": (Box, ("size",), ()),
@@ -75,19 +69,19 @@ _SCENE_KEYS = (
     "friction",
     "ignore",
 )
-_PIECE_KEYS = ("pieces", "threshold", "max_pieces")
+PIECE_KEYS = ("pieces", "threshold", "max_pieces")
 
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
     """The work behind `Scene.load`; see there."""
     path = file_path(path)
-    if path.suffix.lower() not in _SUFFIXES:
+    if path.suffix.lower() not in SUFFIXES:
         raise FileError(
-            f"{path}: found suffix {path.suffix!r}, expected a scene file {', '.join(_SUFFIXES)}"
+            f"{path}: found suffix {path.suffix!r}, expected a scene file {', '.join(SUFFIXES)}"
             "; add a single mesh with Scene().add_static(name, path)"
         )
     if not path.is_file():
-        raise FileError(f"{path}: there is no such file, expected a scene ({', '.join(_SUFFIXES)})")
+        raise FileError(f"{path}: there is no such file, expected a scene ({', '.join(SUFFIXES)})")
     return _scene(read_tree(path, "statics, objects"), path.parent)
 
 
@@ -140,16 +134,16 @@ def _add(
     given = named_entries(entry, "a thing of a scene: shape or mesh, and more")
     shape, mesh = given.get("shape"), given.get("mesh")
     if shape is None and mesh is None:
-        sizes = [key for _, needed, optional in _SHAPES.values() for key in (*needed, *optional)]
+        sizes = [key for _, needed, optional in SHAPES.values() for key in (*needed, *optional)]
         mapping(entry, ("shape", "mesh", *dict.fromkeys(sizes), *_MESH_KEYS, *keys))
     if (shape is None) == (mesh is None):
         found = "neither" if shape is None else "both"
         raise entry.error(
-            f"expected shape ({', '.join(_SHAPES)}) or mesh (path of a file), found {found}"
+            f"expected shape ({', '.join(SHAPES)}) or mesh (path of a file), found {found}"
         )
     if shape is not None:
-        kind = choice(shape, tuple(_SHAPES))
-        cls, needed, optional = _SHAPES[kind]
+        kind = choice(shape, tuple(SHAPES))
+        cls, needed, optional = SHAPES[kind]
         mapping(entry, ("shape", *needed, *optional, *keys), f" for a {kind}")
         missing = [key for key in needed if key not in given]
         if missing:
@@ -159,7 +153,7 @@ def _add(
         guarded(entry, lambda: add(name, cls(**size), **options))
     elif mesh is not None:
         if "mass" in keys:  # of an object
-            keys = (*keys, *_PIECE_KEYS)
+            keys = (*keys, *PIECE_KEYS)
         mapping(entry, ("mesh", *_MESH_KEYS, *keys), " for a mesh")
         _add_mesh(add, name, entry, keys, base)
 
@@ -270,137 +264,3 @@ _READ: dict[str, Read] = {
     "max_pieces": number,
     "pieces": _pieces,
 }
-
-
-def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
-    """The work behind `Scene.save`; see there."""
-    path = file_path(path)
-    if path.suffix.lower() not in _SUFFIXES:
-        raise InputError(f"{path}: found suffix {path.suffix!r}, expected {', '.join(_SUFFIXES)}")
-    document = scene_document(scene, path.parent)
-    if path.suffix.lower() == ".json":
-        written = json.dumps(document, indent=1, ensure_ascii=False)
-    else:
-        import yaml
-
-        written = yaml.safe_dump(document, sort_keys=False, default_flow_style=None, width=100)
-    with atomic_write(path) as handle:
-        handle.write((written.rstrip() + "\n").encode())
-
-
-def scene_document(scene: Scene, base: Path | None = None) -> dict[str, Any]:
-    """The scene as plain data in the file's format; mesh paths relative to `base` if given."""
-    down = -scene.gravity[2]
-    plain = down >= 0.0 and not scene.gravity[:2].any()
-    document: dict[str, Any] = {
-        "version": VERSION,
-        "gravity": float(down) + 0.0 if plain else scene.gravity.tolist(),
-        "statics": {name: _thing(s, base) for name, s in scene.statics.items()},
-        "objects": {
-            name: _thing(o, base) | _moving(o)
-            for name, o in scene.objects.items()
-            if not isinstance(o, Moving)
-        },
-        "moving": {
-            name: _thing(o, base) | _track(o)
-            for name, o in scene.objects.items()
-            if isinstance(o, Moving)
-        },
-        "articulated": {n: _jointed(a, base) for n, a in scene.articulated.items()},
-        "friction": [list(pair) for pair in scene.friction_pairs],
-        "ignore": [list(pair) for pair in scene.ignored_pairs],
-    }
-    return {key: value for key, value in document.items() if value not in ({}, [])}
-
-
-def _thing(thing: Static | Object, base: Path | None) -> dict[str, Any]:
-    result: dict[str, Any] = {}
-    shape = (thing.visual if isinstance(thing, Object) else None) or thing.shape
-    if isinstance(shape, Mesh):
-        result |= _mesh(shape, thing.source, base)
-    else:
-        kind = next(name for name, (cls, _, _) in _SHAPES.items() if type(shape) is cls)
-        _, needed, optional = _SHAPES[kind]
-        result["shape"] = kind
-        for key in (*needed, *optional):
-            value = getattr(shape, key)
-            result[key] = list(value) if isinstance(value, tuple) else value
-    pushed = isinstance(thing, Object) and not isinstance(thing, Moving)
-    default = OBJECT_FRICTION if pushed else STATIC_FRICTION
-    if not isinstance(thing, Moving):
-        result["position"] = thing.position.tolist()
-    if not isinstance(thing, Moving) and thing.quaternion.tolist() != [1.0, 0.0, 0.0, 0.0]:
-        result["quaternion"] = thing.quaternion.tolist()
-    if thing.friction != default:
-        result["friction"] = thing.friction
-    if thing.restitution:
-        result["restitution"] = thing.restitution
-    return result
-
-
-def _track(thing: Moving) -> dict[str, Any]:
-    result: dict[str, Any] = {"fps": thing.fps, "positions": thing.positions.tolist()}
-    if (thing.quaternions != [1.0, 0.0, 0.0, 0.0]).any():
-        result["quaternions"] = thing.quaternions.tolist()
-    if thing.loop:
-        result["loop"] = True
-    return result
-
-
-def _jointed(thing: Articulated, base: Path | None) -> dict[str, Any]:
-    result: dict[str, Any] = {}
-    if thing.source is not None:
-        result["file"] = _relative(thing.source.path, base)
-        result["sha256"] = thing.source.sha256
-    else:
-        result["xml"] = thing.xml
-    result["position"] = thing.position.tolist()
-    result["quaternion"] = thing.quaternion.tolist()
-    result |= {"friction": thing.friction, "restitution": thing.restitution}
-    for key in ("joints", "velocities"):
-        if getattr(thing, key):
-            result[key] = dict(getattr(thing, key))
-    return result
-
-
-def _relative(path: str, base: Path | None) -> str:
-    if base is not None:
-        try:
-            return Path(os.path.relpath(path, base.resolve())).as_posix()
-        except ValueError:  # another drive: no relative path leads there
-            pass
-    return Path(path).as_posix()
-
-
-def _mesh(mesh: Mesh, source: MeshSource | None, base: Path | None) -> dict[str, Any]:
-    if source is None:
-        return {"mesh": {"vertices": mesh.vertices.tolist(), "faces": mesh.faces.tolist()}}
-    return {
-        "mesh": _relative(source.path, base),
-        "scale": source.scale,
-        "up": source.up,
-        "sha256": source.sha256,
-    }
-
-
-def _moving(thing: Object) -> dict[str, Any]:
-    result: dict[str, Any] = {"mass": thing.mass}
-    if thing.com.tolist() != thing.filling.centre.tolist():
-        result["com"] = thing.com.tolist()
-    cut = thing.cut
-    if thing.decomposition is not None and cut.pieces == "given":
-        pieces = thing.decomposition.pieces
-        result["pieces"] = [
-            {"vertices": p.vertices.tolist(), "faces": p.faces.tolist()} for p in pieces
-        ]
-    elif thing.visual is not None:
-        for key in _PIECE_KEYS:
-            if getattr(cut, key) != getattr(USUAL, key):
-                result[key] = getattr(cut, key)
-    for key in ("velocity", "angular_velocity"):
-        value = getattr(thing, key).tolist()
-        if any(value):
-            result[key] = value
-    if thing.start != "awake":
-        result["start"] = thing.start
-    return result

@@ -67,6 +67,6 @@ def test_hostile(tmp_path):
 def test_absurd_sizes(tmp_path, monkeypatch):
     path = tmp_path / "a.npz"
     np.savez_compressed(path, part={"x": np.zeros(1000)})
-    monkeypatch.setattr("halfphysics.base.restricted_pickle.MAX_BYTES", 1000)
+    monkeypatch.setattr("halfphysics.base.pickle_placeholders.MAX_BYTES", 1000)
     with pytest.raises(FileError, match="field 'part' unpacks to"):
         NpzObjects(path)["part"]

@@ -13,7 +13,7 @@ import pytest
 import scipy.sparse as sp
 
 from halfphysics.body.body import Body
-from halfphysics.body.model_files import gender_of
+from halfphysics.body.model_paths import gender_of
 from halfphysics.errors import FileError, HalfPhysicsError, HalfPhysicsWarning, InputError
 from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import JOINT_INDEX, PARENTS

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from halfphysics.base import restricted_pickle
+from halfphysics.base import pickle_placeholders, restricted_pickle
 from halfphysics.base.npz import DAMAGE, Npz
 from halfphysics.errors import FileError
 
@@ -21,10 +21,10 @@ class NpzObjects(Npz):
         if key not in self._members or not self.header(key)[1].hasobject:
             return super().__getitem__(key)
         size = self._members[key].file_size
-        if size > restricted_pickle.MAX_BYTES:
+        if size > pickle_placeholders.MAX_BYTES:
             raise FileError(
                 f"{self.path}: field '{key}' unpacks to {size / 2**30:.1f} GiB, expected at most "
-                f"{restricted_pickle.MAX_BYTES / 2**30:.0f} GiB in one pickle"
+                f"{pickle_placeholders.MAX_BYTES / 2**30:.0f} GiB in one pickle"
             )
         try:
             with self._open(key) as stream:

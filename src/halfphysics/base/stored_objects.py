@@ -16,7 +16,7 @@ from typing import Any
 from halfphysics.base import restricted_pickle, torch_file
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.npy import Npy
-from halfphysics.base.restricted_pickle import MAX_BYTES
+from halfphysics.base.pickle_placeholders import MAX_BYTES
 from halfphysics.errors import FileError
 
 #: Protocol 2 and later say what they are; earlier ones are told by their names.

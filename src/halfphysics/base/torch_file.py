@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from halfphysics.base.atomic import atomic_write
 from halfphysics.base.npz import DAMAGE
-from halfphysics.base.restricted_pickle import MAX_BYTES, Guests, Placeholder, Refused, loads
+from halfphysics.base.pickle_placeholders import MAX_BYTES, Placeholder, Refused
+from halfphysics.base.restricted_pickle import Guests, loads
 from halfphysics.errors import FileError
 
 #: What a file of torch before 1.6, which is no zip, begins with (as a number).

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from halfphysics.base import restricted_pickle
 from halfphysics.base.digests import sha256_of
 from halfphysics.base.npz_objects import NpzObjects
-from halfphysics.base.validation import file_path
+from halfphysics.body.model_paths import GENDERS, find_model, gender_of
 from halfphysics.body.shape_space import ShapeSpace, Source
 from halfphysics.errors import FileError, InputError
 from halfphysics.motion.skeleton import (
@@ -28,10 +27,6 @@ from halfphysics.motion.skeleton import (
 
 Array = NDArray[np.float64]
 
-#: Environment variable that names the default folder of licensed models.
-MODELS_VARIABLE = "HALFPHYSICS_MODELS"
-GENDERS = ("neutral", "male", "female")
-
 _WRISTS = (JOINT_INDEX["left_wrist"], JOINT_INDEX["right_wrist"])
 #: Model -> which of the 55 joints carries the skin of each joint of its files. SMPL's joints 22
 #: and 23 are rigid hands: their skin is the wrists'.
@@ -40,8 +35,6 @@ _LAYOUTS = {
     "smplh": SMPLH_JOINTS,
     "smpl": (*SMPL_JOINTS, *_WRISTS),
 }
-_PREFIXES = {"smplx": "SMPLX", "smplh": "SMPLH", "smpl": "SMPL"}
-_SHORT = {"n": "neutral", "m": "male", "f": "female"}
 #: Columns of SMPL-X shape directions in all -> how many of them are shape, the rest expression.
 _SMPLX_SHAPE_COLUMNS = {400: 300, 20: 10}
 
@@ -58,7 +51,7 @@ def read_model(
         raise InputError(f"gender: found {gender!r}, expected one of {', '.join(GENDERS)}")
     if model is not None and model not in _LAYOUTS:
         raise InputError(f"model: found {model!r}, expected one of {', '.join(_LAYOUTS)}")
-    file = _find(path, gender, model)
+    file = find_model(path, gender, model)
     named = gender_of(file)
     if gender is not None and named is not None and gender != named:
         raise InputError(
@@ -68,28 +61,13 @@ def read_model(
     template = fields.array("v_template", (None, 3))
     count = len(template)
     weights = fields.array("weights", (count, None))
-    found = next((m for m, joints in _LAYOUTS.items() if len(joints) == weights.shape[1]), None)
-    if found is None:
-        known = ", ".join(f"{len(joints)} ({m})" for m, joints in _LAYOUTS.items())
-        raise FileError(
-            f"{file}: field 'weights' is for {weights.shape[1]} joints, expected one of {known}. "
-            "Hand and face models (MANO, FLAME) have no body"
-        )
-    if model is not None and model != found:
-        raise InputError(
-            f"model: found {model!r}, but {file} has the {len(_LAYOUTS[found])} joints of {found}"
-        )
+    found = _model_of(fields, weights, model)
     layout = _LAYOUTS[found]
     _check_tree(fields, layout)
     template_source = None
     if v_template is not None:
         template, template_source = _template(v_template, count)
-    size = np.ptp(template, axis=0).max()
-    if not 0.3 < size < 4.0:
-        raise FileError(
-            f"{template_source.path if template_source else file}: the template is {size:g} long, "
-            "expected a person in metres (0.3 to 4). Scale it"
-        )
+    _check_size(template, template_source.path if template_source else file)
     return ShapeSpace(
         model=found,
         gender=gender or named or fields.gender() or "unknown",
@@ -108,6 +86,33 @@ def read_model(
     )
 
 
+def _model_of(fields: _Fields, weights: Array, model: str | None) -> str:
+    """The model whose joints the skin weights are for; `model`: the one that was requested."""
+    count = weights.shape[1]
+    found = next((m for m, joints in _LAYOUTS.items() if len(joints) == count), None)
+    if found is None:
+        known = ", ".join(f"{len(joints)} ({m})" for m, joints in _LAYOUTS.items())
+        raise FileError(
+            f"{fields.path}: field 'weights' is for {count} joints, expected one of {known}. "
+            "Hand and face models (MANO, FLAME) have no body"
+        )
+    if model is not None and model != found:
+        raise InputError(
+            f"model: found {model!r}, but {fields.path} has the {len(_LAYOUTS[found])} joints of "
+            f"{found}"
+        )
+    return found
+
+
+def _check_size(template: Array, file: str | Path) -> None:
+    size = np.ptp(template, axis=0).max()
+    if not 0.3 < size < 4.0:
+        raise FileError(
+            f"{file}: the template is {size:g} long, "
+            "expected a person in metres (0.3 to 4). Scale it"
+        )
+
+
 def read_hands(path: str | os.PathLike[str], gender: str | None = None) -> tuple[Array, Array]:
     """Mean hands (2, 45) [rad] and their components (2, 45, 45) of an SMPL-X or SMPL-H file.
 
@@ -118,7 +123,7 @@ def read_hands(path: str | os.PathLike[str], gender: str | None = None) -> tuple
     Raises:
         FileError: The file has no hands, or cannot be read.
     """
-    file = _find(path, gender, None)
+    file = find_model(path, gender, None)
     fields = _Fields(file)
     mean = _hands(fields, ("hands_meanl", "hands_meanr"), (45,))
     components = _hands(fields, ("hands_componentsl", "hands_componentsr"), (45, 45))
@@ -128,75 +133,6 @@ def read_hands(path: str | os.PathLike[str], gender: str | None = None) -> tuple
             "SMPL-X or SMPL-H file that has"
         )
     return mean, components
-
-
-def gender_of(path: Path) -> str | None:
-    """What a model file's name says: SMPLX_MALE, basicmodel_f_lbs_10_207_0, male/model."""
-    words = re.split(r"[^a-z]+", path.stem.lower())
-    if path.stem.lower() == "model":
-        words = [path.parent.name.lower()]
-    if words[0] == "basicmodel":
-        words = [_SHORT.get(word, word) for word in words]
-    return next((word for word in words if word in GENDERS), None)
-
-
-def _find(path: str | os.PathLike[str] | None, gender: str | None, model: str | None) -> Path:
-    """The file that is meant."""
-    default = os.environ.get(MODELS_VARIABLE)
-    if path is None:
-        if not default:
-            raise FileError(
-                "no body model named: give the path of a file or a folder, set "
-                f"${MODELS_VARIABLE} to the folder of your models, or use Body.default()"
-            )
-        where = Path(default)
-    else:
-        where = file_path(path)
-        if not where.exists() and default and (Path(default) / where).exists():
-            where = Path(default) / where
-    if where.is_file():
-        return where
-    if not where.is_dir():
-        raise FileError(
-            f"{where}: no such file or folder. Body models come with a licence of their own: "
-            "download them from their makers (smpl-x.is.tue.mpg.de), or use Body.default()"
-        )
-    for name in (model,) if model else tuple(_LAYOUTS):
-        files = {g: file for g in GENDERS if (file := _in_folder(where, name, g))}
-        if gender in files:
-            return files[gender]
-        if gender is None and len(files) == 1:
-            return next(iter(files.values()))
-        if gender is None and files:
-            raise InputError(
-                f"gender: {where} has {name} for {', '.join(files)}. Say which with gender="
-            )
-    example = f"{_PREFIXES[model or 'smplx']}_{(gender or 'neutral').upper()}.npz"
-    raise FileError(
-        f"{where}: no {model or 'SMPL-X, SMPL-H or SMPL'} model"
-        f"{f' for gender {gender!r}' if gender else ''} in this folder, expected "
-        f"{example} or {model or 'smplx'}/{example} (.npz or .pkl)"
-    )
-
-
-def genders_in(folder: Path) -> tuple[str, ...]:
-    """The genders that a folder has model files of, of whatever model."""
-    return tuple(g for g in GENDERS if any(_in_folder(folder, name, g) for name in _LAYOUTS))
-
-
-def _in_folder(folder: Path, model: str, gender: str) -> Path | None:
-    for base in (folder / model, folder / "models" / model, folder):
-        for suffix in (".npz", ".pkl"):
-            file = base / f"{_PREFIXES[model]}_{gender.upper()}{suffix}"
-            if file.is_file():
-                return file
-        if model == "smplh" and (file := base / gender / "model.npz").is_file():
-            return file
-        if model == "smpl" and base.is_dir():
-            for file in sorted(base.glob("basic[mM]odel_*.pkl")):
-                if gender_of(file) == gender:
-                    return file
-    return None
 
 
 class _Fields:

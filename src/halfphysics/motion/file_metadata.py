@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from halfphysics.motion.resampling import neighbours
 
-# A sample this near to a source frame [frames] is that frame: rounding of k * fps_old / fps_new.
-SAME_TIME = 1e-6
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -44,12 +43,3 @@ class FileMetadata:
             else:
                 per_frame[key] = value[np.where(weight < 0.5, low, high)]
         return FileMetadata(format=self.format, fields=self.fields, per_frame=per_frame)
-
-
-def neighbours(position: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-    """Frames before and after fractional frames, and the weight of the one after."""
-    nearest = np.rint(position)
-    position = np.where(np.abs(position - nearest) < SAME_TIME, nearest, position)
-    low = np.floor(position).astype(np.intp)
-    weight = position - low
-    return low, low + (weight > 0.0), weight

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.base import rotations as rot
 from halfphysics.base import validation
 from halfphysics.base.axes import axes_of, turned
 from halfphysics.base.validation import frame_rate, number
 from halfphysics.errors import InputError
-from halfphysics.motion.file_metadata import SAME_TIME, FileMetadata, neighbours
+from halfphysics.motion.file_metadata import FileMetadata
 from halfphysics.motion.pose import Pose, checked, checked_axes, flat_rotations
+from halfphysics.motion.resampling import interpolated, sample_positions
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -26,11 +26,8 @@ Array = NDArray[np.float64]
 
 GENDERS = ("neutral", "male", "female")
 MODELS = ("smplx", "smplh", "smpl")
-#: Fastest root a person can have [m/s]; beyond it the unit or the file is wrong.
+#: Highest speed of a person's root [m/s]; beyond it the unit or the file is wrong.
 MAX_SPEED = 50.0
-#: Fastest rate that a motion is resampled to [1/s]: beyond it a minute takes gigabytes, and no
-#: camera, no muscle and no substep needs it.
-MAX_FPS = 10_000.0
 # Frames skinned at once when a whole clip is looked at: bounds the memory.
 _CHUNK = 64
 
@@ -84,14 +81,7 @@ class Motion:
                 "frame. Repeat the frame to hold a pose, or index with motion[i] for a Pose"
             )
         fps = frame_rate(self.fps)
-        speed = np.linalg.norm(np.diff(translation, axis=0), axis=1) * fps
-        if speed.max() > MAX_SPEED:
-            i = int(np.argmax(speed))
-            raise InputError(
-                f"translation: the root moves at {speed[i]:.3g} m/s between frames {i} and {i + 1} "
-                f"({fps:g} fps), expected under {MAX_SPEED:g}. Is it in metres and the fps right? "
-                "Where the clip has a cut, split it there (Motion.load(..., frames=(start, stop)))"
-            )
+        _check_speed(translation, fps)
         betas = self.betas
         if betas is not None:
             betas = checked("betas", betas, (None,), "a vector (n,)")
@@ -191,27 +181,8 @@ class Motion:
             InputError: `fps` is not positive, over 10,000, or leaves fewer than two frames.
         """
         fps = frame_rate(fps, "60.0")
-        if fps > MAX_FPS:
-            raise InputError(f"fps: found {fps:g}, expected at most {MAX_FPS:g} frames per second")
-        count = int(np.floor((len(self) - 1) * fps / self.fps + SAME_TIME)) + 1
-        if count < 2:
-            raise InputError(
-                f"fps: found {fps:g}, which leaves one frame of a clip of {self.duration:.3g} s; "
-                f"expected at least {1.0 / self.duration:.3g}"
-            )
-        position = np.minimum(np.arange(count) * (self.fps / fps), len(self) - 1.0)
-        low, high, weight = neighbours(position)
-        w = weight[:, None]
-        translation = (1.0 - w) * self.translation[low] + w * self.translation[high]
-        between = weight > 0.0
-        rotations = self.rotations[low]
-        rotations[between] = rot.log(
-            rot.slerp(
-                rot.exp(self.rotations[low[between]]),
-                rot.exp(self.rotations[high[between]]),
-                w[between],
-            )
-        )
+        position = sample_positions(len(self), self.fps, fps)
+        translation, rotations = interpolated(self.translation, self.rotations, position)
         metadata = None if self.origin is None else self.origin.sampled(position)
         return self._replaced(translation, rotations, fps, metadata)
 
@@ -410,3 +381,15 @@ class Motion:
         from halfphysics.formats import save_motion
 
         save_motion(self, path, format=format, body=body)
+
+
+def _check_speed(translation: Array, fps: float) -> None:
+    """Refuse a root that is faster than a person: a wrong unit, a wrong rate or a cut."""
+    speed = np.linalg.norm(np.diff(translation, axis=0), axis=1) * fps
+    if speed.max() > MAX_SPEED:
+        i = int(np.argmax(speed))
+        raise InputError(
+            f"translation: the root moves at {speed[i]:.3g} m/s between frames {i} and {i + 1} "
+            f"({fps:g} fps), expected under {MAX_SPEED:g}. Is it in metres and the fps right? "
+            "Where the clip has a cut, split it there (Motion.load(..., frames=(start, stop)))"
+        )

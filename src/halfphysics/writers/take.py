@@ -185,7 +185,7 @@ def _prop(
 
 def resampled(take: Take, fps: float) -> Take:
     """The take at another frame rate: positions linear, rotations by SLERP."""
-    from halfphysics.motion.file_metadata import neighbours
+    from halfphysics.motion.resampling import neighbours
 
     actors = tuple(
         Actor(name=a.name, motion=a.motion.resample(fps), body=a.body) for a in take.actors

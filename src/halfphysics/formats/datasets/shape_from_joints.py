@@ -88,7 +88,8 @@ def shaped_like(
     Warns:
         HalfPhysicsWarning: No shape of the model has these bones.
     """
-    from halfphysics.body.model_files import genders_in, read_model
+    from halfphysics.body.model_files import read_model
+    from halfphysics.body.model_paths import genders_in
 
     there: tuple[str | None, ...] = (gender,)
     if gender is None and os.path.isdir(path):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from halfphysics.base.reader_warnings import warn
 from halfphysics.body.body import Body
-from halfphysics.body.model_files import gender_of
+from halfphysics.body.model_paths import gender_of
 from halfphysics.errors import FileError
 from halfphysics.formats.datasets.assets import find
 from halfphysics.formats.format import Options, Source

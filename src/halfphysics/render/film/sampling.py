@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.motion.file_metadata import neighbours
 from halfphysics.motion.motion import Motion
+from halfphysics.motion.resampling import neighbours
 from halfphysics.results.result import ObjectTrack
 
 if TYPE_CHECKING:

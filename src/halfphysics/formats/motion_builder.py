@@ -147,46 +147,17 @@ def motion_of(
         InputError: An option that does not fit the file.
     """
     same_length(where, {"translation": len(translation), "rotations": len(rotations)})
-    if options.fps is not None:
-        fps = options.fps
-    if fps is None:
-        raise FileError(
-            f"{where}: files of this format do not say their frame rate. Say it with fps=, for "
-            "example fps=30"
-        )
-    if gender is None and options.gender is None:
-        warn(f"{where}: does not say a gender: taken as neutral. Say it with gender=")
-    gender = options.gender or (gender or "neutral").strip().lower()
-    if gender not in GENDERS:
-        raise FileError(
-            f"{where}: gender: found {gender!r}, expected one of {', '.join(GENDERS)}. Say it with "
-            "gender="
-        )
+    fps = _fps(where, options, fps)
+    gender = _gender(where, options, gender)
     if options.model is not None and str(options.model) in MODELS:
         model = str(options.model)
     degrees = warn_of_degrees(where, rotations)
     warn_of_axes(where, rotations, options.up or up)
-    mean = None
-    if options.hands is not None and hands is None:
-        raise InputError(
-            f"hands: found {options.hands!r}, but {where} has no fingers. Leave it out"
-        )
-    if hands == "unsaid" and options.hands is None:
-        raise FileError(
-            f"{where}: files of this format do not say whether zero fingers are a flat hand or "
-            "the model's relaxed one. Say hands='flat', or hands='mean' with model= (the "
-            "body-model file)"
-        )
-    if (options.hands or hands) == "mean":
-        mean = mean_hands(options.model, gender)
+    mean = mean_hands(options.model, gender) if _hands_mean(where, options, hands) else None
+    if mean is not None:
         rotations = np.array(rotations)
         rotations[:, _HANDS] += mean
-    shape = None
-    if betas is not None:
-        try:
-            shape = one_shape("betas", betas, len(translation))
-        except (InputError, ValueError) as error:
-            raise FileError(f"{where}: field '{error}'") from None
+    shape = None if betas is None else _shape(where, betas, len(translation))
     axes = axes_of(options.up or up)
     if (options.up or up) != "z":
         translation, rotations = turned(translation, rotations, axes)
@@ -204,6 +175,52 @@ def motion_of(
     if not degrees:
         warn_of_speed(where, motion)
     return motion
+
+
+def _fps(where: str, options: Options, fps: float | None) -> float:
+    """The frame rate that the caller says, else that of the file."""
+    fps = fps if options.fps is None else options.fps
+    if fps is None:
+        raise FileError(
+            f"{where}: files of this format do not say their frame rate. Say it with fps=, for "
+            "example fps=30"
+        )
+    return fps
+
+
+def _shape(where: str, betas: ArrayLike, frames: int) -> Array | None:
+    try:
+        return one_shape("betas", betas, frames)
+    except (InputError, ValueError) as error:
+        raise FileError(f"{where}: field '{error}'") from None
+
+
+def _gender(where: str, options: Options, gender: str | None) -> str:
+    """The gender that the caller or the file says; neutral, with a warning, without either."""
+    if gender is None and options.gender is None:
+        warn(f"{where}: does not say a gender: taken as neutral. Say it with gender=")
+    gender = options.gender or (gender or "neutral").strip().lower()
+    if gender not in GENDERS:
+        raise FileError(
+            f"{where}: gender: found {gender!r}, expected one of {', '.join(GENDERS)}. Say it with "
+            "gender="
+        )
+    return gender
+
+
+def _hands_mean(where: str, options: Options, hands: str | None) -> bool:
+    """Whether zero fingers mean the model's mean hand; `hands` as in `motion_of`."""
+    if options.hands is not None and hands is None:
+        raise InputError(
+            f"hands: found {options.hands!r}, but {where} has no fingers. Leave it out"
+        )
+    if hands == "unsaid" and options.hands is None:
+        raise FileError(
+            f"{where}: files of this format do not say whether zero fingers are a flat hand or "
+            "the model's relaxed one. Say hands='flat', or hands='mean' with model= (the "
+            "body-model file)"
+        )
+    return (options.hands or hands) == "mean"
 
 
 def own_fields(motion: Motion) -> Mapping[str, Any]:

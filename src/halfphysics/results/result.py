@@ -218,7 +218,26 @@ class Result:
         _set(self, "objects", MappingProxyType(dict(self.objects)))
         if not self.people:
             raise InputError("people: found none, expected at least one")
-        frames = len(self.people[0].motion)
+        self._check_lengths()
+        expected = [*self.objects, *(p.name for p in self.people)]
+        if list(self.names[len(self.names) - len(expected) :]) != expected:
+            raise InputError(
+                f"names: found {', '.join(self.names)}; expected statics, then {expected}"
+            )
+        limits = {
+            "frame": (0, len(self)),
+            "person": (-1, len(self.people)),
+            "part": (-1, N_JOINTS),
+            "other": (0, len(self.names)),
+            "subject": (-1, len(self.names)),
+            "other_part": (-1, N_JOINTS),
+        }
+        self.contacts.check_within(limits)
+        self.inside.check_within(limits)
+
+    def _check_lengths(self) -> None:
+        """Copy the arrays, read-only; each has one row per frame."""
+        frames = len(self)
         lengths = {f"people[{i}]": len(p.motion) for i, p in enumerate(self.people)}
         lengths |= {f"objects[{name!r}]": len(track) for name, track in self.objects.items()}
         for name in ("clearance", "lost_time"):
@@ -231,36 +250,16 @@ class Result:
             array.setflags(write=False)
             _set(self, name, array)
             lengths[name] = len(array)
-        numbers = {}
-        for name, given in self.diagnostics.items():
-            numbers[name] = np.array(given, dtype=np.float64)
-            numbers[name].setflags(write=False)
-            lengths[f"diagnostics[{name!r}]"] = len(np.atleast_1d(numbers[name]))
-        _set(self, "diagnostics", MappingProxyType(numbers))
-        joints = {}
-        for name, given in self.joints.items():
-            joints[name] = np.array(given, dtype=np.float64)
-            joints[name].setflags(write=False)
-            lengths[f"joints[{name!r}]"] = len(np.atleast_1d(joints[name]))
-        _set(self, "joints", MappingProxyType(joints))
+        for field_name in ("diagnostics", "joints"):
+            arrays = {}
+            for name, given in getattr(self, field_name).items():
+                arrays[name] = np.array(given, dtype=np.float64)
+                arrays[name].setflags(write=False)
+                lengths[f"{field_name}[{name!r}]"] = len(np.atleast_1d(arrays[name]))
+            _set(self, field_name, MappingProxyType(arrays))
         wrong = {name: length for name, length in lengths.items() if length != frames}
         if wrong:
             raise InputError(f"result: found lengths {wrong}, expected {frames} frames in each")
-        expected = [*self.objects, *(p.name for p in self.people)]
-        if list(self.names[len(self.names) - len(expected) :]) != expected:
-            raise InputError(
-                f"names: found {', '.join(self.names)}; expected statics, then {expected}"
-            )
-        limits = {
-            "frame": (0, frames),
-            "person": (-1, len(self.people)),
-            "part": (-1, N_JOINTS),
-            "other": (0, len(self.names)),
-            "subject": (-1, len(self.names)),
-            "other_part": (-1, N_JOINTS),
-        }
-        self.contacts.check_within(limits)
-        self.inside.check_within(limits)
 
     def __len__(self) -> int:
         """Number of frames."""
@@ -349,7 +348,7 @@ class Result:
         Raises:
             FileError: The folder does not exist or cannot be written.
         """
-        from halfphysics.formats.results.result_file import save_result
+        from halfphysics.formats.results.result_writer import save_result
 
         save_result(self, path)
 

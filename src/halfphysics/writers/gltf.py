@@ -130,24 +130,8 @@ class _Builder:
 
     def add_actor(self, actor: Actor, color: Color) -> None:
         """A person: joints, a skinned mesh, and how they move."""
-        body, motion = actor.body, actor.motion
-        root = body.joint_frames(motion)[0][:, 0]
-        turns = rot.continuous(rot.exp(motion.rotations))
-        first = len(self.nodes) + 1
-        person = self._node({"name": actor.name, "children": [first]}, parent=0)
-        arms = body.rest_joints - body.rest_joints[PARENTS]
-        for j, name in enumerate(JOINT_NAMES):
-            node: dict[str, Any] = {"name": name}
-            children = [first + int(c) for c in np.flatnonzero(j == PARENTS)]
-            if children:
-                node["children"] = children
-            node["translation"] = _numbers(root[0] if j == 0 else arms[j])
-            node["rotation"] = _numbers(turns[0, j])
-            self._node(node)
-        self._animate(first, "translation", root)
-        self._animate_all(range(first, first + N_JOINTS), "rotation", np.moveaxis(turns, 1, 0))
-
-        attributes, indices, bind = self._skin_of(body)
+        person, first = self._add_skeleton(actor)
+        attributes, indices, bind = self._skin_of(actor.body)
         self.skins.append(
             {
                 "inverseBindMatrices": bind,
@@ -155,16 +139,15 @@ class _Builder:
                 "skeleton": person,
             }
         )
-        mesh: dict[str, Any] = {"name": f"{actor.name}_skin"}
         primitive = {
             "attributes": attributes,
             "indices": indices,
             "material": self._material(actor.name, color),
         }
-        mesh["primitives"] = [primitive]
+        mesh: dict[str, Any] = {"name": f"{actor.name}_skin", "primitives": [primitive]}
         weights = None
-        if body.posedirs is not None:
-            shapes, weights = correctives(body.posedirs, motion.rotations)
+        if actor.body.posedirs is not None:
+            shapes, weights = correctives(actor.body.posedirs, actor.motion.rotations)
             if len(shapes):
                 primitive["targets"] = [
                     {"POSITION": self.buffer.add(s.astype(np.float32), VERTICES, bounds=True)}
@@ -182,6 +165,26 @@ class _Builder:
         self.roots.append(skinned)
         if "weights" in mesh and weights is not None:
             self._animate(skinned, "weights", weights)
+
+    def _add_skeleton(self, actor: Actor) -> tuple[int, int]:
+        """Nodes of a person and the animated joints; the person's node and the first joint's."""
+        body, motion = actor.body, actor.motion
+        root = body.joint_frames(motion)[0][:, 0]
+        turns = rot.continuous(rot.exp(motion.rotations))
+        first = len(self.nodes) + 1
+        person = self._node({"name": actor.name, "children": [first]}, parent=0)
+        arms = body.rest_joints - body.rest_joints[PARENTS]
+        for j, name in enumerate(JOINT_NAMES):
+            node: dict[str, Any] = {"name": name}
+            children = [first + int(c) for c in np.flatnonzero(j == PARENTS)]
+            if children:
+                node["children"] = children
+            node["translation"] = _numbers(root[0] if j == 0 else arms[j])
+            node["rotation"] = _numbers(turns[0, j])
+            self._node(node)
+        self._animate(first, "translation", root)
+        self._animate_all(range(first, first + N_JOINTS), "rotation", np.moveaxis(turns, 1, 0))
+        return person, first
 
     def _skin_of(self, body: Body) -> tuple[dict[str, int], int, int]:
         """Accessors of a body's attributes, indices and bind matrices; once for each body."""

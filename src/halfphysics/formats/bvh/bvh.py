@@ -18,10 +18,11 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.euler import smoothest
 from halfphysics.base.reader_warnings import warn
 from halfphysics.errors import FileError, InputError
+from halfphysics.formats.bvh.hierarchy import KEYWORD
 from halfphysics.formats.bvh.retarget import names_of, retarget
 from halfphysics.formats.bvh.skeleton_maps import names_of_smplx
 from halfphysics.formats.bvh.source_skeleton import SourceSkeleton
-from halfphysics.formats.bvh.text import KEYWORD, Bvh, read_bvh, write_bvh
+from halfphysics.formats.bvh.text import Bvh, read_bvh, write_bvh
 from halfphysics.formats.format import Format, Options, Source
 from halfphysics.formats.motion_builder import motion_of
 from halfphysics.motion import skeleton

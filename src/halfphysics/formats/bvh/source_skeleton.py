@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.base.euler import from_angles
 from halfphysics.errors import FileError
+from halfphysics.formats.bvh.hierarchy import CHANNELS
 from halfphysics.formats.bvh.skeleton_maps import match_joints
-from halfphysics.formats.bvh.text import CHANNELS, Bvh
+from halfphysics.formats.bvh.text import Bvh
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 
 Array = NDArray[np.float64]

@@ -8,7 +8,6 @@ stand for the joint's place in its parent's frame, in the file's unit.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -18,21 +17,18 @@ from numpy.typing import NDArray
 
 from halfphysics.base.atomic import atomic_write
 from halfphysics.errors import FileError
+from halfphysics.formats.bvh.hierarchy import (
+    LARGEST,
+    Hierarchy,
+    StatementReader,
+    one_number,
+    shown_words,
+)
 
 Array = NDArray[np.float64]
 
-KEYWORD = b"HIERARCHY"
-#: The channels there are; positions along x, y, z, then rotations about them.
-CHANNELS = (
-    *(f"{axis}position" for axis in "XYZ"),
-    *(f"{axis}rotation" for axis in "XYZ"),
-)
-_CANON = {name.lower(): name for name in CHANNELS}
 # Far above any mocap file (an hour of 200 joints at 120 fps is about 2 GB of text).
 _MAX_BYTES = 4 * 2**30
-_MAX_JOINTS = 10_000
-# No person and no path is that long in any unit, no joint turns by that many degrees.
-_LARGEST = 1e9
 # A rate this near (relative) to what the printed frame time says is that rate.
 _SAME_RATE = 1e-12
 
@@ -66,64 +62,6 @@ class Bvh:
         return np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.intp)
 
 
-class _Reader:
-    """Statements of the hierarchy one after another, with the lines they are on."""
-
-    def __init__(self, path: Path, lines: Sequence[str]) -> None:
-        self.path = path
-        self.line = 1
-        self._statements = [
-            (number, part.strip())
-            for number, line in enumerate(lines, 1)
-            for part in re.split(r"([{}])", line)
-            if part.strip()
-        ]
-        self._at = 0
-
-    def next(self, expected: str) -> list[str]:
-        """The words of the next statement."""
-        if self._at == len(self._statements):
-            raise self.error(f"the file ends here, expected {expected}. Copy it again")
-        self.line, text = self._statements[self._at]
-        self._at += 1
-        return text.split()
-
-    def error(self, text: str) -> FileError:
-        return FileError(f"{self.path}: line {self.line}: {text}")
-
-    def take(self, word: str, where: str) -> None:
-        words = self.next(f"'{word}' {where}")
-        if len(words) != 1 or words[0].upper() != word:
-            raise self.error(f"found {_shown(words)}, expected '{word}' {where}")
-
-    def offset(self, words: list[str], where: str) -> Array:
-        """The numbers of an OFFSET statement."""
-        if words[0].upper() != "OFFSET":
-            raise self.error(f"found {_shown(words)}, expected OFFSET x y z {where}")
-        try:
-            array = np.array([_number(word) for word in words[1:]])
-        except ValueError:
-            array = np.empty(0)
-        if array.shape != (3,) or not (np.abs(array) < _LARGEST).all():
-            raise self.error(
-                f"found {_shown(words)}, expected OFFSET and three numbers {where} under "
-                f"{_LARGEST:g}"
-            )
-        return array
-
-
-def _shown(words: Sequence[str]) -> str:
-    text = " ".join(words)
-    return repr(text if len(text) <= 60 else f"{text[:57]}...")
-
-
-def _number(word: str) -> float:
-    # Python takes 1_000 for a thousand; files do not.
-    if "_" in word:
-        raise ValueError(word)
-    return float(word)
-
-
 def read_bvh(path: Path) -> Bvh:
     """Read a BVH file.
 
@@ -143,107 +81,33 @@ def read_bvh(path: Path) -> Bvh:
     text = raw.decode("utf-8-sig", errors="replace")
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     motion = next((i for i, line in enumerate(lines) if line.strip().upper() == "MOTION"), None)
-    reader = _Reader(path, lines[:motion])
-    names, parents, offsets, ends, channels = _hierarchy(reader)
+    reader = StatementReader(path, lines[:motion])
+    joints = Hierarchy(reader)
+    joints.read()
     if motion is None:
         raise FileError(
             f"{path}: line {len(lines)}: the file ends without MOTION, expected a row of numbers "
             "per frame after it. Is it a skeleton only, or was it cut off?"
         )
-    fps, values = _frames(path, lines, motion, sum(map(len, channels)))
+    fps, values = _frames(path, lines, motion, sum(map(len, joints.channels)))
     return Bvh(
-        names=tuple(names),
-        parents=tuple(parents),
-        offsets=np.array(offsets),
-        ends=ends,
-        channels=tuple(channels),
+        names=tuple(joints.names),
+        parents=tuple(joints.parents),
+        offsets=np.array(joints.offsets),
+        ends=joints.ends,
+        channels=tuple(joints.channels),
         values=values,
         fps=fps,
     )
 
 
-def _hierarchy(
-    reader: _Reader,
-) -> tuple[list[str], list[int], list[Array], dict[int, Array], list[tuple[str, ...]]]:
-    names: list[str] = []
-    parents: list[int] = []
-    offsets: list[Array] = []
-    ends: dict[int, Array] = {}
-    channels: list[tuple[str, ...]] = []
-    reader.take(KEYWORD.decode(), "in the first line")
-    open_joints: list[int] = []
-    words = reader.next("ROOT and a name")
-    if words[0].upper() != "ROOT":
-        raise reader.error(f"found {_shown(words)}, expected ROOT and a name")
-    while True:
-        kind = words[0].upper()
-        if kind == "}":
-            open_joints.pop()
-        elif kind in ("JOINT", "ROOT"):
-            if kind == "ROOT" and names:
-                raise reader.error(
-                    f"found a second ROOT after {names[0]!r}, expected one skeleton per file. "
-                    "Split the file"
-                )
-            name = " ".join(words[1:])
-            if not name:
-                raise reader.error(f"found {kind} without a name")
-            if name in names:
-                raise reader.error(f"found joint {name!r} a second time. Rename one of them")
-            if len(names) == _MAX_JOINTS:
-                raise reader.error(f"found more than {_MAX_JOINTS} joints")
-            names.append(name)
-            parents.append(open_joints[-1] if open_joints else -1)
-            open_joints.append(len(names) - 1)
-            where = f"of joint {name!r}"
-            reader.take("{", f"after joint {name!r}")
-            offsets.append(reader.offset(reader.next(f"the OFFSET {where}"), where))
-            channels.append(_channels(reader, where))
-        elif kind == "END":
-            where = f"in the End Site of joint {names[open_joints[-1]]!r}"
-            reader.take("{", where)
-            ends[open_joints[-1]] = reader.offset(reader.next(f"the OFFSET {where}"), where)
-            reader.take("}", where)
-        else:
-            raise reader.error(
-                f"found {_shown(words)}, expected JOINT, End Site or '}}' in joint "
-                f"{names[open_joints[-1]]!r}"
-            )
-        if not open_joints:
-            break
-        words = reader.next(f"'}}' of joint {names[open_joints[-1]]!r}")
-    if reader._at != len(reader._statements):
-        words = reader.next("MOTION")
-        raise reader.error(
-            f"found {_shown(words)} after the joints of {names[0]!r}, expected MOTION and one "
-            "skeleton per file"
-        )
-    return names, parents, offsets, ends, channels
-
-
-def _channels(reader: _Reader, where: str) -> tuple[str, ...]:
-    words = reader.next(f"the CHANNELS {where}")
-    if words[0].upper() != "CHANNELS" or len(words) < 2 or not words[1].isdecimal():
-        raise reader.error(f"found {_shown(words)}, expected CHANNELS, their number and names")
-    found = [_CANON.get(word.lower()) for word in words[2:]]
-    unknown = [word for word, name in zip(words[2:], found, strict=True) if name is None]
-    if unknown:
-        raise reader.error(
-            f"found channel {unknown[0]!r} {where}, expected some of {', '.join(CHANNELS)}"
-        )
-    if len(found) != int(words[1]):
-        raise reader.error(f"found {len(found)} channels {where}, expected the {words[1]} it says")
-    if len(set(found)) != len(found):
-        raise reader.error(f"found {_shown(words)} {where}, expected each channel once")
-    return tuple(name for name in found if name is not None)
+def _error(path: Path, line: int, text: str) -> FileError:
+    """An error in a line, counted from 0."""
+    return FileError(f"{path}: line {line + 1}: {text}")
 
 
 def _frames(path: Path, lines: list[str], motion: int, columns: int) -> tuple[float, Array]:
     """Frame rate and rows after the line MOTION (counted from 0)."""
-
-    def error(line: int, text: str) -> FileError:
-        return FileError(f"{path}: line {line + 1}: {text}")
-
     rows = [(i, line) for i, line in enumerate(lines[motion + 1 :], motion + 1) if line.strip()]
     heads: list[tuple[int, str]] = []
     for pattern, example in (
@@ -253,45 +117,56 @@ def _frames(path: Path, lines: list[str], motion: int, columns: int) -> tuple[fl
         at, line = rows[len(heads)] if len(rows) > len(heads) else (len(lines) - 1, "")
         match = re.fullmatch(pattern, line.strip(), re.IGNORECASE)
         if match is None:
-            raise error(at, f"found {_shown(line.split())}, expected a line like '{example}'")
+            found = shown_words(line.split())
+            raise _error(path, at, f"found {found}, expected a line like '{example}'")
         heads.append((at, match[1]))
     count = int(heads[0][1])
     fps = _rate(heads[1][1])
     if fps is None:
-        raise error(
+        raise _error(
+            path,
             heads[1][0],
             f"Frame Time: found {heads[1][1]!r}, expected seconds above zero, such as 0.0333333",
         )
     rows = rows[2:]
     if len(rows) != count:
-        raise error(
+        raise _error(
+            path,
             rows[-1][0] if rows else heads[1][0],
             f"the file ends after {len(rows)} rows of numbers, expected the {count} that 'Frames:' "
             f"in line {heads[0][0] + 1} says. Copy the file again, or mend that line",
         )
+    return fps, _values(path, rows, columns)
+
+
+def _values(path: Path, rows: list[tuple[int, str]], columns: int) -> Array:
+    """The numbers of the rows (T, columns); a row is its line, counted from 0, and the text."""
     words = [line.split() for _, line in rows]
     for (at, _), row in zip(rows, words, strict=True):
         if len(row) != columns:
-            raise error(
+            raise _error(
+                path,
                 at,
                 f"found {len(row)} numbers in the row, expected {columns}, one for each channel",
             )
     try:
-        flat = np.fromiter(map(float, chain.from_iterable(words)), np.float64, count * columns)
+        numbers = map(float, chain.from_iterable(words))
+        flat = np.fromiter(numbers, np.float64, len(rows) * columns)
         if any("_" in line for _, line in rows):
             raise ValueError
     except ValueError:
         raise _no_number(path, rows) from None
-    values = flat.reshape(count, columns)
-    possible = np.abs(values) < _LARGEST
+    values = flat.reshape(len(rows), columns)
+    possible = np.abs(values) < LARGEST
     if not possible.all():
-        row, column = np.argwhere(~possible)[0]
-        raise error(
-            rows[row][0],
-            f"number {column + 1} of the row is {values[row, column]}, expected finite numbers "
-            f"under {_LARGEST:g}",
+        frame, column = np.argwhere(~possible)[0]
+        raise _error(
+            path,
+            rows[frame][0],
+            f"number {column + 1} of the row is {values[frame, column]}, expected finite numbers "
+            f"under {LARGEST:g}",
         )
-    return fps, values
+    return values
 
 
 def _no_number(path: Path, rows: list[tuple[int, str]]) -> FileError:
@@ -299,11 +174,11 @@ def _no_number(path: Path, rows: list[tuple[int, str]]) -> FileError:
     for at, line in rows:
         for column, word in enumerate(line.split(), 1):
             try:
-                _number(word)
+                one_number(word)
             except ValueError:
                 return FileError(
-                    f"{path}: line {at + 1}: word {column} of the row is {_shown([word])}, expected"
-                    " numbers"
+                    f"{path}: line {at + 1}: word {column} of the row is {shown_words([word])}, "
+                    "expected numbers"
                 )
     raise AssertionError("every word is a number")
 
@@ -315,7 +190,7 @@ def _rate(text: str) -> float | None:
     is 30 frames per second, 0.008342 is 119.88.
     """
     try:
-        seconds = _number(text)
+        seconds = one_number(text)
     except ValueError:
         return None
     if not (np.isfinite(seconds) and seconds > 0.0) or not np.isfinite(1.0 / seconds):

@@ -1,4 +1,4 @@
-"""Result files: one npz that motion readers open, with everything else beside the motion.
+"""Reads result files: one npz that motion readers open, with everything else beside the motion.
 
 Keys are described in docs/result-files.md. Arrays are float64 and come back bit for bit; the
 people's motions are in the z-up world there, while the keys on top are those of the input file,
@@ -10,7 +10,6 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -18,13 +17,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.axes import turned
-from halfphysics.base.npz import Npz, write_npz
+from halfphysics.base.npz import Npz
 from halfphysics.base.validation import file_path, shown
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats import load_motion
-from halfphysics.formats.amass import smpl as amass_smpl
-from halfphysics.formats.amass import smplh as amass_smplh
-from halfphysics.formats.amass import smplx as amass_smplx
+from halfphysics.formats.results.keys import (
+    CONTACT,
+    DIAGNOSTICS,
+    INSIDE,
+    JOINT,
+    OBJECT,
+    SUBSTEPS,
+    VERSION,
+    VERSION_KEY,
+    person_prefix,
+)
 from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.inside import Inside
@@ -41,20 +48,6 @@ Array = NDArray[np.float64]
 Fields = dict[str, NDArray[Any]]
 T = TypeVar("T", bound=Table)
 
-#: Version of the layout; a reader refuses newer ones.
-VERSION = 1
-VERSION_KEY = "meta/format_version"
-OBJECT = "object/"
-JOINT = "joint/"
-CONTACT = "contact/"
-INSIDE = "inside/"
-SUBSTEPS = "meta/substeps/"
-DIAGNOSTICS = "meta/diagnostics/"
-_LAYOUTS = {
-    "smplx": amass_smplx.LAYOUT,
-    "smplh": amass_smplh.LAYOUT,
-    "smpl": amass_smpl.LAYOUT,
-}
 # Rounding of turning a motion to the axes of its file and back [m, rad].
 _SAME = 1e-9
 _CLEAR = Inside.none()  # files without rows, as those of old
@@ -71,66 +64,6 @@ def is_result(path: str | os.PathLike[str]) -> bool:
         return VERSION_KEY in Npz(path)
     except (OSError, FileError):
         return False
-
-
-def save_result(result: Result, path: str | os.PathLike[str]) -> None:
-    """The work behind `Result.save`; see there."""
-    write_npz(path, result_fields(result))
-
-
-def result_fields(result: Result) -> Fields:
-    """The arrays of a result file, by key."""
-    from halfphysics import __version__
-
-    fields: Fields = dict(_on_top(result.people[0]))
-    fields |= _track_fields("", result.objects)
-    fields |= {f"{JOINT}{name}": values for name, values in result.joints.items()}
-    fields |= _columns(CONTACT, result.contacts)
-    if len(result.inside):
-        fields |= _columns(INSIDE, result.inside)
-    people = []
-    for index, person in enumerate(result.people):
-        prefix = _prefix(index)
-        fields[f"{prefix}translation"] = person.motion.translation
-        fields[f"{prefix}rotations"] = person.motion.rotations
-        fields[f"{prefix}reference_translation"] = person.reference.translation
-        fields[f"{prefix}reference_rotations"] = person.reference.rotations
-        if person.torque is not None:
-            fields[f"{prefix}torque"] = person.torque
-        body = vars(person)["_body"]
-        record = body if isinstance(body, BodyRecord) else BodyRecord.of(body)
-        people.append(
-            {
-                "name": person.name,
-                "gender": person.motion.gender,
-                "model": person.motion.model,
-                "betas": None if person.motion.betas is None else person.motion.betas.tolist(),
-                "axes": person.motion.axes.tolist(),
-                "body": dict(record.data),
-            }
-        )
-    scene = vars(result)["_scene"]
-    record_of_scene = scene if isinstance(scene, SceneRecord) else SceneRecord.of(scene)
-    fields |= {
-        "meta/clearance": result.clearance,
-        "meta/lost_time": result.lost_time,
-        "meta/fps": np.array(result.fps),
-        "meta/names": np.array(result.names, dtype=np.str_),
-        "meta/settings": _json(_settings_document(result.settings)),
-        "meta/scene": _json(record_of_scene.document),
-        "meta/people": _json(people),
-        "meta/written_by": np.array(f"halfphysics {__version__}"),
-        VERSION_KEY: np.array(VERSION),
-    }
-    for name, values in result.diagnostics.items():
-        fields[f"{DIAGNOSTICS}{name}"] = values
-    if result.substeps is not None:
-        for index, motion in enumerate(result.substeps.motions):
-            fields[f"{SUBSTEPS}person/{index}/translation"] = motion.translation
-            fields[f"{SUBSTEPS}person/{index}/rotations"] = motion.rotations
-        fields[f"{SUBSTEPS}fps"] = np.array(result.substeps.motions[0].fps)
-        fields |= _track_fields(SUBSTEPS, result.substeps.objects)
-    return fields
 
 
 def load_result(
@@ -252,7 +185,7 @@ def _bodies(path: Path, people: list[Any]) -> list[BodyRecord]:
 def _person(npz: Npz, index: int, data: Any, fps: float, body: Any) -> PersonResult:
     keys = ("name", "gender", "model", "betas", "axes")
     data = checked_document(data, f"field 'meta/people', person {index}", keys)
-    prefix = _prefix(index)
+    prefix = person_prefix(index)
     common: dict[str, Any] = {
         "fps": fps,
         "betas": data["betas"],
@@ -322,20 +255,8 @@ def _substeps(npz: Npz, people: tuple[PersonResult, ...]) -> Substeps | None:
     return Substeps(motions=tuple(motions), objects=_tracks(npz, SUBSTEPS + OBJECT))
 
 
-def _columns(prefix: str, table: Table) -> Fields:
-    return {f"{prefix}{name}": getattr(table, name) for name in table.columns()}
-
-
 def _table(npz: Npz, prefix: str, kind: type[T]) -> T:
     return kind(**{name: _field(npz, f"{prefix}{name}") for name in kind.columns()})
-
-
-def _track_fields(prefix: str, tracks: Mapping[str, ObjectTrack]) -> Fields:
-    fields: Fields = {}
-    for name, track in tracks.items():
-        fields[f"{prefix}{OBJECT}{name}/position"] = track.position
-        fields[f"{prefix}{OBJECT}{name}/quaternion"] = track.quaternion
-    return fields
 
 
 def _tracks(npz: Npz, prefix: str) -> dict[str, ObjectTrack]:
@@ -347,25 +268,6 @@ def _tracks(npz: Npz, prefix: str) -> dict[str, ObjectTrack]:
         )
         for name in names
     }
-
-
-def _prefix(index: int) -> str:
-    return "meta/" if index == 0 else f"person/{index}/"
-
-
-def _on_top(person: PersonResult) -> Fields:
-    """The keys of the AMASS file that the motion came from, or AMASS keys for its model."""
-    motion = person.motion
-    own = motion.origin.format if motion.origin is not None else None
-    by_name: Mapping[str | None, Any] = {layout.name: layout for layout in _LAYOUTS.values()}
-    if own not in by_name and not np.array_equal(motion.axes, np.eye(3)):
-        motion = motion.rebased(person.body)
-    result: Fields = by_name.get(own, _LAYOUTS[motion.model]).encode(motion)
-    return result
-
-
-def _json(data: Any) -> NDArray[Any]:
-    return np.array(json.dumps(data, ensure_ascii=False, sort_keys=False, allow_nan=False))
 
 
 def _field(npz: Npz, key: str) -> NDArray[Any]:
@@ -389,11 +291,6 @@ def _parsed(npz: Npz, key: str) -> Any:
         return json.loads(str(value.flat[0]))
     except (json.JSONDecodeError, RecursionError) as error:
         raise InputError(f"field '{key}': not valid JSON ({error})") from None
-
-
-def _settings_document(settings: Settings) -> dict[str, Any]:
-    values = {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings)}
-    return {k: dict(v) if isinstance(v, Mapping) else v for k, v in values.items()}
 
 
 def _settings(data: Any) -> Settings:

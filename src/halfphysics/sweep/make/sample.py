@@ -53,7 +53,7 @@ def files_of(
         files[_numbered("object", index)] = npz_bytes(thing(result, name))
     files["contact.npz"] = npz_bytes(labels.arrays())
     if whole:
-        from halfphysics.formats.results.result_file import result_fields
+        from halfphysics.formats.results.result_writer import result_fields
 
         files["result.npz"] = npz_bytes(result_fields(result))
     return files

@@ -1,0 +1,18 @@
+"""The keys of a result file; docs/result-files.md describes each."""
+
+from __future__ import annotations
+
+#: Version of the layout; a reader refuses newer ones.
+VERSION = 1
+VERSION_KEY = "meta/format_version"
+OBJECT = "object/"
+JOINT = "joint/"
+CONTACT = "contact/"
+INSIDE = "inside/"
+SUBSTEPS = "meta/substeps/"
+DIAGNOSTICS = "meta/diagnostics/"
+
+
+def person_prefix(index: int) -> str:
+    """What the keys of a person's motions begin with."""
+    return "meta/" if index == 0 else f"person/{index}/"

@@ -91,8 +91,8 @@ def test_links_are_objects_one_by_one_and_what_no_joint_moves_stands():
     names = [item.name for item in labels.objects]
     fixed = {
         name
-        for thing in result.scene.articulated.values()
-        for name, link in zip(thing.link_names, thing.links, strict=True)
+        for item in result.scene.articulated.values()
+        for name, link in zip(item.link_names, item.links, strict=True)
         if link.fixed
     }
     assert fixed

@@ -12,7 +12,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.geometry.mesh_queries import MeshQuery
 from halfphysics.labels import ContactLabels, arctic, behave, chois, contact_labels, omomo
-from halfphysics.labels.item_solids import things_of
+from halfphysics.labels.item_solids import item_solids
 from halfphysics.results.result import Result
 from support.references.labels import solid_distance
 
@@ -69,7 +69,7 @@ def test_chois_has_hands_and_feet_near_the_object():
     found = chois(labels, threshold=0.02)
     assert found.shape == (len(result.motion), 4)
     assert found.dtype == np.float32
-    (glass,) = [t for t in things_of(result.scene, result.objects) if t.name == "glass"]
+    (glass,) = [t for t in item_solids(result.scene, result.objects) if t.name == "glass"]
     part = labels.people[0].vertex_part
     for frame in range(0, len(result.motion), 10):
         skin = _frame(result, frame)[0]

@@ -12,7 +12,7 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.bench.clips import straight
 from halfphysics.labels.bounding_spheres import part_balls
-from halfphysics.labels.item_solids import Solid, Thing, things_of
+from halfphysics.labels.item_solids import ItemSolids, Solid, item_solids
 from halfphysics.labels.proximity import Target, near
 from halfphysics.labels.sampling import ObjectSurface, covered
 from halfphysics.results.result import ObjectTrack
@@ -81,8 +81,8 @@ def test_distances_of_solids_are_those_of_another_library(name):
     assert 50 < outside.sum() < 300
     np.testing.assert_allclose(distance[outside], judged[outside], atol=1e-6)
     assert (distance[~outside] < 1e-5).all()
-    thing = Thing("it", (solid,), np.zeros((1, 3)), np.eye(3)[None], True, EVERYTHING)
-    np.testing.assert_allclose(thing.distance(points), distance, rtol=0, atol=ROUNDING)
+    item = ItemSolids("it", (solid,), np.zeros((1, 3)), np.eye(3)[None], True, EVERYTHING)
+    np.testing.assert_allclose(item.distance(points), distance, rtol=0, atol=ROUNDING)
 
 
 @pytest.mark.parametrize("reach", [0.002, 0.03])
@@ -100,25 +100,25 @@ def test_the_core_finds_what_plain_numpy_finds(reach):
     shift, turn = np.linspace(0.0, 0.03, 2)[:, None], np.linspace(0.0, 0.4, 2)[:, None]
     tracks = {
         name: ObjectTrack(
-            position=thing.position + shift + 0.05, quaternion=rot.exp(turn * [0.3, 0.2, 0.9])
+            position=item.position + shift + 0.05, quaternion=rot.exp(turn * [0.3, 0.2, 0.9])
         )
-        for name, thing in scene.objects.items()
+        for name, item in scene.objects.items()
     }
     targets = []
-    for thing in things_of(scene, tracks):
+    for item in item_solids(scene, tracks):
         surface = None
-        if not thing.stands:
-            shape = scene.objects[thing.name].shape
+        if not item.stands:
+            shape = scene.objects[item.name].shape
             mesh = isinstance(shape, hp.Mesh)
             vertices, faces = shape.triangles() if mesh else covered(shape, 0.04)
-            surface = ObjectSurface(name=thing.name, vertices=vertices, faces=faces, off=0.0)
-        targets.append(Target(thing, reach, surface))
+            surface = ObjectSurface(name=item.name, vertices=vertices, faces=faces, off=0.0)
+        targets.append(Target(item, reach, surface))
     seen = np.zeros(2)
     for target, found in zip(targets, near(body, motion, targets), strict=True):
         for side, (mine, its) in enumerate(
             zip(found, near_reference(body, motion, target), strict=True)
         ):
-            assert np.array_equal(mine.frame, its.frame), target.thing.name
+            assert np.array_equal(mine.frame, its.frame), target.item.name
             assert np.array_equal(mine.vertex, its.vertex)
             np.testing.assert_allclose(mine.distance, its.distance, rtol=0, atol=ROUNDING)
             np.testing.assert_allclose(mine.point, its.point, rtol=0, atol=1e-9)
@@ -133,10 +133,10 @@ def test_a_part_that_passes_through_is_not_labelled():
     scene.add_object("ball", hp.Sphere(0.2), mass=1.0, position=hand)
     scene.ignore("ball", "person/left_wrist")
     tracks = {"ball": ObjectTrack(position=[hand, hand], quaternion=[[1, 0, 0, 0]] * 2)}
-    (thing,) = things_of(scene, tracks)
+    (item,) = item_solids(scene, tracks)
     vertices, faces = covered(hp.Sphere(0.2), 0.05)
     surface = ObjectSurface(name="ball", vertices=vertices, faces=faces, off=0.0)
-    target = Target(thing, 0.01, surface)
+    target = Target(item, 0.01, surface)
     ((skin, surface),) = near(body, motion, [target])
     part = part_balls(body).part
     assert len(skin)

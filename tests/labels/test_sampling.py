@@ -8,7 +8,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.geometry.mesh_queries import is_closed
 from halfphysics.geometry.mesh_solids import solid_moments
-from halfphysics.labels.item_solids import things_of
+from halfphysics.labels.item_solids import item_solids
 from halfphysics.labels.sampling import MOST, covered, surface_of
 from halfphysics.results.result import ObjectTrack
 from support.references.mesh_queries import closest_reference
@@ -66,8 +66,8 @@ def test_a_mesh_keeps_its_own_vertices_where_pieces_touch_for_it():
     with pytest.warns(hp.HalfPhysicsWarning):
         scene.add_object("shelf", shelf, mass=1.0, pieces=pieces)
     track = ObjectTrack(position=np.zeros((1, 3)), quaternion=[[1, 0, 0, 0]])
-    (thing,) = things_of(scene, {"shelf": track})
-    surface = surface_of(scene, thing)
+    (item,) = item_solids(scene, {"shelf": track})
+    surface = surface_of(scene, item)
     assert np.array_equal(surface.vertices, shelf.vertices)
     assert np.array_equal(surface.faces, shelf.faces)
     # How far the mesh stands out of the pieces at most: its corner, of the smaller one.

@@ -9,12 +9,12 @@ from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.viewer.contacts import (
     KINDS,
     LARGEST,
+    NO_PERSON,
     OBJECT,
     PERSON,
     SCENE,
     SHORTEST,
     TENFOLD,
-    THING,
     ContactFrames,
     ContactNodes,
     arrow_lengths,
@@ -63,11 +63,11 @@ def test_kinds_tell_statics_objects_people_and_things_apart():
     expected = []
     for person, other in zip(result.contacts.person, result.contacts.other, strict=True):
         if person < 0:
-            expected.append(THING)
+            expected.append(NO_PERSON)
         else:
             expected.append(OBJECT if names[other] == "ball" else SCENE)
     assert kind.tolist() == expected
-    assert {SCENE, OBJECT, THING} == set(expected)
+    assert {SCENE, OBJECT, NO_PERSON} == set(expected)
     result.contacts.other = np.full(len(expected), names.index("person"))
     result.contacts.person = np.zeros(len(expected), dtype=int)
     assert set(kinds(result)) == {PERSON}

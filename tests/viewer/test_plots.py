@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from halfphysics.viewer import plots
-from halfphysics.viewer.contacts import OBJECT, SCENE, THING
+from halfphysics.viewer.contacts import NO_PERSON, OBJECT, SCENE
 from halfphysics.viewer.numbers import Numbers
-from halfphysics.viewer.plots import Line, Plots, aligned, clearance, force, speed, things
+from halfphysics.viewer.plots import Line, Plots, aligned, clearance, force, speed, items
 from support.results.small_result import FPS, FRAMES, small_result
 
 RESULT = small_result()
@@ -42,7 +42,7 @@ def test_speeds_of_body_ghost_and_objects():
     (ball,) = speed([RESULT], ["a"], "ball")
     np.testing.assert_allclose(ball.value[-1], 4.0)
     assert ball.value[3] == 0.0
-    assert things([RESULT]) == ["pelvis", "left hand", "right hand", "ball"]
+    assert items([RESULT]) == ["pelvis", "left hand", "right hand", "ball"]
 
 
 def test_several_results_are_several_lines_with_one_ghost():
@@ -124,7 +124,7 @@ def test_numbers_name_contacts_with_their_forces_strongest_first():
         ("right foot", "floor", pytest.approx(20.0 * FPS), SCENE),
         ("right foot", "ball", pytest.approx(1.0 * FPS), OBJECT),
     ]
-    assert numbers.contacts(12)[1] == ("ball", "bench", pytest.approx(0.5 * FPS), THING)
+    assert numbers.contacts(12)[1] == ("ball", "bench", pytest.approx(0.5 * FPS), NO_PERSON)
     ((name, mean, _, most),) = numbers.deviation(8)
     assert (name, mean, most) == ("person", pytest.approx(120.0), pytest.approx(120.0))
     text = re.sub(r"<[^>]+>", " ", numbers.html(10))

@@ -58,11 +58,11 @@ def _handled(
     first = round(up * motion.fps)
     if options.quick:
         motion, first = motion[quick], first - quick.start
-    (thing,) = told.scene.objects
+    (item,) = told.scene.objects
     for record, result, moved in pressed(
         case, name, Play(motion=motion, scene=told.scene), options
     ):
-        sides = [(m, objects[thing]) for m, objects in ((result.motion, result.objects), moved)]
+        sides = [(m, objects[item]) for m, objects in ((result.motion, result.objects), moved)]
         ours, theirs = (slip(*holder(m), track, first) for m, track in sides)
         rise, its_rise = (1000.0 * float(np.ptp(track.position[:, 2])) for _, track in sides)
         checks = {"lifted [mm]": (rise, its_rise), "slip [mm]": (ours, theirs)}

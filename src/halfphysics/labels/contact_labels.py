@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 from halfphysics.labels.bounding_spheres import part_balls
-from halfphysics.labels.item_solids import Thing, things_of
+from halfphysics.labels.item_solids import ItemSolids, item_solids
 from halfphysics.labels.proximity import Near, Target, near
 from halfphysics.labels.sampling import surface_of
 from halfphysics.labels.solver_contacts import solver_contacts
@@ -53,12 +53,12 @@ def contact_labels(
         )
     reach = max(number(reach, "reach", least=0.0, unit="m"), threshold)
     scene = result.scene
-    things = things_of(scene, result.objects)
-    surfaces = {t.name: surface_of(scene, t) for t in things if not t.stands}
-    targets = [Target(t, threshold, surfaces.get(t.name)) for t in things]
-    kinds = _kinds(result, things)
+    items = item_solids(scene, result.objects)
+    surfaces = {t.name: surface_of(scene, t) for t in items if not t.stands}
+    targets = [Target(t, threshold, surfaces.get(t.name)) for t in items]
+    kinds = _kinds(result, items)
     people = [
-        _person(result, i, things, near(person.body, person.motion, targets), kinds)
+        _person(result, i, items, near(person.body, person.motion, targets), kinds)
         for i, person in enumerate(result.people)
     ]
     return ContactLabels(
@@ -76,9 +76,9 @@ def contact_labels(
 _STANDS, _MOVES, _PERSON = 0, 1, 2
 
 
-def _kinds(result: Result, things: tuple[Thing, ...]) -> NDArray[np.int64]:
+def _kinds(result: Result, items: tuple[ItemSolids, ...]) -> NDArray[np.int64]:
     """Of every name of a result: what stands, what moves, a person."""
-    stands = {thing.name for thing in things if thing.stands}
+    stands = {item.name for item in items if item.stands}
     people = {person.name for person in result.people}
     return np.array(
         [
@@ -95,7 +95,7 @@ def _kinds(result: Result, things: tuple[Thing, ...]) -> NDArray[np.int64]:
 def _person(
     result: Result,
     index: int,
-    things: tuple[Thing, ...],
+    items: tuple[ItemSolids, ...],
     found: list[tuple[Near, Near]],
     kinds: NDArray[np.int64],
 ) -> PersonLabels:
@@ -103,8 +103,8 @@ def _person(
     part = part_balls(person.body).part
     frames = len(person.motion)
     parts = np.zeros((3, frames, N_JOINTS), dtype=bool)
-    for thing, (rows, _) in zip(things, found, strict=True):
-        kind = _STANDS if thing.stands else _MOVES
+    for item, (rows, _) in zip(items, found, strict=True):
+        kind = _STANDS if item.stands else _MOVES
         parts[kind, rows.frame, part[rows.vertex]] = True
     contacts = result.contacts
     pushed = contacts[(contacts.person == index) & (contacts.strength > 0.0)]
@@ -112,13 +112,13 @@ def _person(
     parts[where] = True
     force = np.zeros((3, frames, N_JOINTS, 3))
     np.add.at(force, where, pushed.impulse * result.fps)
-    moving = [pair for thing, pair in zip(things, found, strict=True) if not thing.stands]
+    moving = [pair for item, pair in zip(items, found, strict=True) if not item.stands]
     return PersonLabels(
         name=person.name,
         vertex_part=part.astype(np.int8),
         body_near=tuple(body for body, _ in moving),
         object_near=tuple(surface for _, surface in moving),
-        scene_near=_once([b for t, (b, _) in zip(things, found, strict=True) if t.stands]),
+        scene_near=_once([b for t, (b, _) in zip(items, found, strict=True) if t.stands]),
         human_parts=parts[_MOVES],
         scene_parts=parts[_STANDS],
         people_parts=parts[_PERSON],

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from halfphysics.base.validation import number, shown
 from halfphysics.errors import InputError
 from halfphysics.metrics.argument_checks import check_result
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -190,10 +190,10 @@ def events(result: Result, limits: Limits | None = None) -> Events:
     drops: list[Drop] = []
     slips: list[Slip] = []
     for name in result.objects:
-        thing = scene.objects.get(name)  # None: a link, or its mesh has gone
-        if thing is None or isinstance(thing, Moving):
+        item = scene.objects.get(name)  # None: a link, or its mesh has gone
+        if item is None or isinstance(item, KinematicObject):
             continue
-        loads = Loads.of(result, thing)
+        loads = Loads.of(result, item)
         if not len(loads.rows):
             continue
         for hold, drop in holds_and_drops(loads, limits):

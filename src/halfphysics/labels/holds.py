@@ -38,7 +38,7 @@ class Loads:
     """
 
     result: Result
-    thing: Object
+    item: Object
     rows: Frames
     share: Array
     people: Array
@@ -48,14 +48,14 @@ class Loads:
     centre: Array
 
     @classmethod
-    def of(cls, result: Result, thing: Object) -> Loads:
+    def of(cls, result: Result, item: Object) -> Loads:
         """Those of an object of the result's scene."""
-        contacts, index = result.contacts, result.names.index(thing.name)
+        contacts, index = result.contacts, result.names.index(item.name)
         gravity = np.asarray(result.scene.gravity)
         g = float(np.linalg.norm(gravity))
         up = -gravity / g if g else np.zeros(3)
         # Without gravity there is no weight: what touches bears all there is.
-        weight = thing.mass * g / result.fps
+        weight = item.mass * g / result.fps
         strength = contacts.strength
         pushed = (contacts.person >= 0) & (contacts.other == index) & (strength > 0.0)
         rows = np.flatnonzero(pushed)
@@ -71,12 +71,12 @@ class Loads:
             touched[contacts.frame[at]] = True
             lift = np.maximum(sign * (contacts.impulse[at] @ up), 0.0)
             elsewhere += per_frame(at, lift / weight if weight else np.full(len(at), np.inf))
-        track = result.objects[thing.name]
+        track = result.objects[item.name]
         turn = rot.normalize(track.quaternion)
-        arm = np.broadcast_to(thing.com, track.position.shape)
+        arm = np.broadcast_to(item.com, track.position.shape)
         return cls(
             result=result,
-            thing=thing,
+            item=item,
             rows=rows,
             share=share,
             people=per_frame(rows, share),
@@ -161,7 +161,7 @@ def holds_and_drops(loads: Loads, limits: Limits) -> Iterator[tuple[Hold, Drop |
         # No contact leads to frame 0: what is held on the way to frame 1 is held from the start.
         start = 0 if first == 1 else first
         hold = Hold(
-            object=loads.thing.name,
+            object=loads.item.name,
             people=names,
             parts=tuple(parts),
             first=start,
@@ -199,7 +199,7 @@ def _ending(
         return ("lost" if landed == frames else "placed"), None
     met = landed < frames
     return "dropped", {
-        "object": loads.thing.name,
+        "object": loads.item.name,
         "released": begin - 1,
         "landed": landed if met else None,
         "time": (begin - 1) / fps,
@@ -234,7 +234,7 @@ def _thrown(loads: Loads, limits: Limits, people: list[int], begin: int) -> bool
 def _met(loads: Loads, frame: int) -> str:
     """Name of the static or object that pushes it hardest in a frame."""
     contacts, names = loads.result.contacts, loads.result.names
-    index = names.index(loads.thing.name)
+    index = names.index(loads.item.name)
     now = contacts[(contacts.frame == frame) & (contacts.person < 0)]
     now = now[(now.subject == index) | (now.other == index)]
     hardest = int(now.strength.argmax())

@@ -41,30 +41,30 @@ class Solid:
     turn: Array
     surface: bool = False
 
-    def add_to(self, thing: Any) -> None:
+    def add_to(self, item: Any) -> None:
         """Add it to a `TouchingThing` of the core."""
         turn, place = np.ascontiguousarray(self.turn), np.ascontiguousarray(self.position)
         shape = self.shape
         if isinstance(shape, Plane):
-            thing.add_plane(turn, place, np.array(shape.normal), shape.offset)
+            item.add_plane(turn, place, np.array(shape.normal), shape.offset)
         elif isinstance(shape, Box):
-            thing.add_box(turn, place, 0.5 * np.array(shape.size))
+            item.add_box(turn, place, 0.5 * np.array(shape.size))
         elif isinstance(shape, Sphere):
-            thing.add_capsule(turn, place, shape.radius, 0.0)
+            item.add_capsule(turn, place, shape.radius, 0.0)
         elif isinstance(shape, Capsule):
-            thing.add_capsule(turn, place, shape.radius, 0.5 * shape.length)
+            item.add_capsule(turn, place, shape.radius, 0.5 * shape.length)
         elif isinstance(shape, Cylinder):
-            thing.add_cylinder(turn, place, shape.radius, 0.5 * shape.length)
+            item.add_cylinder(turn, place, shape.radius, 0.5 * shape.length)
         elif isinstance(shape, Mesh):
             mesh = shape if self.surface else shape.hull
             planes = np.zeros((0, 4)) if self.surface else face_planes(mesh)
-            thing.add_triangles(turn, place, mesh.query.tree, planes)
+            item.add_triangles(turn, place, mesh.query.tree, planes)
         else:
             raise InputError(f"labels: found a {type(shape).__name__}, expected a known shape")
 
 
 @dataclass(frozen=True, eq=False)
-class Thing:
+class ItemSolids:
     """A static, an object or a link: what it touches by, and where it is.
 
     Attributes:
@@ -108,7 +108,7 @@ class Thing:
         return np.asarray(self.native.distance(np.ascontiguousarray(points)))
 
 
-def things_of(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[Thing, ...]:
+def item_solids(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[ItemSolids, ...]:
     """The statics, objects and links of a scene, in its order.
 
     Args:
@@ -120,8 +120,8 @@ def things_of(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[Thing, .
         solid = Solid(static.shape, np.zeros(3), np.eye(3), isinstance(static.shape, Mesh))
         turn = rot.to_matrix(static.quaternion)
         found.append((name, name, (solid,), static.position[None], turn[None], True))
-    for name, thing in scene.objects.items():
-        pieces = tuple(Solid(piece, np.zeros(3), np.eye(3)) for piece in thing.pieces)
+    for name, item in scene.objects.items():
+        pieces = tuple(Solid(piece, np.zeros(3), np.eye(3)) for piece in item.pieces)
         found.append((name, name, pieces, *_poses(tracks[name]), False))
     for whole in scene.articulated.values():
         for name, link in zip(whole.link_names, whole.links, strict=True):
@@ -134,7 +134,7 @@ def things_of(scene: Scene, tracks: Mapping[str, ObjectTrack]) -> tuple[Thing, .
                 position, turn = position[:1], turn[:1]
             found.append((name, whole.name, geoms, position, turn, link.fixed))
     return tuple(
-        Thing(name, solids, position, turn, stands, _touched(scene, owner))
+        ItemSolids(name, solids, position, turn, stands, _touched(scene, owner))
         for name, owner, solids, position, turn, stands in found
     )
 

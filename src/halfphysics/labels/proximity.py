@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from halfphysics.body import skinning
 from halfphysics.labels.bounding_spheres import PartBalls, part_balls
-from halfphysics.labels.item_solids import Thing
+from halfphysics.labels.item_solids import ItemSolids
 from halfphysics.labels.sampling import ObjectSurface
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ class Target:
         surface: Its own vertices up to this far from the skin are asked for too; None: not.
     """
 
-    thing: Thing
+    item: ItemSolids
     reach: float
     surface: ObjectSurface | None = None
 
@@ -98,7 +98,7 @@ def near(body: Body, motion: Motion, targets: Sequence[Target]) -> list[tuple[Ne
     positions, quaternions = body.joint_frames(motion)
     centres, radii = balls.parts.at(motion.rotations, positions, quaternions)
     there = radii > -np.inf
-    parts = [_close(t, there & t.thing.parts, centres, radii) for t in targets]
+    parts = [_close(t, there & t.item.parts, centres, radii) for t in targets]
     wanted = np.any(parts, axis=0)
     busy = np.flatnonzero(wanted.any(axis=1))
     some = _Some.of(body, balls, wanted.any(axis=0))
@@ -133,11 +133,11 @@ def _close(
     frames: NDArray[np.intp] | None = None,
 ) -> NDArray[np.bool_]:
     """Which of the groups asked about (t, g) may be so near a thing, at some frames (t,)."""
-    thing, reach = target.thing, target.reach
+    item, reach = target.item, target.reach
     if target.surface is not None:
         reach += target.surface.off
     close = np.array(asked, dtype=np.uint8, order="C")
-    thing.native.close(centres, radii, close, *thing.at(frames), reach)
+    item.native.close(centres, radii, close, *item.at(frames), reach)
     return close.view(np.bool_)
 
 
@@ -171,9 +171,9 @@ def _asked(
 ) -> tuple[Near, Near]:
     """What is near a thing of some parts, posed (t, n, 3) at some frames (t,) in their close
     clusters (t, c)."""
-    thing, surface = target.thing, target.surface
-    position, turn = thing.at(frames)
-    skin, points = thing.native.near(
+    item, surface = target.item, target.surface
+    position, turn = item.at(frames)
+    skin, points = item.native.near(
         posed,
         some.first,
         np.ascontiguousarray(close, dtype=np.uint8),
@@ -188,7 +188,7 @@ def _asked(
     order = np.lexsort((vertex, frame))
     of_skin = Near(frame[order], vertex[order], skin[2][order])
     k, vertex, distance, nearest, point = points
-    at = np.zeros_like(k) if thing.still else k
+    at = np.zeros_like(k) if item.still else k
     world = np.einsum("nij,nj->ni", turn[at], point) + position[at]
     of_points = Near(frames[k].astype(np.int32), vertex, distance, some.vertex[nearest], world)
     return of_skin, of_points

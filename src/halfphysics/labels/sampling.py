@@ -17,7 +17,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Sphere
-from halfphysics.labels.item_solids import Thing
+from halfphysics.labels.item_solids import ItemSolids
 
 if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
@@ -55,16 +55,16 @@ class ObjectSurface:
         return _native.PointGrid(np.ascontiguousarray(self.vertices))
 
 
-def surface_of(scene: Scene, thing: Thing) -> ObjectSurface:
+def surface_of(scene: Scene, item: ItemSolids) -> ObjectSurface:
     """The vertices of an object or a link.
 
     Of a mesh those it was given with, also where convex pieces touch in its stead.
     """
-    vertices, faces = _triangles(scene, thing.name)
-    given = scene.objects.get(thing.name)
+    vertices, faces = _triangles(scene, item.name)
+    given = scene.objects.get(item.name)
     own = given is not None and given.visual is not None
-    off = float(thing.distance(vertices).max()) if own else 0.0
-    return ObjectSurface(name=thing.name, vertices=vertices, faces=faces, off=off)
+    off = float(item.distance(vertices).max()) if own else 0.0
+    return ObjectSurface(name=item.name, vertices=vertices, faces=faces, off=off)
 
 
 def _triangles(scene: Scene, name: str) -> Triangles:

@@ -46,7 +46,7 @@ def _steps(loads: Loads, person: PersonResult, rows: Frames) -> Array:
     The part's material point at the contact, as the object sees it, from one frame to the next,
     less what goes along the normal. What rolls without slipping does not move.
     """
-    contacts, track = loads.result.contacts, loads.result.objects[loads.thing.name]
+    contacts, track = loads.result.contacts, loads.result.objects[loads.item.name]
     first = int(contacts.frame[rows].min()) - 1
     after = int(contacts.frame[rows].max()) + 1
     places, turns = person.body.joint_frames(person.motion[first:after])
@@ -100,7 +100,7 @@ def _grouped(
             continue
         within = (frame >= first) & (frame <= last)
         yield Slip(
-            object=loads.thing.name,
+            object=loads.item.name,
             person=person,
             parts=tuple(
                 JOINT_NAMES[p] for p in np.unique(result.contacts.part[rows[within]]).tolist()

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
-from halfphysics.labels.item_solids import things_of
+from halfphysics.labels.item_solids import item_solids
 from halfphysics.labels.proximity import Near, Target, near
 from halfphysics.labels.sampling import ObjectSurface
 from halfphysics.labels.solver_contacts import SolverContacts
@@ -226,8 +226,8 @@ class ContactLabels:
             )
         if (within, both) not in self._found:
             result = self.result
-            things = {thing.name: thing for thing in things_of(result.scene, result.objects)}
-            targets = [Target(things[o.name], within, o if both else None) for o in self.objects]
+            solids = {one.name: one for one in item_solids(result.scene, result.objects)}
+            targets = [Target(solids[o.name], within, o if both else None) for o in self.objects]
             people = [near(who.body, who.motion, targets) for who in result.people]
             self._found[within, both] = people
         return self._found[within, both][person][item]

@@ -14,7 +14,7 @@ from halfphysics.metrics.argument_checks import Array, check_result
 from halfphysics.metrics.scene_solids import links_of
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene.material_pairs import PERSON
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
     from halfphysics.results.contacts import Contacts
@@ -121,17 +121,17 @@ def _balance(result: Result, scene: Scene) -> dict[str, Array]:
     count = result.settings.substeps_for(dt)
     balance = {}
     for name, track in result.substeps.objects.items():
-        thing = scene.objects.get(name)
-        if thing is None or isinstance(thing, Moving):  # a link, or given
+        item = scene.objects.get(name)
+        if item is None or isinstance(item, KinematicObject):  # a link, or given
             continue
         turn = rot.normalize(track.quaternion)
-        centre = track.position + rot.rotate(turn, np.broadcast_to(thing.com, track.position.shape))
+        centre = track.position + rot.rotate(turn, np.broadcast_to(item.com, track.position.shape))
         speed = np.diff(centre, axis=0)[count - 1 :: count] * (count / dt)
-        arm = rot.rotate(turn[0], np.asarray(thing.com, dtype=np.float64))
-        start = thing.velocity + np.cross(thing.angular_velocity, arm)
-        gained = thing.mass * np.diff(np.concatenate([start[None], speed]), axis=0)
-        missing = gained - _received(result, name)[1:] - thing.mass * dt * scene.gravity
-        missing[: _asleep(thing, centre[::count])] = 0.0
+        arm = rot.rotate(turn[0], np.asarray(item.com, dtype=np.float64))
+        start = item.velocity + np.cross(item.angular_velocity, arm)
+        gained = item.mass * np.diff(np.concatenate([start[None], speed]), axis=0)
+        missing = gained - _received(result, name)[1:] - item.mass * dt * scene.gravity
+        missing[: _asleep(item, centre[::count])] = 0.0
         balance[name] = np.concatenate([[0.0], np.linalg.norm(missing, axis=1)])
         balance[name].setflags(write=False)
     return balance
@@ -147,9 +147,9 @@ def _received(result: Result, name: str) -> Array:
     return total
 
 
-def _asleep(thing: Object, centre: Array) -> int:
+def _asleep(item: Object, centre: Array) -> int:
     """For how many frames an object that starts asleep is held where it is; centre (T, 3)."""
-    if thing.start != "asleep":
+    if item.start != "asleep":
         return 0
     moved = (centre != centre[0]).any(axis=1)
     return int(moved.argmax()) if moved.any() else len(centre) - 1

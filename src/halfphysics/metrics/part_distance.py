@@ -54,14 +54,14 @@ class Poses:
         0 or less where they meet; inf beyond `RANGE`.
         """
         contacts, found = self.result.contacts, np.full(len(rows), np.inf)
-        thing = contacts.other_part[rows] < 0
-        rest = np.flatnonzero(~thing)
+        item = contacts.other_part[rows] < 0
+        rest = np.flatnonzero(~item)
         found[rest] = self._between_people(rows[rest], at[rest])
         # What touches what: a person or, past them, an object; and a thing.
         subject, first = contacts.subject[rows], len(self.result.names)
         mine = np.where(subject >= 0, subject, first + contacts.person[rows])
-        for who, other in {*zip(mine[thing].tolist(), contacts.other[rows[thing]], strict=True)}:
-            some = np.flatnonzero(thing & (mine == who) & (contacts.other[rows] == other))
+        for who, other in {*zip(mine[item].tolist(), contacts.other[rows[item]], strict=True)}:
+            some = np.flatnonzero(item & (mine == who) & (contacts.other[rows] == other))
             name = self.result.names[other]
             if who < first:
                 found[some] = self._between(self.result.names[who], name, at[some])
@@ -70,7 +70,7 @@ class Poses:
                 self.result.people[who - first].body,
                 self.motions[who - first],
                 self._is_skin,
-                self._gap_thing(name),
+                self._gap_item(name),
                 None if name in self._statics else self.tracks[name],
                 contacts.part[rows[some]],
                 at[some],
@@ -81,7 +81,7 @@ class Poses:
     def _between(self, name: str, other: str, at: NDArray[np.intp]) -> Array:
         """Distances (n,) of an object from a static, an object or a link in poses `at` (n,)."""
         mine, its = self._places(name, at), self._places(other, at)
-        gap = self._gap_thing(name).between(*mine, self._gap_thing(other), *its, RANGE)
+        gap = self._gap_item(name).between(*mine, self._gap_item(other), *its, RANGE)
         return np.asarray(gap)
 
     def _places(self, name: str, at: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -92,23 +92,23 @@ class Poses:
         turn = rot.to_matrix(rot.normalize(track.quaternion[at]))
         return np.ascontiguousarray(track.position[at]), np.ascontiguousarray(turn)
 
-    def _gap_thing(self, name: str) -> Any:
+    def _gap_item(self, name: str) -> Any:
         """What touches of a static, an object or a link, for the core; worked out once."""
-        if name not in self._gap_things:
+        if name not in self._gap_items:
             from halfphysics import _native
 
-            thing = _native.GapThing()
+            item = _native.GapThing()
             still = name in self._statics
             for solid in [self._statics[name]] if still else self._colliders(name):
                 if isinstance(solid, ConvexCollider):
-                    thing.add_hull(*solid.arrays)
+                    item.add_hull(*solid.arrays)
                 elif isinstance(solid, Triangles):
                     corners = np.ascontiguousarray(solid.corners.reshape(-1, 3))
-                    thing.add_mesh(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3))
+                    item.add_mesh(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3))
                 else:
-                    thing.add_half_space(*solid)
-            self._gap_things[name] = thing
-        return self._gap_things[name]
+                    item.add_half_space(*solid)
+            self._gap_items[name] = item
+        return self._gap_items[name]
 
     def _between_people(self, rows: NDArray[np.intp], at: NDArray[np.intp]) -> Array:
         """Distances (n,) of parts from parts, their own person's or another's, hull by hull."""
@@ -171,7 +171,7 @@ class Poses:
         return [geom.collider() for geom in links_of(scene)[name][1].geoms]
 
     @cached_property
-    def _gap_things(self) -> dict[str, Any]:
+    def _gap_items(self) -> dict[str, Any]:
         return {}
 
     @cached_property

@@ -26,7 +26,7 @@ def part_gaps(
     body: Body,
     motion: Motion,
     skin: bool,
-    thing: Any,
+    item: Any,
     track: ObjectTrack | None,
     part: Whole,
     at: Whole,
@@ -64,7 +64,7 @@ def part_gaps(
         if track is not None:
             position = np.ascontiguousarray(track.position[chunk])
             turn = rot.to_matrix(rot.normalize(track.quaternion[chunk]))
-        found[here] = thing.gaps(
+        found[here] = item.gaps(
             posed,
             pose,
             np.searchsorted(of_part, part[here], side="left").astype(np.int32),

@@ -134,7 +134,7 @@ def _world(result: Result) -> World:
     scene = result.scene
     known = result.names[: -len(result.people)]
     found: tuple[str, ...] = (*scene.statics, *scene.objects)
-    found += tuple(n for thing in scene.articulated.values() for n in thing.link_names)
+    found += tuple(n for item in scene.articulated.values() for n in item.link_names)
     if known != found:
         raise FileError(
             "the clearance of parts cannot be measured, the scene is another one: found "

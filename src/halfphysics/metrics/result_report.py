@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 EXACT = 1e-9
 #: What an object that moved less than this did is called standing still [m, rad].
 STILL, STILL_TURN = 1e-3, np.deg2rad(1.0)
-_THINGS = 5  # touched things, and objects, that are listed
+_LISTED = 5  # touched things, and objects, that are listed
 _PARTS = 3  # parts that are named for each
 
 
@@ -106,7 +106,7 @@ def _touches(result: Result, index: int) -> list[str]:
     touched = np.flatnonzero(forces.any(axis=1))
     touched = touched[np.argsort(-forces[touched].max(axis=1), kind="stable")]
     lines = []
-    for other in touched[:_THINGS]:
+    for other in touched[:_LISTED]:
         force = forces[other]
         frames = np.flatnonzero(force)
         lines.append(
@@ -114,9 +114,9 @@ def _touches(result: Result, index: int) -> list[str]:
             f"{_parts(contacts[contacts.other == other])}; {_newtons(force[frames].mean())} mean, "
             f"{_newtons(force.max())} peak in frame {force.argmax()}"
         )
-    if len(touched) > _THINGS:
-        rest = [result.names[other] for other in touched[_THINGS:]]
-        lines.append(f"touched {_some(rest, _THINGS)} too, less hard")
+    if len(touched) > _LISTED:
+        rest = [result.names[other] for other in touched[_LISTED:]]
+        lines.append(f"touched {_some(rest, _LISTED)} too, less hard")
     return lines
 
 
@@ -181,10 +181,10 @@ def _objects(result: Result) -> list[str]:
         )
         moved.append((-float(way.max()), text))
     lines = [text for _, text in sorted(moved)]
-    if len(lines) > _THINGS:
-        lines[_THINGS:] = [f"{len(lines) - _THINGS} more objects moved, less far"]
+    if len(lines) > _LISTED:
+        lines[_LISTED:] = [f"{len(lines) - _LISTED} more objects moved, less far"]
     if still:
-        lines.append(f"did not move (less than {_length(STILL)}, 1°): {_some(still, _THINGS)}")
+        lines.append(f"did not move (less than {_length(STILL)}, 1°): {_some(still, _LISTED)}")
     return lines
 
 
@@ -200,10 +200,10 @@ def _nearest(result: Result) -> list[str]:
     lines = []
     if (result.clearance < 0.0).any():
         frame = int(result.clearance.argmin())
-        part, thing = _closest(result, frame)
+        part, item = _closest(result, frame)
         lines.append(
             f"deepest in what stands ({shape}): {part}{_length(-result.clearance[frame])} in "
-            f"{thing}, in {_when(result, frame)}"
+            f"{item}, in {_when(result, frame)}"
         )
     if not clear.any():
         return lines
@@ -213,11 +213,11 @@ def _nearest(result: Result) -> list[str]:
     if not np.isfinite(distance[frame]):
         reach = _length(result.settings.clearance_range)
         return [*lines, f"no static within {reach} of the body ({shape}{when}) at any frame"]
-    part, thing = _closest(result, frame)
+    part, item = _closest(result, frame)
     return [
         *lines,
         f"smallest distance from what stands ({shape}{when}): {part}{_length(distance[frame])} "
-        f"from {thing}, in {_when(result, frame)}; asked: {_length(result.settings.clearance)}",
+        f"from {item}, in {_when(result, frame)}; asked: {_length(result.settings.clearance)}",
     ]
 
 

@@ -24,18 +24,18 @@ if TYPE_CHECKING:
 Solid = tuple[Shape, Array, Array]
 
 
-def _true_shape(thing: Object) -> Shape:
+def _true_shape(item: Object) -> Shape:
     """What the thing is: where pieces stand for a mesh, the mesh itself."""
-    cut = thing.decomposition is not None
-    return thing.visual if cut and thing.visual is not None else thing.shape
+    cut = item.decomposition is not None
+    return item.visual if cut and item.visual is not None else item.shape
 
 
 def links_of(scene: Scene) -> dict[str, tuple[str, Link]]:
     """Links of articulated objects as results name them: whose, and the link."""
     return {
-        name: (thing.name, link)
-        for thing in scene.articulated.values()
-        for name, link in zip(thing.link_names, thing.links, strict=True)
+        name: (item.name, link)
+        for item in scene.articulated.values()
+        for name, link in zip(item.link_names, item.links, strict=True)
     }
 
 

@@ -135,22 +135,22 @@ class _Caps:
         return np.concatenate([vertices, middle])
 
 
-def _common(vertices: Array, faces: Ints, things: list[Placed], grid: Grid) -> Array:
+def _common(vertices: Array, faces: Ints, items: list[Placed], grid: Grid) -> Array:
     """Lengths (4,) [grid] that skin and things have in common, of rays in even and odd rows."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     near = []
     window = np.array([[np.inf, np.inf], [-np.inf, -np.inf]])
     corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
-    for thing in things:
-        box = _box(thing)
+    for item in items:
+        box = _box(item)
         if box is None:  # a half-space
-            normal = rot.rotate(thing.quaternion, np.asarray(thing.shape.normal))  # type: ignore[attr-defined]
-            offset = thing.shape.offset + normal @ thing.position  # type: ignore[attr-defined]
+            normal = rot.rotate(item.quaternion, np.asarray(item.shape.normal))  # type: ignore[attr-defined]
+            offset = item.shape.offset + normal @ item.position  # type: ignore[attr-defined]
             if (vertices @ normal).min() < offset:
-                near.append(thing)
+                near.append(item)
                 window = _wider(window, grid.of(corners)[:, :2])
         elif (box[0] < high).all() and (box[1] > low).all():
-            near.append(thing)
+            near.append(item)
             both = zip(np.maximum(box[0], low), np.minimum(box[1], high), strict=True)
             window = _wider(window, grid.of(np.array(list(itertools.product(*both))))[:, :2])
     if not near:
@@ -159,7 +159,7 @@ def _common(vertices: Array, faces: Ints, things: list[Placed], grid: Grid) -> A
     skin = Spans.of_crossings(*crossings(grid.of(vertices), faces, cells))
     if not len(skin.ray):
         return np.zeros(4)
-    ray, length = Spans.union([thing.inside(grid, skin) for thing in near]).common(skin)
+    ray, length = Spans.union([item.inside(grid, skin) for item in near]).common(skin)
     which = 2 * (ray[:, 0] % 2) + ray[:, 1] % 2
     return np.bincount(which, weights=length, minlength=4).astype(np.float64)
 
@@ -169,14 +169,14 @@ def _wider(window: Array, points: Array) -> Array:
     return np.stack([np.minimum(window[0], low), np.maximum(window[1], high)])
 
 
-def _box(thing: Placed) -> Array | None:
+def _box(item: Placed) -> Array | None:
     """Corners (2, 3) of the box around a placed shape; None of a half-space."""
-    if isinstance(thing.shape, Plane):
+    if isinstance(item.shape, Plane):
         return None
-    if isinstance(thing.shape, Sphere | Capsule | Cylinder):
+    if isinstance(item.shape, Sphere | Capsule | Cylinder):
         # The triangles of round shapes are within them.
-        half = thing.shape.radius + 0.5 * getattr(thing.shape, "length", 0.0)
-        half = float(np.hypot(half, thing.shape.radius))
-        return np.stack([thing.position - half, thing.position + half])
-    points = thing.shape.triangles()[0] @ rot.to_matrix(thing.quaternion).T + thing.position
+        half = item.shape.radius + 0.5 * getattr(item.shape, "length", 0.0)
+        half = float(np.hypot(half, item.shape.radius))
+        return np.stack([item.position - half, item.position + half])
+    points = item.shape.triangles()[0] @ rot.to_matrix(item.quaternion).T + item.position
     return np.stack([points.min(axis=0), points.max(axis=0)])

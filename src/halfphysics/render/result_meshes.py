@@ -191,16 +191,16 @@ class Drawing:
 
     def _build_objects(self) -> dict[str, Item]:
         items = {}
-        for k, (name, thing) in enumerate(self.result.scene.objects.items()):
+        for k, (name, item) in enumerate(self.result.scene.objects.items()):
             track = self.result.objects[name]
             # Drawn as given, not as the hull that touches.
-            vertices, faces = thing.mesh() if thing.visual is None else thing.visual.triangles()
+            vertices, faces = item.mesh() if item.visual is None else item.visual.triangles()
             items[f"object/{name}"] = Item(
                 surface=Surface(
                     vertices=vertices,
                     faces=faces,
                     color=OBJECTS[k % len(OBJECTS)],
-                    crease=_crease(thing.shape),
+                    crease=_crease(item.shape),
                 ),
                 position=np.asarray(track.position, dtype=np.float64),
                 quaternion=np.asarray(track.quaternion, dtype=np.float64),

@@ -81,11 +81,11 @@ def subject(drawing: Drawing, frame: int, story: Mapping[str, Surface]) -> Array
     low = np.array([p.min(axis=0) for p in people])
     high = np.array([p.max(axis=0) for p in people])
     for name, item in drawing.objects.items():
-        thing = story[name].vertices
+        vertices = story[name].vertices
         centre = item.position[min(frame, len(item.position) - 1)]
         gap = np.linalg.norm(np.maximum(np.maximum(low - centre, centre - high), 0.0), axis=1)
         if gap.min() < NEAR:
-            points.append(thing)
+            points.append(vertices)
     return np.concatenate(points)
 
 

@@ -44,28 +44,28 @@ class SceneRecord:
 
         document = json.loads(json.dumps(scene_document(scene)))
         for group in ("statics", "objects", "moving"):
-            for thing in document.get(group, {}).values():
-                if isinstance(thing.get("mesh"), dict):
-                    thing["mesh"] = {IN_MEMORY: _identity(thing["mesh"])}
-                if isinstance(thing.get("pieces"), list):
-                    thing["pieces"] = {IN_MEMORY: [_identity(piece) for piece in thing["pieces"]]}
+            for item in document.get(group, {}).values():
+                if isinstance(item.get("mesh"), dict):
+                    item["mesh"] = {IN_MEMORY: _identity(item["mesh"])}
+                if isinstance(item.get("pieces"), list):
+                    item["pieces"] = {IN_MEMORY: [_identity(piece) for piece in item["pieces"]]}
         return SceneRecord(document, "this session")
 
     def missing(self) -> dict[str, str]:
         """Things that cannot be built again: name -> why."""
         lost = {}
         for group in ("statics", "objects", "moving"):
-            for name, thing in self.document.get(group, {}).items():
-                mesh = thing.get("mesh")
+            for name, item in self.document.get(group, {}).items():
+                mesh = item.get("mesh")
                 if isinstance(mesh, dict):
                     lost[name] = "its mesh came from no file"
-                elif isinstance(thing.get("pieces"), dict):
+                elif isinstance(item.get("pieces"), dict):
                     lost[name] = "its pieces came from no file"
                 elif mesh is not None and not Path(mesh).is_file():
                     lost[name] = f"{mesh} is not there"
-        for name, thing in self.document.get("articulated", {}).items():
-            if "file" in thing and not Path(thing["file"]).is_file():
-                lost[name] = f"{thing['file']} is not there"
+        for name, item in self.document.get("articulated", {}).items():
+            if "file" in item and not Path(item["file"]).is_file():
+                lost[name] = f"{item['file']} is not there"
         return lost
 
     def make(self) -> Scene:
@@ -87,8 +87,8 @@ class SceneRecord:
             )
         document = dict(self.document)
         for group in ("statics", "objects", "moving", "articulated"):
-            things = document.get(group, {})
-            document[group] = {name: thing for name, thing in things.items() if name not in lost}
+            items = document.get(group, {})
+            document[group] = {name: item for name, item in items.items() if name not in lost}
         for group in ("friction", "ignore"):
             pairs = document.get(group, [])
             document[group] = [pair for pair in pairs if not set(pair[:2]) & set(lost)]

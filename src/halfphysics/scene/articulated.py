@@ -184,7 +184,7 @@ class LinkPlace:
         return np.array(position), rot.normalize(quat)
 
 
-def add_bodies(spec: Any, thing: Articulated) -> None:
+def add_bodies(spec: Any, item: Articulated) -> None:
     """The links as bodies of an MjSpec, without geometry; names as `places` expects them."""
     import mujoco
 
@@ -195,15 +195,15 @@ def add_bodies(spec: Any, thing: Articulated) -> None:
         "hinge": mujoco.mjtJoint.mjJNT_HINGE,
     }
     bodies: list[Any] = []
-    for i, link in enumerate(thing.links):
-        position, quat = placed(thing, link)
+    for i, link in enumerate(item.links):
+        position, quat = placed(item, link)
         parent = spec.worldbody if link.parent < 0 else bodies[link.parent]
-        b = parent.add_body(name=f"articulated/{thing.name}/{i}", pos=position, quat=quat)
+        b = parent.add_body(name=f"articulated/{item.name}/{i}", pos=position, quat=quat)
         bodies.append(b)
         b.mass, b.ipos, b.inertia = link.mass, link.com, link.inertia
         b.iquat, b.explicitinertial = link.inertia_quaternion, True
         for k, joint in enumerate(link.joints):
-            j = b.add_joint(name=f"articulated/{thing.name}/{i}/{k}", type=kinds[joint.kind])
+            j = b.add_joint(name=f"articulated/{item.name}/{i}/{k}", type=kinds[joint.kind])
             j.armature = joint.armature
             # One number for every power of the velocity (of the distance): the first.
             for field in ("damping", "stiffness"):
@@ -224,57 +224,57 @@ def add_bodies(spec: Any, thing: Articulated) -> None:
     spec.compiler.degree = False
 
 
-def places(model: Any, thing: Articulated) -> tuple[tuple[LinkPlace, ...], tuple[JointPlace, ...]]:
+def places(model: Any, item: Articulated) -> tuple[tuple[LinkPlace, ...], tuple[JointPlace, ...]]:
     """The links and joints of an articulated object in a compiled model."""
     links: list[LinkPlace] = []
     joints: list[JointPlace] = []
-    for i, link in enumerate(thing.links):
+    for i, link in enumerate(item.links):
         mine = []
         for k, joint in enumerate(link.joints):
-            j = model.joint(f"articulated/{thing.name}/{i}/{k}").id
+            j = model.joint(f"articulated/{item.name}/{i}/{k}").id
             at = int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])
-            mine.append(JointPlace(f"{thing.name}/{joint.name}", joint, *at))
+            mine.append(JointPlace(f"{item.name}/{joint.name}", joint, *at))
         joints += mine
         parent = links[link.parent] if link.parent >= 0 else None
-        name = f"{thing.name}/{link.name}"
-        links.append(LinkPlace(name, parent, *placed(thing, link), tuple(mine)))
+        name = f"{item.name}/{link.name}"
+        links.append(LinkPlace(name, parent, *placed(item, link), tuple(mine)))
     return tuple(links), tuple(joints)
 
 
-def start(model: Any, thing: Articulated, qpos: Array, qvel: Array) -> None:
+def start(model: Any, item: Articulated, qpos: Array, qvel: Array) -> None:
     """Writes what the joints start with into coordinates (nq,) and velocities (nv,)."""
-    for link, place in zip(thing.links, places(model, thing)[0], strict=True):
+    for link, place in zip(item.links, places(model, item)[0], strict=True):
         for at in place.joints:
             joint, (count, speeds) = at.joint, SIZES[at.joint.kind]
-            qpos[at.qpos : at.qpos + count] = start_of(thing, link, joint)
-            qvel[at.dof : at.dof + speeds] = thing.velocities.get(joint.name, 0.0)
+            qpos[at.qpos : at.qpos + count] = start_of(item, link, joint)
+            qvel[at.dof : at.dof + speeds] = item.velocities.get(joint.name, 0.0)
 
 
-def start_of(thing: Articulated, link: Link, joint: LinkJoint) -> Any:
+def start_of(item: Articulated, link: Link, joint: LinkJoint) -> Any:
     """What a joint of a link starts with: its value, or the quaternion or pose of its kind."""
     value: Any = joint.reference
     if joint.kind == "free":
-        value = np.concatenate(placed(thing, link))
+        value = np.concatenate(placed(item, link))
     elif joint.kind == "ball":
         value = [1.0, 0.0, 0.0, 0.0]
-    return thing.joints.get(joint.name, value)
+    return item.joints.get(joint.name, value)
 
 
-def start_poses(thing: Articulated) -> list[tuple[Array, Array]]:
+def start_poses(item: Articulated) -> list[tuple[Array, Array]]:
     """Of every link the position (3,) [m] and quaternion (4,) in the world that it starts with."""
     import mujoco
 
     spec = mujoco.MjSpec()
-    add_bodies(spec, thing)
+    add_bodies(spec, item)
     model = spec.compile()
     qpos, qvel = np.zeros(model.nq), np.zeros(model.nv)
-    start(model, thing, qpos, qvel)
-    return [link.pose(qpos) for link in places(model, thing)[0]]
+    start(model, item, qpos, qvel)
+    return [link.pose(qpos) for link in places(model, item)[0]]
 
 
-def placed(thing: Articulated, link: Link) -> tuple[Array, Array]:
+def placed(item: Articulated, link: Link) -> tuple[Array, Array]:
     """A link's pose in its parent; in the world where it has none."""
     if link.parent >= 0:
         return link.position, link.quaternion
-    position = thing.position + rot.rotate(thing.quaternion, link.position)
-    return position, rot.normalize(rot.multiply(thing.quaternion, link.quaternion))
+    position = item.position + rot.rotate(item.quaternion, link.position)
+    return position, rot.normalize(rot.multiply(item.quaternion, link.quaternion))

@@ -17,7 +17,7 @@ from halfphysics.geometry.mesh import Mesh, MeshSource
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Plane
 from halfphysics.scene.items import Object, checked_material, checked_pose, checked_shape, fixed
-from halfphysics.scene.trajectories import Moving, start_velocity, trajectory
+from halfphysics.scene.trajectories import KinematicObject, start_velocity, trajectory
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +88,7 @@ def build_kinematic(
     name: str,
     loop: bool,
     **given: Any,
-) -> Moving:
+) -> KinematicObject:
     """A kinematic object from the arguments of `Scene.add_moving`; `what` begins the messages.
 
     Raises:
@@ -101,7 +101,7 @@ def build_kinematic(
         raise InputError(f"{what}: loop: expected True or False, found {shown(loop)}")
     solid = _solid(what, shape, given["scale"], given["up"], PieceOptions())
     velocity, spin = start_velocity(places, turns, rate)
-    return Moving(
+    return KinematicObject(
         name=name,
         shape=solid.solid,
         cut=solid.cut,

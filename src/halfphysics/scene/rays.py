@@ -115,10 +115,10 @@ def scene_ray(
     """The work behind `Scene.ray`."""
     ray = Ray(origin, direction)
     skipped = checked_names(ignore, (*scene.statics, *scene.objects))
-    things: list[Static | Object] = [*scene.statics.values(), *scene.objects.values()]
-    for thing in things:
-        if thing.name not in skipped:
-            ray.meet(thing.name, thing.shape, thing.position, thing.quaternion)
+    items: list[Static | Object] = [*scene.statics.values(), *scene.objects.values()]
+    for item in items:
+        if item.name not in skipped:
+            ray.meet(item.name, item.shape, item.position, item.quaternion)
     return ray.hit
 
 

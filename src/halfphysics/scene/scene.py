@@ -29,7 +29,7 @@ from halfphysics.scene.items import (
 )
 from halfphysics.scene.material_pairs import MaterialPairs, checked_pair, of_person
 from halfphysics.scene.object_builder import PieceOptions, build_kinematic, build_object
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
     from halfphysics.scene.articulated import Articulated
@@ -197,7 +197,7 @@ class Scene:
         loop: bool = False,
         scale: float = 1.0,
         up: str | None = None,
-    ) -> Moving:
+    ) -> KinematicObject:
         """Add something that moves along a given trajectory and pushes what is in its way.
 
         Nothing pushes it: it has the velocity of its trajectory and, to whatever it meets, infinite
@@ -388,8 +388,8 @@ class Scene:
     def _keep(self, item: Object) -> None:
         """Add an object; kinematic ones come last: the order in files and results."""
         self._objects[item.name] = item
-        if not isinstance(item, Moving):
-            for name in [n for n, o in self._objects.items() if isinstance(o, Moving)]:
+        if not isinstance(item, KinematicObject):
+            for name in [n for n, o in self._objects.items() if isinstance(o, KinematicObject)]:
                 self._objects[name] = self._objects.pop(name)
 
     def _pair(self, what: str, a: str, b: str) -> frozenset[str]:

@@ -14,7 +14,7 @@ from halfphysics.geometry.convex_decomposition import USUAL
 from halfphysics.geometry.shapes import Mesh, MeshSource
 from halfphysics.scene.items import OBJECT_FRICTION, STATIC_FRICTION, Object, Static
 from halfphysics.scene.scene_file import PIECE_KEYS, SHAPES, SUFFIXES, VERSION
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
     from halfphysics.scene.articulated import Articulated
@@ -48,12 +48,12 @@ def scene_document(scene: Scene, base: Path | None = None) -> dict[str, Any]:
         "objects": {
             name: _item(o, base) | _dynamics(o)
             for name, o in scene.objects.items()
-            if not isinstance(o, Moving)
+            if not isinstance(o, KinematicObject)
         },
         "moving": {
             name: _item(o, base) | _trajectory(o)
             for name, o in scene.objects.items()
-            if isinstance(o, Moving)
+            if isinstance(o, KinematicObject)
         },
         "articulated": {n: _articulated(a, base) for n, a in scene.articulated.items()},
         "friction": [list(pair) for pair in scene.friction_pairs],
@@ -74,11 +74,11 @@ def _item(item: Static | Object, base: Path | None) -> dict[str, Any]:
         for key in (*needed, *optional):
             value = getattr(shape, key)
             result[key] = list(value) if isinstance(value, tuple) else value
-    pushed = isinstance(item, Object) and not isinstance(item, Moving)
+    pushed = isinstance(item, Object) and not isinstance(item, KinematicObject)
     default = OBJECT_FRICTION if pushed else STATIC_FRICTION
-    if not isinstance(item, Moving):
+    if not isinstance(item, KinematicObject):
         result["position"] = item.position.tolist()
-    if not isinstance(item, Moving) and item.quaternion.tolist() != [1.0, 0.0, 0.0, 0.0]:
+    if not isinstance(item, KinematicObject) and item.quaternion.tolist() != [1.0, 0.0, 0.0, 0.0]:
         result["quaternion"] = item.quaternion.tolist()
     if item.friction != default:
         result["friction"] = item.friction
@@ -87,7 +87,7 @@ def _item(item: Static | Object, base: Path | None) -> dict[str, Any]:
     return result
 
 
-def _trajectory(item: Moving) -> dict[str, Any]:
+def _trajectory(item: KinematicObject) -> dict[str, Any]:
     result: dict[str, Any] = {"fps": item.fps, "positions": item.positions.tolist()}
     if (item.quaternions != [1.0, 0.0, 0.0, 0.0]).any():
         result["quaternions"] = item.quaternions.tolist()

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Moving(Object):
+class KinematicObject(Object):
     """An object on a given trajectory, as `Scene.add_moving` makes it.
 
     Its frame is at `positions` (K, 3) [m] and `quaternions` (K, 4) in the world, `fps` of them to

@@ -11,7 +11,7 @@ import numpy as np
 from halfphysics.baselines.modes import FORCED
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.scene import articulated as jointed
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation.collision_shapes import ShapeTable, add_shapes
 from halfphysics.simulation.compiled_model import (
     armature_of,
@@ -121,7 +121,7 @@ def _fill(
     core.set_prescribed(FORCED.get(settings.mode, 0))
     for place, item in zip(places.objects, scene.objects.values(), strict=True):
         body = model.body(f"object/{item.name}").id
-        if isinstance(item, Moving):
+        if isinstance(item, KinematicObject):
             core.add_trajectory(body, item.fps, item.loop, item.positions, item.quaternions)
         elif item.start == "asleep" and isinstance(place, FreeObject):
             core.start_asleep(body)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from halfphysics.body.mjcf_person import add_person, principal
 from halfphysics.motion.skeleton import LEFT_HAND_JOINTS, N_JOINTS, RIGHT_HAND_JOINTS
 from halfphysics.scene import articulated as jointed
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -75,7 +75,7 @@ def _add_object(spec: Any, item: Object, people: Sequence[str], hold: Hold | Non
     else:  # no joint: a part of the holder's tree
         parent = spec.body(f"{people[hold.person]}/{hold.part}")
         body = parent.add_body(name=name, pos=hold.position, quat=hold.quaternion)
-    given = isinstance(item, Moving)  # its mass is never asked for
+    given = isinstance(item, KinematicObject)  # its mass is never asked for
     body.mass, body.ipos = 1.0 if given else item.mass, [0.0, 0.0, 0.0]  # else ipos becomes pos
     body.inertia, body.iquat = principal(np.eye(3) if given else item.inertia)
     body.explicitinertial = True

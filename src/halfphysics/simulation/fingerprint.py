@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
     """Of what moves and what it meets: names, places, geometry and masses, not of settings."""
-    from halfphysics.scene.trajectories import Moving
+    from halfphysics.scene.trajectories import KinematicObject
 
     number = 0
 
@@ -40,14 +40,14 @@ def fingerprint(bodies: Sequence[Body], scene: Scene) -> str:
     for static in scene.statics.values():
         add(static.name, static.position, static.quaternion)
         add_shape(static.shape)
-    for thing in scene.objects.values():
-        add(thing.name, thing.com, thing.inertia, np.float64(thing.mass))
-        for piece in thing.pieces:
+    for item in scene.objects.values():
+        add(item.name, item.com, item.inertia, np.float64(item.mass))
+        for piece in item.pieces:
             add_shape(piece)
-        if isinstance(thing, Moving):
-            add(thing.positions, thing.quaternions, np.float64(thing.fps), np.float64(thing.loop))
-        elif thing.start == "asleep":
-            add(thing.start)
+        if isinstance(item, KinematicObject):
+            add(item.positions, item.quaternions, np.float64(item.fps), np.float64(item.loop))
+        elif item.start == "asleep":
+            add(item.start)
     for jointed in scene.articulated.values():
         add(jointed.name, jointed.position, jointed.quaternion)
         for link in jointed.links:

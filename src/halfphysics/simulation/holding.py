@@ -14,7 +14,7 @@ from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation.coordinates import FreeObject
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
     place = {place.name: place for place in world.objects}.get(name)
     if place is None:
         raise InputError(f"attach: {_stranger(world, name)}")
-    if isinstance(world.scene.objects[name], Moving):
+    if isinstance(world.scene.objects[name], KinematicObject):
         raise InputError(f"{what}: it moves along its trajectory; expected an object of add_object")
     if not isinstance(place, FreeObject):
         raise InputError(f"{what}: {_holder(world, name)} holds it already; release({name!r}) it")

@@ -14,7 +14,7 @@ from halfphysics.base.validation import vector
 from halfphysics.errors import InputError
 from halfphysics.motion.pose import Pose
 from halfphysics.scene.rays import Ray, checked_names
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation import holding
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.coordinates import FreeObject
@@ -31,19 +31,19 @@ Array = NDArray[np.float64]
 
 def velocity(world: World, name: str) -> tuple[Array, Array]:
     """Velocity (3,) [m/s] of an object's origin and angular velocity (3,) [rad/s], in the world."""
-    place, thing = _found(world, "velocity", name)
+    place, item = _found(world, "velocity", name)
     if not isinstance(place, FreeObject):
         return holding.velocity(world, place)
     quat, six = _turn(world, place), world.stepper.qvel()[place.dof : place.dof + 6]
     spin = rot.rotate(quat, six[3:])
-    return six[:3] - np.cross(spin, rot.rotate(quat, thing.com)), spin
+    return six[:3] - np.cross(spin, rot.rotate(quat, item.com)), spin
 
 
 def set_velocity(
     world: World, name: str, linear: ArrayLike, angular: ArrayLike | None = None
 ) -> None:
     """The work behind `Simulator.set_velocity`."""
-    place, thing = _pushed(world, "set_velocity", name)
+    place, item = _pushed(world, "set_velocity", name)
     what = f"set_velocity of {name!r}"
     v = vector(linear, f"{what}: velocity", unit="m/s")
     w = velocity(world, name)[1]
@@ -51,7 +51,7 @@ def set_velocity(
         w = vector(angular, f"{what}: angular_velocity", unit="rad/s")
     quat = _turn(world, place)
     six = np.concatenate(
-        [v + np.cross(w, rot.rotate(quat, thing.com)), rot.rotate(rot.conjugate(quat), w)]
+        [v + np.cross(w, rot.rotate(quat, item.com)), rot.rotate(rot.conjugate(quat), w)]
     )
     world.stepper.set_velocity(_body(world, name), six)
 
@@ -64,7 +64,7 @@ def apply_impulse(
     angular: ArrayLike | None,
 ) -> None:
     """The work behind `Simulator.apply_impulse`."""
-    place, thing = _pushed(world, "apply_impulse", name)
+    place, item = _pushed(world, "apply_impulse", name)
     what = f"apply_impulse on {name!r}"
     p = vector(impulse, f"{what}: impulse", unit="N s")
     turning = np.zeros(3)
@@ -74,9 +74,9 @@ def apply_impulse(
     if angular is not None:
         turning += vector(angular, f"{what}: angular", unit="N m s")
     six = np.array(world.stepper.qvel()[place.dof : place.dof + 6])
-    six[:3] += p / thing.mass
+    six[:3] += p / item.mass
     own = rot.rotate(rot.conjugate(_turn(world, place)), turning)
-    six[3:] += np.linalg.solve(thing.inertia, own)
+    six[3:] += np.linalg.solve(item.inertia, own)
     world.stepper.set_velocity(_body(world, name), six)
 
 
@@ -171,15 +171,15 @@ def _movers(world: World) -> list[tuple[str, int, int]]:
 
 def _pushed(world: World, what: str, name: str) -> tuple[FreeObject, Object]:
     """What can be given a velocity."""
-    place, thing = _found(world, what, name)
-    if isinstance(thing, Moving):
+    place, item = _found(world, what, name)
+    if isinstance(item, KinematicObject):
         raise InputError(
             f"{what}: {name!r} moves along its trajectory and nothing pushes it; expected an "
             "object of add_object"
         )
     if not isinstance(place, FreeObject):
         raise holding.not_free(world, what, name)
-    return place, thing
+    return place, item
 
 
 def _found(world: World, what: str, name: str) -> tuple[FreeObject | HeldObject, Object]:

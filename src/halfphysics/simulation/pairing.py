@@ -8,7 +8,7 @@ import numpy as np
 
 from halfphysics.baselines.modes import FORCED
 from halfphysics.scene.material_pairs import PERSON, of_person
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
@@ -23,7 +23,7 @@ def set_pairings(core: Any, scene: Scene, settings: Settings, names: Names) -> N
     friction, restitution, ignore = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     # Two that contact cannot push do not meet: statics and trajectories, and trajectories and
     # people whose poses are set.
-    trajectories = {n for n, item in scene.objects.items() if isinstance(item, Moving)}
+    trajectories = {n for n, item in scene.objects.items() if isinstance(item, KinematicObject)}
     unmoved = trajectories | set(scene.statics)
     set_ = trajectories | ({PERSON, *names.parts} if settings.mode in FORCED else set())
     for i, a in enumerate(rows):

@@ -13,7 +13,7 @@ import numpy as np
 
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.skeleton import JOINT_NAMES
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation.compiled_model import armature_of, compiled_inertia, model_arrays
 from halfphysics.simulation.core_settings import set_settings
 from halfphysics.simulation.names import parts_set_apart
@@ -119,7 +119,7 @@ def _same_static(a: Static, b: Static) -> bool:
 
 
 def _same_shape(a: Object, b: Object) -> bool:
-    if isinstance(a, Moving) or isinstance(b, Moving):
+    if isinstance(a, KinematicObject) or isinstance(b, KinematicObject):
         return False
     return a is b or (
         a.shape == b.shape

@@ -36,7 +36,7 @@ KINDS: tuple[Kind, ...] = (
     Kind("on a person, by a person", (0.38, 0.16, 0.76)),
     Kind("on an object", (0.25, 0.31, 0.38)),
 )
-SCENE, OBJECT, PERSON, THING = range(4)
+SCENE, OBJECT, PERSON, NO_PERSON = range(4)
 
 #: Length of an arrow [m]: `SHORTEST` up to 1 N, `TENFOLD` more for ten times the force, up to
 #: `LARGEST` [N]. A finger's 3 N and a foot's 600 N are both to be seen.
@@ -132,7 +132,7 @@ def kinds_of(contacts: Contacts | ContactRows, names: int, objects: int, persons
     objects = people - objects
     other = np.asarray(contacts.other)
     kind = np.select([other < objects, other < people], [SCENE, OBJECT], PERSON)
-    return np.where(np.asarray(contacts.person) < 0, THING, kind)
+    return np.where(np.asarray(contacts.person) < 0, NO_PERSON, kind)
 
 
 class ContactNodes:

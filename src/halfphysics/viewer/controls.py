@@ -77,11 +77,11 @@ class Controls:
             boxes.append(box)
         return boxes
 
-    def _shows(self, things: list[Any]) -> Any:
+    def _shows(self, items: list[Any]) -> Any:
         def shows(event: Any) -> None:
             def task() -> None:
-                for thing in things:
-                    thing.visible = event.target.value
+                for item in items:
+                    item.visible = event.target.value
 
             self._viewer.do(task)
 

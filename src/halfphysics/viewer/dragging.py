@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base.validation import vector
 from halfphysics.errors import InputError
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation.simulator import Simulator
 
 Array = NDArray[np.float64]
@@ -23,8 +23,8 @@ FASTEST = 12.0
 
 def draggable(simulator: Simulator, name: str) -> bool:
     """Whether the pointer can pull it: a free object that is not held."""
-    thing = simulator.world.scene.objects.get(name)
-    return thing is not None and not isinstance(thing, Moving) and name not in simulator.held
+    item = simulator.world.scene.objects.get(name)
+    return item is not None and not isinstance(item, KinematicObject) and name not in simulator.held
 
 
 @dataclass

@@ -11,7 +11,7 @@ from halfphysics.base.validation import number
 from halfphysics.body.strength import HUMAN, ROOT_BODY_WEIGHTS
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import ROOT_FORCE
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -90,31 +90,31 @@ class Knobs:
         for name, value in self.frictions.items():
             what = f"friction of {name!r}"
             mu = number(value, what, least=0.0)
-            things: dict[str, Any] = {**scene.statics, **scene.objects, **scene.articulated}
-            if name not in things:
-                _refuse(what, things)
-            _put(scene, replace(things[name], friction=mu))
+            items: dict[str, Any] = {**scene.statics, **scene.objects, **scene.articulated}
+            if name not in items:
+                _refuse(what, items)
+            _put(scene, replace(items[name], friction=mu))
         return scene
 
 
 def movable(scene: Scene) -> dict[str, Any]:
     """Name -> what has a mass that counts: free objects and articulated ones."""
-    free = {n: o for n, o in scene.objects.items() if not isinstance(o, Moving)}
+    free = {n: o for n, o in scene.objects.items() if not isinstance(o, KinematicObject)}
     return {**free, **scene.articulated}
 
 
-def mass_of(thing: Any) -> float:
+def mass_of(item: Any) -> float:
     """Mass of a free object, or of the links of an articulated one that move [kg]."""
-    if hasattr(thing, "links"):
-        return float(sum(link.mass for link in thing.links if not link.fixed))
-    return float(thing.mass)
+    if hasattr(item, "links"):
+        return float(sum(link.mass for link in item.links if not link.fixed))
+    return float(item.mass)
 
 
-def _heavier(thing: Any, mass: float) -> Any:
-    factor = mass / mass_of(thing)
-    if not hasattr(thing, "links"):
-        return replace(thing, mass=mass, inertia=thing.inertia * factor)
-    jointed: Articulated = thing
+def _heavier(item: Any, mass: float) -> Any:
+    factor = mass / mass_of(item)
+    if not hasattr(item, "links"):
+        return replace(item, mass=mass, inertia=item.inertia * factor)
+    jointed: Articulated = item
     links = tuple(
         link
         if link.fixed
@@ -124,15 +124,15 @@ def _heavier(thing: Any, mass: float) -> Any:
     return replace(jointed, links=links)
 
 
-def _put(scene: Scene, thing: Any) -> None:
+def _put(scene: Scene, item: Any) -> None:
     """In its place, so that the order of names stays."""
     for group in (scene._statics, scene._objects, scene._articulated):
-        if thing.name in group:
-            group[thing.name] = thing
+        if item.name in group:
+            group[item.name] = item
 
 
-def _refuse(what: str, things: Mapping[str, Any]) -> None:
-    raise InputError(f"{what}: found none, expected one of {', '.join(things) or 'nothing'}")
+def _refuse(what: str, items: Mapping[str, Any]) -> None:
+    raise InputError(f"{what}: found none, expected one of {', '.join(items) or 'nothing'}")
 
 
 def _strength(name: str, body: Body) -> Any:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from halfphysics.motion.skeleton import JOINT_NAMES
-from halfphysics.viewer.contacts import KINDS, THING, ContactFrames
+from halfphysics.viewer.contacts import KINDS, NO_PERSON, ContactFrames
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -90,7 +90,7 @@ class Numbers:
             )
             lines.append(_row(f"most: {joint}", f"{most:.0f} mm"))
         contacts = self.contacts(frame)
-        total = sum(size for _, _, size, kind in contacts if kind != THING)
+        total = sum(size for _, _, size, kind in contacts if kind != NO_PERSON)
         lines.append(_row(f"Contacts: {len(contacts)}, on people", f"{total:.0f} N"))
         for subject, other, size, kind in contacts[:_MOST]:
             red, green, blue = (round(255 * c) for c in KINDS[kind].color)

@@ -95,7 +95,7 @@ def speed(results: Sequence[Result], labels: Sequence[str], what: str) -> list[L
     return lines
 
 
-def things(results: Sequence[Result]) -> list[str]:
+def items(results: Sequence[Result]) -> list[str]:
     """What speed can be shown of: points of people and names of objects."""
     return [*POINTS, *dict.fromkeys(name for result in results for name in result.objects)]
 
@@ -170,7 +170,7 @@ class Plots:
         self.charts: dict[str, Any] = {}
         self._add("clearance", "Clearance of people [mm]", clearance(results, names))
         self._add("force", "Force on people [N]", force(results, names))
-        self.choice = gui.add_dropdown("Speed of", tuple(things(results)), initial_value="pelvis")
+        self.choice = gui.add_dropdown("Speed of", tuple(items(results)), initial_value="pelvis")
         self.choice.on_update(lambda _: self._choose(self.choice.value))
         self._add("speed", "Speed of pelvis [m/s]", speed(results, names, "pelvis"), last=True)
 

@@ -50,16 +50,16 @@ class Turn:
 
     name: str
     value: Any
-    thing: str | None = None
+    item: str | None = None
 
     def do(self, session: Session) -> None:
         if self.name not in {f.name for f in fields(Knobs)}:
             raise InputError(f"play: found {self.name!r}, expected a knob")
         value = self.value
-        if self.thing is not None:
-            if self.thing not in session.names:
+        if self.item is not None:
+            if self.item not in session.names:
                 return  # said of a scenario that has been left meanwhile
-            value = {**getattr(session.knobs, self.name), self.thing: value}
+            value = {**getattr(session.knobs, self.name), self.item: value}
         session.turn(replace(session.knobs, **{self.name: value}))
 
 
@@ -154,7 +154,7 @@ class LetGo:
 def _supersedes(later: Command, command: Command) -> bool:
     """Whether a command need not be done where another follows at once: a slider on its way."""
     if isinstance(later, Turn) and isinstance(command, Turn):
-        return (later.name, later.thing) == (command.name, command.thing)
+        return (later.name, later.item) == (command.name, command.item)
     if isinstance(later, Pull) and isinstance(command, Pull):
         return later.key == command.key
     return isinstance(later, Choose) and isinstance(command, Choose)

@@ -28,7 +28,7 @@ from halfphysics.body.mjcf_person import (
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene import articulated as jointed
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.writers.mjcf_geoms import Geoms
 
 if TYPE_CHECKING:
@@ -93,8 +93,8 @@ def _model(take: Take, path: Path) -> Element:
             f"{path}: {', '.join(drawn)}: not convex, and MuJoCo would collide the hull: drawn, "
             "and touches nothing. Add such things in convex pieces where they are to touch there"
         )
-    for name, thing in scene.objects.items():
-        _object(world, geoms, name, thing)
+    for name, item in scene.objects.items():
+        _object(world, geoms, name, item)
     for whole in scene.articulated.values():
         if _is_recorded(take, whole):
             for link, name in zip(whole.links, whole.link_names, strict=True):
@@ -129,29 +129,29 @@ def _inertial(body: Element, mass: float, com: Array, moments: Array, axes: Arra
     )
 
 
-def _object(world: Element, geoms: Geoms, name: str, thing: Object) -> None:
-    body = _body(world, name, thing.position, thing.quaternion)
-    if isinstance(thing, Moving):
+def _object(world: Element, geoms: Geoms, name: str, item: Object) -> None:
+    body = _body(world, name, item.position, item.quaternion)
+    if isinstance(item, KinematicObject):
         body.set("mocap", "true")
     else:
         ElementTree.SubElement(body, "freejoint", name=_called(name))
-        _inertial(body, thing.mass, thing.com, *principal(thing.inertia))
-    seen = thing.visual is not None
-    for i, piece in enumerate(thing.pieces):
-        geoms.solid(body, f"{name}#{i}", piece, thing.friction, hidden=seen, convex=True)
-    if thing.visual is not None:
-        geoms.drawn(body, name, thing.visual)
+        _inertial(body, item.mass, item.com, *principal(item.inertia))
+    seen = item.visual is not None
+    for i, piece in enumerate(item.pieces):
+        geoms.solid(body, f"{name}#{i}", piece, item.friction, hidden=seen, convex=True)
+    if item.visual is not None:
+        geoms.drawn(body, name, item.visual)
 
 
-def _articulated(world: Element, geoms: Geoms, thing: Articulated) -> None:
+def _articulated(world: Element, geoms: Geoms, item: Articulated) -> None:
     """Links and joints as `scene.articulated.places` looks for them, but for the names."""
     bodies: list[Element] = []
-    for link, name in zip(thing.links, thing.link_names, strict=True):
+    for link, name in zip(item.links, item.link_names, strict=True):
         parent = world if link.parent < 0 else bodies[link.parent]
-        body = _body(parent, name, *jointed.placed(thing, link))
+        body = _body(parent, name, *jointed.placed(item, link))
         bodies.append(body)
         for joint in link.joints:
-            said = {"name": f"{thing.name}/{joint.name}", "type": joint.kind}
+            said = {"name": f"{item.name}/{joint.name}", "type": joint.kind}
             if joint.kind != "free":
                 said["pos"] = text(joint.position)
                 said["damping"] = text([joint.damping])
@@ -165,7 +165,7 @@ def _articulated(world: Element, geoms: Geoms, thing: Articulated) -> None:
             ElementTree.SubElement(body, "joint", said)
         if link.mass > 0.0:
             _inertial(body, link.mass, link.com, link.inertia, link.inertia_quaternion)
-        _link_geoms(body, geoms, name, link, thing.friction)
+        _link_geoms(body, geoms, name, link, item.friction)
 
 
 def _link_geoms(body: Element, geoms: Geoms, name: str, link: Link, friction: float) -> None:
@@ -174,10 +174,10 @@ def _link_geoms(body: Element, geoms: Geoms, name: str, link: Link, friction: fl
         geoms.solid(body, f"{name}#{i}", geom.shape, friction, *place, convex=True)
 
 
-def _is_recorded(take: Take, thing: Articulated) -> bool:
+def _is_recorded(take: Take, item: Articulated) -> bool:
     """Whether the poses of its links are known and those of its joints are not."""
-    moving = any(prop.moves and prop.name in thing.link_names for prop in take.props)
-    joints = [f"{thing.name}/{joint.name}" for link in thing.links for joint in link.joints]
+    moving = any(prop.moves and prop.name in item.link_names for prop in take.props)
+    joints = [f"{item.name}/{joint.name}" for link in item.links for joint in link.joints]
     return moving and not all(name in take.joints for name in joints)
 
 
@@ -186,9 +186,9 @@ def _excluded(contact: Element, take: Take) -> None:
     scene = take.scene
     bodies = {name: [_called(name)] for name in (*scene.statics, *scene.objects)}
     pairs = list(scene.ignored_pairs)
-    for thing in scene.articulated.values():
-        bodies[thing.name] = list(thing.link_names)
-        pairs.append((thing.name, thing.name))
+    for item in scene.articulated.values():
+        bodies[item.name] = list(item.link_names)
+        pairs.append((item.name, item.name))
     for joint in JOINT_NAMES:
         bodies[f"person/{joint}"] = [f"{actor.name}/{joint}" for actor in take.actors]
     bodies["person"] = [name for joint in JOINT_NAMES for name in bodies[f"person/{joint}"]]
@@ -227,15 +227,15 @@ def _coordinates(take: Take, model: Any) -> tuple[Array, Array]:
         elif prop.name in take.scene.objects:
             first = int(model.jnt_qposadr[int(body.jntadr[0])])
             qpos[:, first : first + 7] = place
-    for thing in take.scene.articulated.values():
-        if _is_recorded(take, thing):
+    for item in take.scene.articulated.values():
+        if _is_recorded(take, item):
             continue
-        for link in thing.links:
+        for link in item.links:
             for joint in link.joints:
-                name = f"{thing.name}/{joint.name}"
+                name = f"{item.name}/{joint.name}"
                 first = int(model.joint(name).qposadr[0])
                 count = jointed.SIZES[joint.kind][0]
-                start = jointed.start_of(thing, link, joint)
+                start = jointed.start_of(item, link, joint)
                 values = np.asarray(take.joints.get(name, start), dtype=np.float64)
                 qpos[:, first : first + count] = values.reshape(-1, count)
     return qpos, mocap

@@ -151,10 +151,10 @@ def _props(scene: Scene, tracks: Mapping[str, ObjectTrack], middle: Array) -> tu
             normal = np.asarray(static.shape.normal)
             vertices = vertices + local - normal * (normal @ local)
         props.append(_prop(name, (vertices, faces), static.position, static.quaternion))
-    for name, thing in scene.objects.items():
-        mesh = thing.mesh() if thing.visual is None else thing.visual.triangles()
+    for name, item in scene.objects.items():
+        mesh = item.mesh() if item.visual is None else item.visual.triangles()
         track = tracks.get(name)
-        place = (thing.position, thing.quaternion)
+        place = (item.position, item.quaternion)
         props.append(_prop(name, mesh, *(place if track is None else _rows(track))))
     for jointed in scene.articulated.values():
         starts = start_poses(jointed)

@@ -9,7 +9,7 @@ import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Plane
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 from support.judges.coal_shapes import coal_shape
 from support.judges.person_hulls import pieces_of
 from support.judges.scene_solids import fixed_links, owners, solids_of
@@ -96,7 +96,7 @@ class Watch:
                 make = lambda at=at, i=i: at.solid(i, 0)  # noqa: E731
                 out.append(_Solid(pieces.name, at.low[0, i], at.high[0, i], make, human=True))
         for thing, solid, shape in self.things:
-            moves = not isinstance(self.scene.objects.get(thing.name), Moving)
+            moves = not isinstance(self.scene.objects.get(thing.name), KinematicObject)
             out.append(self._placed(thing.name, solid, shape, thing.pose(qpos), moves))
         return out
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sphere
 from halfphysics.labels.bounding_spheres import part_balls
-from halfphysics.labels.item_solids import Solid, Thing
+from halfphysics.labels.item_solids import ItemSolids, Solid
 from halfphysics.labels.proximity import Near, Target
 from support.references.mesh_queries import closest_reference, winding_reference
 
@@ -69,29 +69,29 @@ def near_reference(body: Body, motion: Motion, target: Target) -> tuple[Near, Ne
 
 
 def _in_frame(body: Body, posed: Array, target: Target, frame: int) -> tuple[Near, Near]:
-    thing, part = target.thing, part_balls(body).part
-    local = _local(thing, posed, frame)
-    distance = np.min([solid_distance(solid, local) for solid in thing.solids], axis=0)
-    vertex = np.flatnonzero((distance <= target.reach) & thing.parts[part])
+    item, part = target.item, part_balls(body).part
+    local = _local(item, posed, frame)
+    distance = np.min([solid_distance(solid, local) for solid in item.solids], axis=0)
+    vertex = np.flatnonzero((distance <= target.reach) & item.parts[part])
     skin = Near(np.full(len(vertex), frame, np.int32), vertex.astype(np.int32), distance[vertex])
     if target.surface is None:
         return skin, Near.joined([])
-    faces = body.faces[thing.parts[part[body.faces]].all(axis=1)]
+    faces = body.faces[item.parts[part[body.faces]].all(axis=1)]
     distance, face, point = closest_reference(target.surface.vertices, local, faces)
     vertex = np.flatnonzero(distance <= target.reach)
     corners = faces[face[vertex]]
     apart = np.linalg.norm(local[corners] - point[vertex, None], axis=2).argmin(axis=1)
-    at = min(frame, len(thing.position) - 1)
+    at = min(frame, len(item.position) - 1)
     return skin, Near(
         np.full(len(vertex), frame, np.int32),
         vertex.astype(np.int32),
         distance[vertex],
         corners[np.arange(len(vertex)), apart].astype(np.int32),
-        point[vertex] @ thing.turn[at].T + thing.position[at],
+        point[vertex] @ item.turn[at].T + item.position[at],
     )
 
 
-def _local(thing: Thing, points: Array, frame: int) -> Array:
-    at = min(frame, len(thing.position) - 1)
-    result: Array = (points - thing.position[at]) @ thing.turn[at]
+def _local(item: ItemSolids, points: Array, frame: int) -> Array:
+    at = min(frame, len(item.position) - 1)
+    result: Array = (points - item.position[at]) @ item.turn[at]
     return result

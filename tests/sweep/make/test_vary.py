@@ -328,7 +328,7 @@ def test_what_is_kept_stays_little(walk, tmp_path):
                 clip(walk, factors={"body.stature": 1.5 + 0.01 * k, "motion.speed": 1.0 + 0.01 * k})
             )
             shop.make(scenario("kick_ball", factors={"object.ball.scale": 1.0 + 0.01 * k}))
-    kept = [*vars(shop._stock).values(), *vars(shop._things).values()]
+    kept = [*vars(shop._stock).values(), *vars(shop._items).values()]
     assert sum(len(one) for one in kept) < 60
 
 

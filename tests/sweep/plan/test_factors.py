@@ -185,7 +185,7 @@ def test_impossible_values(value: object, message: str) -> None:
 )
 def test_names(name: str, parts: tuple[str, str, str]) -> None:
     parsed = FactorName.parse(name)
-    assert (parsed.group, parsed.thing, parsed.what) == parts
+    assert (parsed.group, parsed.item, parsed.what) == parts
     assert parsed.beta == (12 if "betas" in name else None)
 
 

@@ -16,7 +16,7 @@ from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
 from halfphysics.results.result import ObjectTrack
 from halfphysics.scene import articulated as jointed
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation.coordinates import Person
 
 if TYPE_CHECKING:
@@ -63,7 +63,9 @@ class EngineModel:
             add(spec, body.variant, prefix, contype=mine, conaffinity=theirs)
         # Nothing answers to mocap bodies but what can move: no need to cut a room for them.
         objects = scene.objects.values()
-        answers = bool(scene.articulated) or not all(isinstance(o, Moving) for o in objects)
+        answers = bool(scene.articulated) or not all(
+            isinstance(o, KinematicObject) for o in objects
+        )
         owner = add_scene(spec, scene, people=prefixes) if answers or not mocap else {}
         _warn_of_unheeded(scene)
         spec.option.gravity = scene.gravity
@@ -77,9 +79,9 @@ class EngineModel:
         self._name_people(world, prefixes, mocap)
         self._name_geoms(owner, prefixes)
         self.moving = tuple(
-            (int(self.model.body(f"object/{thing.name}").mocapid[0]), thing)
-            for thing in objects
-            if owner and isinstance(thing, Moving)
+            (int(self.model.body(f"object/{item.name}").mocapid[0]), item)
+            for item in objects
+            if owner and isinstance(item, KinematicObject)
         )
 
     def _name_people(self, world: World, prefixes: Sequence[str], mocap: bool) -> None:
@@ -119,13 +121,13 @@ class EngineModel:
         """Coordinates (nq,) and velocities (nv,) at the start; the people's are not set."""
         model = self.model
         qpos, qvel = np.array(model.qpos0), np.zeros(model.nv)
-        for thing in self._scene.objects.values():
-            if isinstance(thing, Moving):
+        for item in self._scene.objects.values():
+            if isinstance(item, KinematicObject):
                 continue
-            joint = model.body(f"object/{thing.name}").jntadr[0]
-            dof, quat = int(model.jnt_dofadr[joint]), rot.normalize(thing.quaternion)
-            qvel[dof : dof + 3] = thing.velocity
-            qvel[dof + 3 : dof + 6] = rot.rotate(rot.conjugate(quat), thing.angular_velocity)
+            joint = model.body(f"object/{item.name}").jntadr[0]
+            dof, quat = int(model.jnt_dofadr[joint]), rot.normalize(item.quaternion)
+            qvel[dof : dof + 3] = item.velocity
+            qvel[dof + 3 : dof + 6] = rot.rotate(rot.conjugate(quat), item.angular_velocity)
         for whole in self._scene.articulated.values():
             jointed.start(model, whole, qpos, qvel)
         return qpos, qvel
@@ -133,9 +135,9 @@ class EngineModel:
     def tracks(self, qpos: Array, times: Array) -> dict[str, ObjectTrack]:
         """Objects and links at coordinates (T, nq) and times (T,) [s]."""
         tracks = {}
-        for name, thing in self._scene.objects.items():
-            if isinstance(thing, Moving):
-                position, quaternion = thing.at(times)
+        for name, item in self._scene.objects.items():
+            if isinstance(item, KinematicObject):
+                position, quaternion = item.at(times)
             else:
                 joint = self.model.body(f"object/{name}").jntadr[0]
                 at = int(self.model.jnt_qposadr[joint])
@@ -154,10 +156,10 @@ class EngineModel:
 
 def _warn_of_unheeded(scene: Scene) -> None:
     """One warning of each kind of thing that MuJoCo's defaults do not know."""
-    things: list[Any] = [*scene.statics.values(), *scene.objects.values()]
-    things += scene.articulated.values()
-    bouncy = [thing.name for thing in things if thing.restitution > 0.0]
-    asleep = [thing.name for thing in scene.objects.values() if thing.start == "asleep"]
+    items: list[Any] = [*scene.statics.values(), *scene.objects.values()]
+    items += scene.articulated.values()
+    bouncy = [item.name for item in items if item.restitution > 0.0]
+    asleep = [item.name for item in scene.objects.values() if item.start == "asleep"]
     for names, what in (
         (bouncy, "restitution is not heeded: MuJoCo's contact knows none"),
         (asleep, "starts awake: nothing is asleep in MuJoCo until it is touched"),

@@ -18,7 +18,7 @@ from halfphysics.geometry.shapes import Mesh
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene import articulated as jointed
 from halfphysics.scene.material_pairs import PERSON
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 
 if TYPE_CHECKING:
     from halfphysics.scene.items import Static
@@ -63,8 +63,8 @@ def add_scene(
     made = _Scenery(spec, scene, people)
     for static in scene.statics.values():
         made.add_static(static, None if hulls is None else hulls.get(static.name))
-    for thing in scene.objects.values():
-        made.add_object(thing)
+    for item in scene.objects.values():
+        made.add_object(item)
     for whole in scene.articulated.values():
         made.add_articulated(whole)
     made.add_pairs()
@@ -102,19 +102,19 @@ class _Scenery:
         for i, points in enumerate(_pieces(name, shape) if hulls is None else hulls):
             self._add(body, f"static/{name}/{i}", name, points, *place)
 
-    def add_object(self, thing: Any) -> None:
-        called = f"object/{thing.name}"
-        body = self._spec.worldbody.add_body(name=called, pos=thing.position, quat=thing.quaternion)
-        self._bodies[thing.name] = [called]
-        if isinstance(thing, Moving):
+    def add_object(self, item: Any) -> None:
+        called = f"object/{item.name}"
+        body = self._spec.worldbody.add_body(name=called, pos=item.position, quat=item.quaternion)
+        self._bodies[item.name] = [called]
+        if isinstance(item, KinematicObject):
             body.mocap = True
         else:
             body.add_freejoint()
-            body.mass, body.ipos = thing.mass, thing.com
-            body.inertia, body.iquat = principal(thing.inertia)
+            body.mass, body.ipos = item.mass, item.com
+            body.inertia, body.iquat = principal(item.inertia)
             body.explicitinertial = True
-        for i, piece in enumerate(thing.pieces):
-            self._add(body, f"{called}/{i}", thing.name, piece, _ZERO, _IDENTITY)
+        for i, piece in enumerate(item.pieces):
+            self._add(body, f"{called}/{i}", item.name, piece, _ZERO, _IDENTITY)
 
     def add_articulated(self, whole: jointed.Articulated) -> None:
         jointed.add_bodies(self._spec, whole)
@@ -163,9 +163,9 @@ class _Scenery:
             self._geoms[part] = [
                 prefix + joint for prefix in self._people if self._spec.geom(prefix + joint)
             ]
-            for thing in self._friction:
-                if scene.friction_of(part, thing) != self._friction[thing]:
-                    self._add_pair(part, thing, scene.friction_of(part, thing))
+            for item in self._friction:
+                if scene.friction_of(part, item) != self._friction[item]:
+                    self._add_pair(part, item, scene.friction_of(part, item))
 
     def _add_pair(self, a: str, b: str, mu: float) -> None:
         if self._scene.ignores(a, b):

@@ -44,8 +44,8 @@ class Recorder:
     def before(self, substep: int) -> None:
         """Things on a trajectory are where they will be at the end of the substep."""
         self._steps += 1
-        for place, thing in self._engine.moving:
-            position, quaternion = thing.at(self._steps * self._h)
+        for place, item in self._engine.moving:
+            position, quaternion = item.at(self._steps * self._h)
             self._data.mocap_pos[place], self._data.mocap_quat[place] = position, quaternion
 
     def after(self, substep: int) -> None:

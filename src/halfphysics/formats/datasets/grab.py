@@ -157,9 +157,9 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
         with of_file(record.where):
             tracks.update(_add_table(source, options, scene, _part(record, "table"), motion, total))
     name = record.text("obj_name")
-    thing = _part(record, "object")
-    places, turns = _poses(thing, total, options)
-    mesh = find(source, options, ends(thing.text("object_mesh")), f"the mesh of {name!r}")
+    item = _part(record, "object")
+    places, turns = _poses(item, total, options)
+    mesh = find(source, options, ends(item.text("object_mesh")), f"the mesh of {name!r}")
     with of_file(record.where):
         tracks[name] = add_recorded(
             scene,
@@ -177,9 +177,9 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
     return Sequence(motion, scene, body, recorded=tracks)
 
 
-def _poses(thing: Record, total: int, options: Options) -> tuple[Array, Array]:
+def _poses(item: Record, total: int, options: Options) -> tuple[Array, Array]:
     """Positions (T, 3) and rotations (T, 3, 3) of columns; the file's are for rows."""
-    params = _params(thing)
+    params = _params(item)
     turns = _rows(params, "global_orient", 3, total, options)
     return _rows(params, "transl", 3, total, options), rot.rotvec_to_matrix(-turns)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
 from halfphysics.scene.items import fixed
-from halfphysics.scene.trajectories import Moving, start_velocity
+from halfphysics.scene.trajectories import KinematicObject, start_velocity
 from halfphysics.sweep.plan.factors import OFFSETS, FactorName
 from halfphysics.sweep.plan.values import Value
 
@@ -78,11 +78,11 @@ def placed(
 def recorded_in_step(scene: Scene, speed: float) -> Scene:
     """A new scene where what moves on a trajectory does so `speed` times as fast."""
     changed = {}
-    for name, thing in scene.objects.items():
-        if isinstance(thing, Moving):
-            fps = speed * thing.fps
-            velocity, spin = start_velocity(thing.positions, thing.quaternions, fps)
+    for name, item in scene.objects.items():
+        if isinstance(item, KinematicObject):
+            fps = speed * item.fps
+            velocity, spin = start_velocity(item.positions, item.quaternions, fps)
             changed[name] = replace(
-                thing, fps=fps, velocity=fixed(velocity), angular_velocity=fixed(spin)
+                item, fps=fps, velocity=fixed(velocity), angular_velocity=fixed(spin)
             )
     return scene._with(changed, {})

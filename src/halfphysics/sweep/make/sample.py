@@ -50,7 +50,7 @@ def files_of(
     for index, person in enumerate(result.people):
         files[_numbered("human", index)] = npz_bytes(human(person))
     for index, name in enumerate(result.objects):
-        files[_numbered("object", index)] = npz_bytes(thing(result, name))
+        files[_numbered("object", index)] = npz_bytes(item(result, name))
     files["contact.npz"] = npz_bytes(labels.arrays())
     if whole:
         from halfphysics.formats.results.result_writer import result_fields
@@ -86,7 +86,7 @@ def human(person: PersonResult) -> Fields:
     }
 
 
-def thing(result: Result, name: str) -> Fields:
+def item(result: Result, name: str) -> Fields:
     """The arrays of ``object.npz``: ``angles`` (T, 3) axis-angle, ``trans`` (T, 3), ``name``.
 
     A link of an articulated object has besides ``arti``, the values of all its joints that have

@@ -16,7 +16,7 @@ from halfphysics.geometry.mesh import Mesh, MeshSource
 from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.scene.items import Object, Static, fixed
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def scaled_static(static: Static, factor: float) -> Static:
     )
 
 
-def scaled_object(thing: Object, factor: float) -> Object:
+def scaled_object(item: Object, factor: float) -> Object:
     """An object `factor` times as large, its frame where it was.
 
     Its mass stays, its centre of mass moves with the size, its inertia grows with the square.
@@ -61,7 +61,7 @@ def scaled_object(thing: Object, factor: float) -> Object:
             made[id(shape)] = scaled_shape(shape, factor)
         return made.get(id(shape))
 
-    decomposition = thing.decomposition
+    decomposition = item.decomposition
     if decomposition is not None:
         decomposition = Decomposition(
             pieces=tuple(scaled(piece) for piece in decomposition.pieces),
@@ -70,29 +70,29 @@ def scaled_object(thing: Object, factor: float) -> Object:
             volume_percent=decomposition.volume_percent,
         )
     large = replace(
-        thing,
-        shape=scaled(thing.shape),
-        visual=scaled(thing.visual),
-        source=_scaled_source(thing.source, factor),
+        item,
+        shape=scaled(item.shape),
+        visual=scaled(item.visual),
+        source=_scaled_source(item.source, factor),
         decomposition=decomposition,
-        cut=_scaled_cut(thing.cut, factor),
+        cut=_scaled_cut(item.cut, factor),
     )
-    if isinstance(thing, Moving):
+    if isinstance(item, KinematicObject):
         return large
-    even = np.array_equal(thing.com, thing.filling.centre)
-    com = large.filling.centre if even else factor * thing.com
-    return weighing(replace(large, com=fixed(com)), thing.mass)
+    even = np.array_equal(item.com, item.filling.centre)
+    com = large.filling.centre if even else factor * item.com
+    return weighing(replace(large, com=fixed(com)), item.mass)
 
 
-def weighing(thing: Object, mass: float) -> Object:
+def weighing(item: Object, mass: float) -> Object:
     """An object of another mass [kg], evenly filled as before: its inertia goes along."""
-    return replace(thing, mass=mass, inertia=fixed(mass * thing.filling.unit_inertia()))
+    return replace(item, mass=mass, inertia=fixed(mass * item.filling.unit_inertia()))
 
 
-def lowest(thing: Static | Object) -> float:
+def lowest(item: Static | Object) -> float:
     """How far the lowest point of what touches is above a thing's origin [m]; a plane: -inf."""
-    pieces = thing.pieces if isinstance(thing, Object) else (thing.shape,)
-    up = rot.to_matrix(thing.quaternion)[2]  # of its axes in the world
+    pieces = item.pieces if isinstance(item, Object) else (item.shape,)
+    up = rot.to_matrix(item.quaternion)[2]  # of its axes in the world
     return min(_lowest(shape, up) for shape in pieces)
 
 

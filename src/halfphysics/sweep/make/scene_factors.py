@@ -20,7 +20,7 @@ from halfphysics.geometry.shapes import Plane
 from halfphysics.scene.articulated import Articulated
 from halfphysics.scene.items import Object, Static, fixed
 from halfphysics.scene.scene import Scene
-from halfphysics.scene.trajectories import Moving, start_velocity
+from halfphysics.scene.trajectories import KinematicObject, start_velocity
 from halfphysics.sweep.make.kept import Kept
 from halfphysics.sweep.make.scaled import lowest, scaled_object, scaled_static, weighing
 from halfphysics.sweep.make.standing import Support, supports
@@ -28,7 +28,7 @@ from halfphysics.sweep.plan.factors import OFFSETS, FactorName
 from halfphysics.sweep.plan.values import Value
 
 Array = NDArray[np.float64]
-Thing: TypeAlias = Static | Object
+Item: TypeAlias = Static | Object
 _WEIGHTS = ("mass", "mass_factor")
 #: Groups of factors: of all things of a kind, then of one, which comes before.
 _GROUPS = (("objects", "statics"), ("object", "static"))
@@ -42,7 +42,7 @@ class SceneFactors:
 
     def __init__(self) -> None:
         # With the thing or scene they were made from: the keys are their ids.
-        self._sizes: Kept[tuple[Thing, Thing, float]] = Kept(32)
+        self._sizes: Kept[tuple[Item, Item, float]] = Kept(32)
         self._supports: Kept[tuple[Scene, Mapping[str, Support]]] = Kept(4)
 
     def varied(self, scene: Scene, factors: Mapping[str, Value]) -> Scene:
@@ -52,53 +52,53 @@ class SceneFactors:
             InputError: A factor that names nothing of this scene, or an impossible value.
         """
         said = said_of(scene, factors)
-        things: dict[str, Thing | Articulated] = {}
+        items: dict[str, Item | Articulated] = {}
         rises: dict[str, float] = {}
         for name, of in said.items():
-            thing: Thing = scene.statics.get(name) or scene.objects[name]
-            things[name] = self._changed(thing, of)
+            item: Item = scene.statics.get(name) or scene.objects[name]
+            items[name] = self._changed(item, of)
             rises[name] = of.get("offset_z", 0.0)
         if any("scale" in of or "offset_z" in of for of in said.values()):
-            things |= self._carried(scene, things, said, rises)
-        return scene._with(things, _frictions(scene, said))
+            items |= self._carried(scene, items, said, rises)
+        return scene._with(items, _frictions(scene, said))
 
-    def _changed(self, thing: Thing, said: Said) -> Thing:
+    def _changed(self, item: Item, said: Said) -> Item:
         """A thing as it is said to be, not yet raised by what it stands on."""
         factor = said.get("scale", 1.0)
         shift = np.array([said.get(key, 0.0) for key in OFFSETS])
         if factor != 1.0:
             # What stood on something still does: its lowest point stays at its height.
-            thing, foot = self._sized(thing, factor)
+            item, foot = self._sized(item, factor)
             shift[2] += foot - factor * foot
         if "friction" in said or "restitution" in said:
-            thing = replace(
-                thing,
-                friction=said.get("friction", thing.friction),
-                restitution=said.get("restitution", thing.restitution),
+            item = replace(
+                item,
+                friction=said.get("friction", item.friction),
+                restitution=said.get("restitution", item.restitution),
             )
-        if isinstance(thing, Object):
-            mass = said.get("mass", thing.mass)
+        if isinstance(item, Object):
+            mass = said.get("mass", item.mass)
             mass *= said.get("mass_factor", 1.0)
-            if mass != thing.mass:
-                thing = weighing(thing, mass)
+            if mass != item.mass:
+                item = weighing(item, mass)
         if said.get("yaw", 0.0) != 0.0:
-            thing = turned(thing, np.radians(said["yaw"]))
-        return moved(thing, shift) if shift.any() else thing
+            item = turned(item, np.radians(said["yaw"]))
+        return moved(item, shift) if shift.any() else item
 
-    def _sized(self, thing: Thing, factor: float) -> tuple[Thing, float]:
+    def _sized(self, item: Item, factor: float) -> tuple[Item, float]:
         """A thing in another size, and how far its lowest point was above its origin [m]."""
 
-        def make() -> tuple[Thing, Thing, float]:
-            if isinstance(thing, Static):
-                return thing, scaled_static(thing, factor), lowest(thing)
-            return thing, scaled_object(thing, factor), lowest(thing)
+        def make() -> tuple[Item, Item, float]:
+            if isinstance(item, Static):
+                return item, scaled_static(item, factor), lowest(item)
+            return item, scaled_object(item, factor), lowest(item)
 
-        return self._sizes.get((id(thing), factor), make)[1:]
+        return self._sizes.get((id(item), factor), make)[1:]
 
     def _carried(
         self,
         scene: Scene,
-        things: Mapping[str, Any],
+        items: Mapping[str, Any],
         said: Mapping[str, Said],
         rises: dict[str, float],
     ) -> dict[str, Any]:
@@ -124,8 +124,8 @@ class SceneFactors:
             height = carry(name)
             if height != 0.0:
                 every = {**scene.statics, **scene.objects, **scene.articulated}
-                thing = things.get(name, every[name])
-                carried[name] = moved(thing, np.array([0.0, 0.0, height]))
+                item = items.get(name, every[name])
+                carried[name] = moved(item, np.array([0.0, 0.0, height]))
         return carried
 
 
@@ -144,26 +144,26 @@ def said_of(scene: Scene, factors: Mapping[str, Value]) -> dict[str, Said]:
             if name.group in groups and name.bounds is not None:
                 name.bounds.check(factor, factors[factor])
                 value = float(cast("float", factors[factor]))
-                for thing in _named(scene, factor, name):
-                    said.setdefault(thing, {})[name.what] = value
+                for item in _named(scene, factor, name):
+                    said.setdefault(item, {})[name.what] = value
     return said
 
 
 def _named(scene: Scene, factor: str, name: FactorName) -> Iterable[str]:
     """The things that a factor is about."""
     kind = name.group.removesuffix("s")
-    group: Mapping[str, Thing] = scene.objects if kind == "object" else scene.statics
-    refusals = {n: _refusal(thing, name.what) for n, thing in group.items()}
+    group: Mapping[str, Item] = scene.objects if kind == "object" else scene.statics
+    refusals = {n: _refusal(item, name.what) for n, item in group.items()}
     if name.group == kind:
-        if name.thing not in refusals:
-            hint = did_you_mean(name.thing, refusals, form=repr, otherwise=".")
+        if name.item not in refusals:
+            hint = did_you_mean(name.item, refusals, form=repr, otherwise=".")
             raise InputError(
-                f"{factor}: this variant's scene has no {kind} called {name.thing!r}{hint} "
+                f"{factor}: this variant's scene has no {kind} called {name.item!r}{hint} "
                 f"It has {_listed(scene)}"
             )
-        if refusals[name.thing]:
-            raise InputError(f"{factor}: {refusals[name.thing]}. The scene has {_listed(scene)}")
-        return [name.thing]
+        if refusals[name.item]:
+            raise InputError(f"{factor}: {refusals[name.item]}. The scene has {_listed(scene)}")
+        return [name.item]
     able = [n for n, refusal in refusals.items() if not refusal]
     if not able:
         raise InputError(
@@ -173,12 +173,12 @@ def _named(scene: Scene, factor: str, name: FactorName) -> Iterable[str]:
     return able
 
 
-def _refusal(thing: Thing, key: str) -> str:
+def _refusal(item: Item, key: str) -> str:
     """Why a factor cannot be said of a thing; empty: it can."""
-    if key in _WEIGHTS and isinstance(thing, Moving):
-        return f"{thing.name!r} moves as told and nothing pushes it, whatever its mass"
-    if key == "scale" and isinstance(thing, Static) and isinstance(thing.shape, Plane):
-        return f"{thing.name!r} is a plane, which has no size"
+    if key in _WEIGHTS and isinstance(item, KinematicObject):
+        return f"{item.name!r} moves as told and nothing pushes it, whatever its mass"
+    if key == "scale" and isinstance(item, Static) and isinstance(item.shape, Plane):
+        return f"{item.name!r} is a plane, which has no size"
     return ""
 
 
@@ -188,7 +188,7 @@ def _listed(scene: Scene) -> str:
         "statics": scene.statics,
         "articulated things (no factors)": scene.articulated,
     }
-    said = [f"{kind}: {', '.join(things)}" for kind, things in groups.items() if things]
+    said = [f"{kind}: {', '.join(items)}" for kind, items in groups.items() if items]
     return "; ".join(said) or "nothing at all"
 
 
@@ -202,28 +202,28 @@ def _frictions(scene: Scene, said: Mapping[str, Said]) -> dict[tuple[str, str], 
     return pairs
 
 
-def moved(thing: Any, shift: Array) -> Any:
+def moved(item: Any, shift: Array) -> Any:
     """A thing `shift` (3,) [m] away; its trajectory too, if it moves on one."""
-    changes = {"position": fixed(thing.position + shift)}
-    if isinstance(thing, Moving):
-        changes["positions"] = fixed(thing.positions + shift)
-    return replace(thing, **changes)
+    changes = {"position": fixed(item.position + shift)}
+    if isinstance(item, KinematicObject):
+        changes["positions"] = fixed(item.positions + shift)
+    return replace(item, **changes)
 
 
-def turned(thing: Thing, angle: float) -> Thing:
+def turned(item: Item, angle: float) -> Item:
     """A thing turned about the vertical [rad] through its own origin where it starts.
 
     A trajectory is turned as a whole; the start velocity of what is free stays as it is.
     """
     turn = np.array([np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)])
-    quaternion = rot.normalize(rot.multiply(turn, thing.quaternion))
-    if not isinstance(thing, Moving):
-        return replace(thing, quaternion=fixed(quaternion))
-    positions = thing.position + rot.rotate(turn, thing.positions - thing.position)
-    quaternions = rot.normalize(rot.multiply(turn, thing.quaternions))
-    velocity, spin = start_velocity(positions, quaternions, thing.fps)
+    quaternion = rot.normalize(rot.multiply(turn, item.quaternion))
+    if not isinstance(item, KinematicObject):
+        return replace(item, quaternion=fixed(quaternion))
+    positions = item.position + rot.rotate(turn, item.positions - item.position)
+    quaternions = rot.normalize(rot.multiply(turn, item.quaternions))
+    velocity, spin = start_velocity(positions, quaternions, item.fps)
     return replace(
-        thing,
+        item,
         position=fixed(positions[0]),
         quaternion=fixed(quaternions[0]),
         positions=fixed(positions),

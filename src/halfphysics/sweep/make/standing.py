@@ -13,7 +13,7 @@ from halfphysics.geometry.shapes import Plane
 from halfphysics.scene.articulated import Articulated, start_poses
 from halfphysics.scene.items import Object, Static
 from halfphysics.scene.scene import Scene
-from halfphysics.scene.trajectories import Moving
+from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.sweep.make.scaled import lowest
 
 Array = NDArray[np.float64]
@@ -55,16 +55,16 @@ def supports(scene: Scene) -> dict[str, Support]:
     of a table top). Things that move as told stand on nothing; nothing stands on an articulated
     object.
     """
-    things: dict[str, Static | Object] = {**scene.statics, **scene.objects}
+    items: dict[str, Static | Object] = {**scene.statics, **scene.objects}
     extents = {
-        name: _extent(rot.rotate(thing.quaternion, thing.mesh()[0]) + thing.position, thing)
-        for name, thing in things.items()
-        if not isinstance(thing.shape, Plane)
+        name: _extent(rot.rotate(item.quaternion, item.mesh()[0]) + item.position, item)
+        for name, item in items.items()
+        if not isinstance(item.shape, Plane)
     }
     found = {
         name: _beneath(scene, extents, extent, name)
         for name, extent in extents.items()
-        if not isinstance(things[name], Moving)
+        if not isinstance(items[name], KinematicObject)
     }
     for name, jointed in scene.articulated.items():
         vertices = _vertices(jointed)
@@ -93,17 +93,17 @@ def _beneath(
     return None
 
 
-def _extent(vertices: Array, thing: Static | Object) -> _Extent:
+def _extent(vertices: Array, item: Static | Object) -> _Extent:
     """Of what touches; its lowest point to the last digit, which triangles of round shapes miss."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    low[2] = thing.position[2] + lowest(thing)
+    low[2] = item.position[2] + lowest(item)
     return _Extent(low, high)
 
 
-def _vertices(thing: Articulated) -> Array:
+def _vertices(item: Articulated) -> Array:
     """Vertices (n, 3) [m] of all that touches, in the world, where it starts."""
     placed = [
         rot.rotate(quaternion, link.mesh()[0]) + position
-        for link, (position, quaternion) in zip(thing.links, start_poses(thing), strict=True)
+        for link, (position, quaternion) in zip(item.links, start_poses(item), strict=True)
     ]
     return np.concatenate(placed or [np.zeros((0, 3))])

@@ -241,12 +241,12 @@ class Stock:
 
 def _sources_in(scene: Scene) -> Iterable[MeshSource]:
     """Where the meshes and articulated things of a scene came from."""
-    things: Iterable[Any] = (
+    items: Iterable[Any] = (
         *scene.statics.values(),
         *scene.objects.values(),
         *scene.articulated.values(),
     )
-    return (thing.source for thing in things if thing.source is not None)
+    return (item.source for item in items if item.source is not None)
 
 
 def _default(betas: Mapping[int, float], stature: float | None) -> Body:

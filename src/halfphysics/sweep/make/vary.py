@@ -65,7 +65,7 @@ class Workshop:
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
         self._stock = Stock()
-        self._things = SceneFactors()
+        self._items = SceneFactors()
         self._simulator: Simulator | None = None
 
     def make(self, variant: Variant) -> Ready:
@@ -92,7 +92,7 @@ class Workshop:
         ]
         return Ready(
             motions=motions,
-            scene=self._things.varied(around.scene, variant.factors),
+            scene=self._items.varied(around.scene, variant.factors),
             bodies=bodies,
             settings=_settings(clip.settings, self._plan.settings, said["settings"]),
             sources=tuple({(s["path"], s["sha256"]): s for s in files}.values()),

@@ -97,7 +97,7 @@ class FactorName:
     """
 
     group: Group
-    thing: str
+    item: str
     what: str
 
     @classmethod
@@ -115,8 +115,8 @@ class FactorName:
                 f"{name}: no factor is called that{_meant(group, _GROUPS)} Expected "
                 + "; ".join(_GROUPS.values())
             )
-        thing, what = rest.rpartition(".")[::2] if group in ("object", "static") else ("", rest)
-        if group in ("object", "static") and not thing:
+        item, what = rest.rpartition(".")[::2] if group in ("object", "static") else ("", rest)
+        if group in ("object", "static") and not item:
             raise InputError(f"{name}: expected {_GROUPS[group]}; {group}s.{rest} is of all")
         known = _WHATS.get(group)
         if group == "body":
@@ -125,7 +125,7 @@ class FactorName:
             raise InputError(
                 f"{name}: found {what!r}{_meant(what, known)} Expected one of {', '.join(known)}"
             )
-        return cls(group=group, thing=thing, what=what)  # type: ignore[arg-type]
+        return cls(group=group, item=item, what=what)  # type: ignore[arg-type]
 
     @property
     def bounds(self) -> Bounds | None:

@@ -11,7 +11,7 @@ import pytest
 from halfphysics.viewer import plots
 from halfphysics.viewer.contacts import NO_PERSON, OBJECT, SCENE
 from halfphysics.viewer.numbers import Numbers
-from halfphysics.viewer.plots import Line, Plots, aligned, clearance, force, speed, items
+from halfphysics.viewer.plots import Line, Plots, aligned, clearance, force, items, speed
 from support.results.small_result import FPS, FRAMES, small_result
 
 RESULT = small_result()

@@ -152,8 +152,9 @@ class MeshQuery:
         self.bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
         #: The native tree over all triangles.
         self.tree = native.TriangleTree(v, f)
+        self._closed: native.TriangleTree | None = self.tree
+        self._loose: native.TriangleTree | None = None
         if closed:
-            self._closed, self._loose = self.tree, None
             return
         split = _split(v, f)
         self._closed = (
@@ -178,7 +179,9 @@ class MeshQuery:
     def inside(self, points: ArrayLike, *, threads: int = 1) -> NDArray[np.bool_]:
         """Whether the winding number of points (n, 3) is over 0.5, (n,)."""
         p = _points(points)
-        whole = np.zeros(len(p)) if self._closed is None else self._closed.crossings(p, threads)
+        whole = np.zeros(len(p))
+        if self._closed is not None:
+            whole += self._closed.crossings(p, threads)
         if self._loose is None:
             return whole > 0.5
         result: NDArray[np.bool_] = self._loose.exceeds(p, 0.5 - whole, threads).astype(bool)

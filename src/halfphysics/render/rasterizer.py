@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -260,7 +259,9 @@ def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def _pack(surfaces: Sequence[Surface]) -> tuple[NDArray[Any], ...]:
+def _pack(
+    surfaces: Sequence[Surface],
+) -> tuple[Array, NDArray[np.int32], NDArray[np.int32], Array, NDArray[np.int32]]:
     """The tables of the native core: vertices, faces, mesh of each face, styles, flags."""
     vertices = [np.zeros((0, 3)), *(s.vertices for s in surfaces)]
     first = np.cumsum([len(v) for v in vertices])

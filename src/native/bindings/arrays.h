@@ -55,7 +55,7 @@ inline void need(bool ok, const char* what) {
 
 // `rim` is the axis of the disc times its radius; zero: none.
 inline Convex convex(const Rows3& vertices, double radius, const Doubles& rim,
-              std::vector<Vec3> normals = {}) {
+                     std::vector<Vec3> normals = {}) {
   need(vertices.shape(0) > 0, "a shape needs at least one vertex");
   need(rim.shape(0) == 3, "rim: expected (3,)");
   Convex c;

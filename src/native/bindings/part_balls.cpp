@@ -9,10 +9,10 @@ using namespace hp;
 
 namespace {
 
-nb::tuple part_balls(f64<nb::shape<-1, -1, 3>> positions, f64<nb::shape<-1, -1, 4>> quaternions,
-                     Ints joint, Ints group, Rows3 centre, Doubles radius,
-                     nb::ndarray<const uint8_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>
-                            wanted) {
+nb::tuple part_balls(
+    f64<nb::shape<-1, -1, 3>> positions, f64<nb::shape<-1, -1, 4>> quaternions, Ints joint,
+    Ints group, Rows3 centre, Doubles radius,
+    nb::ndarray<const uint8_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu> wanted) {
   const size_t frames = positions.shape(0), joints = positions.shape(1), n = joint.shape(0);
   const size_t groups = wanted.shape(1);
   need(quaternions.shape(0) == frames && quaternions.shape(1) == joints,

@@ -96,9 +96,9 @@ auto owned(T* data, std::initializer_list<std::size_t> shape) {
 }
 
 auto picture(f64<nb::shape<-1, 3>> vertices, i32<nb::shape<-1, 3>> faces,
-            i32<nb::shape<-1>> mesh_of_face, Table styles, i32<nb::shape<-1, 3>> flags,
-            f64<nb::shape<17>> camera, Table look_table, Table lights, int width, int height,
-            int samples, int threads) {
+             i32<nb::shape<-1>> mesh_of_face, Table styles, i32<nb::shape<-1, 3>> flags,
+             f64<nb::shape<17>> camera, Table look_table, Table lights, int width, int height,
+             int samples, int threads) {
   const Camera cam = read_camera(camera.data(), width, height, samples);
   Meshes m = read_meshes(vertices, faces, mesh_of_face, styles, flags, cam);
   const Look look = read_look(look_table, lights);
@@ -133,12 +133,10 @@ auto visible(f64<nb::shape<-1, 3>> vertices, i32<nb::shape<-1, 3>> faces,
 NB_MODULE(_render, m) {
   m.doc() = "Rasteriser of halfphysics.";
   m.def("picture", &picture, nb::arg("vertices"), nb::arg("faces"), nb::arg("mesh_of_face"),
-        nb::arg("styles"), nb::arg("flags"), nb::arg("camera"), nb::arg("look"),
-        nb::arg("lights"), nb::arg("width"), nb::arg("height"), nb::arg("samples"),
-        nb::arg("threads"),
+        nb::arg("styles"), nb::arg("flags"), nb::arg("camera"), nb::arg("look"), nb::arg("lights"),
+        nb::arg("width"), nb::arg("height"), nb::arg("samples"), nb::arg("threads"),
         "Picture (height, width, 3) uint8 of indexed meshes; halfphysics.render packs the tables.");
-  m.def("visible", &visible, nb::arg("vertices"), nb::arg("faces"),
-        nb::arg("mesh_of_face"), nb::arg("styles"), nb::arg("flags"), nb::arg("camera"),
-        nb::arg("width"), nb::arg("height"),
+  m.def("visible", &visible, nb::arg("vertices"), nb::arg("faces"), nb::arg("mesh_of_face"),
+        nb::arg("styles"), nb::arg("flags"), nb::arg("camera"), nb::arg("width"), nb::arg("height"),
         "Nearest mesh (height, width) int32, -1 for none, and its depth (height, width) [m].");
 }

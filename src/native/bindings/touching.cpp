@@ -21,10 +21,9 @@ nb::tuple rows(NearRows&& r, bool points) {
     r.nearest.clear();
     r.point.clear();
   }
-  return nb::make_tuple(own(std::move(r.frame), {n}), own(std::move(r.vertex), {n}),
-                        own(std::move(r.distance), {n}),
-                        own(std::move(r.nearest), {points ? n : 0}),
-                        own(std::move(r.point), {points ? n : 0, 3}));
+  return nb::make_tuple(
+      own(std::move(r.frame), {n}), own(std::move(r.vertex), {n}), own(std::move(r.distance), {n}),
+      own(std::move(r.nearest), {points ? n : 0}), own(std::move(r.point), {points ? n : 0, 3}));
 }
 
 TouchingShape shape(Kind kind, const f64<nb::shape<3, 3>>& turn, const Doubles& position) {
@@ -36,11 +35,62 @@ TouchingShape shape(Kind kind, const f64<nb::shape<3, 3>>& turn, const Doubles& 
   return s;
 }
 
+void close_groups(const TouchingThing& t, f64<nb::shape<-1, -1, 3>> centres, Square radii,
+                  nb::ndarray<uint8_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu> asked,
+                  Rows3 position, f64<nb::shape<-1, 3, 3>> turn, double reach) {
+  const size_t frames = centres.shape(0), groups = centres.shape(1);
+  const size_t places = position.shape(0);
+  need(radii.shape(0) == frames && radii.shape(1) == groups && asked.shape(0) == frames &&
+           asked.shape(1) == groups,
+       "centres, radii and asked: expected one of every frame and group");
+  need(turn.shape(0) == places && (places == 1 || places == frames),
+       "position and turn: expected one, or one of every frame");
+  nb::gil_scoped_release release;
+  for (size_t k = 0; k < frames; k++) {
+    const size_t place = places == 1 ? 0 : k;
+    const Vec3 origin = load3(position.data() + 3 * place);
+    Mat3 R;
+    std::copy(turn.data() + 9 * place, turn.data() + 9 * place + 9, R.m);
+    for (size_t i = k * groups; i < (k + 1) * groups; i++)
+      if (asked.data()[i])
+        asked.data()[i] =
+            t.within(mul_t(R, load3(centres.data() + 3 * i) - origin), radii.data()[i] + reach);
+  }
+}
+
+nb::tuple near_rows(
+    const TouchingThing& t, f64<nb::shape<-1, -1, 3>> posed, Ints first,
+    nb::ndarray<const uint8_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu> close,
+    Rows3 position, f64<nb::shape<-1, 3, 3>> turn, double reach, const PointGrid* points,
+    double off, Faces faces) {
+  const size_t frames = posed.shape(0), n = posed.shape(1), k = position.shape(0);
+  const size_t groups = close.shape(1);
+  need(close.shape(0) == frames, "close: expected a row of every frame");
+  need(turn.shape(0) == k && (k == 1 || k == frames),
+       "position and turn: expected one, or one of every frame");
+  need(first.shape(0) == groups + 1 && first.data()[0] == 0 && (size_t)first.data()[groups] == n,
+       "first: expected where each group starts, and the end");
+  for (size_t i = 0; i < groups; i++)
+    need(first.data()[i] <= first.data()[i + 1], "first: out of order");
+  for (size_t i = 0; i < faces.size(); i++)
+    need(faces.data()[i] >= 0 && (size_t)faces.data()[i] < n, "faces: out of range");
+  PosedSkin skin{posed.data(), (int)frames, (int)n, first.data(), close.data(), (int)groups};
+  Placing placing{position.data(), turn.data(), k == 1};
+  NearRows of_skin, of_points;
+  {
+    nb::gil_scoped_release release;
+    const NearQuery query{t, skin, placing, reach, points, off, faces.data(), (int)faces.shape(0)};
+    find_near(query, of_skin, of_points);
+  }
+  return nb::make_tuple(rows(std::move(of_skin), false), rows(std::move(of_points), true));
+}
+
 }  // namespace
 
 void bind_touching(nb::module_& m) {
   nb::class_<PointGrid>(m, "PointGrid", "Points (n, 3) to find near triangles.")
-      .def("__init__", [](PointGrid* self, Rows3 points) { new (self) PointGrid(vectors(points)); });
+      .def("__init__",
+           [](PointGrid* self, Rows3 points) { new (self) PointGrid(vectors(points)); });
   nb::class_<TouchingThing>(m, "TouchingThing", "Shapes that touch, in their thing's frame.")
       .def(nb::init<>())
       .def("add_plane",
@@ -96,66 +146,12 @@ void bind_touching(nb::module_& m) {
                          std::numeric_limits<double>::infinity(), out.data());
              return array(out);
            })
-      .def(
-          "close",
-          [](const TouchingThing& t, f64<nb::shape<-1, -1, 3>> centres, Square radii,
-             nb::ndarray<uint8_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu> asked,
-             Rows3 position, f64<nb::shape<-1, 3, 3>> turn, double reach) {
-            const size_t frames = centres.shape(0), groups = centres.shape(1);
-            const size_t places = position.shape(0);
-            need(radii.shape(0) == frames && radii.shape(1) == groups &&
-                     asked.shape(0) == frames && asked.shape(1) == groups,
-                 "centres, radii and asked: expected one of every frame and group");
-            need(turn.shape(0) == places && (places == 1 || places == frames),
-                 "position and turn: expected one, or one of every frame");
-            nb::gil_scoped_release release;
-            for (size_t k = 0; k < frames; k++) {
-              const size_t place = places == 1 ? 0 : k;
-              const Vec3 origin = load3(position.data() + 3 * place);
-              Mat3 R;
-              std::copy(turn.data() + 9 * place, turn.data() + 9 * place + 9, R.m);
-              for (size_t i = k * groups; i < (k + 1) * groups; i++)
-                if (asked.data()[i])
-                  asked.data()[i] = t.within(mul_t(R, load3(centres.data() + 3 * i) - origin),
-                                             radii.data()[i] + reach);
-            }
-          },
-          nb::arg("centres"), nb::arg("radii"), nb::arg("asked").noconvert(), nb::arg("position"),
-          nb::arg("turn"), nb::arg("reach"),
-          "Which balls (t, g) of those asked about are at most `reach` from the thing: into "
-          "`asked`.")
-      .def(
-          "near",
-          [](const TouchingThing& t, f64<nb::shape<-1, -1, 3>> posed, Ints first,
-             nb::ndarray<const uint8_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu> close,
-             Rows3 position, f64<nb::shape<-1, 3, 3>> turn, double reach, const PointGrid* points,
-             double off, Faces faces) {
-            const size_t frames = posed.shape(0), n = posed.shape(1), k = position.shape(0);
-            const size_t groups = close.shape(1);
-            need(close.shape(0) == frames, "close: expected a row of every frame");
-            need(turn.shape(0) == k && (k == 1 || k == frames),
-                 "position and turn: expected one, or one of every frame");
-            need(first.shape(0) == groups + 1 && first.data()[0] == 0 &&
-                     (size_t)first.data()[groups] == n,
-                 "first: expected where each group starts, and the end");
-            for (size_t i = 0; i < groups; i++)
-              need(first.data()[i] <= first.data()[i + 1], "first: out of order");
-            for (size_t i = 0; i < faces.size(); i++)
-              need(faces.data()[i] >= 0 && (size_t)faces.data()[i] < n, "faces: out of range");
-            PosedSkin skin{posed.data(), (int)frames,  (int)n,
-                           first.data(), close.data(), (int)groups};
-            Placing placing{position.data(), turn.data(), k == 1};
-            NearRows of_skin, of_points;
-            {
-              nb::gil_scoped_release release;
-              find_near(t, skin, placing, reach, points, off, faces.data(), (int)faces.shape(0),
-                        of_skin, of_points);
-            }
-            return nb::make_tuple(rows(std::move(of_skin), false),
-                                  rows(std::move(of_points), true));
-          },
-          nb::arg("posed"), nb::arg("first"), nb::arg("close"), nb::arg("position"),
-          nb::arg("turn"), nb::arg("reach"), nb::arg("points").none(), nb::arg("off"),
-          nb::arg("faces"),
-          "Vertices of a skin near the thing, and points near the skin: two tuples of rows.");
+      .def("close", &close_groups, nb::arg("centres"), nb::arg("radii"),
+           nb::arg("asked").noconvert(), nb::arg("position"), nb::arg("turn"), nb::arg("reach"),
+           "Which balls (t, g) of those asked about are at most `reach` from the thing: into "
+           "`asked`.")
+      .def("near", &near_rows, nb::arg("posed"), nb::arg("first"), nb::arg("close"),
+           nb::arg("position"), nb::arg("turn"), nb::arg("reach"), nb::arg("points").none(),
+           nb::arg("off"), nb::arg("faces"),
+           "Vertices of a skin near the thing, and points near the skin: two tuples of rows.");
 }

@@ -21,7 +21,8 @@ void ContactProblem::clear(int capacity) {
 void ContactProblem::add(const double* beta3, const double* warm3, double mu, int pair) {
   const int n = size();
   double* a = block(n, n);
-  double floor = tune::kDiagonalShare * std::max(a[0], tune::kLeastInverseMass);  // of a contact between immovable bodies
+  double floor = tune::kDiagonalShare *
+                 std::max(a[0], tune::kLeastInverseMass);  // of a contact between immovable bodies
   Mat3 B;
   for (int q = 0; q < 3; q++) a[q * (stride_ + 1)] += floor;
   for (int q = 0; q < 9; q++) B.m[q] = a[(q / 3) * stride_ + q % 3];
@@ -54,7 +55,8 @@ void ContactProblem::finish_groups() {
       for (size_t b = 0; b < m; b++)
         for (int r = 0; r < 3; r++)
           for (int c = 0; c < 3; c++)
-            g.delassus[(3 * a + r) * 3 * m + 3 * b + c] = block(g.rows[a], g.rows[b])[r * stride_ + c];
+            g.delassus[(3 * a + r) * 3 * m + 3 * b + c] =
+                block(g.rows[a], g.rows[b])[r * stride_ + c];
   }
 }
 
@@ -111,8 +113,9 @@ void ContactProblem::settle(Group& g, double tolerance) {
       Vec3 d = q - now;
       if (d.x == 0 && d.y == 0 && d.z == 0) continue;
       store3(&p[3 * i], q);
-      change = std::max(change, std::max(std::fabs(d.x) * c.A.m[0],
-                                         std::max(std::fabs(d.y), std::fabs(d.z)) / c.tangent_step));
+      change =
+          std::max(change, std::max(std::fabs(d.x) * c.A.m[0],
+                                    std::max(std::fabs(d.y), std::fabs(d.z)) / c.tangent_step));
       const double *r0 = &g.delassus[(size_t)3 * a * m3], *r1 = r0 + m3, *r2 = r1 + m3;
       double* own = own_.data();
       for (int j = 0; j < m3; j++) own[j] += d.x * r0[j] + d.y * r1[j] + d.z * r2[j];
@@ -126,7 +129,8 @@ void ContactProblem::settle(Group& g, double tolerance) {
     double d0 = p[3 * i] - old_[3 * a], d1 = p[3 * i + 1] - old_[3 * a + 1],
            d2 = p[3 * i + 2] - old_[3 * a + 2];
     if (d0 == 0 && d1 == 0 && d2 == 0) continue;
-    const double *r0 = &delassus_[(size_t)(3 * i) * stride_], *r1 = r0 + stride_, *r2 = r1 + stride_;
+    const double *r0 = &delassus_[(size_t)(3 * i) * stride_], *r1 = r0 + stride_,
+                 *r2 = r1 + stride_;
     add_scaled(w, d0, r0, d1, r1, d2, r2, n3);
   }
 }

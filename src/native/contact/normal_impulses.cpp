@@ -90,8 +90,8 @@ void ContactProblem::solve_normals(double tolerance) {
 void ContactProblem::settle_normals(double tolerance, SolveReport& report) {
   best_ = p;  // pivots that do not end must not count
   const double work = std::pow((double)size(), 3) * tune::kPivots / 6;  // of a round, at most
-  for (int r = 0; r < tune::kNormalRounds && report.normal >= tolerance &&
-                  r * work <= tune::kNormalWork;
+  for (int r = 0;
+       r < tune::kNormalRounds && report.normal >= tolerance && r * work <= tune::kNormalWork;
        r++) {
     solve_normals(tune::kNormalGoal * tolerance);
     if (r >= tune::kFrictionRounds)

@@ -81,8 +81,7 @@ void ContactSolver::add_body(const System& s, const Endpoint& e, int l, double s
 
 // The same for what blend shapes do: joints anywhere in the tree, so that every row of the factor
 // takes part.
-void ContactSolver::add_bends(const System& s, const Endpoint& e, double sign,
-                              const Vec3 axis[3]) {
+void ContactSolver::add_bends(const System& s, const Endpoint& e, double sign, const Vec3 axis[3]) {
   const Model& m = s.m;
   bend_.resize(3 * (size_t)m.nv, 0.0);
   int last = 0;
@@ -328,8 +327,8 @@ int ContactSolver::any_root(const Model& m, const Contact& c) {
 
 SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Inertia& inertia,
                                  double h, const double* v_free, double* v,
-                                 std::vector<Contact>& contacts, double tolerance,
-                                 int max_sweeps, double mass) {
+                                 std::vector<Contact>& contacts, double tolerance, int max_sweeps,
+                                 double mass) {
   const System s{m, k, inertia};
   const int n = (int)contacts.size();
   std::memcpy(v, v_free, sizeof(double) * m.nv);

@@ -71,19 +71,20 @@ struct Contact {
   Vec3 position, at_a, at_b;
   // The points whose gap counts: on the surfaces, or what those are round about.
   Material gap_a, gap_b;
-  double closing = 0;  // what the gap loses as a displaced shape comes out of what it started in [m]
-  Vec3 rim;           // on a disc: direction from its centre, unit; else zero
-  double dist = 0;    // gap at the start of the substep [m]
+  double closing =
+      0;  // what the gap loses as a displaced shape comes out of what it started in [m]
+  Vec3 rim;  // on a disc: direction from its centre, unit; else zero
+  double dist = 0;  // gap at the start of the substep [m]
   double target = 0;  // smallest gap allowed at its end [m]
-  double shift = 0;   // correction of the linear prediction [m]: gap_end = dist + h v_n - shift
+  double shift = 0;  // correction of the linear prediction [m]: gap_end = dist + h v_n - shift
   // Half of how its way curves [m/s^2]; of that what is along the surface counts: way_t = h v_t + h^2
   // curve_t. (A gap is measured.)
   Vec3 curve;
   double friction = 0, restitution = 0;
   double bounce = -1e300;  // v_n demanded by restitution [m/s], second pass
-  Vec3 impulse;            // world [N s], on a; the warm start on entry
-  int pair = 0;            // index of the candidate it came from
-  int64_t key = 0;         // identity from substep to substep
+  Vec3 impulse;  // world [N s], on a; the warm start on entry
+  int pair = 0;  // index of the candidate it came from
+  int64_t key = 0;  // identity from substep to substep
   int feature = 0;
 };
 
@@ -154,8 +155,8 @@ class ContactSolver {
   ContactProblem problem_;
   std::vector<Row> rows_;
   std::vector<int> dof_, slot_;  // slot_: where a dof is in the row under way, -1: nowhere
-  std::vector<double> bend_;     // nv x 3, zero between uses
-  std::vector<double> y_;        // three per entry of dof_, and a zero
+  std::vector<double> bend_;  // nv x 3, zero between uses
+  std::vector<double> y_;  // three per entry of dof_, and a zero
   std::vector<double> scatter_;  // nv x 4, zero between uses
   std::vector<Waiting> worst_;
 };

@@ -10,11 +10,11 @@ namespace hp {
 
 // What acts in joints, in the order of Model. Empty lists: nothing does.
 struct JointForces {
-  std::vector<double> damping;         // per dof
-  std::vector<double> stiffness;       // per joint
-  std::vector<double> spring;          // per coordinate: where the springs rest
-  std::vector<char> limited;           // per joint, of hinges and slides
-  std::vector<double> lower, upper;    // per joint
+  std::vector<double> damping;  // per dof
+  std::vector<double> stiffness;  // per joint
+  std::vector<double> spring;  // per coordinate: where the springs rest
+  std::vector<char> limited;  // per joint, of hinges and slides
+  std::vector<double> lower, upper;  // per joint
 };
 
 // Coriolis, centrifugal and gravity forces c of  M dv/dt + c = tau  at the velocity `qvel`, by recursion

@@ -26,8 +26,8 @@ void Model::finish() {
   plain_ball.assign(nbody, 0);
   for (int b = 1; b < nbody; b++) {
     int j = jnt_first[b];
-    plain_ball[b] = jnt_count[b] == 1 && jnt_type[j] == Joint::Ball && norm2(jnt_pos[j]) == 0 &&
-                    quat[b].w == 1;
+    plain_ball[b] =
+        jnt_count[b] == 1 && jnt_type[j] == Joint::Ball && norm2(jnt_pos[j]) == 0 && quat[b].w == 1;
   }
   row_start.assign(nv, 0);
   row_size.assign(nv, 0);
@@ -144,8 +144,7 @@ void Kinematics::update_dofs(const Model& m, const double* qpos, const char* act
   }
 }
 
-void body_twists(const Model& m, const Kinematics& k, const double* qvel,
-                 std::vector<Twist>& out) {
+void body_twists(const Model& m, const Kinematics& k, const double* qvel, std::vector<Twist>& out) {
   out.resize(m.nbody);
   out[0] = {};
   for (int b = 1; b < m.nbody; b++) {
@@ -211,11 +210,11 @@ Inertia::Composite Inertia::of_body(const Model& m, const Kinematics& k, int b) 
 }
 
 Twist Inertia::Composite::operator*(const Twist& s) const {
-  return {Vec3{I[0] * s.w.x + I[3] * s.w.y + I[4] * s.w.z,
-               I[3] * s.w.x + I[1] * s.w.y + I[5] * s.w.z,
-               I[4] * s.w.x + I[5] * s.w.y + I[2] * s.w.z} +
-              cross(moment, s.v),
-          mass * s.v + cross(s.w, moment)};
+  return {
+      Vec3{I[0] * s.w.x + I[3] * s.w.y + I[4] * s.w.z, I[3] * s.w.x + I[1] * s.w.y + I[5] * s.w.z,
+           I[4] * s.w.x + I[5] * s.w.y + I[2] * s.w.z} +
+          cross(moment, s.v),
+      mass * s.v + cross(s.w, moment)};
 }
 
 void Inertia::compose(const Model& m, const Kinematics& k, const char* active) {
@@ -244,7 +243,9 @@ void Inertia::compose(const Model& m, const Kinematics& k, const char* active) {
 
 void Inertia::factor(const Model& m, const std::vector<double>& scale,
                      const std::vector<double>& extra, const char* active, const char* free) {
-  auto stays = [&](int dof) { return (active && !active[m.dof_body[dof]]) || (free && !free[dof]); };
+  auto stays = [&](int dof) {
+    return (active && !active[m.dof_body[dof]]) || (free && !free[dof]);
+  };
   L.resize(M.size());
   inv_D.resize(m.nv);
   root_D.resize(m.nv);
@@ -316,8 +317,7 @@ void Inertia::half_solve_back(const Model& m, double* x) const {
 
 void Inertia::multiply(const Model& m, int first, int last, const double* x, double* out) const {
   shared_.resize(2 * (size_t)m.nv);
-  for (int b = first; b <= last; b++)
-    std::fill_n(out + m.dof_first[b], m.dof_count[b], 0.0);
+  for (int b = first; b <= last; b++) std::fill_n(out + m.dof_first[b], m.dof_count[b], 0.0);
   for (int b = first; b <= last; b++) {
     const int from = m.dof_first[b], count = m.dof_count[b];
     if (count == 0) continue;

@@ -18,7 +18,8 @@ template <typename Work>
 void in_blocks(size_t n, int threads, const Work& work) {
   std::atomic<size_t> next{0};
   auto run = [&] {
-    for (size_t i; (i = next.fetch_add(tune::kPointBlock)) < n;) work(i, std::min(n, i + tune::kPointBlock));
+    for (size_t i; (i = next.fetch_add(tune::kPointBlock)) < n;)
+      work(i, std::min(n, i + tune::kPointBlock));
   };
   const size_t helpers = std::min<size_t>(std::max(threads, 1) - 1, n / tune::kPointBlock);
   std::vector<std::thread> pool;

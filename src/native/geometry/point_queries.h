@@ -11,8 +11,8 @@
 namespace triangles {
 
 // Distances (n,) [m], nearest faces (n,) and closest points (n, 3) [m].
-void closest_points(const Tree& tree, const double* points, size_t n, int threads,
-                    double* distance, int* face, double* closest);
+void closest_points(const Tree& tree, const double* points, size_t n, int threads, double* distance,
+                    int* face, double* closest);
 
 // Signed crossings (n,) of the rays upward: the winding number of closed triangles.
 void crossings(const Tree& tree, const double* points, size_t n, int threads, int* out);
@@ -23,7 +23,7 @@ void winding_numbers(const Tree& tree, const double* points, size_t n, double to
 
 // 1 where the winding number is over its own threshold (n,), else 0: as the full sum would say.
 // Neighbouring points with one threshold are decided together.
-void exceeds(const Tree& tree, const double* points, size_t n, const double* threshold,
-             int threads, uint8_t* out);
+void exceeds(const Tree& tree, const double* points, size_t n, const double* threshold, int threads,
+             uint8_t* out);
 
 }  // namespace triangles

@@ -49,7 +49,6 @@ void matrix(const double* q, double* m, int stride) {
   m[2] = 1 - 2 * (x * x + y * y);
 }
 
-
 // What a block of up to tune::kSkinFrames frames shares: rigid transforms, and the blend-shape coefficients
 // of the joints that are turned in any of its frames (the others would add exact zeros).
 struct Block {
@@ -160,8 +159,8 @@ HP_INLINE void blend(const SkinnedMesh& s, const Block& b, size_t vertex, double
 
 #if HP_VECTORS > 1 && defined(__x86_64__) && defined(__GNUC__)
 // The same operations, four lanes in one instruction.
-__attribute__((target("avx2"))) void blend8_avx2(const SkinnedMesh& s, const Block& b, size_t vertex,
-                                                 double* offset) {
+__attribute__((target("avx2"))) void blend8_avx2(const SkinnedMesh& s, const Block& b,
+                                                 size_t vertex, double* offset) {
   blend<Lanes4, 2>(s, b, vertex, offset);
 }
 #endif
@@ -207,10 +206,17 @@ HP_INLINE void range(const SkinnedMesh& s, const Block& b, size_t from, size_t t
     const size_t v = s.subset ? size_t(s.subset[i]) : i;
     if (s.posedirs) {
       switch (b.lanes) {
-        case 1: blend<double, 1>(s, b, v, offset); break;
-        case 2: blend<double, 2>(s, b, v, offset); break;
-        case 4: blend<Lanes4, 1>(s, b, v, offset); break;
-        default: blend8(s, b, v, offset);
+        case 1:
+          blend<double, 1>(s, b, v, offset);
+          break;
+        case 2:
+          blend<double, 2>(s, b, v, offset);
+          break;
+        case 4:
+          blend<Lanes4, 1>(s, b, v, offset);
+          break;
+        default:
+          blend8(s, b, v, offset);
       }
     }
     const double* rest = s.rest + 3 * v;
@@ -219,8 +225,7 @@ HP_INLINE void range(const SkinnedMesh& s, const Block& b, size_t from, size_t t
       double x[3];
       for (int c = 0; c < 3; ++c) x[c] = rest[c] + offset[size_t(c * b.lanes) + f];
       carry(s, &b.affine[f * s.n_joints * Block::affine_size], v,
-            positions + (b.start + f) * s.n_joints * 3, x,
-            out + ((b.start + f) * s.n_out + i) * 3);
+            positions + (b.start + f) * s.n_joints * 3, x, out + ((b.start + f) * s.n_out + i) * 3);
     }
   }
 }
@@ -233,8 +238,8 @@ __attribute__((target("avx2"))) void range_avx2(const SkinnedMesh& s, const Bloc
 }
 #endif
 
-void skin_range(const SkinnedMesh& s, const Block& b, size_t from, size_t to, const double* positions,
-                double* out) {
+void skin_range(const SkinnedMesh& s, const Block& b, size_t from, size_t to,
+                const double* positions, double* out) {
 #if HP_VECTORS > 1 && defined(__x86_64__) && defined(__GNUC__)
   static const bool wide = __builtin_cpu_supports("avx2");
   if (wide) return range_avx2(s, b, from, to, positions, out);
@@ -280,14 +285,15 @@ void skin(const SkinnedMesh& s, const JointPoses& poses, int threads, double* ou
     ready.reserve(end - begin);
     for (size_t k = begin; k < end; ++k) {
       const size_t start = k * tune::kSkinFrames;
-      ready.push_back(make_block(s, start, std::min<size_t>(tune::kSkinFrames, frames - start), poses));
+      ready.push_back(
+          make_block(s, start, std::min<size_t>(tune::kSkinFrames, frames - start), poses));
     }
     std::atomic<size_t> next{0};
     auto work = [&] {
       for (size_t t; (t = next.fetch_add(1)) < ready.size() * chunks;) {
         const size_t from = (t % chunks) * tune::kSkinChunk;
-        skin_range(s, ready[t / chunks], from, std::min(s.n_out, from + tune::kSkinChunk), poses.positions,
-                   out);
+        skin_range(s, ready[t / chunks], from, std::min(s.n_out, from + tune::kSkinChunk),
+                   poses.positions, out);
       }
     };
     std::vector<std::thread> pool;

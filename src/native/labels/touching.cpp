@@ -11,7 +11,6 @@ namespace tune = tuning::labels;
 
 namespace {
 
-
 triangles::Vec vec(Vec3 v) { return {v.x, v.y, v.z}; }
 Vec3 vec(triangles::Vec v) { return {v.x, v.y, v.z}; }
 
@@ -104,110 +103,159 @@ PointGrid::PointGrid(std::vector<Vec3> points) : points_(std::move(points)) {
   for (size_t i = 0; i < points_.size(); i++) order_[next[index(points_[i])]++] = (int)i;
 }
 
-void find_near(const TouchingThing& thing, const PosedSkin& skin, const Placing& placing, double reach,
-               const PointGrid* points, double off, const int* faces, int n_faces, NearRows& of_skin,
-               NearRows& of_points) {
+namespace {
+
+// One search: rows of vertices and of points, frame by frame.
+class NearSearch {
+ public:
+  NearSearch(const NearQuery& query, NearRows& of_skin, NearRows& of_points)
+      : q_(query), of_skin_(of_skin), of_points_(of_points) {
+    at_.resize(q_.skin.n);
+    far_.resize(q_.skin.n);
+    most_ = q_.reach + q_.off;
+    limit_ = q_.points ? most_ + tune::kBeyondReach : q_.reach + tune::kReachRounding;
+    if (!q_.points) return;
+    best_.assign(q_.points->points().size(), Best{});
+    // Faces by the group of their first corner: those of what is far are not looked at one by one.
+    of_group_.resize(q_.skin.groups);
+    for (int f = 0; f < q_.n_faces; f++) {
+      const int* end =
+          std::upper_bound(q_.skin.first, q_.skin.first + q_.skin.groups, q_.faces[3 * f]);
+      of_group_[end - q_.skin.first - 1].push_back(f);
+    }
+  }
+
+  void frame(int k) {
+    const bool any = vertices(k);
+    if (!q_.points || !any) return;
+    near_faces(k);
+    for (const auto& [d, f] : near_) points_near(f);
+    report(k);
+  }
+
+ private:
+  // The nearest face of a point so far; face -1: none.
   struct Best {
-    double d2;
-    int face;
+    double d2 = std::numeric_limits<double>::infinity();
+    int face = -1;
     Vec3 point;
   };
-  const double inf = std::numeric_limits<double>::infinity();
-  const double not_looked_at = -1;  // in place of a distance
-  const double most = reach + off, limit = points ? most + tune::kBeyondReach : reach + tune::kReachRounding;
-  std::vector<Vec3> at(skin.n);
-  std::vector<double> far(skin.n);
-  std::vector<Best> best(points ? points->points().size() : 0, Best{inf, -1, {}});
-  std::vector<int> touched;
-  std::vector<std::pair<double, int>> near;
-  // Faces by the group of their first corner: those of what is far are not looked at one by one.
-  std::vector<std::vector<int>> of_group(points ? skin.groups : 0);
-  if (points)
-    for (int f = 0; f < n_faces; f++) {
-      const int* end = std::upper_bound(skin.first, skin.first + skin.groups, faces[3 * f]);
-      of_group[end - skin.first - 1].push_back(f);
-    }
-  for (int k = 0; k < skin.frames; k++) {
-    const size_t place = placing.one ? 0 : k;
-    const Vec3 position = load3(placing.position + 3 * place);
+
+  // Distances of the vertices of the groups that may be near, and the rows of those that are; false if
+  // there are no such vertices.
+  bool vertices(int k) {
+    const PosedSkin& skin = q_.skin;
+    const size_t place = q_.placing.one ? 0 : k;
+    const Vec3 position = load3(q_.placing.position + 3 * place);
     Mat3 turn;
-    std::copy(placing.turn + 9 * place, placing.turn + 9 * place + 9, turn.m);
+    std::copy(q_.placing.turn + 9 * place, q_.placing.turn + 9 * place + 9, turn.m);
     bool any = false;
     for (int g = 0; g < skin.groups; g++) {
       const int from = skin.first[g], to = skin.first[g + 1];
       if (!skin.close[(size_t)k * skin.groups + g]) {
-        std::fill(far.begin() + from, far.begin() + to, not_looked_at);
+        std::fill(far_.begin() + from, far_.begin() + to, not_looked_at);
         continue;
       }
       const double* x = skin.x + 3 * ((size_t)k * skin.n + from);
-      for (int v = from; v < to; v++, x += 3) at[v] = mul_t(turn, load3(x) - position);
-      thing.distances(at.data() + from, to - from, limit, far.data() + from);
+      for (int v = from; v < to; v++, x += 3) at_[v] = mul_t(turn, load3(x) - position);
+      q_.thing.distances(at_.data() + from, to - from, limit_, far_.data() + from);
       any = any || to > from;
       for (int v = from; v < to; v++) {
-        if (!(far[v] <= reach)) continue;
-        of_skin.frame.push_back(k);
-        of_skin.vertex.push_back(v);
-        of_skin.distance.push_back(far[v]);
+        if (!(far_[v] <= q_.reach)) continue;
+        of_skin_.frame.push_back(k);
+        of_skin_.vertex.push_back(v);
+        of_skin_.distance.push_back(far_[v]);
       }
     }
-    if (!points || !any) continue;
-    // A point of a face lies no farther from its nearest corner than the longest edge by root 3.
-    near.clear();
-    for (int g = 0; g < skin.groups; g++) {
-      if (!skin.close[(size_t)k * skin.groups + g]) continue;
-      for (const int f : of_group[g]) {
-        const int a = faces[3 * f], b = faces[3 * f + 1], c = faces[3 * f + 2];
-        const double d = std::min({far[a], far[b], far[c], limit});
+    return any;
+  }
+
+  // The faces that may have a point in reach, into near_, with the distance of their nearest corner.
+  // A point of a face lies no farther from its nearest corner than the longest edge by root 3.
+  void near_faces(int k) {
+    near_.clear();
+    for (int g = 0; g < q_.skin.groups; g++) {
+      if (!q_.skin.close[(size_t)k * q_.skin.groups + g]) continue;
+      for (const int f : of_group_[g]) {
+        const int a = q_.faces[3 * f], b = q_.faces[3 * f + 1], c = q_.faces[3 * f + 2];
+        const double d = std::min({far_[a], far_[b], far_[c], limit_});
         if (d < 0) continue;
-        if (d > most) {
+        if (d > most_) {
           const double edge2 =
-              std::max({norm2(at[a] - at[b]), norm2(at[b] - at[c]), norm2(at[c] - at[a])});
-          if (3 * (d - most) * (d - most) > edge2) continue;
+              std::max({norm2(at_[a] - at_[b]), norm2(at_[b] - at_[c]), norm2(at_[c] - at_[a])});
+          if (3 * (d - most_) * (d - most_) > edge2) continue;
         }
-        near.emplace_back(d, f);
+        near_.emplace_back(d, f);
       }
     }
     // Nearest first: what is found early spares the rest, where points have many faces in reach.
-    if (points->cell_size() < reach) std::sort(near.begin(), near.end());
-    for (const auto& [d, f] : near) {
-      const Vec3 a = at[faces[3 * f]], b = at[faces[3 * f + 1]], c = at[faces[3 * f + 2]];
-      Box3 box;
-      box.add(a), box.add(b), box.add(c);
-      const Vec3 n = cross(b - a, c - a);
-      const double longest = std::max({norm2(b - a), norm2(c - a), norm2(c - b)});
-      const bool sliver = !(norm2(n) > 1e-20 * longest * longest);
-      const triangles::Triangle t{vec(a), vec(b), vec(c), f, sliver};
-      Box3 around = box;
-      around.grow(reach);
-      points->in_box(around, [&](int i) {
-        const Vec3 p = points->points()[i];
-        const double least = box_distance2(box, p);
-        Best& found = best[i];
-        if (least > reach * reach || least > found.d2) return;
-        const Vec3 q = vec(triangles::closest_on_triangle(vec(p), t));
-        const double d2 = norm2(p - q);
-        if (d2 > reach * reach || d2 > found.d2 || (d2 == found.d2 && f > found.face)) return;
-        if (found.face < 0) touched.push_back(i);
-        found = {d2, f, q};
-      });
-    }
-    std::sort(touched.begin(), touched.end());
-    for (int i : touched) {
-      const Best& b = best[i];
-      int corner = faces[3 * b.face];
-      for (int c = 1; c < 3; c++) {
-        const int other = faces[3 * b.face + c];
-        if (norm2(at[other] - b.point) < norm2(at[corner] - b.point)) corner = other;
-      }
-      of_points.frame.push_back(k);
-      of_points.vertex.push_back(i);
-      of_points.nearest.push_back(corner);
-      of_points.distance.push_back(std::sqrt(b.d2));
-      of_points.point.insert(of_points.point.end(), {b.point.x, b.point.y, b.point.z});
-      best[i] = Best{inf, -1, {}};
-    }
-    touched.clear();
+    if (q_.points->cell_size() < q_.reach) std::sort(near_.begin(), near_.end());
   }
+
+  // Points that a face is nearer to than all faces before.
+  void points_near(int f) {
+    const double reach = q_.reach;
+    const int* corner = q_.faces + 3 * f;
+    const Vec3 a = at_[corner[0]], b = at_[corner[1]], c = at_[corner[2]];
+    Box3 box;
+    box.add(a), box.add(b), box.add(c);
+    const Vec3 n = cross(b - a, c - a);
+    const double longest = std::max({norm2(b - a), norm2(c - a), norm2(c - b)});
+    const bool sliver = !(norm2(n) > 1e-20 * longest * longest);
+    const triangles::Triangle t{vec(a), vec(b), vec(c), f, sliver};
+    Box3 around = box;
+    around.grow(reach);
+    q_.points->in_box(around, [&](int i) {
+      const Vec3 p = q_.points->points()[i];
+      const double least = box_distance2(box, p);
+      Best& found = best_[i];
+      if (least > reach * reach || least > found.d2) return;
+      const Vec3 q = vec(triangles::closest_on_triangle(vec(p), t));
+      const double d2 = norm2(p - q);
+      if (d2 > reach * reach || d2 > found.d2 || (d2 == found.d2 && f > found.face)) return;
+      if (found.face < 0) touched_.push_back(i);
+      found = {d2, f, q};
+    });
+  }
+
+  // Rows of the points that are near, with the nearest corner of their face.
+  void report(int k) {
+    std::sort(touched_.begin(), touched_.end());
+    for (int i : touched_) {
+      const Best& b = best_[i];
+      int corner = q_.faces[3 * b.face];
+      for (int c = 1; c < 3; c++) {
+        const int other = q_.faces[3 * b.face + c];
+        if (norm2(at_[other] - b.point) < norm2(at_[corner] - b.point)) corner = other;
+      }
+      of_points_.frame.push_back(k);
+      of_points_.vertex.push_back(i);
+      of_points_.nearest.push_back(corner);
+      of_points_.distance.push_back(std::sqrt(b.d2));
+      of_points_.point.insert(of_points_.point.end(), {b.point.x, b.point.y, b.point.z});
+      best_[i] = Best{};
+    }
+    touched_.clear();
+  }
+
+  static constexpr double not_looked_at = -1;  // in place of a distance
+
+  const NearQuery& q_;
+  NearRows &of_skin_, &of_points_;
+  double most_, limit_;  // how far corners of near faces may be, and distances are known [m]
+  std::vector<Vec3> at_;  // vertices in the thing's frame
+  std::vector<double> far_;  // their distances from the thing [m]
+  std::vector<Best> best_;  // per point
+  std::vector<int> touched_;  // points that have one
+  std::vector<std::pair<double, int>> near_;
+  std::vector<std::vector<int>> of_group_;
+};
+
+}  // namespace
+
+void find_near(const NearQuery& query, NearRows& of_skin, NearRows& of_points) {
+  NearSearch search(query, of_skin, of_points);
+  for (int k = 0; k < query.skin.frames; k++) search.frame(k);
 }
 
 }  // namespace hp

@@ -1,5 +1,5 @@
-// How near points and triangles are to what a thing of a scene touches by: for contact labels.
-// Nothing here changes a simulation.
+// How near points and triangles are to the shapes by which an item of a scene (here: a thing) touches,
+// for contact labels. Nothing here changes a simulation.
 #pragma once
 #include <vector>
 
@@ -18,7 +18,7 @@ struct TouchingShape {
   Vec3 size;
   double offset = 0;
   const triangles::Tree* tree = nullptr;  // of hulls and surfaces
-  std::vector<Vec3> normals;              // of a hull's faces, outward
+  std::vector<Vec3> normals;  // of a hull's faces, outward
   std::vector<double> offsets;
 
   // Lowers `least` (n) to the distances of points in the thing's frame, those that are under it; what is
@@ -76,7 +76,7 @@ struct NearRows {
 struct PosedSkin {
   const double* x;
   int frames, n;
-  const int* first;            // where each group starts (groups + 1)
+  const int* first;  // where each group starts (groups + 1)
   const unsigned char* close;  // which groups may be near in which frame (t, groups)
   int groups;
 };
@@ -87,11 +87,19 @@ struct Placing {
   bool one;
 };
 
-// Vertices of the skin that are at most `reach` from a thing; with `points` also those of them that
-// are at most `reach` from the triangles `faces` (f, 3) of the skin. No point is farther than `off`
-// outside of the thing.
-void find_near(const TouchingThing& thing, const PosedSkin& skin, const Placing& placing, double reach,
-               const PointGrid* points, double off, const int* faces, int n_faces, NearRows& of_skin,
-               NearRows& of_points);
+// What is asked: vertices of the skin that are at most `reach` from a thing; with `points` also those
+// of them that are at most `reach` from the triangles `faces` (n_faces, 3) of the skin.
+struct NearQuery {
+  const TouchingThing& thing;
+  const PosedSkin& skin;
+  const Placing& placing;
+  double reach;  // [m]
+  const PointGrid* points;  // on the thing; null: not asked
+  double off;  // no point is farther than this outside of the thing [m]
+  const int* faces;
+  int n_faces;
+};
+
+void find_near(const NearQuery& query, NearRows& of_skin, NearRows& of_points);
 
 }  // namespace hp

@@ -11,8 +11,7 @@ namespace {
 
 // Columns first ... first + 2 among themselves, with what the rows of the pivots need of the rest;
 // rows below keep their factors in these columns. False if a pivot is too small.
-bool eliminate_three(double* a, int n, int first, double least_pivot, double* x,
-                     double* pivot[3]) {
+bool eliminate_three(double* a, int n, int first, double least_pivot, double* x, double* pivot[3]) {
   const int rest = first + 3;
   bool regular = true;
   auto row_at = [&](int r) { return a + (long)r * n; };

@@ -33,7 +33,8 @@ HP_CLONES int farthest(const double* x, const double* y, const double* z, int n,
     I where = {0, 0, 0, 0}, where2 = where, here = {0, 1, 2, 3};
     for (; i + 8 <= n; i += 8) {
       V s = dx * *(const V*)(x + i) + dy * *(const V*)(y + i) + dz * *(const V*)(z + i);
-      V s2 = dx * *(const V*)(x + i + 4) + dy * *(const V*)(y + i + 4) + dz * *(const V*)(z + i + 4);
+      V s2 =
+          dx * *(const V*)(x + i + 4) + dy * *(const V*)(y + i + 4) + dz * *(const V*)(z + i + 4);
       I more = s > most, more2 = s2 > most2;
       most = more ? s : most, most2 = more2 ? s2 : most2;
       where = more ? here : where, where2 = more2 ? here + 4 : where2;
@@ -67,7 +68,8 @@ HP_CLONES int nearest(const double* x, const double* y, const double* z, int n, 
       here += 4;
     }
     for (int k = 0; k < 4; k++)
-      if (least[k] < best || (least[k] == best && where[k] < at)) best = least[k], at = (int)where[k];
+      if (least[k] < best || (least[k] == best && where[k] < at))
+        best = least[k], at = (int)where[k];
   }
   for (; i < n; i++) {
     const double u = x[i] - px, v = y[i] - py, w = z[i] - pz, s = u * u + v * v + w * w;
@@ -111,8 +113,9 @@ HP_CLONES void blend(const double* v, int stride, int n, const double* R, const 
     double* o = out + (size_t)k * stride;
     int i = 0;
     for (; i + 4 <= n; i += 4)
-      *(V*)(o + i) += *(const V*)(w + i) *
-                      (q + (a * *(const V*)(x + i) + b * *(const V*)(y + i) + c * *(const V*)(z + i)));
+      *(V*)(o + i) +=
+          *(const V*)(w + i) *
+          (q + (a * *(const V*)(x + i) + b * *(const V*)(y + i) + c * *(const V*)(z + i)));
     for (; i < n; i++) o[i] += w[i] * (q + (a * x[i] + b * y[i] + c * z[i]));
   }
 }
@@ -151,8 +154,7 @@ HP_CLONES void add_scaled(double* y, double a, const double* x0, double b, const
                           double c, const double* x2, int n) {
   int i = 0;
   for (; i + 4 <= n; i += 4)
-    *(V*)(y + i) +=
-        a * *(const V*)(x0 + i) + b * *(const V*)(x1 + i) + c * *(const V*)(x2 + i);
+    *(V*)(y + i) += a * *(const V*)(x0 + i) + b * *(const V*)(x1 + i) + c * *(const V*)(x2 + i);
   for (; i < n; i++) y[i] += a * x0[i] + b * x1[i] + c * x2[i];
 }
 
@@ -192,8 +194,8 @@ int nearest(const double* x, const double* y, const double* z, int n, double px,
   return at;
 }
 
-void eliminate(double* rows, const int* start, const int* at, int n, const double* r0, const double* r1,
-               const double* r2, const double* f) {
+void eliminate(double* rows, const int* start, const int* at, int n, const double* r0,
+               const double* r1, const double* r2, const double* f) {
   for (int a = 0; a < n; a++) {
     double* y = rows + start[at[a]];
     const double p = -f[0] * r0[a], q = -f[1] * r1[a], r = -f[2] * r2[a];

@@ -35,10 +35,9 @@ struct Quat {
 inline Quat load4(const double* p) { return {p[0], p[1], p[2], p[3]}; }
 inline void store4(double* p, Quat q) { p[0] = q.w, p[1] = q.x, p[2] = q.y, p[3] = q.z; }
 inline Quat operator*(Quat a, Quat b) {
-  return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-          a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-          a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-          a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+  return {
+      a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+      a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
 inline Quat conjugate(Quat q) { return {q.w, -q.x, -q.y, -q.z}; }
 inline Quat normalized(Quat q) {
@@ -50,14 +49,16 @@ inline Quat normalized(Quat q) {
 inline Quat exp_quat(Vec3 r) {
   double half = 0.5 * norm(r);
   // sin(x)/x by its series near zero, where the quotient loses digits.
-  double s = half < tuning::dynamics::kSeriesHalfAngle ? 0.5 * (1 - half * half / 6) : 0.5 * std::sin(half) / half;
+  double s = half < tuning::dynamics::kSeriesHalfAngle ? 0.5 * (1 - half * half / 6)
+                                                       : 0.5 * std::sin(half) / half;
   return {std::cos(half), s * r.x, s * r.y, s * r.z};
 }
 
 // Axis-angle vector of a unit quaternion, the shortest arc.
 inline Vec3 log_quat(Quat q) {
   Vec3 v{q.x, q.y, q.z};
-  double n = norm(v), f = n < tuning::dynamics::kNoRotation ? 2.0 : 2 * std::atan2(n, std::fabs(q.w)) / n;
+  double n = norm(v),
+         f = n < tuning::dynamics::kNoRotation ? 2.0 : 2 * std::atan2(n, std::fabs(q.w)) / n;
   return (q.w < 0 ? -f : f) * v;
 }
 
@@ -91,9 +92,9 @@ inline Mat3 transposed(const Mat3& a) {
 }
 inline Mat3 to_matrix(Quat q) {
   double w = q.w, x = q.x, y = q.y, z = q.z;
-  return {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-           2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-           2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+  return {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z),
+           1 - 2 * (x * x + z * z), 2 * (y * z - w * x), 2 * (x * z - w * y), 2 * (y * z + w * x),
+           1 - 2 * (x * x + y * y)}};
 }
 // Solves a x = b by Cramer's rule; `a` must be well away from singular.
 inline Vec3 solve3(const Mat3& a, Vec3 b) {
@@ -117,8 +118,8 @@ struct Box3 {
   }
   void grow(double r) { lo -= Vec3{r, r, r}, hi += Vec3{r, r, r}; }
   bool meets(const Box3& o) const {
-    return lo.x <= o.hi.x && o.lo.x <= hi.x && lo.y <= o.hi.y && o.lo.y <= hi.y &&
-           lo.z <= o.hi.z && o.lo.z <= hi.z;
+    return lo.x <= o.hi.x && o.lo.x <= hi.x && lo.y <= o.hi.y && o.lo.y <= hi.y && lo.z <= o.hi.z &&
+           o.lo.z <= hi.z;
   }
 };
 

@@ -22,8 +22,7 @@ void over_tiles(int tiles, int threads, Work work) {
 
 }  // namespace
 
-void draw_picture(Meshes& m, const Camera& cam, const Look& look, int threads,
-                  unsigned char* out) {
+void draw_picture(Meshes& m, const Camera& cam, const Look& look, int threads, unsigned char* out) {
   static const Encoder encode;
   compute_normals(m);
   const std::vector<Tri> tris = project(m, cam);

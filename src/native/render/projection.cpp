@@ -24,7 +24,8 @@ std::vector<Tri> project(const Meshes& m, const Camera& cam) {
   std::vector<Tri> out;
   out.reserve(m.faces.size());
   std::vector<Vec> poly, scratch;
-  const double gx = hp::tuning::render::kGuardBand * cam.width / cam.fx, gy = hp::tuning::render::kGuardBand * cam.height / cam.fy;
+  const double gx = hp::tuning::render::kGuardBand * cam.width / cam.fx,
+               gy = hp::tuning::render::kGuardBand * cam.height / cam.fy;
   const Vec planes[5] = {{0, 0, 1}, {1, 0, gx}, {-1, 0, gx}, {0, 1, gy}, {0, -1, gy}};
   for (std::size_t f = 0; f < m.faces.size(); ++f) {
     const auto& face = m.faces[f];

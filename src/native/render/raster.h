@@ -35,33 +35,31 @@ inline double clamp01(double t) { return t < 0 ? 0 : t > 1 ? 1 : t; }
 
 // How one mesh looks. Colours are linear light, 0 to 1.
 struct Style {
-  Vec color, checker;      // checker: second colour of a chequered surface
-  double alpha;            // < 1: drawn as one translucent layer
-  double rim;              // opaque: light added at grazing angles; translucent: alpha added
-  double checker_size;     // [m], 0: plain
-  double bias;             // a translucent layer shows only where it is nearer by this [m]
+  Vec color, checker;  // checker: second colour of a chequered surface
+  double alpha;  // < 1: drawn as one translucent layer
+  double rim;  // opaque: light added at grazing angles; translucent: alpha added
+  double checker_size;  // [m], 0: plain
+  double bias;  // a translucent layer shows only where it is nearer by this [m]
   double fade_from, fade_to;  // dissolves into the background at these distances from `focus`
-  double crease;           // cosine of the angle beyond which an edge stays sharp
-  int cull;                // 0 none, 1 drops back faces, 2 drops front faces
-  bool casts, receives;    // shadows
+  double crease;  // cosine of the angle beyond which an edge stays sharp
+  int cull;  // 0 none, 1 drops back faces, 2 drops front faces
+  bool casts, receives;  // shadows
 };
 
 struct Camera {
   Vec right, down, forward, position;
   double fx, fy, cx, cy, near;  // [px], [m]
-  int width, height, samples;   // samples x samples per pixel
+  int width, height, samples;  // samples x samples per pixel
   Vec to_camera(Vec p) const {
     const Vec d = p - position;
     return {dot(d, right), dot(d, down), dot(d, forward)};
   }
   Vec direction(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
-  Vec to_world(Vec p) const {
-    return position + p.x * right + p.y * down + p.z * forward;
-  }
+  Vec to_world(Vec p) const { return position + p.x * right + p.y * down + p.z * forward; }
 };
 
 struct Meshes {
-  std::vector<Vec> world, view;             // vertices
+  std::vector<Vec> world, view;  // vertices
   std::vector<std::array<int, 3>> faces;
   std::vector<int> mesh_of_face;
   std::vector<std::array<Vec, 3>> normals;  // per corner, world
@@ -125,7 +123,8 @@ void fill(const Tri& t, const Box& limit, Put put) {
   for (int k = 0; k < 3; ++k) {
     const int n = (k + 1) % 3;
     const std::int64_t ex = t.x[n] - t.x[k], ey = t.y[n] - t.y[k];
-    row[k] = ex * (steps * box.y0 + steps / 2 - t.y[k]) - ey * (steps * box.x0 + steps / 2 - t.x[k]);
+    row[k] =
+        ex * (steps * box.y0 + steps / 2 - t.y[k]) - ey * (steps * box.x0 + steps / 2 - t.x[k]);
     dx[k] = -steps * ey;
     dy[k] = steps * ex;
   }

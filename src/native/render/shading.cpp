@@ -38,7 +38,8 @@ ShadowMap::ShadowMap(const Light& light, const Meshes& m) {
   }
   if (!any) return;
   const double extent = std::max(box[1] - box[0], box[3] - box[2]);
-  texel = std::max(light.softness / (2 * tune::kShadowTaps + 1), extent / (tune::kMostTexels - 4 * tune::kShadowTaps - 4));
+  texel = std::max(light.softness / (2 * tune::kShadowTaps + 1),
+                   extent / (tune::kMostTexels - 4 * tune::kShadowTaps - 4));
   texel = std::max(texel, 1e-6);
   const int margin = 2 * tune::kShadowTaps + 1;
   width = static_cast<int>((box[1] - box[0]) / texel) + 2 * margin + 1;
@@ -81,7 +82,9 @@ double ShadowMap::lit(Vec p, Vec normal) const {
   const double nw = std::max(dot(w, normal), 0.25);
   const double sx = -dot(u, normal) / nw * texel, sy = -dot(v, normal) / nw * texel;
   const double bx = std::floor(x), by = std::floor(y);
-  if (bx < -tune::kShadowTaps || by < -tune::kShadowTaps || bx > width + tune::kShadowTaps || by > height + tune::kShadowTaps) return 1.0;
+  if (bx < -tune::kShadowTaps || by < -tune::kShadowTaps || bx > width + tune::kShadowTaps ||
+      by > height + tune::kShadowTaps)
+    return 1.0;
   const double fx = x - bx, fy = y - by;
   const int ix = static_cast<int>(bx), iy = static_cast<int>(by);
   double open = 0;

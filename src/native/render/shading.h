@@ -42,9 +42,7 @@ class Shader {
   Shader(const Meshes& m, const Camera& cam, const Look& look);
 
   // Of the row of pixels v from the top.
-  Vec background(double v) const {
-    return mix(look_.top, look_.bottom, clamp01(v / cam_.height));
-  }
+  Vec background(double v) const { return mix(look_.top, look_.bottom, clamp01(v / cam_.height)); }
   // Linear colour and alpha of face f where the ray through picture point (u, v) meets it.
   Vec shade(int f, double u, double v, double& alpha) const;
 

@@ -45,7 +45,7 @@ _GONE = "what it found is gone: its files, or those in work, changed while the r
 
 @dataclass(frozen=True)
 class Report:
-    """What has been written, and what it says: `content` is that of `JSON`, `speed` of `SPEED`."""
+    """A written report: `content` is what the file `JSON` holds, `speed` what `SPEED` holds."""
 
     folder: Path
     content: dict[str, Any]
@@ -76,17 +76,17 @@ def make(
     """Compute what is missing and write the report.
 
     Args:
-        folder: Where to; what has been computed there before by the same program is used.
-        options: What to show.
+        folder: Folder of the report; outcomes that the same program computed there before are used.
+        options: The size of the run, its seed and the data of the user.
         only: Keys of sections; none: all.
-        workers: Processes. Timings are taken one at a time whatever it says.
-        progress: Passes on what is done, and shows it; given also how many jobs there are and how
-            long they take [s of one core].
+        workers: Number of processes. Timings always run one at a time.
+        progress: Passes the finished jobs on and shows them; it also receives the number of jobs
+            and their expected time on one core [s].
 
     Raises:
         InputError: Impossible options. FileError: The folder cannot be written.
     """
-    options = replace(options or Options())  # which looks for files anew
+    options = replace(options or Options())  # a copy, which searches the folders of the user again
     chosen = listed(only)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -112,7 +112,7 @@ def _compute(
     workers: int,
     progress: Any,
 ) -> dict[tuple[str, str], str]:
-    """Does what is missing; causes of failures by section and task."""
+    """Run the missing tasks; returns the causes of failures by section and task."""
     missing: dict[bool, list[Job]] = {False: [], True: []}
     for section in chosen:
         for task in section.tasks(options):
@@ -122,7 +122,7 @@ def _compute(
 
     def doing() -> Iterator[Done]:
         yield from run(store.folder, missing[False], workers)
-        # What is timed has the machine for itself.
+        # Timings have the machine for themselves.
         yield from run(store.folder, missing[True], 1)
 
     done = doing()

@@ -33,8 +33,8 @@ EXAMPLES = """\
 class Command:
     """Make the report: paper.html, paper.json and paper-speed.json (what depends on the machine).
 
-    Works on motions and scenes that it makes itself, and on yours where you name them.
-    Stop it and start it again: what has been computed is kept in FOLDER/work and used again.
+    It makes its motions and scenes itself, and takes yours where --data names them.
+    An interrupted run continues where it stopped: outcomes are kept in FOLDER/work.
     """
 
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="FOLDER")] = Path("out/paper")
@@ -43,15 +43,15 @@ class Command:
     """Fewer and shorter cases: under two minutes instead of under an hour."""
     only: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="KEY")] = ()
     """A part of the report: table1, table2, table3, table4, figures4and9, figure5, figures6and7,
-    figure8 or speed; may be said repeatedly, all if none is named."""
+    figure8 or speed; repeat it for more parts, all parts by default."""
     data: Annotated[
         tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="KIND=FOLDER")
     ] = ()
     """Data of your own: aist=DIR (AIST++), clips=DIR (any motions), scenes=DIR (any scenes)."""
     seed: int = 0
-    """Of the scenes and motions that are made."""
+    """Seed of the scenes and motions that are made."""
     jobs: int | None = None
-    """Processes to work in; one per core if not said. No number depends on it."""
+    """Number of processes; one per core by default. The numbers are the same for any value."""
 
     def run(self) -> None:
         """Compute, write, print."""
@@ -102,7 +102,7 @@ def _run(arguments: list[str]) -> int:
 
 
 def _shown(done: Iterator[Done], count: int, seconds: float) -> Iterator[Done]:
-    """A bar at a terminal, elsewhere a line for each task; failures are said at once."""
+    """A progress bar at a terminal, elsewhere a line per task; failures are reported at once."""
     from tqdm import tqdm
 
     with tqdm(total=round(seconds, 1), unit="s", disable=not progress(), leave=False) as bar:

@@ -1,4 +1,4 @@
-"""What the report says, as plain values: the content of paper.json and paper-speed.json."""
+"""The content of paper.json and paper-speed.json: the report as plain values."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _quoted(text: str) -> str:
 
 
 def document(options: Options, sections: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """The whole: the same bytes whenever it is made by the same program from the same data."""
+    """The whole report: the same program makes the same bytes from the same data."""
     import mujoco
 
     import halfphysics
@@ -61,12 +61,12 @@ def document(options: Options, sections: Sequence[Mapping[str, Any]]) -> dict[st
 
 
 def verdict(sections: Sequence[Mapping[str, Any]]) -> dict[str, int]:
-    """How many figures are reproduced, are not, are shown without a judgement, or are missing."""
+    """Numbers of figures that are reproduced, not reproduced, shown without judgement, missing."""
     return {kind: n for kind, n in tally(sections).items() if kind != "quoted"}
 
 
 def machine() -> dict[str, Any]:
-    """What speed depends on."""
+    """The machine, which the speed depends on."""
     return {
         "platform": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),

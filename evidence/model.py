@@ -1,4 +1,4 @@
-"""What the evidence is made of: tasks that compute it, rows that set it beside the paper."""
+"""Data model of the evidence: tasks that compute it, rows that set it beside the paper."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from halfphysics.errors import InputError
 
 Found = TypeVar("Found")
 
-#: What a user may bring: a folder of AIST++, of any motions, of any scenes.
+#: Kinds of data that a user may name: a folder of AIST++, of any motions, of any scenes.
 DATA = ("aist", "clips", "scenes")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What is to be shown, and on what.
+    """The size of a run, its seed, and the data of the user.
 
     Attributes:
-        quick: Fewer and shorter cases: whether it works, in under two minutes.
-        seed: Of everything that is made from random numbers.
-        data: Folders of the user's own, by `DATA`.
+        quick: Fewer and shorter cases, in under two minutes.
+        seed: Seed of all motions and rooms that are made.
+        data: Folders of the user, by kind (`DATA`).
 
     Raises:
-        InputError: A seed that is no whole number, another kind of data, no such folder.
+        InputError: The seed is no whole number, a kind of data is unknown, a folder is missing.
     """
 
     quick: bool = False
@@ -48,8 +48,8 @@ class Options:
                 raise InputError(f"data: {name}={folder}: there is no such folder")
 
     def once(self, name: str, look: Callable[[], Found]) -> Found:
-        """What `look` finds in a folder of the user's, which is looked through once: files that
-        come and go while a report is made do not change what its rows are of."""
+        """The result of `look`, called once: files that appear or vanish in a folder of the user
+        while the report is made do not change which rows it has."""
         if name not in self._found:
             self._found[name] = look()
         found: Found = self._found[name]
@@ -58,17 +58,17 @@ class Options:
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """Work that can be done alone, in any order and in any process.
+    """A unit of work that runs in any process, in any order.
 
     Attributes:
         key: Its name within the section: letters, digits, spaces, "-", "_", "." and
             "/".
         function: "MODULE:NAME" of a function that returns an `Outcome`; ".runs.x" is a module of
             this package. The same arguments give the same values, bit for bit.
-        arguments: Its arguments: what JSON can say.
-        inputs: Files of the user that it reads; their content is part of what is remembered, of
-            folders the names, sizes and dates of what is in them.
-        seconds: About how long it takes on one core [s].
+        arguments: Its arguments, as JSON values.
+        inputs: Files of the user that it reads. An outcome is kept for their content; for a folder,
+            for the names, sizes and dates of its files.
+        seconds: Expected time on one core [s].
     """
 
     key: str
@@ -80,7 +80,7 @@ class Task:
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What a task found: values that JSON can say, and pictures (name -> PNG)."""
+    """The result of a task: JSON values, and pictures (name -> PNG)."""
 
     values: Mapping[str, Any]
     pictures: Mapping[str, bytes] = field(default_factory=dict)
@@ -91,12 +91,12 @@ class Figure:
     """One measure of a row.
 
     Attributes:
-        name: Of the measure.
+        name: Name of the measure.
         unit: Its unit, "" for none.
-        ours: What we found, None if there is nothing.
-        paper: What the paper has, None if it says nothing.
-        expected: What `ours` must be, in words; "" where nothing is expected.
-        reproduced: Whether it is; None: shown, not judged.
+        ours: Our value, None if there is none.
+        paper: The value of the paper, None if it has none.
+        expected: The condition on `ours`, in words; "" without one.
+        reproduced: Whether the condition holds; None: shown, not judged.
     """
 
     name: str
@@ -109,9 +109,9 @@ class Figure:
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """One line of a table: on which data, with which setting, which figures.
+    """One row of a table: data, setting, figures.
 
-    `quoted` rows are of the paper alone, for methods that are not run here.
+    A `quoted` row holds numbers of the paper only, for a method that is not run here.
     """
 
     name: str
@@ -133,7 +133,7 @@ class Series:
 
 @dataclass(frozen=True, kw_only=True)
 class Plot:
-    """Series over one axis each way; `x` and `y` are (label, unit)."""
+    """A chart of series; `x` and `y` are (label, unit)."""
 
     title: str
     x: tuple[str, str]
@@ -153,7 +153,7 @@ class Picture:
 
 @dataclass(frozen=True, kw_only=True)
 class Content:
-    """What a section shows."""
+    """The content of a section."""
 
     rows: tuple[Row, ...] = ()
     plots: tuple[Plot, ...] = ()
@@ -168,11 +168,11 @@ class Section:
         key: What `--only` calls it.
         title: Its heading.
         about: What the paper shows there.
-        tasks: The work that it needs.
-        content: What it shows, from the values of the tasks that succeeded, by key; it says
-            nothing of those that did not.
-        timing: What it measures depends on the machine and the hour: it runs alone, and goes into
-            a file of its own.
+        tasks: The tasks that it needs.
+        content: Its content, from the values of the tasks that succeeded, by key; failed tasks are
+            reported elsewhere.
+        timing: It measures speed, which depends on the machine: its tasks run alone, and its
+            content goes into a file of its own.
     """
 
     key: str
@@ -209,10 +209,10 @@ def between(low: float, high: float, ours: float | None, *, name: str, unit: str
 
 
 def plain(value: Any, where: str) -> Any:
-    """`value` as JSON says it: numpy's numbers as Python's, tuples as lists.
+    """`value` as JSON values: numpy numbers become Python numbers, tuples become lists.
 
     Raises:
-        InputError: NaN, infinity, or what JSON cannot say.
+        InputError: NaN, infinity, or a type that JSON does not have.
     """
     if isinstance(value, Mapping):
         return {str(k): plain(v, f"{where}/{k}") for k, v in value.items()}
@@ -230,5 +230,5 @@ def plain(value: Any, where: str) -> Any:
 
 
 def to_dict(content: Content) -> dict[str, Any]:
-    """Plain values of what a section shows."""
+    """The content of a section as plain values."""
     return {key: plain(value, key) for key, value in asdict(content).items()}

@@ -1,4 +1,4 @@
-"""The paper's figures, for every row to stand beside.
+"""The numbers of the paper.
 
 "Half-Physics: Enabling Kinematic 3D Human Model with Physical Interactions". Errors in mm,
 penetration rates and success in %, speed in frames/s.

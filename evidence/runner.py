@@ -1,4 +1,4 @@
-"""Tasks done in processes; what is done is kept, whatever happens to the rest."""
+"""Tasks run in worker processes; each outcome is kept as soon as it is there."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from evidence.store import Store, identity
 from halfphysics.base.workers import Death, Pool
 from halfphysics.errors import HalfPhysicsError
 
-_TRIES = 2  # a task whose process died runs again so often in all
+_TRIES = 2  # runs of a task whose process dies
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Done:
-    """What became of a job: how long it took [s], and why it failed ("" if it did not)."""
+    """A finished job: its time [s], and the cause of its failure ("" if it succeeded)."""
 
     job: Job
     seconds: float
@@ -44,9 +44,10 @@ def function_of(task: Task) -> Callable[..., Outcome]:
 
 
 def work(folder: Path, job: Job) -> Done:
-    """Do a task and keep its outcome; what it raises is the cause of its failure.
+    """Run a task and keep its outcome; an exception becomes the cause of its failure.
 
-    The others go on. Of what is no error of the input, a bug, the traceback goes to stderr.
+    The other tasks go on. An exception that is no error of the input is a bug: its traceback goes
+    to stderr.
     """
     start = time.perf_counter()
     try:
@@ -63,10 +64,10 @@ def work(folder: Path, job: Job) -> Done:
 
 
 def run(folder: Path, jobs: Sequence[Job], workers: int) -> Iterator[Done]:
-    """What becomes of the jobs, as they end; `workers` processes, 1: this one.
+    """Run the jobs in `workers` processes (1: in this process) and yield them as they end.
 
-    The longest start first. A process that dies (killed, out of memory) costs only what it was
-    doing, which is tried once more.
+    The longest jobs start first. A process that dies (killed, out of memory) loses only its
+    current job, which runs once more.
     """
     waiting = sorted(jobs, key=lambda job: -job.task.seconds)
     if workers == 1 or len(waiting) < 2:

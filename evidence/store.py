@@ -1,7 +1,7 @@
-"""Outcomes on disk: what has been computed is not computed again.
+"""Outcomes on disk, so that no task runs twice.
 
-One JSON file per task, its pictures beside it, each written whole or not at all. What is damaged,
-or was computed by another program, from other arguments or other files, counts as not there.
+One JSON file per task, its pictures beside it, each written whole or not at all. An outcome counts
+as missing if it is damaged, or if another program, other arguments or other files made it.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ _NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_. -]*")
 
 
 class Store:
-    """Outcomes in a folder, which is made when the first one is kept."""
+    """Outcomes in a folder, which is made with the first outcome."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
     def load(self, section: str, task: Task) -> Any | None:
-        """The values of a task, None if they have to be computed."""
+        """The values of a task, None if the task has to run."""
         path = self._path(section, task)
         try:
             kept = json.loads(path.read_bytes())
@@ -49,10 +49,10 @@ class Store:
         return kept["values"]
 
     def keep(self, section: str, task: Task, outcome: Outcome, of: Any = None) -> None:
-        """Remember an outcome; `of`: the task's `identity` before it began, if files may change.
+        """Keep an outcome; `of`: the `identity` of the task before it began, if files may change.
 
         Raises:
-            InputError: Values that JSON cannot say.
+            InputError: Values that JSON does not have.
             FileError: The folder cannot be written.
         """
         values = plain(outcome.values, f"{section}/{task.key}")
@@ -92,7 +92,7 @@ class Store:
 
 
 def identity(task: Task) -> dict[str, Any]:
-    """What has to be the same for an outcome to be this task's."""
+    """The program, function, arguments and input files that an outcome belongs to."""
     return {
         "program": program(),
         "function": task.function,
@@ -112,20 +112,20 @@ def program() -> str:
 
 
 def _file_sum(path: str) -> str:
-    """Of a file's content; of a folder's entries, for what is in it may be large."""
+    """Hash of the content of a file, or of the list of a folder, whose files may be large."""
     if os.path.isdir(path):
         return _sum(sorted(_entries(path)))
     try:
         return sha256_of(path)
     except OSError:
-        return ""  # the task itself says what is wrong with it
+        return ""  # the task itself reports the error
 
 
 def _entries(folder: str) -> Iterator[tuple[str, int, int]]:
     for path, _, names in os.walk(folder):
         for name in names:
             file = os.path.join(path, name)
-            with contextlib.suppress(OSError):  # gone meanwhile, or a link to nowhere
+            with contextlib.suppress(OSError):  # removed meanwhile, or a broken link
                 about = os.stat(file)
                 yield os.path.relpath(file, folder), about.st_size, about.st_mtime_ns
 

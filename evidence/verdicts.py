@@ -1,4 +1,4 @@
-"""What became of the claims: which figures are reproduced, which are not, which are missing."""
+"""Verdicts on the claims: which figures are reproduced, not reproduced, missing."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-#: Verdict -> (mark, word). Marks differ in shape, so that nothing hangs on colour.
+#: Verdict -> (mark, word). Marks differ in shape, so that colour is not needed.
 VERDICTS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         "reproduced": ("✓", "reproduced"),
@@ -21,7 +21,7 @@ VERDICTS: Mapping[str, tuple[str, str]] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Claim:
-    """One figure, where it stands (numbers of section and row), and what became of it."""
+    """One figure, its place (numbers of section and row), and its verdict."""
 
     section: int
     row: int
@@ -38,7 +38,7 @@ def claims(sections: Sequence[Mapping[str, Any]]) -> Iterator[Claim]:
 
 
 def verdict(row: Mapping[str, Any], figure: Mapping[str, Any]) -> str:
-    """Which of `VERDICTS` a figure of a row has: what is expected and has no number is missing."""
+    """The verdict on a figure of a row; a figure with a condition and no number is missing."""
     if row["quoted"]:
         return "quoted"
     if figure["ours"] is None and figure["expected"]:
@@ -49,7 +49,7 @@ def verdict(row: Mapping[str, Any], figure: Mapping[str, Any]) -> str:
 
 
 def tally(sections: Sequence[Mapping[str, Any]]) -> dict[str, int]:
-    """How many figures have which verdict; what ended in an error is missing."""
+    """Number of figures of each verdict; a task that ended in an error counts as missing."""
     count = dict.fromkeys(VERDICTS, 0)
     for claim in claims(sections):
         count[claim.verdict] += 1

@@ -1,1 +1,1 @@
-"""Motions for whoever has none, made from a seed, and those of the user's."""
+"""Motions made from a seed, and motions of the user."""

@@ -1,7 +1,7 @@
-"""Dances made from a seed, for whoever has no motion capture: figures on the beat of ten styles.
+"""Dances made from a seed: figures on the beat, in ten styles.
 
-Nothing comes from a data set. A clip draws its tempo, its size and its figures from its seed and
-number, and is the same to the last bit whenever it is made.
+Nothing comes from a data set. The tempo, the amplitude and the figures of a clip are drawn from its
+seed and number; the same seed and number give the same bits.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
 
-#: As many clips, frames per second and seconds as the AIST++ test set has, about.
+#: Clips, frames per second and seconds of a clip: about those of the AIST++ test set.
 CLIPS, FPS, SECONDS = 40, 60.0, 8.0
 
-#: A figure writes itself into a score from a time [s] on, and says how many beats it took.
+#: A figure writes itself into a score from a time [s] on, and returns its number of beats.
 Figure = Callable[[Score, np.random.Generator, float, float], float]
 
 
@@ -261,7 +261,8 @@ def swing(score: Score, rng: np.random.Generator, at: float, size: float) -> flo
     return 3.0
 
 
-#: Style -> its figures, the more often the likelier, and its tempo, beats a minute.
+#: Style -> its figures (a figure that is listed twice is drawn twice as often), and its tempo
+#: [beats/minute].
 STYLES: dict[str, tuple[tuple[Figure, ...], tuple[float, float]]] = {
     "groove": ((groove, groove, hit, footwork), (88.0, 108.0)),
     "waves": ((wave, wave, hit, groove), (84.0, 104.0)),
@@ -292,11 +293,11 @@ def dance(
     """Dance clip `number` of a seed, on a floor at z = 0.
 
     Args:
-        number: Which clip, from 0 on.
-        seed: All clips are others with another seed.
-        seconds: How long; a shorter clip is the beginning of a longer one.
+        number: Number of the clip, from 0.
+        seed: Seed of all clips.
+        seconds: Duration [s]; a shorter clip is the beginning of a longer one.
         fps: Frames per second.
-        body: Who dances; None: the default body.
+        body: The body of the dancer; None: the default body.
     """
     if body is None:
         from halfphysics.body.body import Body
@@ -306,7 +307,7 @@ def dance(
     rng = np.random.default_rng([seed, number])
     score = Score(60.0 / rng.uniform(slow, fast))
     size, heading = rng.uniform(0.85, 1.0), rng.uniform(-np.pi, np.pi)
-    # The style's own figure first: it is seen in the shortest clip.
+    # The figure of the style comes first, so that the shortest clip has it.
     at = 0.1 + figures[0](score, rng, 0.1, size) * score.beat
     while at < seconds:
         figure = figures[int(rng.integers(len(figures)))]

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
 
-#: Clips there are, and frames per second.
+#: Number of clips, and frames per second.
 CLIPS, FPS = 10, 30.0
 
-#: Makes a motion of a body, with numbers drawn, at a frame rate.
+#: Makes the motion of a body from random numbers, at a frame rate.
 Maker = Callable[["Body", np.random.Generator, float], "Motion"]
 
 
@@ -43,7 +43,7 @@ def _paced(slow: float, fast: float) -> Maker:
 
 
 def sit(body: Body, rng: np.random.Generator, fps: float) -> Motion:
-    """Sitting down on what is as high as a chair, looking around, getting up."""
+    """Sitting down at the height of a chair, looking around, getting up."""
     act, seat = Act(body), rng.uniform(0.50, 0.58)
     act.move(0.3, 1.0, turn=(0.0, 36.0, 0.0), bend=(18.0, 0.0, 0.0), nod=-15.0)
     act.move(0.3, 1.5, pelvis=(-0.42, 0.0, seat))
@@ -186,11 +186,11 @@ def daily(
     """Daily clip `number` of a seed, on a floor at z = 0.
 
     Args:
-        number: Which clip, from 0 on; kinds come in turn.
-        seed: All clips are others with another seed.
-        seconds: How much of its beginning; None: all.
+        number: Number of the clip, from 0; kinds come in turn.
+        seed: Seed of all clips.
+        seconds: Duration from the beginning [s]; None: the whole clip.
         fps: Frames per second.
-        body: Whose; None: the default body.
+        body: The body that moves; None: the default body.
     """
     if body is None:
         from halfphysics.body.body import Body

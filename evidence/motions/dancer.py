@@ -1,9 +1,10 @@
-"""A dancer: joint angles over time within human ranges, stood on the ground they push away.
+"""A dancer: joint angles over time within human ranges, on the ground.
 
 A `Score` is a list of changes: a channel (one angle of one joint) goes from what it is to a new
-value by a polynomial without a jump in speed or acceleration, and never leaves its range. Where
-the dancer is follows from the feet: what is lowest touches the ground and does not slide on it, so
-that steps carry the body along and turns pivot on the standing foot; in a jump the ground is left.
+value by a polynomial without a jump in speed or acceleration, and never leaves its range. The
+position of the dancer follows from contact: the lowest point of the body touches the ground and
+does not slide, so that steps move the body and turns pivot on the standing foot; in a jump no point
+touches the ground.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SIDES = {"left": 1.0, "right": -1.0}
-#: Channel -> (least, most, at first) [degrees; air: m]. Ranges are those of supple adults, well
-#: inside what joints allow. Forward, to the own right and to the left about oneself are positive.
+#: Channel -> (minimum, maximum, initial value) [degrees; air: m]. Ranges of supple adults, well
+#: within the limits of the joints. Forward, to the right side and turning left are positive.
 TRUNK = {
     "lean": (-60.0, 75.0, 3.0),
     "roll": (-25.0, 25.0, 0.0),
@@ -61,26 +62,26 @@ LEG = {
 }
 #: Least and most of the ankle, which keeps the sole flat where it can [degrees], toes down.
 ANKLE = (-30.0, 50.0)
-#: Fastest that an angle changes [degrees/s]: of arms; of legs, the trunk and the whole body.
+#: Largest rate of an angle [degrees/s]: of arms; of legs, the trunk and the whole body.
 FASTEST_ARM, FASTEST = 700.0, 600.0
-# Shortest change there is [s]; for the height of a jump a little longer.
+# Shortest duration of a change [s]; slightly longer for the height of a jump.
 _SHORTEST, _SHORTEST_AIR = 0.05, 0.2
-# Fastest that feet on the ground carry the body along it [m/s]: beyond, they slip.
+# Largest speed of the body over feet on the ground [m/s]: beyond it they slip.
 _CARRIED = 3.0
-# How sharply the lowest point decides what the ground is [m].
+# Width of the smooth minimum that finds the lowest point [m].
 _SOFT = 0.02
-# Rate that is integrated at, at least [1/s].
+# Smallest rate of integration [1/s].
 _FINE = 240.0
 _BOUND = {**TRUNK, **{f"{side}_{n}": v for side in SIDES for n, v in {**ARM, **LEG}.items()}}
 
 
 def bounds(channel: str) -> tuple[float, float]:
-    """Least and most of a channel [degrees; air: m]; "turn" has none."""
+    """Minimum and maximum of a channel [degrees; air: m]; "turn" has none."""
     return _BOUND[channel][:2] if channel in _BOUND else (-np.inf, np.inf)
 
 
 class Score:
-    """What a dancer does when: keyframes of channels, `TRUNK`, and `ARM` and `LEG` by side."""
+    """Keyframes of the channels of a dancer: `TRUNK`, and `ARM` and `LEG` by side."""
 
     def __init__(self, beat: float) -> None:
         #: Time between two beats [s].
@@ -93,9 +94,10 @@ class Score:
         return self._now[channel]
 
     def to(self, start: float, seconds: float, **goals: float) -> None:
-        """Channels go to new values within `seconds` from `start` on, as far as they can.
+        """Change channels to new values within `seconds` from `start` on, within their ranges.
 
-        A channel that still moves begins when it is done, and none is faster than it can be.
+        A change waits for the previous change of its channel, and takes longer where it would be
+        faster than the limit.
         """
         for name, goal in goals.items():
             low, high = bounds(name)
@@ -104,14 +106,14 @@ class Score:
             begin = max(start, moves[-1][0] + moves[-1][1]) if moves else start
             if name == "air":
                 shortest = _SHORTEST_AIR
-            else:  # `ease` is at its fastest 15/8 of its mean
+            else:  # the largest rate of `ease` is 15/8 of its mean
                 fastest = FASTEST_ARM if name.split("_")[-1] in ARM else FASTEST
                 shortest = max(_SHORTEST, 1.875 * abs(by) / fastest)
             moves.append((begin, max(start + seconds - begin, shortest), by))
             self._now[name] += by
 
     def both(self, start: float, seconds: float, **goals: float) -> None:
-        """The same of both sides."""
+        """Change the same channels of both sides."""
         for side in SIDES:
             self.to(start, seconds, **{f"{side}_{name}": goal for name, goal in goals.items()})
 
@@ -130,12 +132,12 @@ def danced(body: Body, score: Score, seconds: float, fps: float, heading: float 
     """The motion of a score: `round(seconds * fps)` frames, from the origin, facing `heading`.
 
     Args:
-        body: Who dances; the motion gets its betas, gender and model where that is one of the
-            SMPL family.
-        score: What to do.
-        seconds: How long.
+        body: The body of the dancer; the motion gets its betas, gender and model if that is one of
+            the SMPL family.
+        score: The keyframes.
+        seconds: Duration [s].
         fps: Frames per second.
-        heading: Of the pelvis at first, about z [rad], 0 along +x.
+        heading: Initial heading of the pelvis about z [rad], 0 along +x.
     """
     each = int(np.ceil(_FINE / fps))
     times = np.arange(round(seconds * fps) * each) / (fps * each)
@@ -214,7 +216,7 @@ def _leg(side: str, left: float, now: dict[str, Array], give: Array, rotations: 
 
 
 def _grounded(body: Body, rotations: Array, air: Array, dt: float) -> Array:
-    """Where the pelvis is (T, 3) [m]: over what touches the ground, which does not slide."""
+    """Position of the pelvis (T, 3) [m] over the contact point, which does not slide."""
     places, quaternions = kinematics(
         rotations, np.zeros((len(rotations), 3)), np.asarray(body.rest_joints)
     )
@@ -235,7 +237,7 @@ def _grounded(body: Body, rotations: Array, air: Array, dt: float) -> Array:
     total = share.sum(axis=1)
     share /= total[:, None]
     speed = np.gradient(spots[..., :2], dt, axis=0)
-    # In the air nothing pushes: what was under way comes to rest over a hand's breadth.
+    # In the air nothing pushes: horizontal motion comes to rest within a hand's breadth.
     pushed = 1.0 / (1.0 + (air / 0.1) ** 2)
     carried = -pushed[:, None] * np.einsum("tp,tpi->ti", share, speed)
     pace = np.linalg.norm(carried, axis=1, keepdims=True) / _CARRIED

@@ -1,4 +1,4 @@
-"""Where the motions of the tables come from: made from a seed, or out of folders of the user's."""
+"""The motions of the tables: made from a seed, or read from folders of the user."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from halfphysics.errors import FileError
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
 
-#: Of a quick report: which dances, which daily motions, how many of the user's clips, and how much
-#: of each [s] (dances are whole).
+#: Of a quick report: numbers of the dances and daily motions, number of clips of the user, and the
+#: duration taken of each [s] (dances are whole).
 QUICK_DANCES, QUICK_DAILY, QUICK_CLIPS, QUICK_SECONDS = (3, 4, 6, 7), (0, 1), 4, 4.0
-#: Of a full one: how many of the user's clips at most, and how much of each [s].
+#: Of a full report: largest number of clips of the user, and the duration taken of each [s].
 MOST_CLIPS, MOST_SECONDS = 40, 60.0
 #: The test set of AIST++, beside its motions or in the folder above, one name a line.
 AIST_TEST = Path("splits") / "crossmodal_test.txt"
@@ -41,10 +41,10 @@ class Group:
     """Motions that make one row.
 
     Attributes:
-        key: Letters: first part of the keys of its tasks.
-        data: What it is, in words.
+        key: Letters: the first part of the keys of its tasks.
+        data: Description.
         sources: The motions.
-        judged: Whether the paper's tables are about such motions.
+        judged: Whether the tables of the paper are about such motions.
     """
 
     key: str
@@ -54,10 +54,10 @@ class Group:
 
 
 def load(arguments: Mapping[str, Any]) -> Motion:
-    """The motion of a source, on no shape in particular.
+    """The motion of a source, without a body shape.
 
     Raises:
-        FileError: A file that is not there, damaged, or no motion.
+        FileError: The file is missing, damaged, or no motion.
     """
     from halfphysics.motion.motion import Motion
 
@@ -70,7 +70,7 @@ def load(arguments: Mapping[str, Any]) -> Motion:
     path, fps = Path(given["path"]), given.get("fps")
     if not path.exists():
         raise FileError(f"{path}: no such file, though the test set names it")
-    # The default body goes with every motion; betas of other models mean nothing to it.
+    # Every motion is played on the default body, which has no use for betas of other models.
     motion = replace(Motion.load(path, clip=given["clip"]), betas=None)
     motion = motion[: max(2, round(given["seconds"] * motion.fps))]
     return motion if fps is None or fps >= motion.fps else motion.resample(fps)
@@ -109,7 +109,7 @@ def _made(
 
 
 def brought(options: Options) -> list[Group]:
-    """What the user brought: AIST++ and any other motions."""
+    """Motions of the user: AIST++ and any others."""
     groups = []
     if "aist" in options.data:
         folder = Path(options.data["aist"])
@@ -121,10 +121,10 @@ def brought(options: Options) -> list[Group]:
 
 
 def _aist(folder: Path, quick: bool) -> Group:
-    """The test set where the folder or the one above says which it is, else all in their order."""
+    """The test set where the folder or the one above lists it, else all clips in order."""
     places = (folder / AIST_TEST, folder.parent / AIST_TEST)
     split = next((place for place in places if place.is_file()), None)
-    # As it is released: keypoints and cameras, which are .pkl too, lie beside the motions.
+    # The release has keypoints and cameras, which are .pkl too, beside the motions.
     motions = folder / "motions" if (folder / "motions").is_dir() else folder
     if split is None:
         paths = sorted(motions.rglob("*.pkl"))
@@ -144,11 +144,11 @@ def _aist(folder: Path, quick: bool) -> Group:
 
 
 def _clips(folder: Path, quick: bool) -> Group:
-    """The first motions in the folder, and what ought to be one there but cannot be read."""
+    """The first motions in the folder, and the files there that should be motions but are not."""
     from halfphysics.formats.library import clips
 
     count = QUICK_CLIPS if quick else MOST_CLIPS
-    # One more, to know whether there are more; libraries of thousands are not walked to their end.
+    # One more, to know whether there are more: a library of thousands is not listed to its end.
     walked = [(clip.path, clip.name) for clip in islice(clips(folder), count + 1)]
     last = str(walked[-1][0]) if len(walked) > count else ""
     found = sorted(
@@ -163,7 +163,7 @@ def _clips(folder: Path, quick: bool) -> Group:
 
 
 def _damaged(folder: Path, known: set[Path], last: str) -> list[Path]:
-    """What is called like a motion but cannot be read, up to a path in order ("": all)."""
+    """Files named like motions that cannot be read, up to a path in order ("": all)."""
     from halfphysics.formats.format import Source as File
     from halfphysics.formats.registry import identify
 
@@ -175,7 +175,7 @@ def _damaged(folder: Path, known: set[Path], last: str) -> list[Path]:
         try:
             identify(File(path))
         except FileError:
-            out.append(path)  # its task says what is wrong with it
+            out.append(path)  # its task reports the error
     return out
 
 

@@ -1,4 +1,4 @@
-"""The report as one HTML file that needs nothing from outside and runs no script."""
+"""The report as one HTML file without requests or scripts."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from evidence.page.wording import (
 from evidence.verdicts import VERDICTS, claims, tally, verdict
 
 _STYLE = Path(__file__).with_name("style.css")
-#: Nothing may be fetched, whatever a name in the report tries.
+#: The browser may fetch nothing, whatever a name in the report contains.
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 _PNG = b"\x89PNG\r\n\x1a\n"
 #: A picture wider than this many times its height scrolls on a phone instead of shrinking.
 _STRIP = 2.2
 
-#: Sections and where they are on the page.
+#: Sections with their anchors on the page.
 Places = Sequence[tuple[str, Mapping[str, Any]]]
 Pictures = Callable[[str, str, str], bytes | None]
 
@@ -69,7 +69,7 @@ def build(document: Mapping[str, Any], speed: Mapping[str, Any] | None, pictures
 
 
 class _Names:
-    """Names of places on the page: from keys that anybody may have chosen, each given once."""
+    """Anchors of the page, made from arbitrary keys, each used once."""
 
     def __init__(self) -> None:
         self._given: set[str] = {"summary", "contents", "machine", "legend"}
@@ -99,7 +99,7 @@ def _mark(kind: str, word: bool = True) -> str:
 
 
 def _tally(counts: Mapping[str, int]) -> str:
-    """What a section's figures came to, in marks and numbers."""
+    """Numbers of the verdicts of a section, with their marks."""
     parts = (
         f'<span class="mark {kind}" title="{VERDICTS[kind][1]}">'
         f'<b aria-hidden="true">{VERDICTS[kind][0]}</b> {n}'
@@ -145,7 +145,7 @@ def _facts(facts: Iterable[tuple[object, object]]) -> str:
 
 
 def _said(value: object) -> str:
-    """Any JSON value in words."""
+    """Any JSON value as text."""
     if isinstance(value, Mapping):
         return "; ".join(f"{_e(k)} {_said(v)}" for k, v in value.items()) or MISSING
     if isinstance(value, list | tuple):
@@ -186,7 +186,7 @@ def _summary(document: Mapping[str, Any], evidence: Places, timing: Places) -> s
 
 
 def _against(places: Places, kind: str) -> str:
-    """What did not come out, or did not come, first of all and figure by figure."""
+    """The list of figures that are not reproduced, or missing."""
     found = [claim for claim in claims([s for _, s in places]) if claim.verdict == kind]
     if not found:
         said = "Every claim that was judged came out."
@@ -263,7 +263,7 @@ def _table(anchor: str, rows: Sequence[Mapping[str, Any]]) -> str:
         )
     )
     parts = "".join(_row(f"{anchor}.{k}", row) for k, row in enumerate(rows, 1))
-    # Where the paper has pictures only, its column would be empty.
+    # A section without numbers of the paper needs no column for them.
     quoting = any(f["paper"] is not None for row in rows for f in row["figures"])
     kind = "figures" if quoting else "figures alone"
     return f'<table class="{kind}"><thead><tr>{head}</tr></thead>{parts}</table>'
@@ -305,7 +305,7 @@ def _failed(failed: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _command(command: object) -> str:
-    """A command to copy: word by word, so that no line ends within an option."""
+    """A command to copy; lines break between its words only."""
     if not plain(command):
         return ""
     words = " ".join(f"<span>{escape(word)}</span>" for word in visible(command).split(" "))

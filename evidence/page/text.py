@@ -1,4 +1,4 @@
-"""The report for a terminal: a table per section, what is not reproduced before all else."""
+"""The report for a terminal: figures that are not reproduced first, then a table per section."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from evidence.verdicts import VERDICTS, Claim, claims, verdict
 #: Columns that are numbers stand to the right.
 _RIGHT = {2, 3}
 _WIDEST = 34
-#: For terminals without these signs; as wide, so that columns stay.
+#: Replacements of the same width, for terminals without these signs.
 _PLAINER = str.maketrans("✓✗·–“…", "+X.-q~")
 
 
@@ -22,8 +22,8 @@ def summary(document: Mapping[str, Any], *, encoding: str = "utf-8") -> str:
 
     Args:
         document: The report.
-        encoding: What the text will be written in; where it has no marks like ✓ and ✗, plain
-            letters stand for them, and "?" for what cannot be said at all.
+        encoding: Encoding of the output. Letters replace marks like ✓ and ✗ that it lacks, and "?"
+            any other character that it lacks.
     """
     text = _summary(document)
     try:
@@ -86,7 +86,7 @@ def _section(section: Mapping[str, Any]) -> str:
 
 
 def _lines(row: Mapping[str, Any]) -> list[list[str]]:
-    """A row's name and data, as many lines as they need, and its figures beside them."""
+    """The name and data of a row, wrapped to lines, and its figures beside them."""
     what = [*textwrap.wrap(plain(row["name"]), _WIDEST), *textwrap.wrap(_data(row), _WIDEST)]
     figures = [
         [

@@ -1,4 +1,4 @@
-"""How the report says things: numbers, units and names that anybody may have chosen."""
+"""Numbers, units and arbitrary names as text of the report."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ import unicodedata
 from decimal import Decimal
 from typing import Any
 
-#: What stands where there is no number.
+#: The text for a missing number.
 MISSING = "–"
 
 
 def plain(text: object) -> str:
-    """One line of text without what steers a terminal or turns the line around.
+    """One line of text without control characters or marks of direction.
 
-    What `visible` does; and white space of any length becomes one blank.
+    As `visible`; white space of any length becomes one blank.
     """
     return " ".join(visible(text).split())
 
 
 def visible(text: object) -> str:
-    """A text of as many letters, of which each is seen.
+    """The text with every character visible.
 
-    Control characters, marks of direction and halves of surrogate pairs (from file names that are
-    no UTF-8) become U+FFFD; white space of any kind becomes blanks.
+    Control characters, marks of direction and lone surrogates (from file names that are no UTF-8)
+    become U+FFFD; white space characters become blanks.
     """
     return "".join(
         " " if c.isspace() else "\ufffd" if unicodedata.category(c) in ("Cc", "Cf", "Cs") else c
@@ -32,12 +32,12 @@ def visible(text: object) -> str:
 
 
 def number(value: Any, *, beside: Any = None) -> str:
-    """A value in as many digits as mean something.
+    """A value with its significant digits.
 
     Args:
         value: A number, None, a truth value or a text.
-        beside: The paper's number, if there is one: ours then has at least its decimals, so that
-            the two can be compared at a glance.
+        beside: The number of the paper, if there is one: ours then has at least its decimals, so
+            that both compare at a glance.
     """
     if value is None:
         return MISSING
@@ -60,7 +60,7 @@ def number(value: Any, *, beside: Any = None) -> str:
     decimals = max(0, 3 - math.floor(math.log10(size)))
     least = 0
     if isinstance(beside, int | float) and math.isfinite(beside) and beside:
-        # Six digits are enough, however many more the paper's decimals would make.
+        # At most six digits, whatever the decimals of the paper.
         most = max(0, 5 - math.floor(math.log10(size)))
         least = min(max(0, -_exponent(float(beside))), most)
     whole, _, rest = f"{value:.{max(decimals, least)}f}".partition(".")
@@ -69,7 +69,7 @@ def number(value: Any, *, beside: Any = None) -> str:
 
 
 def published(value: Any) -> str:
-    """A number as the paper prints it: every digit that was written down."""
+    """A number as the paper prints it, with all its digits."""
     if isinstance(value, float) and math.isfinite(value) and 1e-4 <= abs(value) < 1e7:
         return _grouped(_trimmed(format(Decimal(repr(value)), "f")))
     return number(value)
@@ -81,7 +81,7 @@ def signed(digits: str) -> str:
 
 
 def quantity(label: str, unit: str) -> str:
-    """What is measured, and in what: `distance [mm]`."""
+    """A measure with its unit: `distance [mm]`."""
     label, unit = plain(label), plain(unit)
     if not unit:
         return label
@@ -89,7 +89,7 @@ def quantity(label: str, unit: str) -> str:
 
 
 def _exponent(value: float) -> int:
-    """The power of ten of a number's last digit."""
+    """The power of ten of the last digit of a number."""
     exponent = Decimal(repr(value)).normalize().as_tuple().exponent
     return exponent if isinstance(exponent, int) else 0
 
@@ -99,7 +99,7 @@ def _trimmed(digits: str) -> str:
 
 
 def _grouped(digits: str) -> str:
-    """Commas in what has five digits or more before the point."""
+    """Commas in a number of five digits or more before the point."""
     whole, point, rest = digits.partition(".")
     if len(whole.lstrip("-")) > 4:
         whole = f"{int(whole):,}"

@@ -1,1 +1,1 @@
-"""Furnished rooms made from a seed, who comes into them, and who checks what came of it."""
+"""Furnished rooms made from a seed, visits to them, and an independent check of the results."""

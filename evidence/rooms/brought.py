@@ -1,7 +1,7 @@
-"""Table 2 on the user's own scenes: clips with their scenes as they are, scene meshes with a walk.
+"""Table 2 on scenes of the user: clips with their scenes, and scene meshes with a walk.
 
-Meshes are looked for by their suffix, all else by content. Nothing is opened here before its
-turn; what cannot be used fails alone, with its cause.
+Meshes are found by suffix, clips by content. Each file is opened by its own task; a file that
+cannot be used fails alone, with its cause.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.simulation.sequence import Sequence
 
-#: So many scenes of a folder at most, and in a quick report.
+#: Largest number of scenes of a folder, in a full and in a quick report.
 MOST, QUICK_MOST = 40, 4
-#: Of a clip no more than this is played [s].
+#: Duration taken of a clip [s], in a full and in a quick report.
 _SECONDS, _QUICK_SECONDS = 20.0, 6.0
 MESHES = frozenset({".ply", ".glb", ".gltf", ".obj", ".stl", ".off"})
 _CLIPS = frozenset({".npz", ".npy", ".pkl", ".p", ".pt"})
 
 
 def tasks(options: Options) -> list[Task]:
-    """One a mesh or clip, in the order of their paths."""
+    """One task per mesh or clip, in the order of their paths."""
     folder = Path(options.data["scenes"])
     most = QUICK_MOST if options.quick else MOST
     out = []
@@ -51,18 +51,18 @@ def tasks(options: Options) -> list[Task]:
 
 
 def _read(path: Path) -> tuple[str, ...]:
-    """What a task reads: of a .gltf also what lies beside it, where its vertices are."""
+    """The files that a task reads: for a .gltf also those beside it, which hold its vertices."""
     return (str(path), str(path.parent)) if path.suffix.lower() == ".gltf" else (str(path),)
 
 
 def found(folder: Path) -> list[tuple[Path, str | None]]:
-    """What may be a scene: meshes, and clips (path, name in a file of several).
+    """Possible scenes: meshes, and clips (path, name in a file of several).
 
-    Of Replica's rooms, each of which is there twice, the one mesh; meshes within a folder that is
-    a clip are its own.
+    Replica has each room twice: one of its meshes is taken. Meshes in the folder of a clip belong
+    to the clip.
 
     Raises:
-        FileError: There is nothing of the kind.
+        FileError: The folder has none.
     """
     from halfphysics.formats.library import clips
 
@@ -74,7 +74,7 @@ def found(folder: Path) -> list[tuple[Path, str | None]]:
     motions = [(clip.path, clip.name) for clip in clips(folder)]
     known = {path for path, _ in motions}
     meshes = {p for p in meshes if not known & set(p.parents)}
-    # What ought to be a clip and cannot be read: its task says why.
+    # Files that should be clips and cannot be read: their tasks report why.
     broken = [p for p in below if p.suffix.lower() in _CLIPS and not known & {p, *p.parents}]
     out = [*((p, None) for p in meshes), *motions, *((p, None) for p in broken)]
     if not out:
@@ -86,10 +86,10 @@ def found(folder: Path) -> list[tuple[Path, str | None]]:
 
 
 def brought(path: str, clip: str | None, seed: int, quick: bool) -> Outcome:
-    """One of them: a walk through a mesh, or a clip in its scene.
+    """Play one scene: a walk through a mesh, or a clip in its scene.
 
     Raises:
-        FileError: It cannot be read, or a clip has no scene. InputError: Nobody can stand in it.
+        FileError: It cannot be read, or a clip has no scene. InputError: No place to stand in it.
     """
     from evidence.runs.visiting import CLAIMED, measured
 
@@ -128,7 +128,7 @@ def _clip(file: Path, clip: str | None, quick: bool) -> Sequence:
             f"{file}: a motion without a scene; motions alone are shown with --data clips=FOLDER"
         )
     motion, body = given.motions[0], given.bodies[0]
-    if body is None:  # betas of other models mean nothing to the default body
+    if body is None:  # the default body has no use for betas of other models
         motion = replace(motion, betas=None)
     count = max(2, round((_QUICK_SECONDS if quick else _SECONDS) * motion.fps))
     return replace(given, motion=motion[:count], body=body)

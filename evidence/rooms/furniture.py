@@ -1,4 +1,4 @@
-"""Furniture as triangle meshes, made in code: boxes with round edges that stand about a place.
+"""Furniture as triangle meshes, made in code from boxes with rounded edges.
 
 A piece of furniture stands at the origin of its own frame, which is on the floor under its
 middle, and faces +x. Its bodies are closed and may overlap, as in scanned and modelled rooms.
@@ -30,13 +30,13 @@ _OFF = 0.002
 
 @dataclass(frozen=True, kw_only=True)
 class Kind:
-    """What there is to know of a kind of furniture.
+    """A kind of furniture.
 
     Attributes:
         least, most: Smallest and largest depth, width and height [m].
-        make: Its bodies.
+        make: Makes its bodies.
         wall: Whether it stands with its back to a wall.
-        top: Share of its height at which one sits, lies or lays hands on it.
+        top: Height at which a person sits, lies or puts hands on it, as a fraction of its own.
     """
 
     least: tuple[float, float, float]
@@ -70,7 +70,7 @@ def _sofa(depth: float, width: float, height: float) -> Iterator[Piece]:
 
 
 def _bed(depth: float, width: float, height: float) -> Iterator[Piece]:
-    """A divan, pillows and a head board; it faces the side where one gets in."""
+    """A divan, pillows and a head board; it faces the side from which a person gets in."""
     x, y = 0.5 * depth, 0.5 * width
     yield _box(-x, -y, 0.04, x, y, height, radius=0.06)
     yield _box(-x, y, _OFF, x, y + 0.05, height + 0.45, radius=0.015)
@@ -177,7 +177,7 @@ def mesh_of(pieces: Iterator[Piece] | tuple[Piece, ...], longest: float) -> tupl
 
 
 def without_undersides(vertices: Array, faces: Faces, height: float = 0.25) -> Faces:
-    """Faces but those below a height that look down: what a scanner that walks around misses."""
+    """Faces without those that look down below a height, which a walking scanner misses."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
     down = normal[:, 2] < -0.9 * np.linalg.norm(normal, axis=1)
@@ -187,9 +187,9 @@ def without_undersides(vertices: Array, faces: Faces, height: float = 0.25) -> F
 
 
 def uneven(vertices: Array, size: float, phase: Array) -> Array:
-    """Points moved by up to about `size` [m], smoothly and alike where they are alike.
+    """Points displaced by up to about `size` [m], smoothly; equal points move equally.
 
-    phase: (3, 3) [rad], what distinguishes one unevenness from another.
+    phase: (3, 3) [rad], phases of the displacement.
     """
     waves = np.array([[9.0, 5.0, 4.0], [-6.0, 11.0, 5.0], [4.0, -7.0, 12.0]])
     result: Array = vertices + size * np.sin(vertices @ waves.T[:, [1, 2, 0]] + phase[0]) * np.cos(

@@ -1,8 +1,8 @@
-"""Furnished test scenes from a seed: rooms with walls, a doorway and what stands in a home.
+"""Furnished test scenes from a seed: rooms with walls, a doorway and furniture.
 
 World: z up, the floor at z = 0, the room's middle at the origin. The same number and seed give
-the same bytes. Every second room is as a modeller leaves it, a mesh for each piece; the others
-are as a scanner leaves them: one mesh of all, uneven, without the undersides nobody sees.
+the same bytes. Every second room is like a modelled one, with a mesh per piece; the others are like
+scans: one uneven mesh, without undersides.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 #: Walls [m]: how thick and high; of the doorway: width, height.
 WALL, HIGH = 0.2, 2.5
 _DOOR, _DOOR_HIGH = (0.72, 0.92), 2.05
-#: What is put into rooms, in this order, each where there is space for it.
+#: Furniture of the rooms, in this order, each piece where there is space.
 _ROOMS = (
     ("sofa", "cabinet", "coffee_table", "shelf", "armchair", "chair"),
     ("bed", "cabinet", "desk", "chair", "shelf"),
@@ -33,7 +33,7 @@ _ROOMS = (
     ("sofa", "armchair", "coffee_table", "cabinet", "desk"),
 )
 _TRIES = 400
-#: Of scanned rooms, how uneven they are [m]; how finely bodies for engines are divided [m].
+#: Unevenness of scanned rooms [m]; edge length of bodies for engines [m].
 _UNEVEN, _COARSE = 0.002, 0.25
 
 
@@ -66,7 +66,7 @@ class Footprint:
         return result
 
     def apart(self, other: Footprint) -> float:
-        """How far two are apart at least, along an edge of either [m]; under 0: they overlap."""
+        """Separation of two footprints along the edges of either [m]; under 0: they overlap."""
         best = -np.inf
         for one, its in ((self, other), (other, self)):
             a, b = its.half
@@ -78,12 +78,12 @@ class Footprint:
 
 @dataclass(frozen=True, kw_only=True)
 class Item:
-    """A piece of furniture that stands somewhere; it faces along its turn.
+    """A piece of furniture at its place, facing along its turn.
 
     Attributes:
-        name, kind: What it is called, and which of `KINDS` it is.
-        at: Its footprint, whose first axis is its depth.
-        height: Of all of it [m].
+        name, kind: Its name, and its kind (`KINDS`).
+        at: Its footprint; the first axis is its depth.
+        height: Its whole height [m].
     """
 
     name: str
@@ -93,7 +93,7 @@ class Item:
 
     @property
     def top(self) -> float:
-        """Height at which one sits, lies or lays hands on it [m]."""
+        """Height at which a person sits, lies or puts hands on it [m]."""
         return KINDS[self.kind].top * self.height
 
 
@@ -105,11 +105,10 @@ class Room:
         scene: Its statics: all in one mesh "room" where `scanned`, else floor, walls and items.
         size: Inner width and depth [m].
         door: Middle of the doorway (2,); `outward`: the way out through it (2,).
-        items: What stands in it.
+        items: Its furniture.
         walls: Footprints of the walls, without the doorway.
         scanned: Whether it is one uneven mesh.
-        bodies: The same with every convex body as a static of its own, for engines that know
-            nothing else.
+        bodies: The same room with a static per convex body, for engines without meshes.
     """
 
     scene: Scene
@@ -123,13 +122,13 @@ class Room:
 
     @property
     def triangles(self) -> int:
-        """How many triangles its meshes have."""
+        """Number of triangles of its meshes."""
         shapes = (s.shape for s in self.scene.statics.values())
         return sum(len(shape.faces) for shape in shapes if isinstance(shape, Mesh))
 
 
 def room(number: int, seed: int = 0) -> Room:
-    """The test scene of a number, 0 to 19 in the report."""
+    """The test scene with a number, 0 to 19 in the report."""
     rng = np.random.default_rng([seed, number, 0])
     size = rng.uniform(3.8, 6.0), rng.uniform(3.6, 5.2)
     walls, footprints, door, outward = _walls(rng, np.array(size))
@@ -193,7 +192,7 @@ def _walls(
 def _furnished(
     rng: np.random.Generator, size: Array, door: Array, outward: Array, kinds: tuple[str, ...]
 ) -> tuple[Item, ...]:
-    """What of `kinds` finds a place: against walls or free, apart, the doorway left open."""
+    """Place `kinds` against walls or free, apart, the doorway left open; some find no place."""
     entrance = door - 0.6 * outward
     free = Footprint(place=(float(entrance[0]), float(entrance[1])), half=(0.55, 0.55))
     items: list[Item] = []
@@ -206,7 +205,7 @@ def _furnished(
             spread = 0.5 * size - (0.5 * max(depth, width) + 0.1)
             place = rng.uniform(-spread, spread)
             if kind.wall:
-                # Its back is a few centimetres off the wall that it faces away from.
+                # Its back is a few centimetres from the wall.
                 a, s = wall % 2, -1.0 if wall < 2 else 1.0
                 tilt = 0.5 * width * abs(np.sin(yaw - 0.5 * np.pi * wall))
                 place[a] = s * (0.5 * size[a] - 0.5 * depth - tilt - rng.uniform(0.02, 0.06))

@@ -1,8 +1,7 @@
-"""Where somebody can stand in a scene that is one mesh, and a walk from there through it.
+"""Places to stand in a scene that is one mesh, and a walk between them.
 
-World: z up. A floor is what looks up, low down, and is large; where there is none, a plane is laid
-under the mesh. A place is clear where no vertex of somebody who stands there is near or in
-anything.
+World: z up. A floor is large, low, and faces up; a mesh without one gets a plane under it. A place
+is clear where no vertex of a standing body is near the mesh or inside it.
 """
 
 from __future__ import annotations
@@ -24,19 +23,19 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Extents of a scene in metres: what is smaller or larger is in another unit.
+#: Possible extents of a scene [m]: a smaller or larger one is in another unit.
 _SIZES = (0.25, 500.0)
 #: Triangles whose normal is this near to up may be a floor; how thick one is [m].
 _LEVEL, _THICK = 0.95, 0.10
-#: A floor has at least this area [m^2], this share of all that looks up, and is in the lowest part.
+#: A floor has at least this area [m^2], this fraction of all faces up, and is in the lowest part.
 _AREA, _SHARE, _LOW = 2.0, 0.25, 0.35
-#: How far soles are over the floor, tried in turn [m]; nothing else is nearer than this [m].
+#: Heights of the soles over the floor, tried in turn [m]; clearance from all else [m].
 _LIFTS, _CLEAR = (0.004, 0.02, 0.05), 0.002
-#: Around something without a floor one may stand this far off [m].
+#: A mesh without a floor: places are up to this far from it [m].
 _AROUND = 1.6
 _TRIES, _PLACES, _LENGTHS = 300, 14, (1.2, 5.0)
-#: Heights at which a way is looked at [m], how near to something is in it [m], and the share of it
-#: that should be: something to clip, and space beside.
+#: Heights at which a path is tested [m], the distance that counts as inside [m], and the fraction
+#: of the path that should be inside: something to walk through, and space beside it.
 _HEIGHTS, _NEAR, _MIDDLING = (0.3, 0.7, 1.1, 1.4), 0.18, 0.2
 
 
@@ -68,7 +67,7 @@ def walk_through(mesh: Mesh, body: Body, seed: int, fps: float = 30.0) -> Sequen
     """A walk on the floor of a mesh between two clear places, through what is between them.
 
     Raises:
-        InputError: The mesh is too small or large for a scene in metres, or nobody can stand.
+        InputError: The mesh is too small or large for a scene in metres, or has no place to stand.
     """
     size = float(np.ptp(mesh.vertices, axis=0).max())
     if not _SIZES[0] <= size <= _SIZES[1]:
@@ -88,8 +87,8 @@ def walk_through(mesh: Mesh, body: Body, seed: int, fps: float = 30.0) -> Sequen
     places = _places(rng, mesh, body, low, around=ground is None)
     if not places:
         raise InputError(
-            f"nobody of {body.stature:.2f} m can stand on its floor at z = {low:.2f} m without "
-            "being in something. Is z its up axis (y of .glb), and is it in metres?"
+            f"found no clear place for a body of {body.stature:.2f} m on the floor at "
+            f"z = {low:.2f} m, expected one. Is z its up axis (y of .glb), and is it in metres?"
         )
     start, goal, lift = _pair(rng, mesh, places, low)
     way = Way(np.array([start, goal]))
@@ -99,7 +98,7 @@ def walk_through(mesh: Mesh, body: Body, seed: int, fps: float = 30.0) -> Sequen
 
 
 def _candidates(rng: np.random.Generator, mesh: Mesh, low: float, around: bool) -> Array:
-    """Points (n, 2) that are over the floor."""
+    """Points (n, 2) over the floor."""
     if around:
         least = mesh.vertices[:, :2].min(axis=0) - _AROUND
         most = mesh.vertices[:, :2].max(axis=0) + _AROUND
@@ -118,8 +117,8 @@ def _candidates(rng: np.random.Generator, mesh: Mesh, low: float, around: bool) 
 def _places(
     rng: np.random.Generator, mesh: Mesh, body: Body, low: float, *, around: bool
 ) -> list[tuple[Array, float]]:
-    """Clear places (2,) and how far the soles are over the floor there [m]."""
-    # Arms hang, so which way one looks hardly matters.
+    """Clear places (2,) and the heights of the soles over the floor there [m]."""
+    # The arms hang, so the heading hardly matters.
     stand = stroll(body, Way(np.array([[0.0, 0.0], [2.0, 0.0]])), speed=1.0)[0]
     skin = np.asarray(body.vertices(stand)).reshape(-1, 3)
     few = skin[:: max(1, len(skin) // 300)]
@@ -143,7 +142,7 @@ def _free(query: object, points: Array) -> bool:
 def _pair(
     rng: np.random.Generator, mesh: Mesh, places: list[tuple[Array, float]], low: float
 ) -> tuple[Array, Array, float]:
-    """Start, goal and lift: of ways of a sensible length one that clips something."""
+    """Start, goal and lift of a path of a suitable length that passes through something."""
     best: tuple[float, Array, Array, float] | None = None
     for i, (a, lift) in enumerate(places):
         for j, (b, _) in enumerate(places):

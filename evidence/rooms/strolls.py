@@ -1,8 +1,8 @@
-"""Motions as a generative model makes them: people walk through rooms and use what is there.
+"""Motions like those of a generative model: people walk through rooms and use the furniture.
 
-Straight walks of `scenarios.gait` are bent along a way, what people do is acted as in
-`scenarios.acting`, and one goes over into the other. As in generated motion the feet slide in
-turns and nobody looks where the furniture is to the centimetre. World: z up, floor z = 0.
+Straight walks of `scenarios.acting.gait` are bent along a path, acts are made as in
+`scenarios.acting`, and both are blended. As in generated motions, feet slide in turns and places
+are wrong by centimetres. World: z up, floor z = 0.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Corners of ways are rounded by about this [m]; headings are smoothed over this time [s].
+#: Radius of rounded corners of paths, about [m]; headings are smoothed over this time [s].
 _ROUND, _CALM = 0.30, 0.20
-#: Ways go on straight beyond their ends by this [m].
+#: Paths continue straight beyond their ends by this [m].
 _BEYOND = 1.0
-#: The last turn of a walk takes this long, one motion goes over into the next within this [s].
+#: Time of the last turn of a walk, and of the blend from one motion to the next [s].
 _TURN, _JOIN = 1.1, 0.5
 _FINE = 0.01  # [m]
 
 
 class Way:
-    """A way on the floor through points (n, 2), its corners rounded."""
+    """A path on the floor through points (n, 2), with rounded corners."""
 
     def __init__(self, points: Array) -> None:
         from scipy.ndimage import gaussian_filter1d
@@ -62,7 +62,7 @@ class Way:
         self.length = float(self._at[stops])
 
     def at(self, along: Array) -> Array:
-        """Places (n, 2) so far (n,) [m] along it."""
+        """Places (n, 2) at distances (n,) [m] along it."""
         return np.stack([np.interp(along, self._at, column) for column in self._line.T], axis=1)
 
     def heading(self, along: Array) -> Array:
@@ -74,13 +74,13 @@ class Way:
 def stroll(
     body: Body, way: Way, *, speed: float, facing: float | None = None, fps: float = 30.0
 ) -> Motion:
-    """A walk along a way, from standing to standing; at its end the person turns to `facing`.
+    """A walk along a path, from standing to standing; at its end the body turns to `facing`.
 
     Args:
-        body: Who walks.
-        way: Where the pelvis goes.
-        speed: Of the pelvis [m/s].
-        facing: Heading at the end [rad]; None: that of the way.
+        body: The body that walks.
+        way: Path of the pelvis.
+        speed: Speed of the pelvis [m/s].
+        facing: Heading at the end [rad]; None: that of the path.
         fps: Frames per second.
     """
     from scipy.ndimage import gaussian_filter1d
@@ -108,7 +108,7 @@ def stroll(
 
 
 def then(motion: Motion, act: Motion, heading: float, body: Body) -> Motion:
-    """A motion, and after it one acted at the origin facing +x, at the place and so turned."""
+    """A motion followed by one acted at the origin facing +x, moved to the place and turned."""
     first = np.asarray(body.rest_joints)[0]
     turn = rot.exp([0.0, 0.0, heading])
     pelvis = rot.rotate(np.broadcast_to(turn, (len(act), 4)), act.translation + first)
@@ -133,7 +133,7 @@ def then(motion: Motion, act: Motion, heading: float, body: Body) -> Motion:
 
 
 def sit(body: Body, top: float, sink: float, fps: float) -> Motion:
-    """Sits down on a seat at height `top` whose edge is 16 cm behind, and leans back."""
+    """Sits down on a seat of height `top` with its edge 16 cm behind, and leans back."""
     act = Act(body)
     act.begin(turn=(0.0, 2.0, 0.0))
     sat = top + 0.115
@@ -169,7 +169,7 @@ def lie(body: Body, top: float, sink: float, fps: float) -> Motion:
 
 
 def reach(body: Body, top: float, sink: float, fps: float) -> Motion:
-    """Reaches for what is in front, one hand after the other, further than there is space."""
+    """Reaches forward, one hand after the other, beyond the free space."""
     act = Act(body)
     high = float(np.clip(0.75 * top, 0.7, 1.35))
     act.begin(**act.both(hand=(0.35, 0.2, high), palm=(0.0, 0.0, 1.0)))
@@ -181,7 +181,7 @@ def reach(body: Body, top: float, sink: float, fps: float) -> Motion:
 
 
 def lean(body: Body, top: float, sink: float, fps: float) -> Motion:
-    """Bends over what is in front and lays both hands on it."""
+    """Bends forward over the furniture and puts both hands on it."""
     act = Act(body)
     act.begin(**act.both(hand=(0.35, 0.2, top + 0.12), palm=(0.0, 0.0, 1.0)))
     act.move(0.2, 1.2, pelvis=(0.0, 0.0, act.standing - 0.04), turn=(0.0, 22.0, 0.0))
@@ -192,7 +192,7 @@ def lean(body: Body, top: float, sink: float, fps: float) -> Motion:
 
 
 def back(body: Body, top: float, sink: float, fps: float) -> Motion:
-    """Leans back against what is behind and rests on it with the seat."""
+    """Leans back against the furniture and rests on it with the seat."""
     act = Act(body)
     act.move(0.3, 1.2, turn=(0.0, 22.0, 0.0), bend=(10.0, 0.0, 0.0))
     act.move(0.3, 1.4, pelvis=(-0.20 - sink, 0.0, min(top + 0.10, act.standing - 0.08)))
@@ -201,8 +201,8 @@ def back(body: Body, top: float, sink: float, fps: float) -> Motion:
     return act.motion(3.6, fps)
 
 
-#: What one does with a kind of furniture: the act, whether one has the back to it, how far before
-#: its edge one stands [m].
+#: Use of a kind of furniture: the act, whether the back faces it, and the distance of the body from
+#: its edge [m].
 USES: Mapping[str, tuple[Callable[[Body, float, float, float], Motion], bool, float]] = (
     MappingProxyType(
         {

@@ -1,9 +1,9 @@
-"""Is a skin clear of what stands around it? Asked of `coal`, a collision library that is not ours.
+"""Does a skin intersect static geometry? An independent check with the collision library `coal`.
 
 Triangle against triangle, frame by frame: no tree, distance or winding number of this package is
-used. Somebody wholly within a closed mesh meets none of its triangles: who starts outside gets
-there through them, and `metrics.penetration` sees it. Needs ``pip install '.[evidence]'``;
-without it nothing is verified, and that is said.
+used. A body wholly inside a closed mesh meets none of its triangles; a body that starts outside
+passes through them first, and `metrics.penetration` finds it. Needs ``pip install '.[evidence]'``;
+without it nothing is verified, and the report says so.
 """
 
 from __future__ import annotations
@@ -29,30 +29,30 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Said where `coal` is not there.
+#: The message without `coal`.
 MISSING = "not verified: pip install '.[evidence]'"
-#: Side of the cells by which skin that is near something is found [m]. Triangles with a longer
-#: edge are always looked at, so that none is missed.
+#: Size of the cells that find skin near geometry [m]. Triangles with a longer edge are always
+#: tested, so that none is missed.
 _CELL = 0.07
-#: Smallest distances up to this are exact [m]: no point of a triangle is farther than 0.58 of its
-#: longest edge from a corner, so that one of its corners is in a cell that is looked at.
+#: Minimum distances up to this are exact [m]: every point of a triangle is within 0.58 of its
+#: longest edge from a corner, so that one of its corners is in a tested cell.
 _NEAR = 0.4 * _CELL
-#: Frames skinned together: bounds the memory.
+#: Frames skinned together, which bounds the memory.
 _CHUNK = 32
-#: So many cells at most; beyond, they are larger.
+#: Largest number of cells; a larger box gets larger cells.
 _CELLS = 20_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What was found.
+    """The result of the check.
 
     Attributes:
-        library: Who says so, such as "coal 3.0.3".
-        frames: Frames of the motion; `checked`: how many of them were looked at.
-        intersecting: How many of those had a triangle of the skin meet something.
-        distance: Smallest distance between a triangle of the skin and what stands there, over the
-            frames without an intersection [m]; None where nothing came within 28 mm.
+        library: Name and version of the library, such as "coal 3.0.3".
+        frames: Number of frames of the motion; `checked`: how many of them were tested.
+        intersecting: Number of tested frames in which the skin intersects static geometry.
+        distance: Minimum distance between the skin and static geometry over the frames without an
+            intersection [m]; None if it is over 28 mm.
     """
 
     library: str
@@ -71,25 +71,26 @@ class Verdict:
 
 
 def library() -> str | None:
-    """Name and version of the library that judges; None: it is not installed."""
+    """Name and version of the library; None: it is not installed."""
     if find_spec("coal") is None:
         return None
     try:
         return f"coal {version('coal')}"
-    except PackageNotFoundError:  # not installed by pip: it says so itself
+    except PackageNotFoundError:  # not installed by pip: the module knows its version
         import coal
 
         return f"coal {coal.__version__}"
 
 
 def verify(motion: Motion, body: Body, scene: Scene, *, every: int = 1) -> Verdict | None:
-    """Looks for triangles of the skin that meet the scene's statics.
+    """Find triangles of the skin that intersect the static geometry of the scene.
 
     Args:
-        motion: Of the body; `body`: whose skin.
-        scene: Its statics that do not ignore the person: meshes by their triangles, primitives as
-            what they are, planes as half spaces.
-        every: Look at every so manieth frame, the last one always.
+        motion: Motion of the body.
+        body: The body with the skin.
+        scene: Tested are its statics that do not ignore the person: meshes by their triangles,
+            primitives exactly, planes as half spaces.
+        every: Test every n-th frame, and the last one.
 
     Returns:
         None where the library is not installed.
@@ -128,7 +129,7 @@ def _skins(motion: Motion, body: Body, frames: list[int]) -> Iterator[Array]:
 
 
 class _Obstacles:
-    """The statics of a scene as coal takes them: one tree of all triangles, and primitives."""
+    """The statics of a scene for coal: one tree of all triangles, and primitives."""
 
     def __init__(self, scene: Scene) -> None:
         import coal
@@ -153,7 +154,7 @@ class _Obstacles:
                 self._planes.append((normal, shape.offset + float(normal @ position)))
             else:
                 self._solids.append((self._solid(shape), coal.Transform3s(turn, position)))
-                # Round ones reach over their triangles by far less than a cell.
+                # Round shapes exceed their triangles by far less than a cell.
                 points = shape.triangles()[0] @ turn.T + position
                 lows.append(points.min(axis=0)[None])
                 highs.append(points.max(axis=0)[None])
@@ -187,13 +188,13 @@ class _Obstacles:
         return model
 
     def focus(self, skins: Array) -> None:
-        """What follows is asked about skins (t, V, 3) that are all within the box of these."""
+        """Restrict the next tests to the box of these skins (t, V, 3)."""
         if len(self._low):
             low, high = skins.min(axis=(0, 1)), skins.max(axis=(0, 1))
             self._cells = _Cells(self._low, self._high, low, high)
 
     def ask(self, skin: Array, faces: Any) -> tuple[bool, float]:
-        """Whether a triangle of a skin (V, 3) meets something; the distance if none does [m]."""
+        """Whether a skin (V, 3) intersects the statics; the minimum distance if not [m]."""
         nearest = np.inf
         for normal, offset in self._planes:
             nearest = min(nearest, float((skin @ normal).min()) - offset)
@@ -220,13 +221,13 @@ class _Obstacles:
 
 
 def _part(skin: Array, faces: Any) -> tuple[Array, Any]:
-    """Only the vertices that some faces need."""
+    """The vertices of some faces only."""
     used, numbers = np.unique(faces, return_inverse=True)
     return skin[used], numbers.reshape(-1, 3)
 
 
 class _Cells:
-    """Cells of space that a triangle's box comes near to, within a box."""
+    """Cells of space near the boxes of triangles, within a box."""
 
     def __init__(self, low: Array, high: Array, least: Array, most: Array) -> None:
         """Boxes (n, 3) of triangles; the corners (3,) of the box that matters."""
@@ -240,7 +241,7 @@ class _Cells:
         inside = (last >= 0).all(axis=1) & (first < count).all(axis=1)
         first = np.clip(first[inside], 0, count - 1)
         last = np.clip(last[inside], 0, count - 1) + 1
-        # Summed up along the three axes these marks say how many boxes cover each cell.
+        # Cumulative sums of these marks along the three axes count the boxes that cover each cell.
         marks = np.zeros(count + 1, dtype=np.int32)
         ends = (first, last)
         for corner in np.ndindex(2, 2, 2):
@@ -251,7 +252,7 @@ class _Cells:
         self._full = marks[:-1, :-1, :-1] > 0
 
     def near(self, skin: Array, faces: Any) -> Any:
-        """The faces (n, 3) of a skin (V, 3) that may meet a triangle."""
+        """The faces (n, 3) of a skin (V, 3) that may intersect a triangle."""
         at = np.floor((skin - self._origin) / self._side).astype(np.int64)
         touched = self._full[at[:, 0], at[:, 1], at[:, 2]]
         corners = [skin[faces[:, k]] for k in range(3)]

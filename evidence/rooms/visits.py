@@ -1,8 +1,8 @@
-"""Who comes into a furnished room, which way, and what they do there.
+"""Visits to furnished rooms: a path, and an act at its end.
 
-Nothing here looks at how deep a motion goes into what. Ways are chosen as generated motions have
-them: they go around the middle of things, yet take a person to be thinner than people are; where
-one sits down is known to some centimetres, how far one sinks in is a matter of taste.
+Nothing here measures how deep a motion penetrates. Paths are like those of generated motions: they
+go around the middle of furniture, but for a body that is thinner than people are; places to sit are
+wrong by some centimetres, and the depth to which a body sinks in is drawn at random.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Where people start, nothing is nearer than this [m].
+#: Clearance at the start of a path [m].
 _CLEAR = 0.55
-#: So far the middle of a person may come into furniture, and has to stay off walls [m].
+#: Largest depth of the pelvis in furniture, and its smallest distance from walls [m].
 _INTO, _OFF_WALLS = 0.15, 0.15
-#: A way passes something where its middle comes as near as this [m].
+#: A path passes furniture if its middle comes as near as this [m].
 _CLIPS = 0.25
 _LENGTHS = (1.6, 4.2)
 _TRIES = 200
-#: How wrong the place is where an act starts: to the front and to the side [m]; how far people
+#: Errors of the place where an act starts, to the front and to the side [m]; depths to which bodies
 #: sink in and lean through [m].
 _WRONG, _SINK = (0.06, 0.10), (0.14, 0.30)
 _SPEED = (0.8, 1.3)
@@ -45,7 +45,7 @@ class Visit:
 
 
 def visit(room: Room, body: Body, number: int, seed: int = 0, fps: float = 30.0) -> Visit:
-    """The motion asked for in the test scene of a number: a walk, and something done at its end."""
+    """The reference motion of the test scene with a number: a walk, and an act at its end."""
     rng = np.random.default_rng([seed, number, 1])
     items = [item for item in room.items if item.kind in USES]
     seats = [item for item in items if item.kind in ("sofa", "bed", "armchair")]
@@ -66,7 +66,7 @@ def visit(room: Room, body: Body, number: int, seed: int = 0, fps: float = 30.0)
 
 
 def _way(rng: np.random.Generator, room: Room, used: Item, goal: Array) -> Way:
-    """A way to a place that clips something if one can be found, from where there is space."""
+    """A path to a place from a clear start; if possible, one that passes through furniture."""
     solid = [item.at for item in room.items if item.height > 0.3 and item.kind != "coffee_table"]
     spare = 0.5 * np.array(room.size) - _CLEAR
     outside = room.door + 0.7 * room.outward
@@ -77,7 +77,7 @@ def _way(rng: np.random.Generator, room: Room, used: Item, goal: Array) -> Way:
             continue
         points = [start]
         if k % 4 == 0:
-            # Through the doorway, nearer to one of its jambs than is wise.
+            # Through the doorway, close to one of its jambs.
             aside = np.array([-room.outward[1], room.outward[0]]) * rng.uniform(-0.16, 0.16)
             points.append(room.door - 0.1 * room.outward + aside)
         if rng.random() < 0.5:
@@ -97,7 +97,7 @@ def _way(rng: np.random.Generator, room: Room, used: Item, goal: Array) -> Way:
             return way
         if best is None or least < best[0]:
             best = least, np.array(points)
-    if best is None:  # nowhere to come from but where one is going to be
+    if best is None:  # no clear start but the goal
         inward = -goal / max(float(np.linalg.norm(goal)), 1e-9)
         best = 0.0, np.array([goal + 1.6 * inward, goal])
     return Way(best[1])

@@ -1,1 +1,1 @@
-"""What the sections run: motions followed, scenarios played, and what is measured of them."""
+"""The computations of the sections: motions followed, scenarios simulated, and their measures."""

@@ -1,4 +1,4 @@
-"""What Tables 3 and 4 share: half-physics with one thing changed, on the same dances."""
+"""Shared by Tables 3 and 4: half-physics with one change, on the same dances."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from evidence.motions.sources import Group
 from evidence.runs.choices import LIMP, Choice, said
 from evidence.runs.following import curve, mean, outcomes, remarks, success, task
 
-#: What a change has to cost to count as the paper's finding [mm].
+#: Smallest error that a change must cause to count as the finding of the paper [mm].
 COST = 10.0
 #: What is changed, in the rows; the other one is what it is changed in.
 HALF_PHYSICS = "half-physics"
@@ -23,7 +23,7 @@ SHOWN = f"dance/{sources.QUICK_DANCES[0]:02d}"
 
 
 def groups(options: Options) -> list[Group]:
-    """The motions: dances, and what the user brought; the paper's kind at its frame rate, too."""
+    """The motions: dances and those of the user; dances also at the frame rate of the paper."""
     found = [sources.dances(options), *sources.brought(options)]
     return [
         each
@@ -33,7 +33,7 @@ def groups(options: Options) -> list[Group]:
 
 
 def tasks(options: Options, runs: Mapping[str, Choice], strip: str) -> list[Task]:
-    """One per motion, with all `runs`; pictures of the run `strip` on the clip that is shown."""
+    """One task per motion, with all `runs`; the run `strip` has pictures of the clip shown."""
     out = []
     for group in groups(options):
         for source in group.sources:
@@ -56,12 +56,12 @@ def row(
 
     Args:
         group: The motions.
-        name: What is changed.
-        chosen: Its setting.
-        values: What came of the tasks.
+        name: Name of the change.
+        chosen: The changed setting.
+        values: Values of the tasks.
         paper: MPJPE-g and MPJPE of the paper [mm].
-        costs: Which of the two must be at least `COST`, on motions such as the paper's.
-        note: What to say besides.
+        costs: Which of the two must be at least `COST` on motions like those of the paper.
+        note: A remark of the row.
     """
     found = outcomes(values, group, name)
     figures = [Figure(name="success", unit="%", ours=success(found, group))]
@@ -82,12 +82,12 @@ def row(
 
 
 def unchanged(group: Group, values: Mapping[str, Any]) -> Row:
-    """Half-physics itself on the same motions, to compare with."""
+    """Half-physics without a change on the same motions."""
     return row(group, HALF_PHYSICS, LIMP, values, paper=published.HALF_PHYSICS[1:])
 
 
 def shown_curves(values: Mapping[str, Any], runs: Mapping[str, Choice]) -> tuple[Plot, ...]:
-    """How far the joints are off over one clip."""
+    """Errors of the joints over one clip."""
     if SHOWN not in values:
         return ()
     found = values[SHOWN]["runs"]

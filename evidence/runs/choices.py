@@ -1,4 +1,4 @@
-"""Settings as tasks have them, what JSON can say, and how a row says them."""
+"""Settings as JSON values, for tasks, and as Python code, for rows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FIRM: Choice = {**LIMP, "stiffness": 1.0}
 
 
 def said(choice: Mapping[str, Any]) -> str:
-    """A choice as one writes it in Python."""
+    """A choice as Python code."""
     if all(choice.get(k, "") == v for k, v in LIMP.items() if k != "stiffness"):
         rest = {k: v for k, v in choice.items() if k not in LIMP}
         words = [f"{choice['stiffness']:g}"] if choice["stiffness"] else []

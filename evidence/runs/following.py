@@ -1,4 +1,4 @@
-"""How exactly motions are followed, with nothing in the way: the task and the means of its rows."""
+"""Tracking errors without obstacles: the task, and the means that its rows show."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from halfphysics.results.result import Result
     from halfphysics.settings import Settings
 
-#: Frames of a second that are kept of a curve of errors.
+#: Samples of an error curve per second [1/s].
 _CURVE = 10.0
 _PICTURES, _SIZE = 6, (240, 280)
 
@@ -30,7 +30,7 @@ def follow(source: Mapping[str, Any], runs: Mapping[str, Choice], strip: str = "
     Args:
         source: The motion, see `sources.load`.
         runs: Name -> setting.
-        strip: The run whose pictures are wanted, "" for none.
+        strip: The run that gets pictures, "" for none.
 
     Returns:
         Values "frames", "fps" and "runs": name -> success (every frame came back, finite), errors
@@ -61,7 +61,7 @@ def _followed(
     failed: dict[str, Any] = {"success": False, "mpjpe": None, "mpjpe_global": None, "curve": []}
     try:
         result = simulate(motion, body=body, settings=settings)
-    except InputError as error:  # a motion that came out as no motion: not finite, or torn apart
+    except InputError as error:  # the result is no motion: not finite, or torn apart
         return None, {**failed, "cause": str(error)}
     apart = np.linalg.norm(body.joints(result.motion) - body.joints(motion), axis=2)
     if len(result.motion) != len(motion) or not np.isfinite(apart).all():
@@ -70,7 +70,7 @@ def _followed(
 
 
 def errors(came: Motion, asked: Motion, body: Body) -> dict[str, Any]:
-    """What `follow` says of a motion that came back whole."""
+    """Errors of a motion that was followed to its end."""
     from halfphysics import metrics
 
     apart = np.linalg.norm(body.joints(came) - body.joints(asked), axis=2).mean(axis=1)
@@ -103,16 +103,16 @@ def task(
 
 
 def outcomes(values: Mapping[str, Any], group: Group, run: str) -> list[Mapping[str, Any]]:
-    """What came of one run on every motion of a group that there is an outcome of."""
+    """Outcomes of one run on all motions of a group that have one."""
     keys = [f"{group.key}/{source.name}" for source in group.sources]
     found = [values[key]["runs"] for key in keys if key in values]
     return [runs[run] for runs in found if run in runs]
 
 
 def success(found: Sequence[Mapping[str, Any]], group: Group) -> float | None:
-    """Share of the motions that were followed to their end [%].
+    """Percentage of the motions that were followed to their end.
 
-    Of those made here all count, whatever came of them; of the user's those that could be read.
+    All motions that are made here count; of those of the user, the ones that could be read.
     """
     made = sum(source.arguments["kind"] != "file" for source in group.sources)
     whole = max(made, len(found))
@@ -120,7 +120,7 @@ def success(found: Sequence[Mapping[str, Any]], group: Group) -> float | None:
 
 
 def mean(found: Sequence[Mapping[str, Any]], name: str) -> float | None:
-    """Mean over the motions that were followed to their end, each counting alike."""
+    """Mean over the motions that were followed to their end, with equal weights."""
     errors = [one[name] for one in found if one["success"]]
     return float(np.mean(errors)) if errors else None
 
@@ -132,8 +132,8 @@ def curve(found: Mapping[str, Any], name: str) -> Series:
 
 
 def remarks(found: Sequence[Mapping[str, Any]], group: Group) -> str:
-    """How many motions of the group there is no outcome of, and why others did not get to their
-    end."""
+    """Number of motions of the group without an outcome, and why others were not followed to
+    their end."""
     count, absent = len(group.sources), len(group.sources) - len(found)
     said = [f"without {absent} of the {count} clips, which failed"] if absent else []
     return "; ".join([*said, *sorted({one["cause"] for one in found if not one["success"]})])

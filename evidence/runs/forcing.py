@@ -1,4 +1,4 @@
-"""Bodies that are moved one way or another: the runs behind Figures 6 and 7."""
+"""Bodies moved by different methods: the runs of Figures 6 and 7."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from halfphysics.simulation.sequence import Sequence
 
 Values = Mapping[str, Any]
 
-# The wall, and how long the suitcase is carried.
+# Thickness of the wall [m]; how long the suitcase is carried and shaken [s].
 _WALL = {"thickness": 0.1}
 _LIFT = {"carry": 1.0, "shake": 0.0}
-# A toe that touches a ball is not farther from its middle than this [m].
+# A toe in contact with a ball is at most this far from its centre [m].
 _NEAR = 0.5
 
 
 def wall(choice: Values, strip: bool, quick: bool) -> Outcome:
-    """A walk straight at a wall: where it ends, and how deep the skin gets."""
+    """A walk into a wall: final position, and penetration of the skin."""
     result = playing.play("walk_into_wall", _WALL, choice)
     body, there = result.people[0].body, result.scene.statics["wall"].position[0]
     pelvis, asked = (body.joints(m)[:, 0, 0] for m in (result.motion, result.reference))
@@ -37,7 +37,7 @@ def wall(choice: Values, strip: bool, quick: bool) -> Outcome:
         "rate": report.rate_percent,
         "deepest": report.depth_max_mm,
     }
-    at = int((asked > there).argmax())  # the ghost is in the wall
+    at = int((asked > there).argmax())  # the reference is in the wall
     frames = [at + 10] if quick else [at, at + 10]
     return Outcome(values=values, pictures=playing.strip(result, strip, quick=quick, frames=frames))
 
@@ -57,7 +57,7 @@ def lift(choice: Values, strip: bool, quick: bool) -> Outcome:
 
 
 def kick(choice: Values, masses: list[float]) -> Outcome:
-    """The same kick at balls of several masses that float: how fast they get, how deep a foot."""
+    """The same kick at floating balls of several masses: their speeds, depth of the foot."""
     speeds, depths = [], []
     for mass in masses:
         result = playing.run(_floating(mass), choice)
@@ -68,7 +68,7 @@ def kick(choice: Values, masses: list[float]) -> Outcome:
 
 
 def _floating(mass: float) -> Sequence:
-    """The authored kick without floor and gravity: no ball gets caught under a foot."""
+    """The authored kick without floor and gravity, so that no foot catches a ball."""
     story = scenarios.load("kick_ball", mass=mass)
     ball, scene = story.scene.objects["ball"], Scene(gravity=0.0)
     scene.add_object("ball", ball.shape, mass=mass, friction=ball.friction, position=ball.position)
@@ -76,7 +76,7 @@ def _floating(mass: float) -> Sequence:
 
 
 def _near(result: Result) -> slice:
-    """The frames in which a foot is near the ball."""
+    """Frames in which a foot is near the ball."""
     joints = result.people[0].body.joints(result.motion)
     feet = joints[:, [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]]
     away = np.linalg.norm(feet - result.objects["ball"].position[:, None], axis=-1).min(axis=1)
@@ -85,7 +85,7 @@ def _near(result: Result) -> slice:
 
 
 def limp(before: float, watched: float) -> Outcome:
-    """Somebody who goes limp `before` a kick and is then `watched` [s], and one who does not."""
+    """A body that goes limp `before` a kick [s] and is `watched` [s], beside one that does not."""
     story = scenarios.load("kick_ball")
     motion, body = story.motions[0], playing.default_body(story)
     ours = playing.run(story, {})

@@ -1,6 +1,6 @@
-"""Judge of a one-hand grasp: how the glass sits in the hand, how hard it is held, how it falls.
+"""Measures of a one-hand grasp: slip in the hand, contact forces, fall.
 
-The glass is looked at from the frame of the right wrist as it came out (`Result.motion`).
+Positions of the glass are in the frame of the right wrist as simulated (`Result.motion`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ WRIST = JOINT_INDEX["right_wrist"]
 
 @dataclass(frozen=True, eq=False)
 class Grasp:
-    """A result whose object "glass" a right hand handles.
+    """A result in which a right hand grasps the object "glass".
 
     Attributes:
         time: Of the frames (T,) [s].
@@ -47,12 +47,12 @@ class Grasp:
         return np.flatnonzero((self.time >= begin - 1e-9) & (self.time <= end + 1e-9))
 
     def slip(self, begin: float, end: float) -> float:
-        """Farthest that the glass moves in the hand from where it is at `begin` [mm]."""
+        """Largest displacement of the glass in the hand since `begin` [mm]."""
         place = self.place[self.rows(begin, end)]
         return float(1e3 * np.linalg.norm(place - place[0], axis=1).max())
 
     def turned(self, begin: float, end: float) -> float:
-        """Most that the glass turns in the hand from how it is at `begin` [degrees]."""
+        """Largest rotation of the glass in the hand since `begin` [degrees]."""
         turn = self.turn[self.rows(begin, end)]
         cosine = np.abs(turn @ turn[0])
         return float(np.degrees(2.0 * np.arccos(np.clip(cosine, 0.0, 1.0))).max())
@@ -68,12 +68,12 @@ class Grasp:
         return float(np.sqrt((second**2).sum(axis=1).mean()))
 
     def creep(self, begin: float, end: float) -> float:
-        """How fast the glass wanders through the hand, end against begin [mm/s]."""
+        """Drift of the glass in the hand, from begin to end [mm/s]."""
         place = self.place[self.rows(begin, end)]
         return float(1e3 * np.linalg.norm(place[-1] - place[0]) / (end - begin))
 
     def freed(self, begin: float) -> float:
-        """Time from `begin` until nothing touches the glass [s]; inf where it never is free."""
+        """Time from `begin` until nothing touches the glass [s]; inf if that never happens."""
         free = np.flatnonzero((self.time > begin) & ~self.touched)
         return float(self.time[free[0]] - begin) if len(free) else np.inf
 
@@ -85,17 +85,17 @@ class Grasp:
         at = int(np.argmin(np.abs(self.time - begin - self.freed(begin))))
         again = np.flatnonzero(self.touched[at:])
         end = at + int(again[0]) if len(again) else len(self.time)
-        # The frame before the first free one is where the free flight starts.
+        # Free flight starts at the frame before the first free one.
         return np.diff(self.centre[at - 1 : end, 2], 2) / self.step**2
 
     @property
     def step(self) -> float:
-        """Of the frames [s]."""
+        """Time between frames [s]."""
         return float(self.time[1] - self.time[0])
 
 
 def judge(result: Result, body: Body) -> Grasp:
-    """Look at a result."""
+    """Measure a result."""
     fps, frames = result.fps, len(result)
     positions, quaternions = body.joint_frames(result.motion)
     away = rot.conjugate(quaternions[:, WRIST])

@@ -1,4 +1,4 @@
-"""Objects in a person's hands and before the feet: the runs behind Figure 5 and what they tell."""
+"""Objects handled or kicked by a person: the runs of Figure 5 and their measures."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ GRAVITY = 9.81
 
 
 def grasp(options: Values, choice: Values, strip: bool, quick: bool) -> Outcome:
-    """A glass in one hand until that opens."""
+    """A glass in one hand, until the hand opens."""
     sequence, times = grasp_glass.planned(**options)
     return _glass(sequence, times, choice, strip, quick)
 
 
 def drop(options: Values, choice: Values, strip: bool, quick: bool) -> Outcome:
-    """A glass is let go where its table has been taken away."""
+    """A glass is released above the place of a removed table."""
     sequence, times = place_glass.planned(**options)
     return _glass(sequence, times, choice, strip, quick)
 
@@ -91,7 +91,7 @@ def kick(options: Values, choice: Values, strip: bool, quick: bool) -> Outcome:
 
 
 def monitor(options: Values, choice: Values, strip: bool, quick: bool) -> Outcome:
-    """What nobody touches, and the same where nobody even moves."""
+    """An object without contact, compared with a run in which the person stands still."""
     sequence = scenarios.load("reach_past_monitor", **options)
     motion = sequence.motions[0]
     result = playing.run(sequence, choice)
@@ -117,7 +117,7 @@ def monitor(options: Values, choice: Values, strip: bool, quick: bool) -> Outcom
 def jointed(
     scenario: str, joint: str, options: Values, choice: Values, strip: bool, quick: bool
 ) -> Outcome:
-    """Something with a joint that a hand moves."""
+    """An articulated object that a hand moves."""
     result = playing.play(scenario, options, choice)
     values = {
         "end": float(result.joints[joint][-1]),

@@ -1,4 +1,4 @@
-"""Judge of a suitcase between two flat palms: how high, how firmly, and what gives instead."""
+"""Measures of a suitcase lifted between two flat palms: rise, slip, bent fingers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from halfphysics.scenarios.stories.lift_suitcase import UP
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
-#: Where a palm presses, from the wrist joint along the hand at rest [m].
+#: Centre of the palm, from the wrist joint along the hand at rest [m].
 PALM = 0.054
 _SIDES = (("left", 1.0), ("right", -1.0))
 
@@ -33,14 +33,14 @@ def palms(result: Result) -> NDArray[np.float64]:
 
 
 def slip(result: Result) -> float:
-    """How far the palms move over the suitcase's sides from the lift until the end [m]."""
+    """Slip of the palms over the sides of the suitcase, from the lift to the end [m]."""
     at = palms(result)[round(UP * result.fps) : -1]
-    # Over the sides: across them, a palm gives as it is pressed.
+    # Tangential to the sides; in the normal direction, pressure moves a palm.
     return float(np.linalg.norm((at - at[0])[..., [0, 2]], axis=-1).max())
 
 
 def judged(result: Result, *, quick: bool) -> dict[str, float | None]:
-    """What became of the suitcase, in mm, degrees and seconds.
+    """Measures of the suitcase, in mm, degrees and seconds.
 
     `rise` and `hands`: of the suitcase and of the wrists by the end of the lift; `kept`: the
     lowest it is afterwards; `held_until`: the last touch of the person, None without any;

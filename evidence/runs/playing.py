@@ -1,4 +1,4 @@
-"""Scenarios played for the figures: with which settings, and what is looked at in all of them."""
+"""Scenarios simulated for the figures, and the measures that they share."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: How many frames apart the skin is looked at if it is to be quick.
+#: Frames between measurements of the skin in a quick report.
 EVERY = 4
 #: Pictures of a strip; each this wide and high [pixels]: two beside each other fill a phone.
 _TILES, _QUICK_TILES, _COLUMNS, _SIZE = 4, 2, 2, (230, 250)
@@ -38,7 +38,7 @@ def play(name: str, options: Mapping[str, Any], choice: Mapping[str, Any]) -> Re
 
 
 def run(sequence: Sequence, choice: Mapping[str, Any]) -> Result:
-    """A result with the settings chosen; that time was lost is a number here and no warning."""
+    """A result with the settings chosen; lost time is a number here, so its warning is silenced."""
     from halfphysics.simulation.simulate import simulate
 
     with warnings.catch_warnings():
@@ -54,9 +54,9 @@ def run(sequence: Sequence, choice: Mapping[str, Any]) -> Result:
 def strip(
     result: Result, wanted: bool, *, quick: bool, frames: Several[int] | None = None
 ) -> dict[str, bytes]:
-    """A task's pictures: "strip", if it is wanted, is a PNG of under 150 kB that a phone can show.
+    """The pictures of a task: "strip" is a PNG of under 150 kB, which a phone can show.
 
-    It has the frames given, as far as there are any, or the key frames.
+    It shows the frames given, as far as the result has them, or its key frames.
     """
     from halfphysics.render.contact_sheet import contact_sheet_png, key_frames
 
@@ -72,7 +72,7 @@ def strip(
 def penetration(
     result: Result, *, quick: bool = False, frames: slice | None = None
 ) -> metrics.PenetrationReport:
-    """How deep the skin is in anything: at all frames or those given; at some if quick."""
+    """Penetration of the skin: at all frames or those given; at some frames if quick."""
     every = frames or slice(None, None, EVERY if quick else 1)
     tracks = {k: frames_of(track, every) for k, track in result.objects.items()}
     body = result.people[0].body
@@ -80,14 +80,14 @@ def penetration(
 
 
 def default_body(sequence: Sequence) -> Body:
-    """Who plays a scenario of one person."""
+    """The body of the person in the scenarios."""
     from halfphysics.body.body import Body
 
     return sequence.bodies[0] or Body.default()
 
 
 def frames_of(track: ObjectTrack, which: slice) -> ObjectTrack:
-    """An object's track at some of its frames."""
+    """The track of an object at some frames."""
     return replace(track, position=track.position[which], quaternion=track.quaternion[which])
 
 
@@ -97,17 +97,16 @@ def joint_angles(a: Motion, b: Motion) -> Array:
 
 
 def pelvis_distance(result: Result) -> Array:
-    """Distance of the first person's pelvis from where it was asked for (T,) [m]."""
+    """Distance of the pelvis of the first person from its reference (T,) [m]."""
     return result.people[0].joint_errors()[1][:, 0]
 
 
 def free_joints(result: Result) -> NDArray[np.bool_]:
-    """Whether a joint of the first person has nothing to do with any contact (T, 55).
+    """Whether a joint of the first person is unaffected by contacts (T, 55).
 
-    A joint that a contact turns is not free: one whose own part or any part beyond it touches,
-    that is, one between a contact and the root. Nor is it until it has had the time to return,
-    `SETTLE`. The pelvis, moved by all, never is. A part that is stopped does not excuse what
-    hangs on it.
+    A joint between a contact and the root is affected: its own part, or one below it in the tree,
+    is in contact. It stays affected for the time that it may take to return, `SETTLE`. The pelvis
+    is affected by every contact. Joints below a blocked part count as unaffected.
     """
     frames = len(result.motion)
     touches = np.zeros((frames, N_JOINTS), dtype=bool)
@@ -126,13 +125,13 @@ def free_joints(result: Result) -> NDArray[np.bool_]:
 
 
 def object_speed(result: Result, name: str) -> Array:
-    """How fast an object goes between frames (T - 1,) [m/s]."""
+    """Speed of an object between frames (T - 1,) [m/s]."""
     way = np.diff(result.objects[name].position, axis=0)
     return np.asarray(np.linalg.norm(way, axis=1) * result.fps)
 
 
 def first_touch(result: Result, name: str) -> int:
-    """The frame in which the person first touches something; the last one if that never is."""
+    """The first frame with a contact of the person; the last frame if there is none."""
     contacts = result.contacts
     touched = (contacts.other == result.names.index(name)) & (contacts.person == 0)
     return int(contacts.frame[touched].min()) if touched.any() else len(result) - 1

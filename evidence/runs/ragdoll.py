@@ -1,4 +1,4 @@
-"""A ragdoll: the same body in MuJoCo, driven up to some moment, and then by nothing."""
+"""A ragdoll: the same body in MuJoCo, driven up to a moment, then passive."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
     from halfphysics.simulation.sequence import Sequence
 
-#: Steps of MuJoCo per frame, and for how many one is made where nothing drives the body: loose
-#: chains of ball joints are less stable than driven ones.
+#: MuJoCo steps per frame, and the factor for a passive body: chains of loose ball joints are less
+#: stable than driven ones.
 SUBSTEPS, _FINER = 8, 5
-#: Damping of a limp joint [N m s/rad], of the order of what relaxed elbows and knees have.
+#: Damping of a limp joint [N m s/rad], of the order of relaxed elbows and knees.
 DAMPING = 0.1
 
 
 def let_go(sequence: Sequence, frame: int) -> Motion:
-    """The motion of a person who goes limp at a frame: gravity acts, joints have damping alone.
+    """The motion of a person that goes limp at a frame: gravity acts, joints only have damping.
 
-    Up to there it is followed by velocities, as with `Settings(mode="engine_velocity")`.
+    Up to that frame it is followed by velocities, as with `Settings(mode="engine_velocity")`.
     """
     import mujoco
 
@@ -50,7 +50,7 @@ def let_go(sequence: Sequence, frame: int) -> Motion:
 
 
 def _loosen(model: Any, data: Any) -> None:
-    """Nothing is exerted any more: what is left to the joints is damping."""
+    """Switch the drives off; the joints keep their damping."""
     import mujoco
 
     data.qfrc_applied[:] = 0.0

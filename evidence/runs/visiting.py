@@ -1,4 +1,4 @@
-"""Motions in furnished rooms, as they are asked for and played: the runs behind Table 2."""
+"""Motions in furnished rooms, reference and simulated: the runs of Table 2."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ if TYPE_CHECKING:
     from halfphysics.results.result import Result
     from halfphysics.simulation.sequence import Sequence as Played
 
-#: Statures [m] of those who visit, in turns; None: the default body.
+#: Statures [m] of the visitors, in turn; None: the default body.
 _STATURES = (None, 1.62, 1.84)
-#: How many frames apart the skin is looked at: if it is to be quick, and when the motions asked
-#: for, which are no claim of ours, are verified to intersect.
+#: Frames between measurements of the skin: in a quick report, and in the check that the references
+#: intersect the room.
 _QUICK_EVERY, _ASKED_EVERY = 8, 5
-#: Ways to play a motion, what they are, the settings.
+#: Methods to play a motion: name, description, settings.
 WAYS: dict[str, tuple[str, choices.Choice]] = {
     "paper": ("half-physics, the paper's algorithm", choices.FIRM),
     "ours": ("half-physics, the default drive", {"stiffness": 1.0, "substeps": 8}),
     "peer": ("plain MuJoCo, velocities set", {"mode": "engine_velocity", "substeps": 8}),
 }
-#: Those that are claimed to penetrate nothing.
+#: Methods that claim no penetration.
 CLAIMED = ("paper", "ours")
 
 
 def made(number: int, seed: int, ways: Sequence[str], strip: bool, quick: bool) -> Outcome:
-    """One of the test scenes: its room, and its motion as asked for and played in all `ways`."""
+    """One test scene: its room, and its motion as reference and as played by all `ways`."""
     from evidence.rooms.layout import room
     from evidence.rooms.visits import visit
     from halfphysics.body.body import Body
@@ -44,7 +44,7 @@ def made(number: int, seed: int, ways: Sequence[str], strip: bool, quick: bool) 
     furnished = room(number, seed)
     asked = visit(furnished, body, number, seed)
     sequence = Played(asked.motion, furnished.scene, body)
-    # An engine that knows convex solids only gets the very bodies the furniture is made of.
+    # MuJoCo only has convex solids: it gets the convex bodies that the furniture is made of.
     peers = Played(asked.motion, furnished.bodies, body)
     outcome = measured(sequence, ways, strip, quick, peers)
     about = {
@@ -63,9 +63,9 @@ def measured(
     quick: bool,
     peers: Played | None = None,
 ) -> Outcome:
-    """A motion of one person in a scene, as asked for and played in all `ways`.
+    """A motion of one person in a scene, as reference and as played by all `ways`.
 
-    `peers`: what is played where an engine does it; its skin too is judged in the scene itself.
+    `peers`: the sequence for MuJoCo; its skin is measured in the scene itself, too.
     """
     motion, body = sequence.motions[0], playing.default_body(sequence)
     every = _QUICK_EVERY if quick else 1
@@ -99,7 +99,7 @@ def _depths(report: metrics.PenetrationReport) -> dict[str, float]:
 
 
 def _kept(result: Result) -> dict[str, Any]:
-    """Whether all came back, and what of the intent."""
+    """Whether all frames came back, and the errors against the reference."""
     local, everywhere = result.people[0].joint_errors()
     whole = len(result.motion) == len(result.reference) and bool(np.isfinite(everywhere).all())
     return {
@@ -111,7 +111,7 @@ def _kept(result: Result) -> dict[str, Any]:
 
 
 def _verdict(motion: Any, body: Body, scene: Any, every: int) -> dict[str, Any]:
-    """What the independent library says; empty where there is none."""
+    """The result of the independent library; empty where it is not installed."""
     found = verify.verify(motion, body, scene, every=every)
     if found is None:
         return {}

@@ -1,4 +1,4 @@
-"""Figure 5: objects are held, kicked and dropped as their mass and friction have it."""
+"""Figure 5: objects are held, kicked and dropped according to their mass and friction."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from evidence.model import (
 from evidence.runs import choices
 from evidence.runs.handling import GRAVITY, Values
 
-#: A glass may slip [mm] and turn [degrees] in the hand by this.
+#: Largest slip [mm] and rotation [degrees] of a glass in the hand.
 GLASS_SLIP, GLASS_TURN = 10.0, 15.0
-#: How far a fall may be from gravity [m/s^2], and how soon an opened hand is off [s].
+#: Largest error of a fall against gravity [m/s^2], and time until an opening hand is free [s].
 FALL, FREED = 0.05, 0.2
-#: A suitcase may slip over the palms and stay behind the hands by this [mm].
+#: Largest slip of a suitcase over the palms, and its largest lag behind the hands [mm].
 CASE_SLIP, BEHIND = 10.0, 20.0
-#: What nobody touches may settle by this [m]: a millionth of a millimetre.
+#: An object without contact of the person may settle by this [m]: a millionth of a millimetre.
 STILL = 1e-9
 #: Of an easy kick the ball gets about the speed of the foot, 5.5 m/s; a foot as fast as this lifts
 #: it clear of the floor, by more than its radius.
@@ -46,7 +46,7 @@ DRAWER, LID, DOOR = 0.25, 1.0, 60.0
 
 
 def _missed(name: str, unit: str, expected: str) -> Figure:
-    """What never happens: not reproduced."""
+    """A figure of an event that never happens: not reproduced."""
     return Figure(name=name, unit=unit, ours=None, expected=expected, reproduced=False)
 
 
@@ -136,15 +136,15 @@ class Case:
 
     Attributes:
         figure: Its letter.
-        name: What happens.
+        name: The event.
         run: Function of `handling`.
-        options: Of the scenario.
-        judge: Figures from its values and those of the case `against`, if there is one.
-        quick: Options if it is to be quick.
+        options: Options of the scenario.
+        judge: Makes figures from its values and those of the case `against`, if there is one.
+        quick: Options in a quick report.
         extra: Further arguments of `run`.
-        grip: Something is held by friction: shown with the paper's setting at 120 fps too.
-        beyond: The paper has nothing like it, and so no setting for it.
-        strip: With a picture.
+        grip: Friction holds the object: shown with the setting of the paper at 120 fps too.
+        beyond: The paper has no such case, and so no setting for it.
+        strip: Whether it has a picture.
     """
 
     figure: str
@@ -173,7 +173,7 @@ _SCENARIO = {
     "kick": "kick_ball",
     "monitor": "reach_past_monitor",
 }
-#: What it takes to hold things by Algorithm 1 at 30 frames a second.
+#: Firmness that Algorithm 1 needs to hold objects at 30 frames/s.
 _SOFT: choices.Choice = {**choices.LIMP, "stiffness": 0.1}
 _BRIEF = {"carry": 1.0, "shake": 0.0}
 _FEW_STAGES = {"stages": ["lift", "shake", "open"]}
@@ -285,15 +285,15 @@ CASES = {
     ),
 }
 _PRESSED = "limp joints press less, or less evenly, than what our authored hands hold needs"
-#: If it is to be quick: which are left out, and which have pictures.
+#: In a quick report: cases that are left out, and cases with pictures.
 _LEFT_OUT = ("wine", "drawer", "laptop")
 _PICTURED = ("drop", "heavy")
 
 
 def _variants(case: Case, quick: bool) -> Iterator[tuple[str, choices.Choice, Values]]:
-    """End of the key, settings and options: as we do it, and with the paper's setting.
+    """End of the key, settings and options: with our defaults, and with the setting of the paper.
 
-    What is held by friction is held harder at a higher frame rate, and by firmer joints: both.
+    Friction holds better at a higher frame rate and with firmer joints: both are shown.
     """
     yield "", {}, {}
     if quick or case.beyond:
@@ -305,7 +305,7 @@ def _variants(case: Case, quick: bool) -> Iterator[tuple[str, choices.Choice, Va
 
 
 def tasks(options: Options) -> list[Task]:
-    """Every case as we simulate it and, unless it is to be quick, with the paper's setting."""
+    """Every case with our defaults and, in a full report, with the setting of the paper."""
     found = []
     for key, case in CASES.items():
         if options.quick and key in _LEFT_OUT:
@@ -332,7 +332,7 @@ def tasks(options: Options) -> list[Task]:
 
 
 def content(options: Options, values: Mapping[str, Any]) -> Content:
-    """A row for each case and setting; how fast balls leave."""
+    """A row per case and setting; speeds of the balls."""
     rows, pictures = [], []
     for key, case in CASES.items():
         for end, choice, more in _variants(case, options.quick):

@@ -1,4 +1,4 @@
-"""Figure 8: a fast kick at a ball that does not give, with limp joints and with firm ones."""
+"""Figure 8: a fast kick at a fixed ball, with limp joints and with firm ones."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ SPEED = 12.0
 #: Values of lambda; those of the paper's figure are 0 and 1.
 SWEEP = (0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 QUICK_SWEEP = (0.0, 0.1, 1.0, 10.0)
-#: Limp, the leg bends this much more than it does when firm [degrees], and the path stays this
-#: near [mm]; firm, it bends no more than this, the body is displaced by this [mm], and by so many
-#: times more than limp.
+#: Limp: the leg bends this much more than when firm [degrees], and the pelvis stays this near its
+#: path [mm]. Firm: the leg bends at most this much, the body is displaced by at least this [mm],
+#: and by this many times the displacement when limp.
 BENDS, STAYS, STRAIGHT, DISPLACED, TIMES = 20.0, 50.0, 15.0, 100.0, 10.0
-# What is drawn of the knee, before and after it is most out of its way [s].
+# The part of the knee curve that is drawn, before and after its largest error [s].
 _ABOUT = 0.4
-# Frames of the pictures, from when the foot is most out of its way.
+# Frames of the pictures, from the largest error of the foot.
 _FRAMES, _QUICK_FRAMES = (-3, -1, 1, 4), (0, 3)
 
 
 def kick(stiffness: float, speed: float, quick: bool, strip: bool) -> Outcome:
-    """A kick at a fixed ball: what leg and body do, against what they were asked to."""
+    """A kick at a fixed ball: errors of leg and body against the reference."""
     choice = {**choices.LIMP, "stiffness": stiffness}
     result = playing.play("kick_ball", {"fixed": True, "speed": speed}, choice)
     knee, hip = JOINT_INDEX["right_knee"], JOINT_INDEX["right_hip"]
@@ -72,7 +72,7 @@ def _key(stiffness: float) -> str:
 
 
 def tasks(options: Options) -> list[Task]:
-    """One kick for every lambda."""
+    """One kick per lambda."""
     return [
         Task(
             key=_key(stiffness),
@@ -90,7 +90,7 @@ def tasks(options: Options) -> list[Task]:
 
 
 def content(options: Options, values: Mapping[str, Any]) -> Content:
-    """A row for every lambda; knee and root over time and over lambda."""
+    """A row per lambda; knee and root over time and over lambda."""
     sweep = [s for s in (QUICK_SWEEP if options.quick else SWEEP) if _key(s) in values]
     limp, firm = values.get(_key(0.0)), values.get(_key(1.0))
     rows = tuple(_row(s, values[_key(s)], limp, firm) for s in sweep)

@@ -1,4 +1,4 @@
-"""Figures 4 and 9, and the scenes of the paper's text: what is in the way blocks, and only that."""
+"""Figures 4 and 9, and the scenes in the text of the paper: obstacles block, and only they do."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from evidence.runs import choices, playing
 from halfphysics import metrics
 from halfphysics.motion.skeleton import JOINT_NAMES
 
-#: Row -> what the paper shows it in, the scenario and its options.
+#: Row -> its figure in the paper, the scenario and its options.
 SCENES: dict[str, tuple[str, str, dict[str, Any]]] = {
     "half the body through a doorway's wall": ("Figure 4", "doorway", {"right_jamb": -0.1}),
     "an arm through a door frame": ("Figure 4", "doorway", {}),
@@ -38,19 +38,18 @@ SCENES: dict[str, tuple[str, str, dict[str, Any]]] = {
     "climbing onto a bed": ("text", "climb_onto_bed", {}),
     "flying with a ball": ("text", "fly_with_ball", {}),
 }
-#: Row of them that goes round what it was asked through, and so may be anywhere.
+#: The row that goes around the obstacle in its reference, so that its position is not judged.
 AROUND = "half the body through a doorway's wall"
-#: Intent kept: the pelvis is this near to its place [mm], what nothing touches turns as asked
-#: to this [degrees].
+#: Intent kept: largest error of the pelvis [mm], and of joints without contact [degrees].
 NEAR, TURNED = 100.0, 5.0
-#: What is asked for goes into something this deep at least [mm], or that ours does not says little;
-#: but for what is held, which is where our run has it.
+#: Smallest depth of the reference in the scene [mm], without which a zero of ours means little.
+#: Held objects are exempt, because their positions come from our run.
 ASKED, HELD = 10.0, "flying with a ball"
-#: How far two palms may let a ball slip that they fly with [mm].
+#: Largest slip of a ball between two palms in flight [mm].
 SLIP = 20.0
 #: When the ball has been taken [s].
 _TAKEN = 1.0
-#: If it is to be quick: which scene is left out, and which have pictures.
+#: In a quick report: the scene that is left out, and the scenes with pictures.
 _LEFT_OUT = "an arm through a door frame"
 _PICTURED = ("half the body through a doorway's wall", "sinking into a sofa")
 #: Settings -> the end of a task's key.
@@ -60,10 +59,10 @@ _CHOICES = {"": {}, "/firm": choices.FIRM}
 def scene(
     name: str, options: Mapping[str, Any], choice: Mapping[str, Any], strip: bool, quick: bool
 ) -> Outcome:
-    """Play a scenario: penetration of the motion asked for and of ours, and what became of it."""
+    """Simulate a scenario: penetration of the reference and of the result, and tracking errors."""
     result = playing.play(name, options, choice)
     motion, things, body = result.reference, result.scene, result.people[0].body
-    # What is held is where our run has it: it says nothing of the motion that was asked for.
+    # Positions of held objects come from our run: they say nothing about the reference.
     asked = metrics.penetration(motion[:: playing.EVERY if quick else 1], body, things)
     ours = playing.penetration(result, quick=quick)
     free = playing.free_joints(result)
@@ -94,7 +93,7 @@ def _depths(report: metrics.PenetrationReport) -> dict[str, float]:
 
 
 def _slip(result: Any) -> float:
-    """How far the ball moves against the middle of both hands, once taken [mm]."""
+    """Slip of the ball against the middle of both hands, once taken [mm]."""
     joints = result.people[0].body.joints(result.motion)
     hands = [joints[:, JOINT_NAMES.index(f"{side}_middle1")] for side in ("left", "right")]
     way = (result.objects["ball"].position - 0.5 * (hands[0] + hands[1]))[
@@ -104,7 +103,7 @@ def _slip(result: Any) -> float:
 
 
 def tasks(options: Options) -> list[Task]:
-    """Every scene as we simulate it and, unless it is to be quick, with the paper's setting."""
+    """Every scene with our defaults and, in a full report, with the setting of the paper."""
     found = []
     for row, (_, name, chosen) in SCENES.items():
         for end, choice in _CHOICES.items():
@@ -132,7 +131,7 @@ def _key(row: str) -> str:
 
 
 def content(options: Options, values: Mapping[str, Any]) -> Content:
-    """A row and a strip a scene; how deep the motions asked for and ours go, side by side."""
+    """A row and a strip per scene; depths of the references and of the results side by side."""
     rows, pictures = [], []
     for name, (figure, scenario, chosen) in SCENES.items():
         for end, choice in _CHOICES.items():

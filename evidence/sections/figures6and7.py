@@ -1,4 +1,4 @@
-"""Figures 6 and 7: a body that is only moved, and poses that are forced into a simulation."""
+"""Figures 6 and 7: a body without physics, and poses that are forced into a simulation."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ from evidence.runs import choices
 
 Values = Mapping[str, Any]
 
-#: Somebody goes limp this long before a kick and is watched for so long [s].
+#: The ragdoll goes limp this long before a kick and is simulated for this long [s].
 BEFORE, WATCHED = 0.3, 1.0
 #: Balls that are kicked [kg].
 MASSES = (0.1, 0.5, 5.0, 200.0, 1000.0)
 QUICK_MASSES = (0.1, 1000.0)
-#: Blind to mass: the heaviest ball leaves as fast as the lightest, to this share. Half-physics: it
-#: gets at most so much of its speed.
+#: Blind to mass: the heaviest ball leaves as fast as the lightest, within this fraction.
+#: Half-physics: it gets at most this fraction of its speed.
 BLIND, SEEING = 0.01, 0.2
-#: What is forced goes into wall, suitcase and ball this deep at least; the suitcase "barely moves"
-#: up to so high; ours goes up with the hands to this [mm].
+#: Forced poses: smallest depth in wall, suitcase and ball [mm]; the suitcase "barely moves" up to
+#: this rise [mm]; ours follows the hands within this [mm].
 DEEP, BARELY, BEHIND = 10.0, 50.0, 20.0
-#: The pelvis of one whom nothing drives falls by this, that of half-physics by no more than [m].
+#: Smallest fall of the pelvis of a ragdoll, largest fall of that of half-physics [m].
 FALLS, STAYS = 0.3, 0.01
 
 
 @dataclass(frozen=True)
 class Way:
-    """A way to move a body: its name, its settings, and what the paper says of it.
+    """A method to move a body: its name, its settings, and the claims of the paper about it.
 
-    `through`: it walks through the wall; `forced`: it goes into what it handles, and that barely
-    moves; `blind`: to mass. None: the paper does not say.
+    `through`: it walks through the wall; `forced`: it penetrates the objects that it handles, and
+    they barely move; `blind`: mass has no effect. None: the paper makes no claim.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Way:
     blind: bool | None = None
 
 
-#: By the end of a task's key.
+#: Methods by the end of the key of a task.
 WAYS = {
     "half-physics": Way("half-physics", {}, False, False, False),
     "kinematic": Way("poses set, nothing responds", {"mode": "kinematic"}, True, True),
@@ -75,7 +75,7 @@ WAYS = {
     "torque": Way("joint torques (PD)", {"mode": "torque"}, False),
     "paper": Way("half-physics, firmness 1", choices.FIRM, False, None, False),
 }
-#: What is left out if it is to be quick, and what has a picture.
+#: Methods that a quick report leaves out, and methods with a picture.
 _SLOW = ("paper", "interpolated-240", "torque")
 _PICTURED = {
     "wall": ("half-physics", "kinematic"),
@@ -93,7 +93,7 @@ def _pictured(what: str, key: str, quick: bool) -> bool:
 
 
 def tasks(options: Options) -> list[Task]:
-    """Every way to move a body at a wall, a suitcase and a ball."""
+    """Every method at a wall, a suitcase and balls."""
     masses = list(QUICK_MASSES if options.quick else MASSES)
     found = []
     for key, way in _ways(options):
@@ -131,7 +131,7 @@ def tasks(options: Options) -> list[Task]:
 
 
 def content(options: Options, values: Values) -> Content:
-    """Rows by what is done and by way to do it; places over time, speeds over mass."""
+    """Rows by experiment and method; positions over time, speeds over mass."""
     rows: list[Row] = []
     pictures = []
     for what, data, figures in (
@@ -207,7 +207,7 @@ def _kicked(way: Way, found: Values) -> list[Figure]:
     share = high / low if low > 0.0 else None
     name = f"speed of {found['masses'][-1]:g} kg, of that of {found['masses'][0]:g} kg"
     if way.blind:
-        # Where no ball moves there is nothing to be blind to: no number, which is missing.
+        # If no ball moves, the ratio has no value, and the figure is missing.
         fastest, slowest = max(found["speeds"]), min(found["speeds"])
         spread = (fastest - slowest) / fastest if fastest > 0.0 else None
         figures.append(Figure(name=name, ours=share))
@@ -254,6 +254,8 @@ def _limp(found: Values) -> list[Row]:
 
 
 def _plots(options: Options, values: Values) -> tuple[Plot, ...]:
+    """Charts of the three experiments and of the ragdoll, as far as they have values."""
+
     def over_time(what: str, field: str) -> tuple[Series, ...]:
         lines = []
         for key, way in _ways(options):
@@ -289,21 +291,23 @@ def _plots(options: Options, values: Values) -> tuple[Plot, ...]:
     ]
     doll = values.get("ragdoll")
     if doll is not None:
-        times = [round(t / doll["fps"], 6) for t in range(len(doll["asked"]))]
-        heights = {
-            "as asked for": doll["asked"],
-            "half-physics": doll["ours"]["heights"],
-            "ragdoll": doll["ragdoll"]["heights"],
-        }
-        plots.append(
-            Plot(
-                title="A ragdoll: how high the pelvis is",
-                x=("time since it went limp", "s"),
-                y=("height", "m"),
-                series=tuple(Series(name, times, y) for name, y in heights.items()),
-            )
-        )
+        plots.append(_ragdoll(doll))
     return tuple(plot for plot in plots if plot.series)
+
+
+def _ragdoll(doll: Values) -> Plot:
+    times = [round(t / doll["fps"], 6) for t in range(len(doll["asked"]))]
+    heights = {
+        "as asked for": doll["asked"],
+        "half-physics": doll["ours"]["heights"],
+        "ragdoll": doll["ragdoll"]["heights"],
+    }
+    return Plot(
+        title="A ragdoll: how high the pelvis is",
+        x=("time since it went limp", "s"),
+        y=("height", "m"),
+        series=tuple(Series(name, times, y) for name, y in heights.items()),
+    )
 
 
 SECTION = Section(

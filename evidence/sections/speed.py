@@ -17,8 +17,8 @@ from evidence.model import (
     at_least,
 )
 
-#: Cases of `halfphysics bench`, whether the paper's figure is one to reach in them (its own is of
-#: motions with nothing in the way), and about how long they take [s].
+#: Cases of `halfphysics bench`, whether the speed of the paper applies (it was measured on motions
+#: without obstacles), and the expected time [s].
 CASES = {
     "free": (True, 60.0),
     "live": (True, 60.0),
@@ -28,7 +28,7 @@ CASES = {
     "glass": (False, 90.0),
     "sofa": (False, 90.0),
 }
-#: What is played.
+#: The motions.
 WHAT = {
     "free": "a walk, nothing near: motion in, motion out",
     "live": "the same walk, pose by pose",
@@ -51,7 +51,7 @@ def measure(case: str, quick: bool) -> Outcome:
 
 
 def tasks(options: Options) -> list[Task]:
-    """One per case."""
+    """One task per case."""
     chosen: Sequence[str] = QUICK if options.quick else tuple(CASES)
     return [
         Task(
@@ -65,7 +65,7 @@ def tasks(options: Options) -> list[Task]:
 
 
 def content(options: Options, values: Mapping[str, Any]) -> Content:
-    """A row per setting that was measured."""
+    """A row per measured setting."""
     rows = []
     for case, (judged, _) in CASES.items():
         for record in values.get(case, {"records": ()})["records"]:

@@ -1,4 +1,4 @@
-"""Table 1: with nothing in the way a motion comes back as it went in."""
+"""Table 1: without obstacles the result is the reference."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from halfphysics.motion.motion import Motion
 #: Rows of every group of motions: name -> setting.
 RUNS: dict[str, Choice] = {"half-physics": LIMP, "half-physics, our default": {}}
 _SHOWN = "half-physics"
-#: A row besides: what the core spares itself where nothing is near, done step by step.
+#: One more row: the steps that the core skips where nothing is near, computed one by one.
 INTEGRATED, SUBSTEPS = "Algorithm 1, step by step", 8
 
 
@@ -44,10 +44,11 @@ def follow(source: Mapping[str, Any], runs: Mapping[str, Choice], strip: str = "
 
 
 def integrated(motion: Motion) -> Motion:
-    """A motion by its velocities alone, each held for a frame and integrated substep by substep.
+    """A motion from its velocities alone, each constant over a frame, integrated in substeps.
 
-    Algorithm 1 in plain numpy with nothing in the way: joints and the root's turn go from where
-    they are to where they should be, the root from where it should be to where it should be.
+    Algorithm 1 in plain numpy without obstacles: velocities of the joints and of the root's
+    rotation lead from the actual to the reference pose, those of its position from one reference
+    to the next.
     """
     asked, h = rot.exp(motion.rotations), 1.0 / motion.fps / SUBSTEPS
     turns, places = asked.copy(), motion.translation.copy()
@@ -67,7 +68,7 @@ def _groups(options: Options) -> list[Group]:
 
 
 def tasks(options: Options) -> list[Task]:
-    """One per motion."""
+    """One task per motion."""
     shown = sources.QUICK_DANCES[0]
     return [
         task(

@@ -1,4 +1,4 @@
-"""Table 2: how deep motions go into furnished scenes as they are asked for, and as we give them."""
+"""Table 2: penetration in furnished scenes, of reference motions and of simulated ones."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from evidence.runs.visiting import CLAIMED, WAYS
 
 #: Test scenes of a full report, and of a quick one.
 SCENES, QUICK_SCENES = tuple(range(20)), (6, 9, 12)
-#: Scenes of which there is a strip: of a quick report the first.
+#: Scenes with a strip; a quick report has the first one.
 PICTURED = (6, 10, 8)
-#: Rate [%] and depths [mm] of what is asked for are at least this, or that ours are 0 says little.
+#: Smallest rate [%] and depths [mm] of the references: without them, zeros of ours mean little.
 LEAST = {"rate": 1.0, "mean_mm": 10.0, "max_mm": 10.0}
 
 
 def tasks(options: Options) -> list[Task]:
-    """One a scene of ours, one a scene or clip of the user's."""
+    """One task per scene of ours, and per scene or clip of the user."""
     numbers = QUICK_SCENES if options.quick else SCENES
     pictured = PICTURED[:1] if options.quick else PICTURED
     found = [
@@ -58,7 +58,7 @@ def tasks(options: Options) -> list[Task]:
 
 
 def content(options: Options, values: Mapping[str, Any]) -> Content:
-    """A row for the motions asked for and for each way to play them; of the user's, one a file."""
+    """A row for the references and for each method; for data of the user, one per file."""
     ours = {k: v for k, v in values.items() if k.startswith("room-")}
     theirs = {k: v for k, v in values.items() if k not in ours}
     rows, plots, pictures = [_quoted()], [], []
@@ -67,7 +67,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
     listed = brought.tasks(options) if "scenes" in options.data else []
     for data, found, lost in (
         (f"{rooms}, embedded, and walks through them", ours, made - len(ours)),
-        # Of the user's a file that nobody can read is no failure to play it.
+        # A file of the user that cannot be read is no failure of the method.
         (_of(len(theirs), len(listed), "scenes brought"), theirs, 0),
     ):
         if found:
@@ -116,7 +116,7 @@ def _quoted() -> Row:
 
 
 def _asked(data: str, found: Mapping[str, Any], *, judged: bool) -> Row:
-    """The motions as they are, which is also what playing them kinematically shows."""
+    """The reference motions, which are also what kinematic playback shows."""
     some = _all(found, "asked")
     figures = []
     for (key, name, unit), paper in zip(_MEASURES, published.GENERATED, strict=True):
@@ -127,7 +127,7 @@ def _asked(data: str, found: Mapping[str, Any], *, judged: bool) -> Row:
             figures.append(Figure(name=name, unit=unit, ours=ours))
     figures.append(Figure(name="mean of what is inside", unit="mm", ours=_mean(some, "inside_mm")))
     if judged:
-        # A judge that finds nothing where there is something would find nothing anywhere.
+        # A check that misses the intersections of the references could not find ours.
         asked = all("library" in v for v in some)
         out = 100.0 * float(np.mean([v["intersecting"] > 0 for v in some])) if asked else None
         figures.append(at_least(100.0, out, name="scenes that coal finds out", unit="%"))
@@ -148,7 +148,7 @@ def _asked(data: str, found: Mapping[str, Any], *, judged: bool) -> Row:
 
 
 def _played(way: str, data: str, found: Mapping[str, Any], lost: int) -> Row:
-    """A way to play them; `lost`: in so many scenes of ours it ended in an error."""
+    """One method; `lost`: number of scenes of ours in which it ended in an error."""
     some, (name, choice) = _all(found, way), WAYS[way]
     figures = []
     for (key, measure, unit), paper in zip(_MEASURES, published.PENETRATION, strict=True):
@@ -182,7 +182,7 @@ def _said(some: Sequence[Mapping[str, Any]], found: str) -> str:
 
 
 def _one(key: str, found: Mapping[str, Any]) -> Row:
-    """A scene of the user's."""
+    """One scene of the user."""
     asked, ours = found["asked"], found["ours"]
     figures = [
         Figure(name="penetration rate, asked for", unit="%", ours=asked["rate"]),

@@ -15,12 +15,12 @@ RUNS: dict[str, Choice] = {ablations.HALF_PHYSICS: LIMP, TORQUE: {**LIMP, "mode"
 
 
 def tasks(options: Options) -> list[Task]:
-    """One per motion."""
+    """One task per motion."""
     return ablations.tasks(options, RUNS, TORQUE)
 
 
 def content(options: Options, values: Mapping[str, Any]) -> Content:
-    """Velocities and torques on every group of motions."""
+    """Rows of velocities and torques for every group of motions."""
     rows = []
     for group in ablations.groups(options):
         rows.append(ablations.unchanged(group, values))

@@ -14,8 +14,8 @@ from evidence.runs import ablations
 from evidence.runs.choices import LIMP, Choice
 from evidence.runs.following import mean, outcomes, task
 
-#: Joint damping of the rows [N m s/rad]: of the order of what relaxed elbows and knees are measured
-#: to have. The paper does not say which it used; the sweep shows others.
+#: Joint damping of the rows [N m s/rad]: of the order measured for relaxed elbows and knees. The
+#: paper does not give its value; the sweep shows others.
 DAMPING = 0.1
 
 INTERNAL, BOTH, DAMPED = "internal forces", "damping and internal forces", "damping"
@@ -66,7 +66,7 @@ def _swept_runs(options: Options) -> dict[str, Choice]:
 
 
 def tasks(options: Options) -> list[Task]:
-    """One per motion, and one per motion of the sweeps."""
+    """One task per motion, and one per motion of the sweeps."""
     runs = _swept_runs(options)
     sweeps = [task(_swept(options), source, runs, 20.0) for source in _swept(options).sources]
     return [*ablations.tasks(options, RUNS, INTERNAL), *sweeps]
@@ -98,7 +98,7 @@ def content(options: Options, values: Mapping[str, Any]) -> Content:
 
 
 def _plots(options: Options, values: Mapping[str, Any]) -> list[Plot]:
-    """What came of the sweeps, means over their clips."""
+    """Charts of the sweeps: means over their clips."""
     group, plots = _swept(options), []
 
     def series(name: str, measure: str, runs: Sequence[str], labels: Sequence[str]) -> Series:

@@ -30,7 +30,7 @@ import platform
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from fnmatch import fnmatch
@@ -71,7 +71,7 @@ def main() -> int:
         os.environ["HALFPHYSICS_CACHE"] = folder
         outcomes = run(chosen, options.jobs)
         if options.what == "record":
-            return record(options.file, head, chosen, outcomes)
+            return record(options.file, head, dict(outcomes))
         return compare(options.file, head, outcomes)
 
 
@@ -132,13 +132,15 @@ def _processor() -> str:
 # -- running -----------------------------------------------------------------------------------
 
 
-def run(names: list[str], jobs: int) -> dict[str, Outcome]:
-    """Run cases in other processes; what came of each, in the order given."""
-    began, found = time.perf_counter(), {}
+def run(names: list[str], jobs: int) -> Iterator[tuple[str, Outcome]]:
+    """Run cases in other processes; what came of each, in the order given, as soon as it is known."""
+    began, found, told = time.perf_counter(), {}, 0
     for name, outcome in _everything(names, max(1, jobs)):
         found[name] = outcome
+        while told < len(names) and names[told] in found:
+            yield names[told], found[names[told]]
+            told += 1
     print(f"{len(found)} cases in {time.perf_counter() - began:.1f} s", flush=True)
-    return {name: found[name] for name in names}
 
 
 def _everything(names: list[str], jobs: int) -> Iterator[tuple[str, Outcome]]:
@@ -185,15 +187,13 @@ def outcome_of(name: str) -> Outcome:
 # -- the record --------------------------------------------------------------------------------
 
 
-def record(
-    file: Path, head: Mapping[str, str], names: list[str], outcomes: Mapping[str, Outcome]
-) -> int:
+def record(file: Path, head: Mapping[str, str], outcomes: Mapping[str, Outcome]) -> int:
     """Write a record, one line a case; those of cases that were not run stay."""
     from result_cases import all_cases
 
     before = json.loads(file.read_text())["cases"] if file.exists() else {}
     kept = {name: before[name] for name in all_cases() if name in before}
-    kept |= {name: _line(outcomes[name]) for name in names if "error" not in outcomes[name]}
+    kept |= {name: _line(outcome) for name, outcome in outcomes.items() if "error" not in outcome}
     about = {name: value for name, value in head.items() if name != "halfphysics"}
     lines = ",\n".join(f" {json.dumps(name)}: {json.dumps(kept[name])}" for name in sorted(kept))
     file.write_text(f'{{"about": {json.dumps(about, indent=1)},\n"cases": {{\n{lines}\n}}}}\n')
@@ -202,7 +202,7 @@ def record(
         if "error" in outcome:
             print(f"failed     {name}: {outcome['error']}")
             failed += 1
-    print(f"{file}: {len(names) - failed} cases recorded, {failed} failed")
+    print(f"{file}: {len(outcomes) - failed} cases recorded, {failed} failed")
     return int(failed > 0)
 
 
@@ -210,7 +210,7 @@ def _line(outcome: Outcome) -> dict[str, Any]:
     return {"hash": outcome["hash"], "values": outcome["values"]}
 
 
-def compare(file: Path, head: Mapping[str, str], outcomes: Mapping[str, Outcome]) -> int:
+def compare(file: Path, head: Mapping[str, str], outcomes: Iterable[tuple[str, Outcome]]) -> int:
     """Say of each case whether it is equal to the record's; 1 where one is not."""
     known = json.loads(file.read_text())
     for name, value in known["about"].items():
@@ -220,12 +220,12 @@ def compare(file: Path, head: Mapping[str, str], outcomes: Mapping[str, Outcome]
                 "from that and not from the code"
             )
     counts = dict.fromkeys(("equal", "different", "failed", "unrecorded"), 0)
-    for name, outcome in outcomes.items():
+    for name, outcome in outcomes:
         verdict, detail = _verdict(known["cases"].get(name), outcome)
         counts[verdict] += 1
-        print(f"{verdict:10} {outcome.get('seconds', 0.0):6.2f} s  {name}{detail}")
+        print(f"{verdict:10} {outcome.get('seconds', 0.0):6.2f} s  {name}{detail}", flush=True)
     print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))
-    return int(counts["equal"] < len(outcomes))
+    return int(counts["equal"] < sum(counts.values()))
 
 
 def _verdict(before: Outcome | None, now: Outcome) -> tuple[str, str]:

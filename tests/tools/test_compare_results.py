@@ -89,12 +89,12 @@ def test_what_is_said_of_a_comparison(tmp_path, capsys):
     file, head = tmp_path / "record.json", {"halfphysics": "here", "python": "3.11"}
     same = {"hash": "a", "values": {"x": "1", "y": "2"}}
     file.write_text(json.dumps({"about": {"python": "3.10"}, "cases": {"one": same, "two": same}}))
-    assert compare_results.compare(file, head, {"one": same}) == 0
+    assert compare_results.compare(file, head, [("one", same)]) == 0
     said = capsys.readouterr().out
     assert "another python: 3.10" in said
     other = {"hash": "b", "values": {"x": "1", "y": "3"}}
     outcomes = {"one": same, "two": other, "three": same, "four": {"error": "ValueError: no"}}
-    assert compare_results.compare(file, head, outcomes) == 1
+    assert compare_results.compare(file, head, outcomes.items()) == 1
     lines = capsys.readouterr().out.splitlines()
     assert lines[-1] == "1 equal, 1 different, 1 failed, 1 unrecorded"
     assert any(line.startswith("different") and line.endswith("two: y") for line in lines)

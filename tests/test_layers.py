@@ -1,44 +1,211 @@
-"""Which parts of the package may import which: the outer ones use the inner ones, never back."""
+"""Imports run one way: the folders of the package and of the native core, and what each may use."""
 
 from __future__ import annotations
 
-import ast
 import subprocess
 import sys
+from collections import defaultdict
 
 import pytest
 
-from support.paths import ROOT
+from support.imports import Import, cycles, imports, includes, modules
 
-PACKAGE = ROOT / "src" / "halfphysics"
-#: A ring -> those that use it. Nobody else does, not even inside a function or for a type.
-RINGS = {
-    "labels": {"labels", "sweep", "bench"},
-    "sweep": {"sweep", "cli", "bench"},
-    "bench": {"bench", "cli"},
-    "cli": {"cli", "__main__"},
+#: Extensions and the version, which lie at the root and import nothing.
+ROOT_NAMES = {"_native", "_render", "__version__"}
+
+#: Folder (or module at the root) -> what it may import. Each may name only those above it.
+LAYERS = {
+    "errors": "",
+    "base": "errors",
+    "motion": "errors base",
+    "geometry": "errors base _native",
+    "body": "errors base motion geometry _native",
+    "settings": "errors base motion body",
+    "scene": "errors base motion geometry body",
+    "results": "errors base motion body settings scene",
+    "simulation": "errors base motion geometry body settings scene results _native",
+    "reference": "base motion settings",
+    "metrics": "errors base motion geometry body scene results simulation _native",
+    "baselines": "errors base motion geometry body settings scene results simulation metrics",
+    "formats": "errors base motion geometry body settings scene results simulation __version__",
+    "render": "errors base motion geometry body scene results _render",
+    "writers": "errors base motion geometry body scene results simulation render __version__",
+    "labels": "errors base motion geometry body scene results metrics _native",
+    "mujoco": "errors base motion geometry body settings scene simulation _native",
+    "scenarios": "errors base motion geometry body scene simulation",
+    "viewer": "errors base motion geometry body settings scene results simulation render scenarios",
+    "sweep": (
+        "errors base motion geometry body settings scene results simulation formats labels "
+        "scenarios __version__"
+    ),
+    "bench": (
+        "errors base motion geometry body settings scene results simulation metrics baselines "
+        "render labels scenarios viewer sweep __version__"
+    ),
+    "cli": (
+        "errors base motion body settings scene results simulation metrics formats render "
+        "writers scenarios viewer sweep bench __version__"
+    ),
+}
+
+#: Folder -> its subfolders -> the other subfolders that each may import, of those above it. The
+#: modules beside them are held only to have no cycle.
+SUBFOLDERS = {
+    "baselines": {"engine": ""},
+    "formats": {"amass": "", "bvh": "", "datasets": "", "results": "amass"},
+    "render": {"film": ""},
+    "scenarios": {"acting": "", "props": "acting", "stories": "acting props"},
+    "sweep": {
+        "plan": "",
+        "make": "plan",
+        "store": "plan make",
+        "run": "plan make store",
+        "report": "plan make store run",
+    },
+    "viewer": {"panel": ""},
+}
+
+#: Imports that run back, each with its reason. All are late or for types: none runs on import.
+BACK = {
+    ("motion.motion", "formats"): "Motion.load and Motion.save read and write every format",
+    ("motion.motion", "formats.format"): "the type of what Motion.load takes beside the file",
+    ("motion.motion", "body.body"): "the type of the body that Motion.grounded puts on the floor",
+    ("results.result", "formats.results.result_file"): "Result.save and Result.load",
+    ("results.result", "metrics.result_report"): "Result.summary",
+    ("results.result", "metrics.part_report"): "Result.parts",
+    ("formats.registry", "writers"): "load_sequence names what hp.export writes instead",
+}
+
+#: Folder of src/native -> folders that its files may include, of those above it. All may include
+#: tuning.h.
+NATIVE = {
+    "math": "",
+    "geometry": "math",
+    "dynamics": "math",
+    "contact": "math dynamics",
+    "collision": "math geometry dynamics contact",
+    "stepping": "dynamics collision",
+    "labels": "math geometry",
+    "render": "",
+    "bindings": "geometry stepping labels render",
+}
+
+#: Includes that run back, each with its reason.
+NATIVE_BACK = {
+    ("dynamics/articulation.h", "contact/solver.h"): "the ends of joints are rows of the solver",
 }
 
 
-def imported(path):
-    """The modules that a file imports, wherever in it."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            yield from (name.name for name in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield node.module
-            yield from (f"{node.module}.{name.name}" for name in node.names)
+def folder(module: str) -> str:
+    return module.split(".")[0]
 
 
-@pytest.mark.parametrize("ring", RINGS)
-def test_imports_go_inwards(ring):
-    inside = f"halfphysics.{ring}"
-    users = set()
-    for path in PACKAGE.rglob("*.py"):
-        if any(name == inside or name.startswith(f"{inside}.") for name in imported(path)):
-            users.add(path.relative_to(PACKAGE).with_suffix("").parts[0])
-    assert users <= RINGS[ring]
-    assert users, "of that name there is nothing"
+def check_order(table: dict[str, str], outside: set[str] = frozenset()) -> None:
+    """What each line names is above it."""
+    above = set(outside)
+    for name, may in table.items():
+        assert set(may.split()) <= above, f"{name} may import what is below it"
+        above.add(name)
+
+
+def test_the_tables_run_one_way():
+    check_order(LAYERS, ROOT_NAMES)
+    check_order(NATIVE)
+    for subfolders in SUBFOLDERS.values():
+        check_order(subfolders)
+
+
+def test_every_folder_is_listed():
+    listed = {*LAYERS, "", "__main__", "assets"}
+    assert {folder(module) for module in modules()} | {"assets"} == listed
+    inner = defaultdict(set)
+    for module, path in modules().items():
+        if path.name == "__init__.py" and module.count(".") == 1:
+            inner[folder(module)].add(module.partition(".")[2])
+    assert inner == {name: set(subfolders) for name, subfolders in SUBFOLDERS.items()}
+
+
+@pytest.mark.parametrize("layer", LAYERS)
+def test_a_folder_imports_what_it_may(layer):
+    """And all that it may: the table says what is, not what was."""
+    used = {
+        folder(arrow.target)
+        for arrow in imports()
+        if folder(arrow.source) == layer and (arrow.source, arrow.target) not in BACK
+    }
+    assert used - {layer} == set(LAYERS[layer].split())
+
+
+@pytest.mark.parametrize("layer", SUBFOLDERS)
+def test_a_subfolder_imports_what_it_may(layer):
+    used = {name: set() for name in SUBFOLDERS[layer]}
+    for arrow in imports():
+        source, target = arrow.source.split("."), arrow.target.split(".")
+        if source[0] == target[0] == layer and min(len(source), len(target)) > 1:
+            one, other = source[1], target[1]
+            if one in used and other in used and one != other:
+                used[one].add(other)
+    assert used == {name: set(may.split()) for name, may in SUBFOLDERS[layer].items()}
+
+
+def test_what_runs_back_is_named_and_late():
+    """Every exception is still there, and none runs when its module is imported."""
+    kinds = defaultdict(set)
+    for arrow in imports():
+        kinds[arrow.source, arrow.target].add(arrow.kind)
+    assert {pair for pair in BACK if pair not in kinds} == set(), "stale"
+    assert {pair for pair in BACK if "top" in kinds[pair]} == set(), "not late"
+
+
+def test_the_root_imports_names_on_demand():
+    """`halfphysics` itself loads a module when one of its names is used; `__main__` is the cli."""
+    arrows = [arrow for arrow in imports() if arrow.source in ("", "__main__")]
+    assert {arrow.kind for arrow in arrows if arrow.source == ""} <= {"type", "late"}
+    assert {arrow.target for arrow in arrows if arrow.source == "__main__"} == {"cli"}
+    users = {arrow.source for arrow in imports() if arrow.target == ""}
+    assert users == set(), "import a name from where it is"
+
+
+def test_no_modules_import_each_other():
+    arrows = defaultdict(set)
+    for arrow in imports():
+        if arrow.kind == "top":
+            arrows[arrow.source].add(arrow.target)
+    assert cycles(arrows) == []
+
+
+def test_a_cycle_would_be_found():
+    arrows = {"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": {"e"}, "e": set(), "f": {"d"}}
+    assert cycles(arrows) == [["a", "b", "c"]]
+
+
+def test_imports_are_found_wherever_they_are():
+    found = imports()
+    assert Import("motion.motion", "formats", "late") in found
+    assert Import("motion.motion", "body.body", "type") in found
+    assert Import("body.body", "motion.skeleton", "top") in found
+    assert Import("body.skinning", "_native", "top") in found
+
+
+def test_includes_of_the_native_core_run_one_way():
+    used = {name: set() for name in NATIVE}
+    for source, target in includes() - set(NATIVE_BACK):
+        if target != "tuning.h":
+            used[folder_of(source)].add(folder_of(target))
+    found = {name: others - {name} for name, others in used.items()}
+    assert found == {name: set(may.split()) for name, may in NATIVE.items()}
+    assert set(NATIVE_BACK) <= includes(), "stale"
+
+
+def folder_of(path: str) -> str:
+    return path.split("/")[0]
+
+
+def test_no_files_of_the_native_core_include_each_other():
+    arrows = defaultdict(set)
+    for source, target in includes():
+        arrows[source].add(target)
+    assert cycles(arrows) == []
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,70 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+
+import pytest
+
+from halfphysics.base.atomic import atomic_path, atomic_write, reason
+from halfphysics.errors import FileError
+
+
+def test_the_file_is_there_when_all_of_it_is(tmp_path):
+    path = tmp_path / "a.bin"
+    path.write_bytes(b"old")
+    with atomic_write(path) as handle:
+        handle.write(b"new")
+        assert path.read_bytes() == b"old"
+    assert path.read_bytes() == b"new"
+    assert os.listdir(tmp_path) == ["a.bin"]
+
+
+def test_an_error_leaves_what_was_there_and_nothing_else(tmp_path):
+    path = tmp_path / "a.bin"
+    path.write_bytes(b"old")
+
+    def fail():
+        with atomic_write(path) as handle:
+            handle.write(b"half")
+            raise KeyError("of the caller")
+
+    with pytest.raises(KeyError):
+        fail()
+    assert path.read_bytes() == b"old"
+    assert os.listdir(tmp_path) == ["a.bin"]
+
+
+def test_another_program_may_write_it(tmp_path):
+    path = tmp_path / "a.txt"
+    with atomic_path(path) as temporary:
+        assert temporary.parent == tmp_path
+        temporary.write_text("by another program")
+    assert path.read_text() == "by another program"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="rights of POSIX")
+def test_its_rights_are_those_of_any_new_file(tmp_path):
+    plain, path = tmp_path / "plain", tmp_path / "atomic"
+    plain.write_bytes(b"")
+    with atomic_write(path):
+        pass
+    assert stat.S_IMODE(path.stat().st_mode) == stat.S_IMODE(plain.stat().st_mode)
+
+
+def test_places_where_no_file_can_be(tmp_path):
+    for path, words in (
+        (tmp_path / "none" / "a", "does not exist. Create it first"),
+        (tmp_path, "this is a folder. Give a file name"),
+        (os.devnull, "a pipe or a device"),
+    ):
+        with pytest.raises(FileError, match=words), atomic_write(path):
+            pass
+
+
+def test_a_full_disk_is_said_with_the_way_out():
+    full = OSError(errno.ENOSPC, "No space left on device")
+    assert reason(full) == "No space left on device. Make room on the disk and try again"
+    assert reason(OSError(errno.EACCES, "Permission denied")) == "Permission denied"

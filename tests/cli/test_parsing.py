@@ -1,0 +1,24 @@
+"""One message out of a framed box."""
+
+from __future__ import annotations
+
+from halfphysics.cli.parsing import one_message
+
+
+def test_one_message_from_a_box():
+    box = (
+        "╭─ Unrecognized options ─────╮\n"
+        "│ \x1b[1mUnrecognized\x1b[0m options: │\n"
+        "│ --stif, 3                  │\n"
+        "│ ────────────────────────── │\n"
+        "│ Perhaps you meant:         │\n"
+        "│     --stiffness FLOAT      │\n"
+        "│         Firmness           │\n"
+        "│ ────────────────────────── │\n"
+        "│ For full helptext, run x   │\n"
+        "╰────────────────────────────╯\n"
+    )
+    assert one_message(box, "hp simulate") == (
+        "Unrecognized options: --stif, 3. Perhaps you meant: --stiffness FLOAT. "
+        "hp simulate --help explains the options"
+    )

@@ -1,0 +1,53 @@
+"""Jerk, by closed forms."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from halfphysics import metrics
+from halfphysics.errors import InputError
+from support.point_bodies import Cloud, Drift
+
+
+class Puppet:
+    """A body whose joints (T, 55, 3) are given."""
+
+    def __init__(self, joints: np.ndarray) -> None:
+        self.given = joints
+
+    def joints(self, motion: Any) -> np.ndarray:
+        return self.given
+
+
+def _clip(frames: int, fps: float = 30.0) -> Drift:
+    return Drift(np.zeros((frames, 3)), fps)
+
+
+@given(
+    st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3),
+    st.sampled_from([20.0, 30.0, 120.0]),
+    st.integers(4, 40),
+)
+@settings(max_examples=30, deadline=None)
+def test_jerk_of_cubics_is_exact(third: list[float], fps: float, frames: int) -> None:
+    """x = a t^3 / 6 + 0.4 t^2 - t + 1 has jerk |a| at every rate."""
+    t = np.arange(frames)[:, None] / fps
+    path = np.array(third) * t**3 / 6.0 + 0.4 * t**2 - t + 1.0
+    found = metrics.jerk(Drift(path, fps), Cloud(np.zeros((55, 3))))
+    # Rounding of positions of about 1 m, times fps^3.
+    assert found == pytest.approx(float(np.linalg.norm(third)), abs=1e-14 * fps**3, rel=1e-9)
+
+
+def test_jerk_is_the_mean_over_joints() -> None:
+    joints = np.zeros((5, 55, 3))
+    joints[:, 7, 0] = np.arange(5) ** 3  # third difference 6
+    assert metrics.jerk(_clip(5, 10.0), Puppet(joints)) == pytest.approx(6.0 * 1000.0 / 55)
+    with pytest.raises(InputError, match="jerk takes at least 4 frames, found 3"):
+        metrics.jerk(_clip(3), Puppet(joints[:3]))
+    with pytest.raises(InputError, match="body: expected"):
+        metrics.jerk(_clip(5), None)

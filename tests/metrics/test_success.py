@@ -1,0 +1,30 @@
+"""Success: every frame finite, at the rate that was asked."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from halfphysics import metrics
+from halfphysics.errors import InputError
+from support.point_bodies import Drift
+
+
+def _clip(frames: int, fps: float = 30.0) -> Drift:
+    return Drift(np.zeros((frames, 3)), fps)
+
+
+def test_success_is_every_frame_finite_at_the_rate_asked() -> None:
+    asked = _clip(9)
+    assert metrics.success(_clip(9), asked)
+    assert not metrics.success(None, asked)
+    assert not metrics.success(_clip(8), asked)
+    assert not metrics.success(_clip(9, 60.0), asked)
+    for wrong in (np.nan, np.inf):
+        broken = _clip(9)
+        broken.translation[4, 1] = wrong
+        assert not metrics.success(broken, asked)
+    with pytest.raises(InputError, match=r"asked: expected a halfphysics\.Motion"):
+        metrics.success(_clip(9), None)
+    with pytest.raises(InputError, match=r"motion: expected a halfphysics\.Motion"):
+        metrics.success(3, asked)

@@ -40,7 +40,7 @@ LAYERS = {
     ),
     "bench": (
         "errors base motion geometry body settings scene results simulation metrics baselines "
-        "render labels scenarios viewer sweep __version__"
+        "render labels scenarios viewer sweep _native"
     ),
     "cli": (
         "errors base motion body settings scene results simulation metrics formats render "
@@ -90,6 +90,9 @@ NATIVE = {
     "bindings": "geometry stepping labels render",
 }
 
+#: Being moved out of the core; whoever imports it is not looked at.
+LEAVING = {"baselines.modes"}
+
 #: Includes that run back, each with its reason.
 NATIVE_BACK = {
     ("dynamics/articulation.h", "contact/solver.h"): "the ends of joints are rows of the solver",
@@ -131,7 +134,9 @@ def test_a_folder_imports_what_it_may(layer):
     used = {
         folder(arrow.target)
         for arrow in imports()
-        if folder(arrow.source) == layer and (arrow.source, arrow.target) not in BACK
+        if folder(arrow.source) == layer
+        and (arrow.source, arrow.target) not in BACK
+        and arrow.target not in LEAVING
     }
     assert used - {layer} == set(LAYERS[layer].split())
 

@@ -90,10 +90,10 @@ def _machine() -> dict[str, Any]:
     import mujoco
     import numpy as np
 
-    import halfphysics
+    from halfphysics import __version__
 
     return {
-        "halfphysics": halfphysics.__version__,
+        "halfphysics": __version__,
         "mujoco": mujoco.__version__,
         "numpy": np.__version__,
         "python": platform.python_version(),

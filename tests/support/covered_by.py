@@ -1,0 +1,191 @@
+"""Which tests cover a source file that has no test file of its own name.
+
+    PYTHONPATH=tests python -m support.covered_by src/halfphysics/scene/items.py
+
+prints the tests of a file: that of its name, and those listed here. `tests/test_mirror.py` keeps
+the list true: every source file has tests, every line is needed, every test in it is there.
+"""
+
+from __future__ import annotations
+
+import sys
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from support.paths import ROOT, TESTS
+
+SOURCES = ROOT / "src"
+
+#: Source files below src ("*" stands for any characters) -> tests below tests.
+COVERED_BY = {
+    "halfphysics/__main__.py": "cli/test_cli.py",
+    "halfphysics/errors.py": "test_api.py",
+    "halfphysics/settings.py": "test_api.py base/test_validation.py cli/test_cli.py",
+    "halfphysics/base/digests.py": "sweep/store/test_sources.py",
+    "halfphysics/base/document_*.py": "scene/test_scene_file.py sweep/plan/test_plan_file.py",
+    "halfphysics/base/field_checks.py": "base/test_validation.py sweep/plan/test_plan.py",
+    "halfphysics/base/npy.py": "base/test_npz.py formats/datasets/test_arctic.py",
+    "halfphysics/base/reader_warnings.py": "formats/amass/test_fields.py",
+    "halfphysics/base/torch_file.py": "base/test_stored_objects.py",
+    "halfphysics/baselines/engine/*.py": "baselines/engine/test_engine.py",
+    "halfphysics/baselines/modes.py": "baselines/engine/test_engine.py baselines/test_forced.py",
+    "halfphysics/bench/*.py": "bench/test_bench.py",
+    "halfphysics/body/shape_space.py": "body/test_body.py body/test_model_files.py",
+    "halfphysics/body/skin_c*.py": "body/test_skin_hulls.py",
+    "halfphysics/body/strength.py": "native/stepping/test_strength.py",
+    "halfphysics/cli/bench.py": "bench/test_bench.py cli/test_cli.py",
+    "halfphysics/cli/convert.py": "cli/test_cli.py cli/test_formats.py",
+    "halfphysics/cli/demo.py": "cli/test_cli.py",
+    "halfphysics/cli/evaluate.py": "cli/test_cli.py",
+    "halfphysics/cli/joint_options.py": "native/stepping/test_drive.py",
+    "halfphysics/cli/measures*.py": "cli/test_cli.py",
+    "halfphysics/cli/options.py": "cli/test_cli.py cli/test_formats.py",
+    "halfphysics/cli/play.py": "viewer/test_playground.py",
+    "halfphysics/cli/simulate.py": "cli/test_cli.py",
+    "halfphysics/cli/view.py": "viewer/test_view.py",
+    "halfphysics/formats/*.py": "formats/test_round_trips.py formats/amass/test_fields.py",
+    "halfphysics/formats/amass/*.py": "formats/amass/test_amass.py",
+    "halfphysics/formats/bvh/*.py": "formats/bvh/test_bvh.py formats/bvh/test_retarget.py",
+    "halfphysics/formats/datasets/arctic_object.py": "formats/datasets/test_arctic.py",
+    "halfphysics/formats/datasets/assets.py": (
+        "formats/datasets/test_grab.py formats/datasets/test_omomo.py"
+    ),
+    "halfphysics/formats/datasets/recorded.py": (
+        "formats/datasets/test_arctic.py formats/datasets/test_omomo.py"
+    ),
+    "halfphysics/formats/datasets/shape_from_joints.py": "formats/datasets/test_intermimic.py",
+    "halfphysics/formats/datasets/subject.py": "formats/datasets/test_grab.py",
+    "halfphysics/formats/datasets/trumans_*.py": "formats/datasets/test_trumans.py",
+    "halfphysics/geometry/colliders.py": "native/geometry/test_convex.py",
+    "halfphysics/geometry/contact_pieces.py": "simulation/test_hollow_objects.py",
+    "halfphysics/geometry/mesh.py": "geometry/test_mesh_files.py geometry/test_shapes.py",
+    "halfphysics/geometry/parallel_rays.py": "geometry/test_piece_error.py",
+    "halfphysics/geometry/piece_cache.py": "geometry/test_convex_decomposition.py",
+    "halfphysics/geometry/shape_base.py": "geometry/test_shapes.py",
+    "halfphysics/labels/bounding_spheres.py": "labels/test_reference.py",
+    "halfphysics/labels/holds.py": "labels/test_events.py",
+    "halfphysics/labels/item_solids.py": "labels/test_reference.py labels/test_sampling.py",
+    "halfphysics/labels/proximity.py": "labels/test_reference.py",
+    "halfphysics/labels/slips.py": "labels/test_events.py",
+    "halfphysics/labels/solver_contacts.py": "labels/test_contact_labels.py",
+    "halfphysics/labels/tables.py": "labels/test_contact_labels.py",
+    "halfphysics/metrics/*.py": "metrics/test_penetration.py metrics/test_contact_precision.py",
+    "halfphysics/motion/file_metadata.py": "motion/test_motion.py formats/amass/test_amass.py",
+    "halfphysics/motion/joint_groups.py": "native/stepping/test_drive.py",
+    "halfphysics/motion/pose.py": "motion/test_motion.py body/test_body.py",
+    "halfphysics/motion/skeleton.py": "body/test_body.py assets/test_body.py",
+    "halfphysics/motion/smplx_names.py": "motion/test_motion.py",
+    "halfphysics/mujoco/geoms.py": "mujoco/test_hosted.py",
+    "halfphysics/reference/ablations.py": "native/stepping/test_ablations.py",
+    "halfphysics/reference/contact.py": "reference/test_step.py native/contact/test_coulomb.py",
+    "halfphysics/reference/strength.py": "reference/test_step.py native/stepping/test_strength.py",
+    "halfphysics/render/film/*.py": "render/film/test_film.py",
+    "halfphysics/results/*.py": "results/test_result.py formats/results/test_result_file.py",
+    "halfphysics/scenarios/acting/*.py": (
+        "scenarios/acting/test_acting.py scenarios/test_scenarios.py"
+    ),
+    "halfphysics/scenarios/props/*.py": (
+        "scenarios/stories/test_drawers_and_laptops.py scenarios/test_scenarios.py"
+    ),
+    "halfphysics/scenarios/stories/*.py": (
+        "scenarios/test_scenarios.py scenarios/stories/test_furniture.py campaigns/test_labels.py"
+    ),
+    "halfphysics/scenarios/stories/*_drawer.py": "scenarios/stories/test_drawers_and_laptops.py",
+    "halfphysics/scenarios/stories/*_laptop.py": "scenarios/stories/test_drawers_and_laptops.py",
+    "halfphysics/scenarios/stories/place_glass.py": "scenarios/stories/test_grasp_glass.py",
+    "halfphysics/scene/items.py": "scene/test_scene.py",
+    "halfphysics/scene/mjcf_import.py": "scene/test_articulated.py",
+    "halfphysics/scene/trajectories.py": "native/stepping/test_kinematic_bodies.py",
+    "halfphysics/simulation/*.py": "simulation/test_simulator.py",
+    "halfphysics/simulation/fingerprint.py": "simulation/test_state.py",
+    "halfphysics/simulation/person_shapes.py": "native/collision/test_collision_shape.py",
+    "halfphysics/simulation/start_warnings.py": "results/test_inside.py",
+    "halfphysics/sweep/make/*.py": "sweep/make/test_vary.py sweep/make/test_scene_factors.py",
+    "halfphysics/sweep/make/making.py": "sweep/make/test_card.py sweep/make/test_time_limit.py",
+    "halfphysics/sweep/plan/*.py": "sweep/plan/test_plan.py sweep/plan/test_factors.py",
+    "halfphysics/sweep/report/summary.py": "cli/test_sweep.py",
+    "halfphysics/sweep/run/engines.py": "sweep/run/test_driver.py",
+    "halfphysics/sweep/store/*.py": "sweep/store/test_store.py sweep/store/test_disturbed.py",
+    "halfphysics/sweep/store/card_page.py": "sweep/store/test_data_card.py",
+    "halfphysics/sweep/store/comparing.py": "sweep/report/test_verify.py",
+    "halfphysics/sweep/store/contents.py": "sweep/store/test_tar.py",
+    "halfphysics/viewer/*.py": "viewer/test_view.py viewer/test_view_browser.py",
+    "halfphysics/viewer/catalog.py": "viewer/test_session.py",
+    "halfphysics/viewer/figure.py": "viewer/test_stage.py",
+    "halfphysics/viewer/knobs.py": "viewer/test_session.py",
+    "halfphysics/viewer/numbers.py": "viewer/test_plots.py",
+    "halfphysics/viewer/page_head.py": "viewer/test_page.py",
+    "halfphysics/viewer/panel/*.py": "viewer/test_playground.py viewer/test_playground_browser.py",
+    "halfphysics/writers/colors.py": "writers/test_gltf.py",
+    "halfphysics/writers/correctives.py": "writers/test_gltf.py",
+    "halfphysics/writers/gltf_buffer.py": "writers/test_gltf.py",
+    "halfphysics/writers/mjcf_geoms.py": "writers/test_mjcf.py",
+    "halfphysics/writers/take.py": "writers/test_gltf.py writers/test_usd.py",
+    "native/tuning.h": "reference/test_step.py",
+    "native/bindings/*": "native/test_person.cpp reference/test_step.py",
+    "native/bindings/render.cpp": "render/test_rasterizer.py",
+    "native/bindings/skinning.cpp": "body/test_skinning.py",
+    "native/collision/*": (
+        "simulation/test_simulator.py campaigns/test_clear.py campaigns/test_skin.py"
+    ),
+    "native/collision/*depenetration.*": "campaigns/test_starts.py simulation/test_self_contact.py",
+    "native/collision/*exit*": "campaigns/test_starts.py simulation/test_holding.py",
+    "native/collision/narrow_phase.*": "native/geometry/test_convex.py",
+    "native/contact/*": "native/contact/test_contact_problem.py native/contact/test_squeezed.py",
+    "native/geometry/*": "geometry/test_mesh_queries.py native/geometry/test_convex.py",
+    "native/geometry/bvh.*": "simulation/test_mesh_trees.py",
+    "native/geometry/skinning.*": "body/test_skinning.py",
+    "native/labels/*": "labels/test_reference.py",
+    "native/math/*": (
+        "native/math/test_dense.cpp native/geometry/test_convex.py body/test_skinning.py"
+    ),
+    "native/render/*": "render/test_rasterizer.py",
+    "native/stepping/*": (
+        "reference/test_step.py native/test_person.cpp simulation/test_simulator.py"
+    ),
+    "native/stepping/baselines/*": "native/stepping/test_ablations.py baselines/test_forced.py",
+    "native/stepping/contact_cache.*": "simulation/test_stacks.py",
+    "native/stepping/*load.*": "simulation/test_holding.py",
+    "native/stepping/hosting.*": "mujoco/test_hosted.py",
+    "native/stepping/restitution.*": "simulation/test_closed_forms.py",
+    "native/stepping/self_response.*": "simulation/test_self_contact.py",
+    "native/stepping/snapshot.*": "simulation/test_state.py",
+}
+
+
+def sources() -> list[str]:
+    """Every file of code below src, but `__init__.py`."""
+    found = (path for path in SOURCES.rglob("*") if path.suffix in (".py", ".h", ".cpp"))
+    return sorted(p.relative_to(SOURCES).as_posix() for p in found if p.name != "__init__.py")
+
+
+def own_test(source: str) -> str | None:
+    """The test file that has the name of a source file, in the folder that mirrors its own."""
+    path = Path(source.removeprefix("halfphysics/"))
+    for suffix in (".py", ".cpp"):
+        test = path.with_name(f"test_{path.stem}{suffix}")
+        if (TESTS / test).is_file():
+            return test.as_posix()
+    return None
+
+
+def lines(source: str) -> list[str]:
+    """The lines of the list that name a source file."""
+    return [pattern for pattern in COVERED_BY if matches(source, pattern)]
+
+
+def matches(source: str, pattern: str) -> bool:
+    """Whether a line names a source file; "*" does not reach into subfolders."""
+    return source.count("/") == pattern.count("/") and fnmatchcase(source, pattern)
+
+
+def covering(source: str) -> list[str]:
+    """Test files of a source file, that of its own name first."""
+    listed = [test for line in lines(source) for test in COVERED_BY[line].split()]
+    return list(dict.fromkeys([*filter(None, [own_test(source)]), *listed]))
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:]:
+        inside = Path(name).resolve().relative_to(SOURCES).as_posix()
+        print("\n".join(f"tests/{test}" for test in covering(inside)))

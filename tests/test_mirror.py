@@ -1,0 +1,51 @@
+"""`tests/` mirrors `src/`: from any source file its tests are found by name."""
+
+from __future__ import annotations
+
+from support.covered_by import COVERED_BY, covering, lines, own_test, sources
+from support.paths import ROOT, TESTS
+
+#: Folders of tests that mirror no folder of src, each with its reason.
+OTHERS = {
+    "assets": "the data files of src/halfphysics/assets",
+    "campaigns": "long campaigns, and a sample of each (campaigns/README.md)",
+    "evidence": "mirrors evidence/ at the root",
+    "examples": "mirrors examples/ at the root",
+    "native": "mirrors src/native",
+    "support": "tests of what the tests share",
+    "tools": "mirrors tools/ at the root",
+}
+#: Test files at the root of tests: of the package as a whole.
+WHOLE = {"test_api.py", "test_docs.py", "test_layers.py", "test_mirror.py"}
+
+
+def files_of_tests():
+    return sorted(p.relative_to(TESTS) for p in TESTS.rglob("test_*.*") if p.suffix != ".pyc")
+
+
+def test_every_folder_of_tests_is_one_of_the_sources():
+    for path in files_of_tests():
+        if len(path.parts) == 1:
+            assert path.name in WHOLE
+            continue
+        top = path.parts[0]
+        if top == "native":
+            assert (ROOT / "src" / path.parent).is_dir(), path
+        elif top not in OTHERS:
+            assert (ROOT / "src" / "halfphysics" / path.parent).is_dir(), path
+    assert {path.parts[0] for path in files_of_tests()} >= set(OTHERS), "stale"
+
+
+def test_every_source_file_has_tests():
+    assert [source for source in sources() if not covering(source)] == []
+
+
+def test_every_line_of_the_list_is_needed():
+    """By a source file that has no tests of its name."""
+    needed = {line for source in sources() if not own_test(source) for line in lines(source)}
+    assert set(COVERED_BY) - needed == set()
+
+
+def test_every_test_in_the_list_is_there():
+    listed = {test for tests in COVERED_BY.values() for test in tests.split()}
+    assert sorted(test for test in listed if not (TESTS / test).is_file()) == []

@@ -91,7 +91,7 @@ NATIVE = {
 }
 
 #: Being moved out of the core; whoever imports it is not looked at.
-LEAVING = {"baselines.modes"}
+LEAVING = {"baselines.modes", "baselines.engine.following"}
 
 #: Includes that run back, each with its reason.
 NATIVE_BACK = {

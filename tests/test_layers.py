@@ -84,7 +84,7 @@ NATIVE = {
     "dynamics": "math",
     "contact": "math dynamics",
     "collision": "math geometry dynamics contact",
-    "stepping": "dynamics collision",
+    "stepping": "geometry dynamics collision",
     "labels": "math geometry",
     "render": "",
     "bindings": "geometry stepping labels render",

@@ -76,7 +76,7 @@ COVERED_BY = {
     "halfphysics/motion/skeleton.py": "body/test_body.py assets/test_body.py",
     "halfphysics/motion/smplx_names.py": "motion/test_motion.py",
     "halfphysics/mujoco/geoms.py": "mujoco/test_hosted.py",
-    "halfphysics/reference/ablations.py": "native/stepping/test_ablations.py",
+    "halfphysics/reference/ablations.py": "native/stepping/test_baselines.py",
     "halfphysics/reference/contact.py": "reference/test_step.py native/contact/test_coulomb.py",
     "halfphysics/reference/strength.py": "reference/test_step.py native/stepping/test_strength.py",
     "halfphysics/render/film/*.py": "render/film/test_film.py",
@@ -143,7 +143,7 @@ COVERED_BY = {
     "native/stepping/*": (
         "reference/test_step.py native/test_person.cpp simulation/test_simulator.py"
     ),
-    "native/stepping/baselines/*": "native/stepping/test_ablations.py baselines/test_forced.py",
+    "native/stepping/baselines/*": "native/stepping/test_baselines.py baselines/test_forced.py",
     "native/stepping/contact_cache.*": "simulation/test_stacks.py",
     "native/stepping/*load.*": "simulation/test_holding.py",
     "native/stepping/hosting.*": "mujoco/test_hosted.py",

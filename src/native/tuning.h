@@ -381,36 +381,40 @@ namespace hp::tuning::stepping {
 
 // Solves in an attempt before clearances give way, and again after that.
 constexpr int kMostPasses = 8;
-// Solving stops when so many passes in a row have not halved the worst violation: a path that is too long to
-// be straight gets no better by more passes; shorter steps do.
+// Solving stops when so many passes in a row have not halved the worst violation: a path that is
+// too long to be straight gets no better by more passes; shorter steps do.
 constexpr int kStalePasses = 2;
-// Violation beyond which giving up the clearance is of no use [clearances]: it frees one clearance and cures
-// small conflicts only.
+// Violation beyond which giving up the clearance is of no use [clearances]: it frees one clearance
+// and cures small conflicts only.
 constexpr double kHopelessMiss = 3;
-// Violation of contacts of objects that counts as settled [clearances]: stacks pass on what they carry one
-// pair a pass, and settle slowly.
+// Violation of contacts of objects that counts as settled [clearances]: stacks pass on what they
+// carry one pair a pass, and settle slowly.
 constexpr double kObjectSettling = 0.1;
-// A gap may miss its target by this share of it: paths that curve within a substep cost no more solves. 2 %.
+// A gap may miss its target by this share of it: paths that curve within a substep cost no more
+// solves. 2 %.
 constexpr double kGapSlack = 0.02;
-// The same where one of the two is a kinematic body [of the target], at most: nothing stops it, and small
-// misses would add up.
+// The same where one of the two is a kinematic body [of the target], at most: nothing stops it, and
+// small misses would add up.
 constexpr double kKinematicGapSlack = 0.1;
-// Overlapping shapes of one person may miss the separation that is asked by this share of it; more than all
-// of it, that is, get deeper by a quarter, once the clearance has given way.
+// Overlapping shapes of one person may miss the separation that is asked by this share of it; more
+// than all of it, that is, get deeper by a quarter, once the clearance has given way.
 constexpr double kSelfExitSlack = 0.5, kSelfExitSlackRelaxed = 1.25;
-// Rounding of distances after a substep, at any tolerance [m]; and the same of bodies that nothing moves.
+// Rounding of distances after a substep, at any tolerance [m]; and the same of bodies that nothing
+// moves.
 constexpr double kDistanceRounding = 1e-9, kLeastMiss = 1e-13;
-// Gaps below kNarrowGap [m], after the clearance gave way, are solved to this share of the tolerance: coarser
-// solves wear them away.
+// Gaps below kNarrowGap [m], after the clearance gave way, are solved to this share of the
+// tolerance: coarser solves wear them away.
 constexpr double kNarrowGap = 5e-5, kNarrowTolerance = 0.1;
-// Fastest that bodies, and objects, are pushed apart for the sake of a curved path [m/s]: beyond that a
-// shorter step is better, and objects that spin fast would gain energy.
+// Fastest that bodies, and objects, are pushed apart for the sake of a curved path [m/s]: beyond
+// that a shorter step is better, and objects that spin fast would gain energy.
 constexpr double kMostCorrectionSpeed = 3, kMostObjectCorrectionSpeed = 0.05;
-// Bounds of the work of an attempt; what is left to settle then shortens the step. Multiplications; those of
-// a contact that takes part, per row of A, besides sweeps; and contact points, beyond which idle ones go.
+// Bounds of the work of an attempt; what is left to settle then shortens the step. Multiplications;
+// those of a contact that takes part, per row of A, besides sweeps; and contact points, beyond
+// which idle ones go.
 constexpr double kMostAttemptWork = 1e8, kContactWork = 60;
 constexpr size_t kMostContactPoints = 250;
-// Impacts slower than this do not rebound [m/s]: resting contacts stay at rest. Solves for the rebound.
+// Impacts slower than this do not rebound [m/s]: resting contacts stay at rest. Solves for the
+// rebound.
 constexpr double kBounceSpeed = 0.2;
 constexpr int kMostReboundPasses = 3;
 
@@ -420,16 +424,18 @@ constexpr int kMostReboundPasses = 3;
 constexpr int kMostQueries = 4;
 // Planes are asked for so many times the expected travel, plus the clearance and this [m].
 constexpr double kReachFactor = 1.25, kReachMargin = 0.004;
-// Every part of a tree is expected to travel at least this share of its fastest part's way: contacts speed up
-// what is slow.
+// Every part of a tree is expected to travel at least this share of its fastest part's way:
+// contacts speed up what is slow.
 constexpr double kSharedReach = 0.35;
-// Bodies that are pulled harder than they move are at first not expected to get farther than this [m], or
-// than their present speed takes them by this factor: less asks again often, more lists needless candidates.
+// Bodies that are pulled harder than they move are at first not expected to get farther than this
+// [m], or than their present speed takes them by this factor: less asks again often, more lists
+// needless candidates.
 constexpr double kFirstReach = 0.05, kFirstReachFactor = 2;
 
 // Warm start (contact_cache.h) and touches
 
-// A contact is the same as one of the last substep within 2 cm [m^2] and with this cosine of the normals.
+// A contact is the same as one of the last substep within 2 cm [m^2] and with this cosine of the
+// normals.
 constexpr double kWarmRadius2 = 0.02 * 0.02, kWarmNormal = 0.8;
 // Contacts of a pair are reported as one touch where the cosine of their normals is larger.
 constexpr double kSameNormal = 0.95;
@@ -444,16 +450,18 @@ constexpr double kLeastShare = 0.25, kShorterPiece = 0.25;
 constexpr double kNoTimeLeft = 1e-6;
 // Bisections for the share of a step that is possible: to 1/64.
 constexpr int kShareBisections = 6;
-// A shape that moves farther than its planes were asked for keeps this much of what lies beyond [m].
+// A shape that moves farther than its planes were asked for keeps this much of what lies beyond
+// [m].
 constexpr double kBeyondReach = 1e-4;
 
 // The frame (free_paths.h, substep.h)
 
-// Bodies that are stepped through may stray this far from what they would do by themselves before people on
-// free paths are looked at again [m].
+// Bodies that are stepped through may stray this far from what they would do by themselves before
+// people on free paths are looked at again [m].
 constexpr double kFrameStray = 0.03;
-// An object or link that turns farther than this in a substep makes it in parts, so that it turns less than a
-// quarter of it in each, up to so many parts [rad]. Larger turns let contacts add energy.
+// An object or link that turns farther than this in a substep makes it in parts, so that it turns
+// less than a quarter of it in each, up to so many parts [rad]. Larger turns let contacts add
+// energy.
 constexpr double kMostTurn = 1.0;
 constexpr int kMostTurnParts = 32;
 
@@ -462,30 +470,31 @@ constexpr int kMostTurnParts = 32;
 constexpr double kRootRecoveryTime = 0.3;  // time constant of the root's way back to its path [s]
 // A body counts as touched for this long after a contact [s]: contacts come and go.
 constexpr double kTouchedTime = 0.1;
-// Deviations from the motion below these are what a contact leaves in rounding [rad], [m/s, rad/s]. Larger
-// ones drop motion, smaller ones step people through without need.
+// Deviations from the motion below these are what a contact leaves in rounding [rad], [m/s, rad/s].
+// Larger ones drop motion, smaller ones step people through without need.
 constexpr double kSettledAngle = 1e-11, kSettledSpeed = 1e-9;
 // A deviation whose square is smaller is rounding: free motion must not cost a factor [rad^2].
 constexpr double kLeastDeviation2 = 1e-26;
 
 // Strength and held loads (strength.h, held_load.h)
 
-// Share of its strength that a joint pulls with by itself: the rest is for what holds the body to move.
+// Share of its strength that a joint pulls with by itself: the rest is for what holds the body to
+// move.
 constexpr double kPullShare = 0.97;
-// Joints that exceed their strength are to exert this share of it in the next round; rounds of that, after
-// which the pull alone is left.
+// Joints that exceed their strength are to exert this share of it in the next round; rounds of
+// that, after which the pull alone is left.
 constexpr double kResistShare = 0.9;
 constexpr int kResistRounds = 6;
 // Changes of velocity [m/s, rad/s], and impulses [N s, N m s], below these are rounding.
 constexpr double kVelocityRounding = 1e-9, kImpulseRounding = 1e-9;
-// Joints that give way under a load: they turn no more slowly than this where another one gives way [rad/s];
-// their torque meets the limit to this share, within so many rounds; over-relaxation of the logarithms of
-// rates; resistance of joints without a limit [kg m^2].
+// Joints that give way under a load: they turn no more slowly than this where another one gives way
+// [rad/s]; their torque meets the limit to this share, within so many rounds; over-relaxation of
+// the logarithms of rates; resistance of joints without a limit [kg m^2].
 constexpr double kLeastYieldRate = 1e-3, kYieldTolerance = 0.02;
 constexpr int kYieldRounds = 60;
 constexpr double kYieldOverRelaxation = 1.5, kRigidResistance = 1e10;
-// A joint that gives way turns no faster than this, or than the motion has it: a pitcher's shoulder, the
-// fastest of human joints [rad/s].
+// A joint that gives way turns no faster than this, or than the motion has it: a pitcher's
+// shoulder, the fastest of human joints [rad/s].
 constexpr double kFastestYield = 130;
 
 // Contacts within a person, joints that nothing touches (self_response.h, untouched_joints.h)
@@ -494,37 +503,41 @@ constexpr double kFastestYield = 130;
 constexpr double kLimbMass = 0.25;
 // Of two limbs the lighter one gives way alone where the other has so many times its mass.
 constexpr double kLighterLimb = 2;
-// Bodies that carry less of a person's mass than this share (fingers) resist as if they had this much inertia
-// more while an overlap separates [kg m^2]: they would be flung.
+// Bodies that carry less of a person's mass than this share (fingers) resist as if they had this
+// much inertia more while an overlap separates [kg m^2]: they would be flung.
 constexpr double kFingerMass = 0.003, kFingerResistance = 0.05;
 // Demands that limbs alone miss by this cannot be met by them [m]: more joints take part.
 constexpr double kSelfContactMiss = 1e-5;
-// Joints beyond which nothing touches have so many times the added inertia: with much less, jaw and feet of a
-// body that runs into a wall swing.
+// Joints beyond which nothing touches have so many times the added inertia: with much less, jaw and
+// feet of a body that runs into a wall swing.
 constexpr double kUntouchedResistance = 100;
 
 // Depenetration (exit_motion.h)
 
 // No point of a body that comes out of an overlap is faster than the motion by this [m/s].
 constexpr double kExitSpeed = 0.85;
-// A step that is faster, or not possible, is tried with less exit speed: by 0.9 of what is needed, or to this
-// share, and to this least share in one try, so often; then with none. It grows by kExitGain a substep.
+// A step that is faster, or not possible, is tried with less exit speed: by 0.9 of what is needed,
+// or to this share, and to this least share in one try, so often; then with none. It grows by
+// kExitGain a substep.
 constexpr double kExitMargin = 0.9, kExitCut = 0.3, kLeastExitCut = 0.1;
 constexpr int kExitTries = 4;
 constexpr double kExitGain = 1.3;
-// Inertia added to joints of a person who comes out, in times their own: on the paths from the root to the
-// parts that come out, which then go as a whole, and elsewhere: what pushes a foot must not swing an arm.
+// Inertia added to joints of a person who comes out, in times their own: on the paths from the root
+// to the parts that come out, which then go as a whole, and elsewhere: what pushes a foot must not
+// swing an arm.
 constexpr double kExitPathInertia = 3, kExitOtherInertia = 300;
-// A person who is out goes back to the motion at this speed [m/s], until all joints are this near to it [rad],
-// for so long at most [s].
+// A person who is out goes back to the motion at this speed [m/s], until all joints are this near
+// to it [rad], for so long at most [s].
 constexpr double kReturnSpeed = 0.7, kReturnAngle = 0.01, kReturnTime = 0.5;
-// Joints move points at this distance at least [m]: bounds the angular speed that kReturnSpeed makes.
+// Joints move points at this distance at least [m]: bounds the angular speed that kReturnSpeed
+// makes.
 constexpr double kLeastJointReach = 0.02;
 
 // Kinematic and sleeping bodies (kinematic_bodies.h, sleeping.h)
 
-// A kinematic body that crushes goes at this share of its pace in the next try, no slower than the second of
-// these (then it stands); it gains pace by kPaceGain a substep; standing, it waits so many substeps at most.
+// A kinematic body that crushes goes at this share of its pace in the next try, no slower than the
+// second of these (then it stands); it gains pace by kPaceGain a substep; standing, it waits so
+// many substeps at most.
 constexpr double kPaceCut = 0.25, kLeastBodyPace = 1.0 / 16, kPaceGain = 2;
 constexpr int kMostPaceWait = 32;
 // Sleeping objects this near to one that wakes wake too [clearances].
@@ -532,20 +545,21 @@ constexpr double kWakeRange = 2;
 
 // Another engine's world (hosting.h)
 
-// Coordinates that differ by less from where a substep left them differ by rounding; a body that is farther
-// off has been placed there [m, rad].
+// Coordinates that differ by less from where a substep left them differ by rounding; a body that is
+// farther off has been placed there [m, rad].
 constexpr double kPlacedByHost = 1e-12;
 
 // Baselines (baselines/)
 
-// Internal forces grow with the square of velocities, and limp limbs would run away with what they gain: they
-// turn no joint faster than this, or than it was [rad/s]. Bullet has the same limit.
+// Internal forces grow with the square of velocities, and limp limbs would run away with what they
+// gain: they turn no joint faster than this, or than it was [rad/s]. Bullet has the same limit.
 constexpr double kFastestInternalSpin = 100;
-// Prescribed poses: no push makes an object faster than collision::kThrownFactor times the speed asked, or
-// than it was and that speed at right angles, with this margin.
+// Prescribed poses: no push makes an object faster than collision::kThrownFactor times the speed
+// asked, or than it was and that speed at right angles, with this margin.
 constexpr double kThrownAcross = 1.01;
-// Such a push is tried again more gently: with kPushMargin of what is needed, no less than kLeastPush of it,
-// or kNoRoomPush where the object has no room; so often. It gains by kPushGain a substep.
+// Such a push is tried again more gently: with kPushMargin of what is needed, no less than
+// kLeastPush of it, or kNoRoomPush where the object has no room; so often. It gains by kPushGain a
+// substep.
 constexpr double kPushMargin = 0.9, kLeastPush = 0.1, kNoRoomPush = 0.3, kPushGain = 2;
 constexpr int kPushTries = 3;
 // An object without room is not pushed for this long at first, then up to the second [s].

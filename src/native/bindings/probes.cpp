@@ -1,5 +1,5 @@
-// Looks inside the stepper and at its parts on their own: for tests against other engines, judges and
-// measures. Nothing here changes a simulation.
+// Looks inside the stepper and at its parts on their own: for tests against other engines, judges
+// and measures. Nothing here changes a simulation.
 #include <cstring>
 #include <string>
 
@@ -56,7 +56,8 @@ nb::dict contact_rows(const std::vector<Contact>& contacts) {
   d["shift"] = array(shift);
   d["friction"] = array(mu);
   d["bounce"] = array(bounce);
-  // Of both sides: the bodies that carry the point, 0: none more; its place on each, and their weights.
+  // Of both sides: the bodies that carry the point, 0: none more; its place on each, and their
+  // weights.
   for (const bool second : {false, true}) {
     std::vector<double> body, point, weight;
     for (const Contact& c : contacts) {
@@ -181,8 +182,8 @@ auto shape_jacobian(Stepper& s, Doubles qpos, int shape, int corner) {
   return array({3, n}, J);
 }
 
-// Contacts w = beta + A p on their own: impulses, sweeps and steps, what is left of it all and of the
-// normals alone [m/s].
+// Contacts w = beta + A p on their own: impulses, sweeps and steps, what is left of it all and of
+// the normals alone [m/s].
 auto solve_contacts(Square A, Doubles beta, Doubles mu, Ints pairs, Doubles warm, double tolerance,
                     double fine, int most) {
   const size_t n = mu.shape(0), n3 = 3 * n;

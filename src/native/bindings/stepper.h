@@ -10,10 +10,11 @@ struct MeshTree {
   std::shared_ptr<const hp::TriangleTree> tree;
 };
 
-void bind_stepper_system(StepperClass& stepper);   // model, settings, strength (stepper_system.cpp)
-void bind_stepper_shapes(StepperClass& stepper);   // shapes, statics, pairs of them (stepper_shapes.cpp)
-void bind_stepper_frames(StepperClass& stepper);   // reset, frames, hosting, snapshots (stepper_frames.cpp)
-void bind_stepper_results(StepperClass& stepper);  // poses, contacts, clearances (stepper_results.cpp)
+// Each in the file of its name:
+void bind_stepper_system(StepperClass& stepper);   // model, settings, strength
+void bind_stepper_shapes(StepperClass& stepper);   // shapes, static geometry, pairs of them
+void bind_stepper_frames(StepperClass& stepper);   // reset, frames, hosting, snapshots
+void bind_stepper_results(StepperClass& stepper);  // poses, contacts, clearances
 // Looks inside the stepper, for tests and measurements (probes.cpp).
 void bind_probes(nb::module_& m, StepperClass& stepper);
 

@@ -59,8 +59,8 @@ struct Recording {
   }
 };
 
-// As many frames as fit into `seconds` of wall time, one at least. `stiffness`: firmness of every frame
-// (frames, balls), or (0, 0) to leave it.
+// As many frames as fit into `seconds` of wall time, one at least. `stiffness`: firmness of every
+// frame (frames, balls), or (0, 0) to leave it.
 nb::dict run(Stepper& s, Square targets, double dt, int n, bool record, double seconds, Square stiffness) {
   const int want = target_count(s);
   need((int)targets.shape(1) == want && targets.shape(0) > 0, "run: bad shape of targets");

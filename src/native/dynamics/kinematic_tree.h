@@ -36,7 +36,7 @@ struct Model {
   std::vector<int> row_start, row_size;  // per dof: its chain of ancestors, itself last
   std::vector<int> chain;  // dof indices of all rows, one after the other
   std::vector<char> plain_ball;  // per body: one ball joint at its origin, no turn at rest
-  // Per body: its velocity is given, whatever touches it (moving.cpp).
+  // Per body: its velocity is given, whatever touches it (stepping/kinematic_bodies.h).
   std::vector<char> held;
   // The last dof by which contacts move a body, -1: none.
   int pushed_dof(int body) const { return held[body] ? -1 : last_dof[body]; }

@@ -50,7 +50,8 @@ void ContactCache::keep(const System& system, State& state, const ContactCandida
     if (world.shapes[shape].skin && k.other_static >= 0) return c.gap_a;  // a vertex
     return state.pose.material(world.shapes[shape], world.place(state.pose, shape), x);
   };
-  // Of two shapes: the points that face each other, `dist` apart about the one that the impulse acts on.
+  // Of two shapes: the points that face each other, `dist` apart about the one that the impulse
+  // acts on.
   const Vec3 half = k.other_shape >= 0 ? 0.5 * c.dist * c.n : Vec3{};
   Material other;
   if (k.other_shape >= 0) other = material(k.other_shape, c.position - half);

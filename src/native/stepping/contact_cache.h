@@ -1,9 +1,10 @@
-// The contact cache: impulses of the last substep, from which the solver starts (warm start, as in Jolt's
-// ContactConstraintManager and Bullet's persistent manifolds).
+// The contact cache: impulses of the last substep, from which the solver starts (warm start, as in
+// Jolt's ContactConstraintManager and Bullet's persistent manifolds).
 //
-// A contact is found again by its pair of shapes, a normal within acos(0.8) of the old one, and a place
-// within 2 cm of where its material point is now. Each cached impulse is used once per attempt. A substep
-// in pieces writes the cache island by island: next() collects what the substep leaves for the next one.
+// A contact is found again by its pair of shapes, a normal within acos(0.8) of the old one, and a
+// place within 2 cm of where its material point is now. Each cached impulse is used once per
+// attempt. A substep in pieces writes the cache island by island: next() collects what the substep
+// leaves for the next one.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -28,7 +29,8 @@ class ContactCache {
   void forget(const System& system, const std::vector<char>& forget);
 
   void begin_substep() { next_.clear(); }
-  // Active trees make one more piece of the substep: what the one before left of them is out of date.
+  // Active trees make one more piece of the substep: what the one before left of them is out of
+  // date.
   void drop_active(const System& system);
   // Keeps a contact that carries an impulse for the next substep.
   void keep(const System& system, State& state, const ContactCandidate& candidate, const Contact& c);
@@ -36,8 +38,8 @@ class ContactCache {
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
-  // Of a cache of other shapes, what concerns shapes that are still there; `now`: per old shape its new
-  // index, -1: it is gone.
+  // Of a cache of other shapes, what concerns shapes that are still there; `now`: per old shape its
+  // new index, -1: it is gone.
   void adopt(const ContactCache& old, const std::vector<int>& now);
 
  private:

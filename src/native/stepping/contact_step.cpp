@@ -142,8 +142,8 @@ void ContactStep::drop_idle() {
   contacts.resize(kept);
 }
 
-// The difference of the predicted gap and the one at the end pose, gap_end = dist + h v_n - shift. Bodies
-// are not pushed apart faster than kMostCorrectionSpeed for its sake.
+// The difference of the predicted gap and the one at the end pose, gap_end = dist + h v_n - shift.
+// Bodies are not pushed apart faster than kMostCorrectionSpeed for its sake.
 void ContactStep::correct_prediction(Contact& c, double h) {
   const Model& model = system_.model;
   const Poses &start = data_.state.pose;
@@ -155,7 +155,8 @@ void ContactStep::correct_prediction(Contact& c, double h) {
                      std::max(0.0, c.dist - c.target) + h * most);
 }
 
-// A second solve where contacts rebound. True if nothing is violated after it, `good` where none rebounds.
+// A second solve where contacts rebound. True if nothing is violated after it, `good` where none
+// rebounds.
 bool ContactStep::rebound(double h, bool good) {
   if (!demand_rebounds(system_, data_, h)) return good;
   for (int pass = 1; pass <= tune::kMostReboundPasses; pass++) {
@@ -165,8 +166,8 @@ bool ContactStep::rebound(double h, bool good) {
   return false;
 }
 
-// Planes hold only for what was asked: true if a shape moved farther. Then it is asked again, from the start
-// pose, with a larger reach (not after the last time).
+// Planes hold only for what was asked: true if a shape moved farther. Then it is asked again, from
+// the start pose, with a larger reach (not after the last time).
 bool ContactStep::extend_reach(bool last) {
   const World& world = system_.world;
   std::vector<double>& reach = data_.attempt.reach;
@@ -206,7 +207,8 @@ void ContactStep::solve(double h) {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-// Joints do not leave their ranges: what solving leaves of that is cut. `first` is the first row of a joint.
+// Joints do not leave their ranges: what solving leaves of that is cut. `first` is the first row of
+// a joint.
 void ContactStep::cut_limits(size_t first, double h) {
   Attempt& attempt = data_.attempt;
   for (size_t i = 0; i < attempt.limits.size(); i++) {
@@ -218,8 +220,8 @@ void ContactStep::cut_limits(size_t first, double h) {
   }
 }
 
-// Solves, and again while that finds joints touched that were held. Islands without such a joint keep what
-// was found.
+// Solves, and again while that finds joints touched that were held. Islands without such a joint
+// keep what was found.
 SolveReport ContactStep::respond(double h) {
   const Model& model = system_.model;
   Attempt& attempt = data_.attempt;

@@ -1,12 +1,13 @@
-// One attempt at a step of length h from the present pose: velocities with contact, and the pose that they
-// end in, verified. This is the inner part of the substep (docs/physics.md, "The substep", 2 to 7):
+// One attempt at a step of length h from the present pose: velocities with contact, and the pose
+// that they end in, verified. This is the inner part of the substep (docs/physics.md, "The
+// substep", 2 to 7):
 //
 //   repeat, with a larger reach where a contact sped a body up beyond it (7):
 //     broad phase       pairs of shapes within reach of where v* would take them (2)
 //     candidates        separating planes of those pairs, with the gap that each demands
 //     verify            v = v*: move, check every candidate at the end pose (3)
 //     repeat until no candidate is violated:
-//       contacts        contact points of violated candidates, with warm start; better predictions (4)
+//       contacts        points of violated candidates, warm start, better predictions (4)
 //       solve           impulses p: M^ (v - v*) = J^T p, Coulomb (contact/solver.h) (5)
 //       verify          move, check again
 //       relax           where that does not converge, the clearance of the island gives way (6)

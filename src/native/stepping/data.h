@@ -1,5 +1,6 @@
-// The data of a simulation: its state, the substep and the contact problem under way, and the results of a
-// frame. Components of the substep take those of these structs that they read and write.
+// The data of a simulation: its state, the substep and the contact problem under way, and the
+// results of a frame. Components of the substep take those of these structs that they read and
+// write.
 #pragma once
 #include <vector>
 
@@ -13,7 +14,8 @@ namespace hp {
 // Where everything is and how it moves. Invariant: `pose` is the pose of `qpos` where `pose_known`.
 struct State {
   std::vector<double> qpos, qvel;
-  std::vector<char> exit_path;  // per body: it lies between a root and a part that started inside something
+  // Per body: it lies between a root and a part that started inside something.
+  std::vector<char> exit_path;
   Poses pose;
   bool pose_known = false;
 
@@ -24,14 +26,15 @@ struct State {
 // One substep, or a piece of it. Velocities are of mid-substep: qpos moves by them.
 struct Step {
   double length = 0;        // of the whole substep [s]
-  double gravity_time = 0;  // how long gravity has acted in v_free since the pose that a step starts from [s]
+  // How long gravity has acted in v_free since the pose that a step starts from [s].
+  double gravity_time = 0;
   std::vector<double> v_free;      // v*: velocity without contact
   std::vector<double> v;           // velocity with contact
   std::vector<double> spin;        // what qvel at the end differs from v by, of objects that spin
-  std::vector<double> joint_pull;  // change of velocity of articulated dofs by forces in this substep
+  std::vector<double> joint_pull;  // change of articulated dofs' velocity by forces
   std::vector<char> pushed;        // per body: contacts have pushed it, or a body that hangs on it
   JointResistance resistance;
-  const double* host_v_free = nullptr;  // hosted: velocities without contact that the host has found
+  const double* host_v_free = nullptr;  // velocities without contact that a host has found
   Poses end;                            // the pose after the step
   std::vector<double> end_qpos;
 
@@ -43,9 +46,9 @@ struct Step {
 struct Attempt {
   std::vector<ContactCandidate> candidates;  // separating planes and pairs of shapes within reach
   std::vector<Contact> contacts;             // contact points
-  std::vector<Contact> limits;               // contact rows of joint ranges, solved with the contacts
-  std::vector<double> reach;                 // per shape: how far candidates have been looked for [m]
-  std::vector<char> violated;                // per candidate: its gap at the end pose misses its target
+  std::vector<Contact> limits;               // rows of joint ranges, solved with the contacts
+  std::vector<double> reach;                 // per shape: how far candidates are looked for [m]
+  std::vector<char> violated;                // per candidate: the end pose misses its target
   std::vector<char> relaxed;  // per root body: the clearance of its island has been given up
   double overdue = 0;         // the largest violation that solving should have cured [m]
   double worst = 0;           // the largest violation [m], negative
@@ -56,7 +59,8 @@ struct Attempt {
   bool crushed = false;       // the last solve found that a kinematic body leaves others no room
 };
 
-// Contact of two shapes in a frame, summed over its substeps; position and normal weighted by impulse.
+// Contact of two shapes in a frame, summed over its substeps; position and normal weighted by
+// impulse.
 struct Touch {
   int shape = 0, other_static = -1, other_shape = -1;
   Vec3 position, normal, impulse;

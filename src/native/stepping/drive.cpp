@@ -55,7 +55,8 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   exact_ = false;
   const double rate = 1 / motion.frame_length();
   const int nv = dof_count();
-  for (int i = 0; i < nv; i++) gain_[i] = qvel[first_dof() + i] - deviation_[i];  // the last frame's
+  // That of the last frame.
+  for (int i = 0; i < nv; i++) gain_[i] = qvel[first_dof() + i] - deviation_[i];
   motion.reference(v_ref_.data());
   for (int i = 0; i < nv; i++) gain_[i] = motion.first() ? 0 : rate * (v_ref_[i] - gain_[i]);
   if (s.time_constant == 0) set_velocities(s, qpos + first_qpos(), qvel);

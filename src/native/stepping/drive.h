@@ -1,15 +1,18 @@
 // The drive: which velocity the motion asks of a person's joints (docs/physics.md, "The drive").
 //
-// Free motion has no forces, so a velocity that the drive sets stays. With e = v - v_ref the deviation of
-// velocity from the motion's own, xi how far a joint is from where the motion has it, h the substep:
+// Free motion has no forces, so a velocity that the drive sets stays. With e = v - v_ref the
+// deviation of velocity from the motion's own, xi how far a joint is from where the motion has it,
+// h the substep:
 //
 //   time constant tau > 0    v* = v_ref + (e - h xi/tau^2)/s,  s = (1 + h/tau)^2,
 //                            M^ = s (M + lambda diag(I))
 //   tau = 0 (Algorithm 1)    v is set to log(q^-1 q_target)/dt once a frame; within it (PJSC)
-//                            v* = v + M^^-1 (lambda I/h) (log(q^-1 q~) - h v),  M^ = M + lambda diag(I)
+//                            v* = v + M^^-1 (lambda I/h) (log(q^-1 q~) - h v),
+//                            M^ = M + lambda diag(I)
 //
-// lambda is the firmness of each ball joint, I the mean of its diagonal entries of M [kg m^2], q~ the pose
-// without contact. A deviation decays like a critically damped spring, whatever the frame rate.
+// lambda is the firmness of each ball joint, I the mean of its diagonal entries of M [kg m^2], q~
+// the pose without contact. A deviation decays like a critically damped spring, whatever the frame
+// rate.
 #pragma once
 #include <vector>
 
@@ -24,8 +27,8 @@ namespace hp {
 struct DriveSettings {
   double time_constant = 0;   // tau [s]; 0: Algorithm 1 of the paper
   double recovery_rate = 8;   // most that a joint returns at [rad/s]
-  bool recover_root = false;  // the root's position goes back to its path, at this speed at most [m/s]
-  double root_speed = 1;
+  bool recover_root = false;  // the root's position goes back to its path,
+  double root_speed = 1;      // at this speed at most [m/s]
   // Baselines (baselines/internal_forces.h, baselines/torque_drive.cpp).
   bool internal_forces = false;
   double joint_damping = 0;     // [N m s/rad]
@@ -51,8 +54,8 @@ class Drive : public PersonDofs {
   ReferenceMotion motion;
   GentleReturn gentle_return;
   DriveEffort effort;
-  // Most that the drive may exert (strength.h): a force on the root [N], then a torque on every ball in the
-  // model's order [N m]; infinite where nothing limits it. Empty: nowhere.
+  // Most that the drive may exert (strength.h): a force on the root [N], then a torque on every
+  // ball in the model's order [N m]; infinite where nothing limits it. Empty: nowhere.
   std::vector<double> limits;
 
   Drive(const Model& m, int root_body);
@@ -61,16 +64,17 @@ class Drive : public PersonDofs {
   void reset(const double* target, double* qvel);
   // A frame of length dt towards `target` begins.
   void aim(const DriveSettings& s, const double* target, double dt, const double* qpos);
-  // Is the person where the motion has it, but for the root's position, and at its velocity? Then only
-  // contact can keep it from the target.
+  // Is the person where the motion has it, but for the root's position, and at its velocity? Then
+  // only contact can keep it from the target.
   bool settled(const DriveSettings& s, const double* qpos) const;
   // The frame was followed to its end; `exerts`: the drive carried something meanwhile.
   void followed(bool exerts = false);
   // The frame is stepped through instead: velocities; Algorithm 1 sets qvel here.
   void begin_frame(const DriveSettings& s, const double* qpos, double* qvel);
-  // The velocity v* that substep k (of length h, from pose qpos) would have without contact, and the
-  // deviation eps - h v that PJSC restores (Algorithm 1 with lambda > 0; zero at the root and wherever the
-  // motion is free). True if any is not zero: then the caller adds M^^-1 (lambda I / h) deviation.
+  // The velocity v* that substep k (of length h, from pose qpos) would have without contact, and
+  // the deviation eps - h v that PJSC restores (Algorithm 1 with lambda > 0; zero at the root and
+  // wherever the motion is free). True if any is not zero: then the caller adds
+  // M^^-1 (lambda I / h) deviation.
   bool free_velocity(const DriveSettings& s, int k, double h, const double* qpos, const double* qvel,
                      double* v_free, double* deviation) const;
   // After the solve: keeps the deviation of velocity. `pushed`: per body, contacts have pushed it.
@@ -88,8 +92,8 @@ class Drive : public PersonDofs {
   void unhindered(double* v) const;
   // Change of the deviation e by a substep that ended with qvel.
   void deviation_change(const double* qvel, double* change) const;
-  // v_ref, and how fast it changes: spread over the frame; 0 in the first one after a reset, which starts
-  // from rest only as far as numbers go.
+  // v_ref, and how fast it changes: spread over the frame; 0 in the first one after a reset, which
+  // starts from rest only as far as numbers go.
   void reference(double* v) const;
   void reference_change(double* a) const;
   // Has a contact pushed a body that this ball moves within the last kTouchedTime?

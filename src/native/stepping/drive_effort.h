@@ -1,5 +1,5 @@
-// What a drive exerted in a frame: the sum of its generalised impulses [N s, N m s] over the substeps
-// (strength.h has the equation), and their mean force over the frame.
+// What a drive exerted in a frame: the sum of its generalised impulses [N s, N m s] over the
+// substeps (strength.h has the equation), and their mean force over the frame.
 #pragma once
 #include <algorithm>
 #include <vector>

@@ -2,11 +2,11 @@
 //
 //   M^ = s (M + X),   M^ (v - v*) = J^T p
 //
-// M is the joint-space inertia [kg, kg m^2]. On a person's rows s and X come from the drive: s = (1 + h/tau)^2,
-// X = lambda diag(I) (docs/physics.md, "The drive"; the paper's PJSC). To X are added
+// M is the joint-space inertia [kg, kg m^2]. On a person's rows s and X come from the drive:
+// s = (1 + h/tau)^2, X = lambda diag(I) (docs/physics.md, "The drive"; PJSC of the paper). To X add
 //   - the damping and springs of articulations, h D + h^2 K, and of the host's joints, h D;
-//   - what JointResistance asks for: joints that exceed their strength resist less (strength.h), joints that
-//     nothing touches more (untouched_joints.h);
+//   - what JointResistance asks for: joints that exceed their strength resist less (strength.h),
+//     joints that nothing touches more (untouched_joints.h);
 //   - the firmness of bodies that come out of an initial overlap (exit_motion.h);
 //   - joint damping as a baseline (baselines/internal_forces.h).
 // The matrix is composed once per pose and factored once per set of resistances.
@@ -22,11 +22,11 @@ struct Step;
 
 // How joints resist contacts in this substep, beside what the drive's settings say.
 struct JointResistance {
-  std::vector<int> rounds;     // per drive: rounds in which its joints gave in; 0: `share` is not in use
+  std::vector<int> rounds;     // per drive: rounds in which joints gave in; 0: no `share`
   std::vector<double> share;   // per dof: theta in [0, 1]; M^ - M becomes theta (M^ - M) theta
-  std::vector<char> touched;   // per body: contacts push it, or a body that hangs on it, or did lately
+  std::vector<char> touched;   // per body: contacts push it or what hangs on it, or did
   std::vector<char> holds;     // per drive: joints that nothing touches are held
-  std::vector<double> damping; // per dof, of a host's joints [N s/m, N m s]; empty: there is no host
+  std::vector<double> damping; // per dof, of a host's joints [N s/m, N m s]; empty: no host
 
   void finish(const Model& m, size_t drives);
   // A substep begins: without contact every joint counts as touched, and all holds are on.

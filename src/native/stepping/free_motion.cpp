@@ -33,7 +33,8 @@ void FreeMotion::drive(System& system, Data& data, InternalForces& internal, int
 
 namespace {
 
-// The angular velocity w in the middle of a substep of a free body of inertia I that begins with w0.
+// The angular velocity w in the middle of a substep of a free body of inertia I that begins with
+// w0.
 Vec3 midpoint_spin(const Mat3& I, Vec3 w0, double h) {
   Vec3 w = w0, L0 = I * w0;
   for (int it = 0; it < 20; it++) {

@@ -1,6 +1,7 @@
-// The gentle return of a person who came out of an initial overlap: until all joints are back at the motion,
-// but for the root's position, or for half a second, no point goes faster than kReturnSpeed on any joint's
-// account. A joint that moves points up to `reach` [m] turns back at speed / reach [rad/s] at most.
+// The gentle return of a person who came out of an initial overlap: until all joints are back at
+// the motion, but for the root's position, or for half a second, no point goes faster than
+// kReturnSpeed on any joint's account. A joint that moves points up to `reach` [m] turns back at
+// speed / reach [rad/s] at most.
 #pragma once
 #include <vector>
 
@@ -17,8 +18,8 @@ class GentleReturn {
   // Begins, or goes on with what is left; `reach` is per body of the model.
   void start(const PersonDofs& dofs, double speed, const std::vector<double>& reach);
   void restore(double left) { left_ = left; }
-  // A frame of length dt has ended at `qpos`. The return lasts as long as the person comes out of something,
-  // and then until the joints are at `target`.
+  // A frame of length dt has ended at `qpos`. The return lasts as long as the person comes out of
+  // something, and then until the joints are at `target`.
   void end_frame(const PersonDofs& dofs, bool comes_out, double dt, const double* target, const double* qpos);
 
  private:

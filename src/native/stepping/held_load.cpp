@@ -47,15 +47,16 @@ void HeldLoad::find(const System& system, const State& state, double h) {
                 load_.data(), change.data(), &massive);
     if (follows) continue;
     add_drift(system, state, d, h, now, now, 1);
-    add_drift(system, state, d, h, still, asked, -1);  // following the motion costs the person nothing
+    // Following the motion costs the person nothing.
+    add_drift(system, state, d, h, still, asked, -1);
   }
 }
 
-// Adds to the load, times `sign`, what keeping the joints' velocities took in the substep before: the change
-// of momentum from its start to its end. Velocities `held` move held objects, `own` the person's bodies. With
-// it joints that give way keep the momentum that they had, as far as the joints let it: energy does not grow.
-// The joints' velocities alone, or their Coriolis forces taken at one pose, would gain some, and heavy objects
-// run away.
+// Adds to the load, times `sign`, what keeping the joints' velocities took in the substep before:
+// the change of momentum from its start to its end. Velocities `held` move held objects, `own` the
+// person's bodies. With it joints that give way keep the momentum that they had, as far as the
+// joints let it: energy does not grow. The joints' velocities alone, or their Coriolis forces taken
+// at one pose, would gain some, and heavy objects run away.
 void HeldLoad::add_drift(const System& system, const State& state, const Drive& d, double h,
                          const std::vector<double>& held, const std::vector<double>& own, double sign) {
   const Model& model = system.model;
@@ -102,8 +103,8 @@ void HeldLoad::bear(System& system, Data& data, double h) const {
 
 namespace {
 
-// y, by which a person's joints give way: `need` [nv] is the impulse that following takes, may[k] the one
-// that joint k has.
+// y, by which a person's joints give way: `need` [nv] is the impulse that following takes, may[k]
+// the one that joint k has.
 std::vector<double> yield(const System& system, const Inertia& inertia, const Drive& d,
                           const std::vector<double>& need, const std::vector<double>& may) {
   const Model& model = system.model;

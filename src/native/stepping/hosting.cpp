@@ -20,8 +20,8 @@ void Hosting::begin(System& system, Data& data, const double* targets, double dt
   start_qpos_ = state.qpos;
 }
 
-// Differences up to kPlacedByHost are rounding between two engines' integration; a body that is farther from
-// where it was left has been put there.
+// Differences up to kPlacedByHost are rounding between two engines' integration; a body that is
+// farther from where it was left has been put there.
 Hosting::Change Hosting::take_pose(const System& system, State& state, const double* qpos) const {
   const Model& model = system.model;
   Change change = Change::None;

@@ -1,6 +1,6 @@
-// People in another engine's world (docs/physics.md, "In another program's MuJoCo world"): the host moves
-// all bodies but people and says, substep by substep, where they are and which velocity they would have
-// without the people. The impulses between the two are solved as everywhere else.
+// People in another engine's world (docs/physics.md, "In another program's MuJoCo world"): the host
+// moves all bodies but people and says, substep by substep, where they are and which velocity they
+// would have without the people. The impulses between the two are solved as everywhere else.
 #pragma once
 #include "stepping/substep.h"
 
@@ -10,8 +10,9 @@ class Hosting {
  public:
   // A frame of length dt [s] towards the people's `targets` begins.
   void begin(System& system, Data& data, const double* targets, double dt);
-  // Substep k of length h [s] from `qpos`, `qvel` (people's entries are not read). `v_free`: the other
-  // bodies' velocity at its end without people; `damping`: of their joints, implicit, per dof.
+  // Substep k of length h [s] from `qpos`, `qvel` (people's entries are not read). `v_free`: the
+  // other bodies' velocity at its end without people; `damping`: of their joints, implicit, per
+  // dof.
   void substep(System& system, Data& data, Substep& substep, int k, double h, const double* qpos,
                const double* qvel, const double* v_free, const double* damping);
   void end(System& system, Data& data);

@@ -1,8 +1,8 @@
-// Islands: trees that contact candidates connect (as in Bullet and Jolt). What one island does changes
-// nothing in another: clearances are given up, and steps shortened, island by island.
+// Islands: trees that contact candidates connect (as in Bullet and Jolt). What one island does
+// changes nothing in another: clearances are given up, and steps shortened, island by island.
 //
-// Union-find over the trees' root bodies. Only active trees connect: inactive ones stand where they are,
-// like static geometry.
+// Union-find over the trees' root bodies. Only active trees connect: inactive ones stand where they
+// are, like static geometry.
 #pragma once
 #include <vector>
 

@@ -1,17 +1,17 @@
-// Kinematic bodies: objects that follow a trajectory (docs/physics.md, "Kinematic bodies and sleeping
-// objects").
+// Kinematic bodies: objects that follow a trajectory (docs/physics.md, "Kinematic bodies and
+// sleeping objects").
 //
-// In every substep a kinematic body has the velocity that takes it from where it is to where its trajectory
-// has it after the substep. To contacts it has infinite mass: its velocity enters v_n, and no impulse changes
-// it (Model::held). A shortened step shortens its own: its clock goes on where it was stopped, and lost time
-// is not made up.
+// In every substep a kinematic body has the velocity that takes it from where it is to where its
+// trajectory has it after the substep. To contacts it has infinite mass: its velocity enters v_n,
+// and no impulse changes it (Model::held). A shortened step shortens its own: its clock goes on
+// where it was stopped, and lost time is not made up.
 //
 // Crushing. Where a kinematic body leaves others no room, contacts ask for impulses without end
-// (SolveReport::crushed). It then goes at a quarter of its pace in that substep, at a sixteenth, and then
-// stands, and everything else makes the whole substep. It doubles its pace in every substep after that; when
-// it stands it tries again after 1, 2, 4 to 32 substeps. Meanwhile its island gets no clearance back, which
-// would take room on both sides, and friction does not hold people there: where everything is wedged it has
-// no answer, or many.
+// (SolveReport::crushed). It then goes at a quarter of its pace in that substep, at a sixteenth,
+// and then stands, and everything else makes the whole substep. It doubles its pace in every
+// substep after that; when it stands it tries again after 1, 2, 4 to 32 substeps. Meanwhile its
+// island gets no clearance back, which would take room on both sides, and friction does not hold
+// people there: where everything is wedged it has no answer, or many.
 #pragma once
 #include <vector>
 
@@ -33,16 +33,19 @@ struct Trajectory {
 
 class KinematicBodies {
  public:
-  // Throws std::invalid_argument unless the body is an object and there are as many turns as positions.
+  // Throws std::invalid_argument unless the body is an object and there are as many turns as
+  // positions.
   void add(const Model& m, Trajectory trajectory);
   void finish(Model& m);  // after model.finish()
   void reset(const Model& m);
 
-  // A substep begins: bodies that were slowed down gain speed again; those that stand try now and then.
+  // A substep begins: bodies that were slowed down gain speed again; those that stand try now and
+  // then.
   void gain_pace();
   // Their velocities in a substep of length h, into step.v_free.
   void set_velocity(const Model& m, const State& state, Step& step, double h) const;
-  // After an attempt that failed: bodies that leave others no room go slower, or stand. True if there are any.
+  // After an attempt that failed: bodies that leave others no room go slower, or stand. True if
+  // there are any.
   bool slow_down(const System& system, Data& data);
   // Islands with a body that was slowed down get no clearance back.
   void give_up_clearance(const System& system, Data& data) const;
@@ -62,8 +65,8 @@ class KinematicBodies {
   void adopt(const KinematicBodies& old, const std::vector<int>& body);
 
  private:
-  // How fast a body goes on, as a share of what its trajectory asks; and when it stands, how many substeps
-  // it waits before it tries again, and waits after that.
+  // How fast a body goes on, as a share of what its trajectory asks; and when it stands, how many
+  // substeps it waits before it tries again, and waits after that.
   struct Pace {
     double share = 1;
     int wait = 0, patience = 0;

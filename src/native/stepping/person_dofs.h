@@ -1,7 +1,7 @@
 // Where a person's degrees of freedom are: a free root and ball joints, contiguous in the model.
 //
-// Balls are numbered in the model's order, the root's rotation first. In qpos a person has 3 + 4 per ball
-// numbers, in qvel 3 + 3 per ball.
+// Balls are numbered in the model's order, the root's rotation first. In qpos a person has 3 + 4
+// per ball numbers, in qvel 3 + 3 per ball.
 #pragma once
 #include <vector>
 

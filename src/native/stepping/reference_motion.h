@@ -1,8 +1,8 @@
 // The reference motion of a person within a frame: from the last target pose to the next one.
 //
-// The root's position goes along a straight line, joints turn at constant rates in the child's frame:
-// q(t) = q_0 exp(t w), w = log(q_0^-1 q_1)/dt [rad/s]. With root recovery the root's velocity gets a share of
-// the way back to the path, of time constant 0.3 s.
+// The root's position goes along a straight line, joints turn at constant rates in the child's
+// frame: q(t) = q_0 exp(t w), w = log(q_0^-1 q_1)/dt [rad/s]. With root recovery the root's
+// velocity gets a share of the way back to the path, of time constant 0.3 s.
 #pragma once
 #include <vector>
 
@@ -28,9 +28,11 @@ class ReferenceMotion {
 
   // The pose at a share of the frame (1: its end) of a person whose root is at qpos at its start.
   void follow(double share, double* qpos) const;
-  // The pose at a share of the frame as the motion has it, root position included, whatever happens.
+  // The pose at a share of the frame as the motion has it, root position included, whatever
+  // happens.
   void put(double share, double* qpos) const;
-  // The velocity of a person who followed, into qvel of the model; nothing where it was stepped through.
+  // The velocity of a person who followed, into qvel of the model; nothing where it was stepped
+  // through.
   void velocity(double* qvel) const;
   // The velocity of the motion in this frame, per dof of the person.
   void reference(double* v) const;

@@ -22,8 +22,8 @@ void SelfResponse::find_own(const System& system, const Attempt& attempt) {
   for (int b = 1; b < model.nbody; b++) touches_[b] = touches_[model.root[b]];
 }
 
-// Frees the dofs by which two bodies of one person make room: those of the limbs that touch or, `whole`,
-// of all joints between the two.
+// Frees the dofs by which two bodies of one person make room: those of the limbs that touch or,
+// `whole`, of all joints between the two.
 void SelfResponse::make_room(const Model& m, int a, int b, bool whole) {
   const double most = tune::kLimbMass * m.carried[m.root[a]];
   // Parents come before their children.
@@ -48,8 +48,8 @@ void SelfResponse::make_room(const Model& m, int a, int b, bool whole) {
   }
 }
 
-// X of M^, and more for fingers while shapes separate: hands leave as a whole, fingers are light and would
-// be flung.
+// X of M^, and more for fingers while shapes separate: hands leave as a whole, fingers are light
+// and would be flung.
 std::vector<double> SelfResponse::resistance(const System& system, const Data& data) const {
   const Model& model = system.model;
   std::vector<double> resist = data.inertia.added();

@@ -1,16 +1,19 @@
 // The response of a person to contact with itself: the limbs that touch give way, and nothing else.
 //
-// Forces inside a person cannot push all of it, and the motion says where every joint goes that nothing is
-// in the way of. With M^^-1 a hand on the chest would tilt the trunk, swing the legs and move the root, all
-// by a little. So self-contact is solved first, with only the dofs of the limbs that touch free to move:
+// Forces inside a person cannot push all of it, and the motion says where every joint goes that
+// nothing is in the way of. With M^^-1 a hand on the chest would tilt the trunk, swing the legs and
+// move the root, all by a little. So self-contact is solved first, with only the dofs of the limbs
+// that touch free to move:
 //
 //   v' = v* + G J^T p,    G the inverse of M^ cut down to those dofs, zero elsewhere.
 //
-// What the world does to the person goes through M^^-1 as always, and changes the self-contact impulses:
-// all contacts are then solved together, from v' - M^^-1 J^T p, with p as the warm start, which is the
-// answer if no other contact pushes. That is symmetric, with Coulomb's conditions on the sum.
+// What the world does to the person goes through M^^-1 as always, and changes the self-contact
+// impulses: all contacts are then solved together, from v' - M^^-1 J^T p, with p as the warm start,
+// which is the answer if no other contact pushes. That is symmetric, with Coulomb's conditions on
+// the sum.
 //
-// With Algorithm 1 of the paper a person's own torques (PJSC) push all of it, and so does self-contact.
+// With Algorithm 1 of the paper a person's own torques (PJSC) push all of it, and so does
+// self-contact.
 #pragma once
 #include <vector>
 
@@ -20,8 +23,8 @@ namespace hp {
 
 class SelfResponse {
  public:
-  // Solves self-contact alone, where there is any: v' and the impulses of own(). False if there is none, or
-  // if it cannot be solved by the joints between the parts that touch.
+  // Solves self-contact alone, where there is any: v' and the impulses of own(). False if there is
+  // none, or if it cannot be solved by the joints between the parts that touch.
   bool solve(const System& system, Data& data, ContactSolver& solver, double h);
   // The contacts within one person, in the order of attempt.contacts.
   const std::vector<Contact>& own() const { return own_; }

@@ -1,7 +1,9 @@
-// Snapshots: everything that outlives a frame, as a flat list of numbers, to go on from there later.
+// Snapshots: everything that outlives a frame, as a flat list of numbers, to go on from there
+// later.
 //
-// Layout: qpos, qvel, drives, world, exit paths, sleeping bodies, kinematic bodies, pushes of prescribed
-// people (where there are any), contact cache, and the number of entries before the last one.
+// Layout: qpos, qvel, drives, world, exit paths, sleeping bodies, kinematic bodies, pushes of
+// prescribed people (where there are any), contact cache, and the number of entries before the last
+// one.
 #pragma once
 #include "stepping/baselines/prescribed_poses.h"
 #include "stepping/kinematic_bodies.h"
@@ -19,8 +21,8 @@ struct Snapshot {
   // Throws std::invalid_argument if the state has been cut off.
   void check(const std::vector<double>& state) const;
   void load(const std::vector<double>& state);
-  // After a reset at the poses of `old`: goes on as that would. `body` and `shape`: the number of each here in
-  // `old`, -1: it is new. Throws std::invalid_argument unless people are the same.
+  // After a reset at the poses of `old`: goes on as that would. `body` and `shape`: the number of
+  // each here in `old`, -1: it is new. Throws std::invalid_argument unless people are the same.
   void adopt(const Snapshot& old, const std::vector<int>& body, const std::vector<int>& shape);
 
  private:
@@ -28,8 +30,8 @@ struct Snapshot {
   void adopt_drives(const Snapshot& old);
 };
 
-// Velocities of people who followed their path without substeps are those of the motion: brings qvel up to
-// date.
+// Velocities of people who followed their path without substeps are those of the motion: brings
+// qvel up to date.
 void update_velocity(const System& system, State& state);
 
 }  // namespace hp

@@ -1,7 +1,7 @@
 // Attempts at a step: the contact step, tried again until nothing in it is to change.
 //
 //   repeat                     while the attempt wakes sleeping objects (sleeping.h)
-//     repeat                   while objects leave people with prescribed poses too fast (baselines)
+//     repeat                   while objects leave prescribed people too fast (baselines)
 //       repeat                 while bodies come out of an initial overlap too fast (exit_motion.h)
 //         contact step         (contact_step.h)
 #pragma once

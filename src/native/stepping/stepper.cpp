@@ -71,8 +71,8 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   paths_.travel(system, data_);
 }
 
-// Steps busy trees, while free ones stand at the start of their paths. If busy trees get farther than was
-// assumed, the frame is made again, with all trees stepped through.
+// Steps busy trees, while free ones stand at the start of their paths. If busy trees get farther
+// than was assumed, the frame is made again, with all trees stepped through.
 void Stepper::step_beside_free(double dt, int n, std::vector<double>* poses) {
   const size_t recorded = poses ? poses->size() : 0;
   paths_.leave(data_.state);

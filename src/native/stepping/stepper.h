@@ -1,7 +1,8 @@
 // The stepper: a simulation of people, objects and articulations, frame by frame.
 //
-// A frame of the motion, of length dt, is made of n substeps (substep.h) of h = dt/n; people who meet nothing
-// on their way need none (free_paths.h). docs/physics.md has the physics, docs/design.md the components.
+// A frame of the motion, of length dt, is made of n substeps (substep.h) of h = dt/n; people who
+// meet nothing on their way need none (free_paths.h). docs/physics.md has the physics,
+// docs/design.md the components.
 //
 //   Stepper            frames, resets, snapshots
 //     System           trees, shapes, drives, settings          (system.h)
@@ -50,8 +51,8 @@ class Stepper {
   const std::vector<double>& qpos() const { return data_.state.qpos; }
   const std::vector<double>& qvel();
   const FrameResult& result() const { return data_.result; }
-  // What the drives exert on all balls, mean over the last frame [N m] (3 ball_count()), in the children's
-  // frames, appended to `out`; nothing, and false, if it is zero.
+  // What the drives exert on all balls, mean over the last frame [N m] (3 ball_count()), in the
+  // children's frames, appended to `out`; nothing, and false, if it is zero.
   bool torques(std::vector<double>& out) const;
   // Smallest distance of people from static geometry at the present pose, up to the range [m].
   double clearance();

@@ -37,8 +37,8 @@ void StrengthLimits::finish(const Model& m) {
   for (auto* v : {&exerted_, &change_, &pushed_, &stiff_, &softer_}) v->assign(m.nv, 0);
 }
 
-// The drive pulls the deviation e back by D in a substep, v* = v_ref + e - D, and against what holds the
-// body with M^ D.
+// The drive pulls the deviation e back by D in a substep, v* = v_ref + e - D, and against what
+// holds the body with M^ D.
 void StrengthLimits::limit(const System& system, Data& data, double h) {
   EffectiveInertia& inertia = data.inertia;
   std::vector<double>& v_free = data.step.v_free;
@@ -73,7 +73,8 @@ void StrengthLimits::limit(const System& system, Data& data, double h) {
   }
 }
 
-// out = theta (M^ - M) theta x: what the drive adds to the inertia of the joints, less where they give in.
+// out = theta (M^ - M) theta x: what the drive adds to the inertia of the joints, less where they
+// give in.
 void StrengthLimits::added(const System& system, const Data& data, const Drive& d, double h, const double* x,
                            double* out) {
   const std::vector<double>& share = data.step.resistance.share;
@@ -85,8 +86,8 @@ void StrengthLimits::added(const System& system, const Data& data, const Drive& 
     out[i] = share[i] * ((s - 1) * out[i] + s * stiff_[i] * softer_[i]);
 }
 
-// The impulse that a drive exerts in a substep that ends with the velocities v, into exerted_; false if it
-// is none. Leaves v - v* in pushed_.
+// The impulse that a drive exerts in a substep that ends with the velocities v, into exerted_;
+// false if it is none. Leaves v - v* in pushed_.
 bool StrengthLimits::exertion(const System& system, Data& data, const HeldLoad& load,
                               const InternalForces& internal, size_t person, const std::vector<double>& v,
                               double h) {

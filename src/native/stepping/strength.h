@@ -1,15 +1,17 @@
 // Strength: what a drive exerts, and limits of it (docs/physics.md, "What the drive exerts").
 //
-// A substep solves M^ (v - v*) = J^T p with M^ = s (M + X). Of what changes the deviation e = v - v_ref of a
-// body of inertia M, the contacts' impulse J^T p is one part; the rest is the drive's [N s, N m s]:
+// A substep solves M^ (v - v*) = J^T p with M^ = s (M + X). Of what changes the deviation e = v -
+// v_ref of a body of inertia M, the contacts' impulse J^T p is one part; the rest is the drive's [N
+// s, N m s]:
 //
 //   h tau = M (e - e_before) - M^ (v - v*)        (+ h load of held objects, held_load.h)
 //
-// It is zero in free motion, and balances the contacts in a static hold. With limits tau_max the drive
+// It is zero in free motion, and balances the contacts in a static hold. With limits tau_max the
+// drive
 //   1. pulls the deviation back by at most D with M^_jj |D_j| <= h tau_max,j (limit());
 //   2. and with |(M^ D)_j| <= h tau_max,j, coupling included (limit());
-//   3. resists contacts less where a joint exerts more: M^ - M becomes theta (M^ - M) theta with theta_j <= 1,
-//      and the substep is solved again, round by round (give_in()).
+//   3. resists contacts less where a joint exerts more: M^ - M becomes theta (M^ - M) theta with
+//      theta_j <= 1, and the substep is solved again, round by round (give_in()).
 // Joints that are too weak for rule 2 in free motion give way like dry friction (held_load.h).
 // reference_strength.py has the rules in plain numpy.
 #pragma once
@@ -28,9 +30,9 @@ class StrengthLimits {
   void limit(const System& system, Data& data, double h);
   // Contacts come: step.v_free is v*.
   void begin(const Step& step) { v_star_ = step.v_free; }
-  // Rule 3, after an attempt: true if a joint exceeded its strength. Then the step is to be tried again with
-  // the resistance that this leaves. Where six rounds do not end it, or the step would have to be shortened,
-  // the pull alone is left.
+  // Rule 3, after an attempt: true if a joint exceeded its strength. Then the step is to be tried
+  // again with the resistance that this leaves. Where six rounds do not end it, or the step would
+  // have to be shortened, the pull alone is left.
   bool give_in(System& system, Data& data, const HeldLoad& load, const InternalForces& internal, double h);
   // Adds what the drives exerted in a substep that has ended with state.qvel to their frame's sum.
   void tally(System& system, Data& data, const HeldLoad& load, const InternalForces& internal, double h);

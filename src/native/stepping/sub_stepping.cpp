@@ -14,8 +14,8 @@ double SubStepping::make(double h) {
   return 0;
 }
 
-// Per island: are all gaps large enough, and all shapes within reach, at the end pose, which trees have
-// reached by the shares `at`?
+// Per island: are all gaps large enough, and all shapes within reach, at the end pose, which trees
+// have reached by the shares `at`?
 std::vector<char> SubStepping::possible(const std::vector<double>& at, double h) {
   const World& world = system_.world;
   Attempt& attempt = data_.attempt;
@@ -100,8 +100,8 @@ void SubStepping::record(const std::vector<double>& share) {
   }
 }
 
-// Active trees try to make the rest of their step, `left`, in pieces short enough. Returns the time that is
-// lost.
+// Active trees try to make the rest of their step, `left`, in pieces short enough. Returns the time
+// that is lost.
 double SubStepping::catch_up(double h, double left, bool begun) {
   const Model& model = system_.model;
   const std::vector<char>& active = system_.world.active;
@@ -149,8 +149,8 @@ void SubStepping::activate(int island, const std::vector<int>& islands, const st
   }
 }
 
-// Commits the shares; islands that made only a share of the step go on one after the other. Returns the most
-// time that one lost.
+// Commits the shares; islands that made only a share of the step go on one after the other. Returns
+// the most time that one lost.
 double SubStepping::go_on(double h, std::vector<double> share) {
   const Model& model = system_.model;
   World& world = system_.world;

@@ -1,10 +1,12 @@
-// Sub-stepping: what a substep becomes that cannot be made whole (docs/physics.md, "The substep", 8).
+// Sub-stepping: what a substep becomes that cannot be made whole (docs/physics.md, "The substep",
+// 8).
 //
-// A step whose end pose is violated is shortened, island by island: by bisection, the largest share of it at
-// whose end every gap is at least ContactCandidate::hard, half of what was asked, and no shape is beyond the
-// reach of its planes. The rest of it is made in pieces, at most twelve, one island after the other, while all
-// others stand where they have arrived. Velocities are kept; a step of which less than a quarter is possible
-// is not begun but tried at a quarter of its length. Time that is left after that is lost.
+// A step whose end pose is violated is shortened, island by island: by bisection, the largest share
+// of it at whose end every gap is at least ContactCandidate::hard, half of what was asked, and no
+// shape is beyond the reach of its planes. The rest of it is made in pieces, at most twelve, one
+// island after the other, while all others stand where they have arrived. Velocities are kept; a
+// step of which less than a quarter is possible is not begun but tried at a quarter of its length.
+// Time that is left after that is lost.
 #pragma once
 #include "stepping/step_attempts.h"
 
@@ -14,8 +16,8 @@ class SubStepping {
  public:
   SubStepping(System& system, Data& data, KinematicBodies& kinematic, StepAttempts& attempts)
       : system_(system), data_(data), kinematic_(kinematic), attempts_(attempts) {}
-  // After an attempt at a step of length h: commits it whole where it is good, else in pieces. Returns the
-  // time that is lost [s].
+  // After an attempt at a step of length h: commits it whole where it is good, else in pieces.
+  // Returns the time that is lost [s].
   double make(double h);
 
  private:

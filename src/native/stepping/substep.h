@@ -1,9 +1,10 @@
 // The substep: one step of length h, verified (docs/physics.md, "The substep").
 //
 //   free velocity (1)     v*: drive, forces of joints, gravity; limits of strength, held loads
-//   attempt (2 to 7)      broad phase, candidates, contacts, solve, verify (contact_step.h); made again where
-//                         bodies wake or come out of an overlap too fast (step_attempts.h), where a kinematic
-//                         body squeezes others, or where a joint exceeds its strength
+//   attempt (2 to 7)      broad phase, candidates, contacts, solve, verify (contact_step.h); made
+//                         again where bodies wake or come out of an overlap too fast
+//                         (step_attempts.h), where a kinematic body squeezes others, or where a
+//                         joint exceeds its strength
 //   commit or shorten (8) the whole step, or a share of it and the rest in pieces (sub_stepping.h)
 //   end                   velocities at the end, what the drives exerted, clocks of trajectories
 //
@@ -26,8 +27,8 @@ class Substep {
   void finish();
   // Substep k of the frame, of length h [s], of active trees.
   void run(int k, double h);
-  // Into how many parts a substep of length h is to be cut because of objects and links that turn far: a
-  // contact is a straight line where they go in a circle, and would add energy.
+  // Into how many parts a substep of length h is to be cut because of objects and links that turn
+  // far: a contact is a straight line where they go in a circle, and would add energy.
   int parts(double h) const;
 
  private:

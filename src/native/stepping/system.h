@@ -1,9 +1,9 @@
-// The system that is simulated: trees, shapes, drives and settings (MuJoCo's mjModel; stepping/data.h is
-// its mjData).
+// The system that is simulated: trees, shapes, drives and settings (MuJoCo's mjModel;
+// stepping/data.h is its mjData).
 //
-// Bodies form trees that hang on body 0, the world. A tree is a person (a free root and ball joints, moved
-// by a Drive), an object (one body with a free joint) or an articulation (any other tree). Kinematic bodies
-// are objects with a trajectory.
+// Bodies form trees that hang on body 0, the world. A tree is a person (a free root and ball
+// joints, moved by a Drive), an object (one body with a free joint) or an articulation (any other
+// tree). Kinematic bodies are objects with a trajectory.
 #pragma once
 #include <memory>
 #include <vector>
@@ -14,8 +14,9 @@
 
 namespace hp {
 
-// How the reference motion acts on people: by velocity (half-physics) or, as baselines, by poses that are
-// prescribed: once a frame without contacts, once a frame, or in every substep (baselines/prescribed_poses.h).
+// How the reference motion acts on people: by velocity (half-physics) or, as baselines, by poses
+// that are prescribed: once a frame without contacts, once a frame, or in every substep
+// (baselines/prescribed_poses.h).
 enum class Prescribed { No = 0, Kinematic = 1, Positions = 2, Interpolated = 3 };
 
 struct System {
@@ -32,9 +33,9 @@ struct System {
   // Derived by finish():
   std::vector<Drive> drives;        // one per person
   std::vector<char> person;         // per body: it is the root of a person
-  std::vector<char> holds_load;     // per body: a held object, or the root of a person who holds one
+  std::vector<char> holds_load;     // per body: a held object, or its holder's root
   std::vector<int> objects;         // bodies that are objects
-  std::vector<double> joint_reach;  // per body: largest distance of a point that its joint moves [m]
+  std::vector<double> joint_reach;  // per body: of the farthest point that its joint moves [m]
 
   // Call when model and world are filled. `person_roots`: the root body of every person.
   // Throws std::invalid_argument where the arrays do not describe such a system.
@@ -54,7 +55,8 @@ struct System {
   }
   // Number of ball joints of all people, roots included.
   int ball_count() const;
-  // Upper bound of the speed of all points of a shape at the pose `k` and the bodies' velocities `t` [m/s].
+  // Upper bound of the speed of all points of a shape at the pose `k` and the bodies' velocities
+  // `t` [m/s].
   double speed_bound(const Kinematics& k, const CollisionShape& shape, const std::vector<Twist>& t) const;
 
  private:

@@ -1,18 +1,18 @@
 // Joints that nothing touches follow the motion.
 //
-// Contacts stop the part that they touch, and through M^^-1 whatever hangs on it: a body that runs into a
-// wall threw its jaw and its feet about, and went on doing so while it pressed on. In M^ = s (M + X) the
-// firmness gives a joint lambda times its own inertia; a joint beyond which nothing touches gets
-// kUntouchedResistance times that. Bodies that contacts push give way as before, and so do all joints
-// between them and the root. With lambda = 0 nothing is held, nor with Algorithm 1 of the paper, nor a
-// person whose strength is exceeded (strength.h).
+// Contacts stop the part that they touch, and through M^^-1 whatever hangs on it: a body that runs
+// into a wall threw its jaw and its feet about, and went on doing so while it pressed on. In M^ = s
+// (M + X) the firmness gives a joint lambda times its own inertia; a joint beyond which nothing
+// touches gets kUntouchedResistance times that. Bodies that contacts push give way as before, and
+// so do all joints between them and the root. With lambda = 0 nothing is held, nor with Algorithm 1
+// of the paper, nor a person whose strength is exceeded (strength.h).
 //
-// A person in contact with an object or with themselves is not held at all: fingers close about an object
-// with all that they touch, one after the other, and a ball between two palms was lost where the fingers
-// that did not touch yet were held.
+// A person in contact with an object or with themselves is not held at all: fingers close about an
+// object with all that they touch, one after the other, and a ball between two palms was lost where
+// the fingers that did not touch yet were held.
 //
-// A body is touched if a contact on it carries an impulse. Bodies that were touched lately are taken for
-// touched at first; if solving finds more, those are released and all is solved again.
+// A body is touched if a contact on it carries an impulse. Bodies that were touched lately are
+// taken for touched at first; if solving finds more, those are released and all is solved again.
 #pragma once
 #include <vector>
 
@@ -41,8 +41,8 @@ class UntouchedJoints {
  public:
   // An attempt begins: touched is what contacts pushed lately.
   void begin(const System& system, JointResistance& resistance, EffectiveInertia& inertia) const;
-  // Marks what contacts push now. True if a joint of it was held until now: then all is to be solved again,
-  // for the trees that released() marks (per root body).
+  // Marks what contacts push now. True if a joint of it was held until now: then all is to be
+  // solved again, for the trees that released() marks (per root body).
   bool release(const System& system, const Attempt& attempt, JointResistance& resistance,
                EffectiveInertia& inertia);
   const std::vector<char>& released() const { return released_; }

@@ -50,8 +50,8 @@ bool Verification::check(System& system, Data& data, double h, int pass) {
   attempt.overdue = 0;
   attempt.violated.clear();
   bool good = true;
-  // Where there is a first solve anyhow, candidates between a person and an object are checked after it,
-  // not before it too.
+  // Where there is a first solve anyhow, candidates between a person and an object are checked
+  // after it, not before it too.
   const bool begins =
       pass == 0 && system.world.contact_points.recall(data.cache.contacts(), attempt.candidates, recalled_);
   for (size_t i = 0; i < attempt.candidates.size(); i++) {  // forgiven planes add to them
@@ -72,8 +72,8 @@ bool Verification::check(System& system, Data& data, double h, int pass) {
   return good;
 }
 
-// Objects that lie on each other pass on what they carry, a pair more in every pass: of them only contacts
-// that were solved for count.
+// Objects that lie on each other pass on what they carry, a pair more in every pass: of them only
+// contacts that were solved for count.
 void Verification::find_overdue(const System& system, Data& data) const {
   Attempt& attempt = data.attempt;
   for (const Contact& c : attempt.contacts)

@@ -1,10 +1,10 @@
 // Verification: are all gaps at the end pose as large as was asked?
 //
-// Contacts are solved with velocities, so their gaps at the end of a step are predictions along straight
-// lines. The end pose itself is checked against every candidate (separating plane or pair of shapes):
-// excess = gap - target [m]. A gap may miss its target by allowed(): solver tolerance, 2 % of the gap for
-// paths that curve, more while a person separates from itself. Planes that the shape's path does not cross
-// are forgiven by GapCheck, and what they had hidden is searched.
+// Contacts are solved with velocities, so their gaps at the end of a step are predictions along
+// straight lines. The end pose itself is checked against every candidate (separating plane or pair
+// of shapes): excess = gap - target [m]. A gap may miss its target by allowed(): solver tolerance,
+// 2 % of the gap for paths that curve, more while a person separates from itself. Planes that the
+// shape's path does not cross are forgiven by GapCheck, and what they had hidden is searched.
 #pragma once
 #include <vector>
 
@@ -14,8 +14,8 @@ namespace hp {
 
 class Verification {
  public:
-  // Checks step.end: sets attempt.violated, worst and overdue; true if no candidate is violated. `pass` is
-  // the number of solves before it.
+  // Checks step.end: sets attempt.violated, worst and overdue; true if no candidate is violated.
+  // `pass` is the number of solves before it.
   bool check(System& system, Data& data, double h, int pass);
 
  private:
@@ -23,16 +23,16 @@ class Verification {
   std::vector<char> recalled_;  // per candidate: its pair had contacts in the substep before
 };
 
-// Gap at the end pose minus target of candidate i [m]. Where its plane is forgiven, candidates that the
-// plane had hidden are appended.
+// Gap at the end pose minus target of candidate i [m]. Where its plane is forgiven, candidates that
+// the plane had hidden are appended.
 double excess(System& system, Data& data, size_t i, double h);
 
 // Do the joints with ranges end within them?
 bool within_limits(const Attempt& attempt, const Step& step, double h);
 
 // Clearances give way where the targets of an island cannot be met all together: before a step is
-// shortened, the gaps of the island may shrink to 0.1 mm, v_n >= -(dist - 0.1 mm)/h. False if every island
-// with a violated candidate has given way already.
+// shortened, the gaps of the island may shrink to 0.1 mm, v_n >= -(dist - 0.1 mm)/h. False if every
+// island with a violated candidate has given way already.
 bool give_way(const System& system, Data& data);
 // Lowers the targets in islands that have given way.
 void relax(const System& system, Attempt& attempt);

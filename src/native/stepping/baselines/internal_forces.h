@@ -1,11 +1,12 @@
-// Baseline: internal forces and joint damping of people, which the paper leaves out (docs/physics.md,
-// "Forces that half-physics leaves out, and torques"). With v0 what v* would be without them:
+// Baseline: internal forces and joint damping of people, which the paper leaves out
+// (docs/physics.md, "Forces that half-physics leaves out, and torques"). With v0 what v* would be
+// without them:
 //
 //   (M^ + h D) (v* - v0) = -h c(q, v) - h D v0,     M^ + h D in place of M^
 //
-// c are the Coriolis, centrifugal and gyroscopic forces of a person's tree at the start of the substep,
-// D [N m s/rad] acts with the velocity at its end. Free motion is not exact with them, so every person is
-// stepped through.
+// c are the Coriolis, centrifugal and gyroscopic forces of a person's tree at the start of the
+// substep, D [N m s/rad] acts with the velocity at its end. Free motion is not exact with them, so
+// every person is stepped through.
 #pragma once
 #include <vector>
 
@@ -24,7 +25,8 @@ class InternalForces {
   // Limits the change of velocity `change` = v* - v0 so that no joint turns faster than
   // kFastestInternalSpin, or than it did.
   void limit(const System& system, const Step& step, std::vector<double>& change) const;
-  // Takes the impulses of these forces, in a substep that ended with the velocities `v`, off `impulse`.
+  // Takes the impulses of these forces, in a substep that ended with the velocities `v`, off
+  // `impulse`.
   void discount(const System& system, const Drive& d, const double* v, double h, double* impulse) const;
 
  private:

@@ -108,7 +108,8 @@ void PrescribedPoses::release_jammed(Model& m) {
   jammed_.clear();
 }
 
-// Makes the push of an object gentler where it is thrown or has no room; true if that changed anything.
+// Makes the push of an object gentler where it is thrown or has no room; true if that changed
+// anything.
 bool PrescribedPoses::soften(System& system, Data& data, int body, int tries) {
   World& world = system.world;
   const Kinematics& kin = data.state.pose.kin;

@@ -1,14 +1,15 @@
 // Baseline: people whose poses are prescribed (docs/physics.md, "Poses that are set").
 //
-// To contacts such people are trees that stand, of infinite mass and with no velocity: a body whose state is
-// overwritten has none. Static geometry and other people are not in their way. Objects that they overlap are
-// found anew wherever people are put, hull by hull, and leave along the direction of least overlap at
-// Settings.depenetration_speed at most; where objects have no room they stay overlapped.
+// To contacts such people are trees that stand, of infinite mass and with no velocity: a body whose
+// state is overwritten has none. Static geometry and other people are not in their way. Objects
+// that they overlap are found anew wherever people are put, hull by hull, and leave along the
+// direction of least overlap at Settings.depenetration_speed at most; where objects have no room
+// they stay overlapped.
 //
-// No push makes an object faster than kThrownFactor times that speed, or than it was and that speed at right
-// angles. A try at a step that does is repeated with a gentler push (PrescribedExits::pace in [0, 1] is its
-// share of the speed). Objects without room are not pushed for some time; those that are thrown even so are
-// jammed: they stand still in the substep.
+// No push makes an object faster than kThrownFactor times that speed, or than it was and that speed
+// at right angles. A try at a step that does is repeated with a gentler push (PrescribedExits::pace
+// in [0, 1] is its share of the speed). Objects without room are not pushed for some time; those
+// that are thrown even so are jammed: they stand still in the substep.
 #pragma once
 #include <vector>
 
@@ -36,7 +37,8 @@ class PrescribedPoses {
   const double* load(World& world, const double* in);
 
  private:
-  // Of an object that had no room to leave: how long it is not pushed, and will not be the next time [s].
+  // Of an object that had no room to leave: how long it is not pushed, and will not be the next
+  // time [s].
   struct Push {
     double wait = 0, patience = 0;
   };

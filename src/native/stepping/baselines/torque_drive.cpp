@@ -1,5 +1,5 @@
-// Baseline: PD torques in place of the joints' velocities (docs/physics.md, "Forces that half-physics
-// leaves out, and torques"):
+// Baseline: PD torques in place of the joints' velocities (docs/physics.md, "Forces that
+// half-physics leaves out, and torques"):
 //
 //   tau = kp log(q^-1 q_target) - kd v,  kp = I w^2,  kd = 2 z I w,
 //

@@ -76,7 +76,7 @@ def parameters(name: str) -> dict[str, Any]:
         "again": motion_values(again),
         "rebased": motion_values(motion.rebased(body(), "y")),
         "sequence": [motion_values(one) for one in sequence.motions],
-        "clips": [str(one) for one in hp.clips(clips()[name])],
+        "clips": [Path(str(one)).name for one in hp.clips(clips()[name])],
     }
 
 

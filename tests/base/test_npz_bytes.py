@@ -29,6 +29,7 @@ def read(data):
         return dict(npz)
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(st.dictionaries(st.text("abö/.", min_size=1, max_size=6), ANY, max_size=5))
 def test_numpy_and_zipfile_read_it(arrays):

@@ -143,6 +143,7 @@ def test_half_physics_is_not(body):
     assert light > 5.0 * heavy
 
 
+@pytest.mark.slow
 @PUSHING
 def test_a_suitcase_is_penetrated_and_stays(body, settings):
     """Figure 7. Half-physics lifts it by 0.35 m without a vertex of the skin inside."""

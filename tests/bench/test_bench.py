@@ -27,6 +27,8 @@ from halfphysics.simulation.simulate import follow, simulate
 from halfphysics.simulation.simulator import Simulator
 from support.judges.skin_judge import SkinJudge
 
+pytestmark = pytest.mark.slow
+
 # Rounding of positions of a few metres through 8 substeps a frame; measured 1e-12 mm.
 EXACT_MM = 1e-6
 SETTINGS = {

@@ -143,6 +143,7 @@ def test_hulls_overlap_so_their_volumes_are_no_masses(variant: Variant) -> None:
     assert 1.04 < hulls / variant.volume < 1.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("component", range(10))
 @pytest.mark.parametrize("value", [-3.0, 3.0])
 def test_any_shape_has_parts(component: int, value: float) -> None:

@@ -121,6 +121,7 @@ def test_the_same_for_all_shapes():
         np.testing.assert_array_equal(getattr(other, name), getattr(plain, name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", ["1", "4"])
 def test_cut_beforehand_is_cut_now(body, threads):
     """What is in the package, byte by byte, whatever the threads: else run tools/cut_body.py."""
@@ -252,6 +253,7 @@ def within(found: hull_gap.Gaps) -> tuple[float, float]:
     return max(np.median(g) for g in gaps), max(np.percentile(g, 95) for g in gaps)
 
 
+@pytest.mark.slow
 def test_the_gap_that_is_seen(body):
     """Deep squat, sitting, fists, bent elbows, raised arms, bowed and arched."""
     poses = list(hull_gap.bends().values())
@@ -262,6 +264,7 @@ def test_the_gap_that_is_seen(body):
     assert p95 < 0.5 * uncut[1], "cutting is worth its hulls"
 
 
+@pytest.mark.slow
 def test_the_gap_that_is_seen_in_motions(body, shared_data):
     poses = list(hull_gap.motion_poses(shared_data / "motion", 2))
     median, p95 = within(hull_gap.gaps(body, hull_gap.split(body.skin_hulls), poses, 20))
@@ -269,6 +272,7 @@ def test_the_gap_that_is_seen_in_motions(body, shared_data):
     assert p95 <= P95
 
 
+@pytest.mark.slow
 def test_the_gap_of_another_shape(body):
     """The cut is the mean shape's: it fits others nearly as well."""
     poses = list(hull_gap.bends().values())
@@ -279,6 +283,7 @@ def test_the_gap_of_another_shape(body):
         assert p95 <= P95
 
 
+@pytest.mark.slow
 def test_the_gap_of_a_body_without_fingers_and_face(body):
     """As SMPL has it: each hand is one part, and so is the head."""
     weights = body.weights.copy()

@@ -75,6 +75,7 @@ def complaints(rows, what):
     return "\n".join(f"{row['id']}: {text}" for row in rows for text in what(row))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("kind", OBSTACLES)
 def test_nobody_is_thrown_through(rows_of, kind, contact):
@@ -105,6 +106,7 @@ def clip_rows(rows_of, shared_data, request):
     return rows_of(names[place], contact, cases, shared_data, few)
 
 
+@pytest.mark.slow
 @EVERY_CLIP
 def test_real_clips_go_through_nothing(clip_rows):
     assert sum(row["touched"] for row in clip_rows) > 0

@@ -12,6 +12,8 @@ import halfphysics as hp
 from halfphysics.labels import contact_labels
 from support.judges.labels_judge import ROUNDING, judge
 
+pytestmark = pytest.mark.slow
+
 #: Where the long ones end here: all that is touched is touched by then.
 END = {
     "climb_onto_bed": 100,
@@ -24,6 +26,7 @@ END = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", hp.scenarios.names())
 def test_labels_agree_with_geometry_and_no_impulse_is_without(name):
     told = hp.scenarios.load(name)

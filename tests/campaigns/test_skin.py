@@ -101,6 +101,7 @@ def ids(some):
 # -- the cases are what they say -------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", SAMPLE, ids=ids(SAMPLE))
 def test_a_case_starts_clear_and_asks_for_something(case):
     body = somebody(case.who)
@@ -128,6 +129,7 @@ def test_a_case_starts_clear_and_asks_for_something(case):
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_furniture_of_every_kind_is_in_the_same_place(kind):
     """The last pose is cut by all of them; sheets have no inside to be deep in."""
@@ -144,6 +146,7 @@ def test_furniture_of_every_kind_is_in_the_same_place(kind):
             assert verdict.depth == pytest.approx(theirs.depth, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_what_rigid_parts_leave_inside_is_found():
     """The judge is not content with anything: a knee that is bent is not in its parts."""
     row = row_of(Case("knee_chair", "primitives"), "parts")
@@ -157,6 +160,7 @@ def test_what_rigid_parts_leave_inside_is_found():
 # -- the skin stays out ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @needs_skin
 @pytest.mark.parametrize("case", SAMPLE, ids=ids(SAMPLE))
 def test_the_skin_stays_out(case):
@@ -184,6 +188,7 @@ def test_no_time_is_lost(case):
     assert row_of(case, "skin")["lost"] == 0.0
 
 
+@pytest.mark.slow
 @needs_skin
 @pytest.mark.parametrize(("tool", "every"), [("pole2cm", 1), ("edge90", 3)])
 def test_the_visible_gap_is_small(tool, every):
@@ -197,6 +202,7 @@ def test_the_visible_gap_is_small(tool, every):
     assert np.percentile(gaps, 95) <= VISIBLE[1]
 
 
+@pytest.mark.slow
 @needs_skin
 def test_throws_stay_out():
     some = [c for c in all_cases(None, kinds=("throw",)) if c.speed == 5.0 and c.substeps == 4]
@@ -204,6 +210,7 @@ def test_throws_stay_out():
     assert not [text for row in rows for text in complaints(row)]
 
 
+@pytest.mark.slow
 @needs_skin
 def test_real_clips_stay_out(shared_data):
     quick = [

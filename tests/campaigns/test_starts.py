@@ -37,6 +37,7 @@ MANY = int(os.environ.get("HALFPHYSICS_STARTS", "1"))
 SEED = int(os.environ.get("HALFPHYSICS_STARTS_SEED", "1000"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_out_of_it_steadily_and_soon(kind):
     rows = [run(Case(kind, SEED + i), "skin", None) for i in range(MANY)]
@@ -60,6 +61,7 @@ def test_cases_start_as_deep_as_they_say(kind):
     assert 0.005 <= start.depth <= 0.11
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", starts.KINDS)
 def test_cases_stand_in_the_scene_where_the_judge_looks(kind):
     """The middle of every solid is inside a static; of a sheet, all corners are in its face."""

@@ -147,6 +147,7 @@ def test_without_out_nothing_is_written(folder, capsys):
     assert [p.name for p in folder.iterdir()] == ["walk.npz"]
 
 
+@pytest.mark.slow
 def test_demo(tmp_path, capsys):
     assert run("demo", "--out", tmp_path / "new" / "demo") == 0
     out, err = capsys.readouterr()
@@ -369,6 +370,7 @@ def test_as_a_program(folder):
     assert err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_progress_bars_are_for_terminals(folder):
     process = program("simulate", "walk.npz", "--out", "r.npz")
     _, err = process.communicate(timeout=120)

@@ -81,6 +81,7 @@ def test_the_same_seed_the_same_bytes_another_seed_another_clip(make, body):
         assert content(make(number + 10, seed=3, seconds=2.0)) != first
 
 
+@pytest.mark.slow
 def test_as_many_frames_as_asked_for_and_a_beginning_is_a_beginning(dances, body):
     assert {len(motion) for motion in dances} == {round(SECONDS * FPS)}
     for number in range(len(STYLES)):
@@ -176,6 +177,7 @@ def test_nothing_is_faster_than_people_are(dances, body):
         assert speed[:, 0].max() < 4.0 < ROOT_SPEED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(STYLES)))
 def test_no_jump_in_velocity(number, body):
     """Where it is smooth twice the frame rate finds the same accelerations, else doubled ones."""

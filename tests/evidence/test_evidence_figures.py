@@ -17,6 +17,8 @@ from evidence.runs import choices
 from evidence.sections import figure5, figure8, figures4and9, figures6and7
 from evidence.verdicts import verdict
 
+pytestmark = pytest.mark.slow
+
 #: A picture of a strip [bytes].
 LARGEST_PICTURE = 150_000
 

@@ -295,6 +295,7 @@ def test_a_click_selects_the_command_as_it_is_typed(chromium, tmp_path, size):
     assert height < 30.0  # an option is on one line
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 @pytest.mark.parametrize("size", ["desktop", "phone"])
 def test_everything_can_be_told_from_what_is_behind_it(chromium, size, dark):

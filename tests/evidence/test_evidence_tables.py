@@ -23,6 +23,8 @@ from evidence.store import Store
 from halfphysics.errors import FileError
 from support.references.skinning import kinematics_reference
 
+pytestmark = pytest.mark.slow
+
 QUICK = Options(quick=True)
 SHORT = {"kind": "dance", "number": 4, "seed": 0, "seconds": 1.0}
 

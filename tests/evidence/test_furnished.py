@@ -52,6 +52,7 @@ def rooms():
     return [room(number) for number in NUMBERS]
 
 
+@pytest.mark.slow
 def test_rooms_are_furnished_and_differ(rooms):
     assert len(rooms) == 20
     for one in rooms:
@@ -84,6 +85,7 @@ def test_furniture_is_closed_and_as_large_as_said(kind):
         assert (high - low >= np.array(size) - 0.15).all()
 
 
+@pytest.mark.slow
 def test_visits_start_clear_and_last(body, rooms):
     """All of them are clear at the start, none leaves the ground, and most go into something."""
     deep = []
@@ -98,6 +100,7 @@ def test_visits_start_clear_and_last(body, rooms):
     assert np.mean(np.array(deep) > 20.0) > 0.7
 
 
+@pytest.mark.slow
 def test_a_scene_is_measured_and_verified():
     """The motion asked for goes in and is found out by both judges; ours by neither."""
     arguments = {"number": 9, "seed": 0, "ways": ["ours"], "strip": False, "quick": True}
@@ -219,6 +222,7 @@ def test_floor():
     assert floor(Mesh(*mesh_of(tuple(KINDS["table"].make(0.9, 1.6, 0.75)), 0.1))) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.0, -2.5])
 def test_a_walk_begins_and_ends_clear(body, height):
     one = scan(1)
@@ -256,6 +260,7 @@ def folder(tmp_path, body):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_scenes_of_the_user(folder):
     tasks = brought.tasks(Options(data={"scenes": folder}))
     names = [(task.key, task.arguments["path"]) for task in tasks]

@@ -10,6 +10,8 @@ import pytest
 
 from support.paths import ROOT, TESTS
 
+pytestmark = pytest.mark.slow
+
 EXAMPLES = ROOT / "examples"
 
 

@@ -73,6 +73,7 @@ def test_winding_on_a_grid_aligned_with_edges_and_vertices() -> None:
     assert not MeshQuery(sphere_vertices, sphere_faces).inside(under - [0, 0, 2.0]).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["closed", "opened", "soup", "flipped", "two", "nested"])
 def test_equals_the_reference(case: str, probes: np.ndarray) -> None:
     vertices, faces = Sphere(1.0).triangles()

@@ -210,6 +210,7 @@ def _subdivided(path: Path, least: int) -> Scene:
     return scene
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["couch", "cabinet_medium"])
 def test_the_same_with_threads(
     shared_data: Path, name: str, capsys: pytest.CaptureFixture[str]

@@ -32,6 +32,7 @@ def doorway():
     return scenarios.load("doorway")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", scenarios.names())
 def test_every_scenario_starts_clear_and_walks_on_the_floor(name):
     sequence = scenarios.load(name)

@@ -34,6 +34,8 @@ from support.judges.clear_judge import Judge
 from support.judges.coal_scene import Watch
 from support.people import t_pose, violent
 
+pytestmark = [pytest.mark.slow, pytest.mark.fuzz]
+
 #: Clear starts stay clear; coal's own distances are good to this [m].
 COAL = 1e-6
 #: Momentum is a sum of floating-point numbers, relative to its largest.

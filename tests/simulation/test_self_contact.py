@@ -65,6 +65,7 @@ def unmoved(q, target, simulator, limbs):
     assert abs(q[:, :3] - target[:, :3]).max() < EXACT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize(
@@ -94,6 +95,7 @@ INSIDE = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "contact"), INSIDE)
 def test_who_starts_in_themselves_is_loosened(name, contact):
     key = getattr(st, name)(BODY)

@@ -45,6 +45,7 @@ def corners(simulator, qpos):
     return pieces.at(np.atleast_2d(qpos)).corners
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("substeps", [1, 4, 8])
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("clip", [*CLIPS, "violent"])
@@ -68,6 +69,7 @@ def test_the_violent_motion_is_violent(body):
     assert speed.max() >= 15.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [0.0, 1.0, 10.0])
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("contact", CONTACTS)
@@ -239,6 +241,7 @@ def test_a_start_inside_something_is_said(body):
     assert said[0].filename == __file__
 
 
+@pytest.mark.slow
 def test_two_people_who_start_in_one_place_come_apart_in_peace(body):
     """They pass through each other until they are out: nothing is thrown, nothing hangs."""
     a = along_x(0.0, 16, start=0.0)

@@ -34,6 +34,7 @@ def poses_of(simulator, seconds):
     return np.concatenate([start, *frames])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fps", "substeps"), [(30, None), (60, None), (120, None), (30, 1), (30, 4)]
 )
@@ -133,6 +134,7 @@ def thrown(rng, target):
     return scene
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["person", "box", "sheet", "each other"])
 def test_what_is_thrown_goes_through_nothing(target):
     body = Body.default()
@@ -207,6 +209,7 @@ def largest_gain(scene, fps, substeps):
     return (energy - np.minimum.accumulate(energy)).max(), mass.sum() * G * settings.clearance
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.0, 0.8])
 @pytest.mark.parametrize(("fps", "substeps"), [(30, None), (120, None), (240, 1), (30, 4)])
 def test_a_pile_gains_no_energy(friction, fps, substeps):

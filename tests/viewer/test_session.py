@@ -15,6 +15,7 @@ from halfphysics.viewer.session import Session, bodies_of
 from support.sessions import KICK, ball, run, simulated, standing
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["kick_ball", "push_door", "meet"])
 def test_untouched_it_is_simulate_to_the_last_bit_and_in_the_second_loop_again(name):
     session, result = Session(Catalog(), Choice(name)), simulated(Choice(name))
@@ -87,6 +88,7 @@ def test_a_heavier_door_opens_less():
     assert opened[500.0] < 0.9 * opened[5.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("knob", "value"),
     [("stiffness", 0.0), ("substeps", 2), ("drive_time", 0.3), ("strength", "very weak")],
@@ -220,6 +222,7 @@ def test_an_option_of_a_scenario_builds_it_anew():
     assert flew[10.0] > 2.0 * flew[2.0] > 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n in hp.scenarios.names() if options(n)])
 def test_every_end_of_every_slider_of_a_scenario_can_be_played(name):
     for option in options(name):

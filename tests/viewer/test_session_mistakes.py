@@ -41,6 +41,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", WRONG, ids=str)
 def test_what_cannot_be_done_is_said_and_changes_nothing(command):
     session, plain = Session(Catalog(), KICK), Session(Catalog(), KICK)

@@ -25,6 +25,8 @@ from support.people import FACING_X, violent
 from support.results.gltf_results import many_handed, y_up
 from support.results.random_result import make_result
 
+pytestmark = pytest.mark.slow
+
 PAGE = Path(__file__).with_name("gltf_page.html")
 MODULES = [Path(p) for p in os.environ.get("NODE_PATH", "").split(os.pathsep) if p]
 TYPES = {".js": "text/javascript", ".html": "text/html"}

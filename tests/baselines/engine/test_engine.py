@@ -218,6 +218,7 @@ def test_twice_the_same_bits(body, settings):
         np.testing.assert_array_equal(a, b)
 
 
+@pytest.mark.slow
 @ENGINE
 def test_saved_and_loaded(body, settings, tmp_path):
     result = simulate(swing(body, 30.0), before_the_foot(body, 5.0), body=body, settings=settings)

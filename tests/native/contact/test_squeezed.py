@@ -28,6 +28,8 @@ from support.starts.meshes import box_mesh, finely, union_mesh
 from support.starts.objects_judge import ObjectJudge
 from support.starts.solids import EXACT, Hulls, box, ground
 
+pytestmark = pytest.mark.slow
+
 #: No vertex of the skin gets faster than the motion asks, or what hits it is, by more [m/s]: a
 #: hand whips when its arm is hit by half a tonne. What explodes has tens.
 FASTER = 6.0

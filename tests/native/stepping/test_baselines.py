@@ -84,6 +84,7 @@ def v_star(own, model, qpos, qvel, h):
     return v, M, stiff, c
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ABLATIONS)
 def test_free_velocities_are_equal(body, name):
     """Some substeps of a lively motion computed twice, without contact."""

@@ -78,6 +78,7 @@ WALLS = pytest.mark.parametrize("kind", ["plane", "box", "mesh", "sheet"])
 
 # The body faces the wall: pressed at both sides alike it does not turn, and the velocity of its
 # root along the wall is that of every other point of it.
+@pytest.mark.slow
 @DRIVES
 @WALLS
 @pytest.mark.parametrize("stiffness", [0.0, 1.0, 10.0])
@@ -106,6 +107,7 @@ def test_a_frictionless_wall_takes_nothing_along_it(body, contact, kind, drive, 
     assert np.abs(taken).max() <= SLIDING * momentum
 
 
+@pytest.mark.slow
 @DRIVES
 @WALLS
 @pytest.mark.parametrize("stiffness", [0.0, 1.0, 10.0])
@@ -270,6 +272,7 @@ def edge(kind, case, pose):
     return shape, beside(swept, [geometry], rng, turn), turn
 
 
+@pytest.mark.slow
 @DRIVES
 @STEPS
 @pytest.mark.parametrize("kind", KINDS)
@@ -306,6 +309,7 @@ def turned_person(facing, frames, fps, place=(0.0, 0.0, 0.0)):
     return motion.with_frames(motion.translation, rotations)
 
 
+@pytest.mark.slow
 @DRIVES
 @STEPS
 @pytest.mark.parametrize("whom", ["thing", "person"])

@@ -40,6 +40,7 @@ def body():
     return Body.default()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("name", JAMMED)
 def test_a_jam_takes_no_time(name, contact):
@@ -69,6 +70,7 @@ def arms_out(body, frames, fps=30.0):
     return motion.with_frames(-body.joints(motion)[:, 0], rotations)
 
 
+@pytest.mark.slow
 @DRIVES
 @pytest.mark.parametrize("substeps", [1, 4, 8])
 @pytest.mark.parametrize("contact", CONTACTS)

@@ -61,6 +61,7 @@ def off(a, b):
     return np.abs(a.astype(int) - b.astype(int)).mean()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("suffix", "codec"), [(".mp4", "h264"), (".webm", "vp9")])
 def test_a_film_has_every_frame_in_order(tmp_path, suffix, codec):
     path = tmp_path / f"film{suffix}"
@@ -93,6 +94,7 @@ def test_a_gif_needs_no_ffmpeg_and_has_the_colours_and_the_pace(tmp_path, monkey
     assert sum(lasting) == pytest.approx(1000 * FRAMES / FPS, abs=5)
 
 
+@pytest.mark.slow
 def test_the_film_does_not_depend_on_the_number_of_threads(tmp_path):
     for suffix in (".mp4", ".gif"):
         if suffix == ".mp4":
@@ -196,6 +198,7 @@ def test_every_camera_has_the_whole_story_in_its_picture(name):
         assert (np.abs(local[:, 0] / local[:, 2]) < tangent * SIZE[0] / SIZE[1]).all()
 
 
+@pytest.mark.slow
 def test_the_story_is_seen_from_its_best_side(monkeypatch):
     monkeypatch.setattr("halfphysics.render.film.tracking.choose_direction", choose_direction)
     drawing = Drawing(small_result())
@@ -232,6 +235,7 @@ def test_the_time_is_written_and_labels_are_and_both_can_be_left_out():
     assert (later[-26:, :60] != written[-26:, :60]).any()
 
 
+@pytest.mark.slow
 def test_one_frame_is_that_of_the_film_and_a_sheet_has_the_key_frames(tmp_path):
     still = tmp_path / "still.png"
     save_picture(small_result(), still, PLAIN, frame=-1)

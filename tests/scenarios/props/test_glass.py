@@ -32,6 +32,8 @@ from support.grasp_limits import (
     TURN,
 )
 
+pytestmark = pytest.mark.slow
+
 RATES = (30.0, 120.0)
 CUP = [[0.0, 0.04, 0.0], [0.01, 0.05, 0.0], [0.01, 0.05, 0.045], [0.1, 0.06, 0.055]]
 

@@ -20,6 +20,7 @@ TOUCH = 0.002
 GIVE = 0.025
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [0.0, 1.0])
 @pytest.mark.parametrize("name", MOVED)
 def test_it_moves_about_its_joint_to_its_stop_and_nobody_is_in_it(name, stiffness):
@@ -54,6 +55,7 @@ def test_it_moves_about_its_joint_to_its_stop_and_nobody_is_in_it(name, stiffnes
     assert all(p.startswith("right_") for p in parts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MOVED)
 def test_the_motion_asked_for_goes_through_it(name):
     """So that nothing passes through is the simulation's doing."""
@@ -67,6 +69,7 @@ def test_the_motion_asked_for_goes_through_it(name):
     assert seen.gap(frames, [link], sequence.motion).min() < -0.003
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [0.0, 1.0])
 @pytest.mark.parametrize("name", MOVED)
 def test_the_same_at_other_frame_rates(name, stiffness):

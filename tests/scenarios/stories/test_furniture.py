@@ -47,6 +47,7 @@ def check(verdict):
     assert verdict.free[joint] < 5.0, JOINT_NAMES[joint]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_nothing_is_entered_and_the_intent_is_kept(name):
     verdict = judged(name)
@@ -55,6 +56,7 @@ def test_nothing_is_entered_and_the_intent_is_kept(name):
     check(verdict)
 
 
+@pytest.mark.slow
 def test_half_of_a_body_goes_round_the_wall_it_was_asked_through():
     """The jamb is near the middle of the way: what blocks is gone round, what was meant goes on."""
     verdict = judge(scenarios.load("doorway", right_jamb=-0.10))
@@ -70,6 +72,7 @@ def test_half_of_a_body_goes_round_the_wall_it_was_asked_through():
     assert pelvis[1][-1, 0] > pelvis[0][-1, 0] - 0.4  # and through
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "fps"), [("sit_on_sofa", 60.0), ("crawl_under_table", 120.0)])
 def test_other_frame_rates(name, fps):
     verdict = judge(scenarios.load(name, fps=fps))

@@ -45,6 +45,7 @@ def whole(fps):
     return played(fps, hold=10.0 + SETTLED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fps", RATES)
 def test_the_glass_stays_in_the_hand(fps):
     _, times, _, grasp = whole(fps)
@@ -119,6 +120,7 @@ def test_all_fingers_and_the_thumb_take_part(fps):
     assert not result.diagnostics["shortened"].any()  # no time was lost
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fps", RATES)
 def test_a_slippery_glass_is_not_held(fps):
     _, times, _, grasp = played(fps, friction=0.1, stages=("lift",))
@@ -129,6 +131,7 @@ def test_a_slippery_glass_is_not_held(fps):
     assert grasp.normal[-5:].max() < 0.3 * 9.81
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fps", [30.0, 120.0])
 @pytest.mark.parametrize("mass", [0.05, 1.0])
 def test_light_and_heavy_glasses_are_held(fps, mass):
@@ -152,6 +155,7 @@ def test_nobody_walks_into_the_stand():
         assert not (touched & (result.contacts.person >= 0)).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fps", [30.0, 120.0])
 def test_a_glass_put_on_no_table_falls(fps):
     sequence, times = place_glass.planned(fps=fps)

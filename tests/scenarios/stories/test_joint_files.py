@@ -15,6 +15,8 @@ from halfphysics.scenarios.stories import close_laptop
 from support.joint_scenarios import done
 from support.judges.jointed import Jointed
 
+pytestmark = pytest.mark.slow
+
 _BOX = """<collision><origin xyz="{at[0]} {at[1]} {at[2]}"/>
 <geometry><box size="{size[0]} {size[1]} {size[2]}"/></geometry></collision>"""
 

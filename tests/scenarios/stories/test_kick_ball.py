@@ -208,6 +208,7 @@ def struck(body, motion, radius, low):
 
 #: One goes along the floor at 2.5 m/s and stays out, 0.35 m beyond the ball; the other is a kick at
 #: hip height, at 3.3 m/s: its ball hangs in the air.
+@pytest.mark.slow
 @pytest.mark.parametrize(("clip", "low"), [("asap_kick1", True), ("asap_kick3", False)])
 def test_a_real_kick(body, shared_data, clip, low):
     """As the authored one: alike at all rates, and five times as fast for a light ball as for a

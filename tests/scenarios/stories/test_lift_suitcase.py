@@ -16,6 +16,8 @@ from halfphysics.scenarios.acting import arms
 from halfphysics.scenarios.stories.lift_suitcase import RISE, UP, WALK
 from halfphysics.simulation.simulate import simulate
 
+pytestmark = pytest.mark.slow
+
 RATES = (30.0, 60.0, 120.0)
 # At 30 fps as long as it is judged; at the others too where HALFPHYSICS_LONG is set.
 LONG = bool(os.environ.get("HALFPHYSICS_LONG"))

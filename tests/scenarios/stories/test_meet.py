@@ -8,6 +8,8 @@ import pytest
 import halfphysics as hp
 from support.judges.pair_judge import PairJudge
 
+pytestmark = pytest.mark.slow
+
 #: Who stands still moves less than this in the last 0.2 s [m/s].
 STILL = 0.01
 

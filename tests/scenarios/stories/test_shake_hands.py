@@ -10,6 +10,8 @@ from halfphysics.motion.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
 from halfphysics.scenarios.stories import shake_hands
 from support.judges.pair_judge import PairJudge
 
+pytestmark = pytest.mark.slow
+
 HAND = [JOINT_INDEX["right_wrist"], *RIGHT_HAND_JOINTS]
 
 

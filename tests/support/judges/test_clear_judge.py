@@ -41,6 +41,7 @@ def _ghost(contact, body, scene, motion):
     return Judge(simulator).judge_poses(poses)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", OBSTACLES)
 @pytest.mark.parametrize(("pose", "speed"), [("tpose", 20.0), ("curled", 3.0)])
 def test_ghosts_are_seen(body, ghost, kind, pose, speed):
@@ -51,6 +52,7 @@ def test_ghosts_are_seen(body, ghost, kind, pose, speed):
     assert not verdict.clear
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", BARRIERS)
 def test_a_jump_over_it_is_a_crossing(body, ghost, what):
     """No pose is anywhere near; every part that had it in its way has crossed."""

@@ -177,6 +177,7 @@ def test_being_inside_is_seen_and_how_deep(body):
     assert depth == pytest.approx(1e3 * verdict.depth)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["box", "sphere", "capsule", "cylinder"])
 @pytest.mark.parametrize("kind", ["primitive", "mesh", "finer mesh"])
 def test_things_of_any_kind_are_seen(body, name, kind):
@@ -226,6 +227,7 @@ def test_what_goes_between_the_vertices_is_seen(body):
         assert not verdict.clear
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", BARRIERS)
 def test_a_jump_over_it_is_a_crossing(body, kind):
     shape = barrier(kind)
@@ -297,6 +299,7 @@ def test_around_an_edge_is_no_crossing(body):
     assert not judge.judge_motion(t_pose(path[::3], fps=10.0), continuous=True).clear
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["box", "mesh", "cylinder"])
 def test_own_answers_are_those_of_coal(body, kind, rng):
     """Poses at random about a thing: cut where coal says so, and inside only where cut."""

@@ -286,6 +286,7 @@ def variants(walk, tmp_path_factory):
     }
 
 
+@pytest.mark.slow
 @settings(max_examples=6, deadline=None)
 @given(
     chosen=st.lists(

@@ -16,11 +16,15 @@ import tempfile
 import time
 from pathlib import Path
 
+import pytest
+
 from halfphysics.sweep.plan.plan import Plan
 from halfphysics.sweep.run.driver import run
 from halfphysics.sweep.store.store import Store
 from support.processes import group_ends, needs_proc, of_group
 from support.sweeps.sweep_case import PLAN, Here, Told, data
+
+pytestmark = pytest.mark.slow
 
 
 def started(plan, out):

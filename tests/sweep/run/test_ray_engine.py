@@ -29,6 +29,8 @@ from halfphysics.sweep.store.store import Store
 from support.sweeps import sweep_case
 from support.sweeps.sweep_case import PLAN, Told, data, deadly, planned
 
+pytestmark = pytest.mark.slow
+
 try:
     import ray
 except ImportError:

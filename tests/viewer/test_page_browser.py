@@ -11,7 +11,10 @@ from halfphysics.viewer.page import save_page
 from support.browser import CHROMIUM, SIZES, artefacts, tab
 from support.results.small_result import FPS, FRAMES, small_result
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium, or no playwright")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(CHROMIUM is None, reason="no chromium, or no playwright"),
+]
 
 TIME = "input[inputmode=decimal]"
 BAR = ".mantine-Slider-root"

@@ -13,7 +13,10 @@ from halfphysics.viewer.framing import free_part
 from halfphysics.viewer.playground import Playground
 from support.browser import CHROMIUM, SIZES, artefacts, tab
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium, or no playwright")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(CHROMIUM is None, reason="no chromium, or no playwright"),
+]
 
 BUTTON = "button:has-text('Pause'), button:has-text('Play')"
 # A fast kick: the ball is met soon after the start.

@@ -11,7 +11,10 @@ from halfphysics.viewer.view import Viewer
 from support.browser import CHROMIUM, SIZES, artefacts, tab
 from support.results.small_result import small_result
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium, or no playwright")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(CHROMIUM is None, reason="no chromium, or no playwright"),
+]
 
 BUTTON = "button:has-text('Pause'), button:has-text('Play')"
 

@@ -3,7 +3,7 @@
 //
 // A contact is found again by its pair of shapes, a normal within acos(0.8) of the old one, and a
 // place within 2 cm of where its material point is now. Each cached impulse is used once per
-// attempt. A substep in pieces writes the cache island by island: next() collects what the substep
+// attempt. A substep in pieces writes the cache island by island: keep() collects what the substep
 // leaves for the next one.
 #pragma once
 #include <algorithm>

@@ -137,6 +137,14 @@ constexpr double kSameSide = 0.5;
 // 240 Hz. Less, and directions change while a body is still being turned out of the way.
 constexpr int kStuckPatience = 24;
 
+// Poses of skin hulls
+
+// Rates at which a joint moves a vertex by pose blend shapes that are left out of its Jacobian [m/rad].
+constexpr double kNoBlendRate = 1e-9;
+// A blend of joint rotations whose determinant is less is not inverted (1: a rotation; 0: two joints that
+// twist a vertex against each other by half a turn): the point then moves with the hull's first body.
+constexpr double kSingularBlend = 0.1;
+
 // Broad phase
 
 // Pairs are listed, and measured by the frame sweep, this much farther than is asked for [m]. Less, and

@@ -35,7 +35,7 @@ struct Recording {
                                    (double)g.sweeps, (double)g.shortened, g.residual});
     touch_count.push_back((double)s.result().touches.size());
     touch_rows(s.result().touches, touches);
-    inside_count.push_back((double)s.system.world.depenetration.inside().size());
+    inside_count.push_back((double)s.system.world.depenetration.overlaps().size());
     inside_rows(s.system.world, inside);
     done++;
   }

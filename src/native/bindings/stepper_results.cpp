@@ -20,7 +20,7 @@ void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
 }
 
 void inside_rows(const World& world, std::vector<double>& out) {
-  for (const Inside& in : world.depenetration.inside())
+  for (const InitialOverlap& in : world.depenetration.overlaps())
     out.insert(out.end(), {(double)in.shape, (double)in.other_static, (double)in.other_shape, in.depth()});
 }
 

@@ -45,7 +45,7 @@ BroadPhase::Bounds BroadPhase::bounds(const Model& m, const Poses& p) const {
 }
 
 void BroadPhase::update(const Model& m, const Poses& p, const std::vector<double>& reach,
-                        const std::vector<Inside>& inside) {
+                        const std::vector<InitialOverlap>& overlaps) {
   const int n = (int)world_.shapes.size();
   bool good = listed_once_;
   for (int i = 0; i < n && good; i++) good = travelled_[i] - listed_[i] + reach[i] <= range_[i];
@@ -58,17 +58,17 @@ void BroadPhase::update(const Model& m, const Poses& p, const std::vector<double
   old_.swap(pairs_);
   next_old_ = 0;
   for (int i = 0; i < n; i++) {
-    list_statics(m, b, i, inside);
+    list_statics(m, b, i, overlaps);
     list_shapes(m, b, i);
   }
 }
 
 void BroadPhase::list_statics(const Model& m, const Bounds& b, int i,
-                              const std::vector<Inside>& inside) {
+                              const std::vector<InitialOverlap>& overlaps) {
   const CollisionShape& M = world_.shapes[i];
   for (int j = 0; j < (int)world_.statics.size(); j++) {
     const Static& S = world_.statics[j];
-    if (is_inside(inside, i, j, -1)) {
+    if (is_overlapping(overlaps, i, j, -1)) {
       // Listed wherever it is.
     } else if (S.kind == Static::Kind::HalfSpace) {
       if (dot(S.n, b.sphere[i].center) - b.sphere[i].radius - S.offset > range_[i]) continue;

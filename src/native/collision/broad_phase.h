@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "collision/collision_world.h"
-#include "collision/inside.h"
+#include "collision/initial_overlap.h"
 
 namespace hp {
 
@@ -37,9 +37,9 @@ class BroadPhase {
   void travel(const std::vector<double>& travel, const std::vector<double>& inner);
   double travelled(int shape) const { return travelled_[shape]; }
   // Lists all pairs that can come within `reach[shape]` of each other, unless the list says so
-  // already. Overlaps that are being resolved (`inside`) are listed wherever they are.
+  // already. Overlaps that are being resolved (`overlaps`) are listed wherever they are.
   void update(const Model& m, const Poses& p, const std::vector<double>& reach,
-              const std::vector<Inside>& inside);
+              const std::vector<InitialOverlap>& overlaps);
   // Does the list hold every pair of a person's shape and a static within `range` [m]?
   bool covers_people(double range) const;
 
@@ -78,7 +78,7 @@ class BroadPhase {
   }
   struct Bounds;
   Bounds bounds(const Model& m, const Poses& p) const;
-  void list_statics(const Model& m, const Bounds& b, int shape, const std::vector<Inside>& inside);
+  void list_statics(const Model& m, const Bounds& b, int shape, const std::vector<InitialOverlap>& overlaps);
   void list_shapes(const Model& m, const Bounds& b, int shape);
   void add(int shape, int other_static, int other_shape, bool own);
 

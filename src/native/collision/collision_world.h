@@ -1,6 +1,6 @@
 // What there is to collide: shapes that bodies carry, static geometry, and what holds between pairs.
 //
-// Plain data, filled in once by the caller; only who takes part in a step (`active`, `standing`,
+// Plain data, filled in once by the caller; only which trees take part in a step (`active`, `standing`,
 // `asleep`) changes later. Every component of collision detection reads it and none writes to it.
 // Lengths in [m], times in [s].
 #pragma once

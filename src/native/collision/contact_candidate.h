@@ -17,6 +17,11 @@
 
 namespace hp {
 
+// A pair alone.
+struct PairId {
+  int shape = 0, other_static = -1, other_shape = -1;
+};
+
 // A pair that may come near, and what is known of its distance: at least `dist` minus what the two
 // have travelled since, or, up to `planes_reach`, as far as the planes say. It only saves work: what
 // is skipped for it could not have been a candidate.
@@ -51,7 +56,7 @@ struct ContactCandidate {
   // A shape that overlapped at the start of the simulation is held clear where it would be after a
   // displacement (depenetration.h): `from` at the start of the substep and, where the step makes
   // `share` of it, that share of the way from there to `to` at its end.
-  int inside = -1;  // index into Depenetration::inside(); -1: an ordinary candidate
+  int overlap = -1;  // index into Depenetration::overlaps(); -1: an ordinary candidate
   Vec3 from, to;
   double share = 1;
   Vec3 shift() const { return from + share * (to - from); }
@@ -68,8 +73,8 @@ struct CachedContact {
 
 // Bounds for the shapes on their way from one pose to another, without contact; per shape [m].
 struct Sweep {
-  std::vector<double> way;       // no point of the shape goes farther
-  std::vector<double> straight;  // the part of `way` that follows from the two poses alone
+  std::vector<double> travel;    // no point of the shape goes farther
+  std::vector<double> straight;  // the part of `travel` that follows from the two poses alone
   std::vector<double> bulge;     // no point strays farther from the straight line between its ends
   std::vector<double> inner;     // `straight` as seen from the root; empty without self-contact
 };
@@ -80,12 +85,12 @@ int64_t pair_key(const Pair& c) {
   return ((int64_t)c.shape << 32) |
          (int64_t)(c.other_static >= 0 ? 2 * c.other_static : 2 * c.other_shape + 1);
 }
-inline ContactCandidate pair_of_key(int64_t key) {
-  ContactCandidate c;
-  c.shape = (int)(key >> 32);
+inline PairId pair_of_key(int64_t key) {
+  PairId p;
+  p.shape = (int)(key >> 32);
   const int other = (int)(key & 0xffffffff);
-  (other % 2 == 0 ? c.other_static : c.other_shape) = other / 2;
-  return c;
+  (other % 2 == 0 ? p.other_static : p.other_shape) = other / 2;
+  return p;
 }
 
 }  // namespace hp

@@ -84,8 +84,8 @@ void Generator::make(Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature, double 
   const int other =
       c.other_static >= 0 ? world.statics[c.other_static].name : world.shapes[c.other_shape].name;
   const Pairing& pair = world.pairing(shape.name, other);
-  k.friction = c.inside >= 0 || world.overlaps_itself(c) ? 0 : pair.friction;
-  k.restitution = c.inside < 0 ? pair.restitution : 0;
+  k.friction = c.overlap >= 0 || world.overlaps_itself(c) ? 0 : pair.friction;
+  k.restitution = c.overlap < 0 ? pair.restitution : 0;
   k.pair = index;
   k.key = pair_key(c);
   k.feature = feature;
@@ -296,7 +296,7 @@ void Generator::add() {
       add_rim_points();
     else
       add_deepest_vertices();
-  } else if (c.inside >= 0) {
+  } else if (c.overlap >= 0) {
     add_displaced();
   } else if (already == 0) {
     add_first();
@@ -320,7 +320,7 @@ bool ContactPoints::recall(const std::vector<CachedContact>& cached,
   bool any = false;
   for (size_t i = 0; i < candidates.size(); i++) {
     const ContactCandidate& c = candidates[i];
-    if (!world_.handles(c) || c.inside >= 0) continue;
+    if (!world_.handles(c) || c.overlap >= 0) continue;
     for (const CachedContact& w : cached) out[i] |= w.key == pair_key(c);
     any |= out[i];
   }
@@ -341,7 +341,7 @@ double ContactPoints::rim_gap_at(Poses& start, Poses& end, const Contact& c, int
 }
 
 double ContactPoints::gap_at(Poses& start, Poses& end, const Contact& c) const {
-  const ContactCandidate k = pair_of_key(c.key);
+  const PairId k = pair_of_key(c.key);
   if (norm2(c.rim) > 0) return rim_gap_at(start, end, c, k.shape);
   auto moved = [&](int shape, const Endpoint& e, const Material& point) {
     if (e.count == 0) return Vec3{};  // it does not take part

@@ -16,33 +16,29 @@
 
 #include "collision/broad_phase.h"
 #include "collision/gap_targets.h"
-#include "collision/inside.h"
+#include "collision/initial_overlap.h"
 #include "collision/exit_search.h"
 
 namespace hp {
 
 class Depenetration {
  public:
-  struct Overlap {
-    int shape, other_static, other_shape;  // one of the two
-  };
-
   Depenetration(const CollisionWorld& world, GapTargets& targets) : world_(world), targets_(targets) {}
 
   // Pairs that are not clear yet.
-  const std::vector<Inside>& inside() const { return inside_; }
-  bool any() const { return !inside_.empty(); }
-  Inside* find(const BroadPhasePair& e);
+  const std::vector<InitialOverlap>& overlaps() const { return overlaps_; }
+  bool any() const { return !overlaps_.empty(); }
+  InitialOverlap* find(const BroadPhasePair& e);
 
   // The share of the depenetration speed that is asked for in the next substep.
   double growth = 1;
 
   void clear();
-  // Finds ways out of these overlaps, at the poses `start`.
-  void begin(const Model& m, Poses& start, const std::vector<Overlap>& overlaps);
+  // Finds exits for these pairs, which overlap at the poses `start`.
+  void begin(const Model& m, Poses& start, const std::vector<PairId>& pairs);
   // The candidates that hold a pair: planes of the obstacle against the displaced shape, up to `reach`;
   // decides how far the pair comes out in this substep.
-  void add_candidates(Poses& start, BroadPhasePair& e, Inside& in, double reach, double h,
+  void add_candidates(Poses& start, BroadPhasePair& e, InitialOverlap& in, double reach, double h,
                       std::vector<ContactCandidate>& out);
   // Groups that are stuck try another direction. True if something has changed.
   bool reroute(const Model& m, Poses& start);
@@ -55,12 +51,12 @@ class Depenetration {
   // gone, `known` says which of the pairs here the other one knew.
   template <typename Renamed, typename Known>
   void adopt(const Depenetration& old, Renamed renamed, Known known) {
-    std::vector<Inside> in;
-    for (Inside i : old.inside_)
+    std::vector<InitialOverlap> in;
+    for (InitialOverlap i : old.overlaps_)
       if (renamed(i)) in.push_back(i);
-    for (const Inside& i : inside_)
+    for (const InitialOverlap& i : overlaps_)
       if (!known(i)) in.push_back(i);
-    inside_ = in;
+    overlaps_ = in;
     growth = old.growth;
   }
 
@@ -71,7 +67,7 @@ class Depenetration {
 
   const CollisionWorld& world_;
   GapTargets& targets_;
-  std::vector<Inside> inside_;
+  std::vector<InitialOverlap> overlaps_;
   Vec3 avoid_;  // unit direction that is not to be tried again; zero: none
 };
 

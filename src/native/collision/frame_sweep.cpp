@@ -25,7 +25,7 @@ struct FrameSweep {
 };
 
 bool FrameSweep::meets_static(BroadPhasePair& e) {
-  const double r = sweep.way[e.shape] + clear;
+  const double r = sweep.travel[e.shape] + clear;
   if (broad_phase.far(e, r)) return false;
   auto passes = [&]() {
     if (!broad_phase.planes_reach(e, r)) return false;
@@ -42,7 +42,7 @@ bool FrameSweep::meets_static(BroadPhasePair& e) {
 }
 
 bool FrameSweep::meets_shape(BroadPhasePair& e) {
-  const double r = sweep.way[e.shape] + sweep.way[e.other_shape] + clear;
+  const double r = sweep.travel[e.shape] + sweep.travel[e.other_shape] + clear;
   if (broad_phase.far(e, r)) return false;
   broad_phase.measured(
       e, separate(world.place(start, e.shape), world.place(start, e.other_shape), r + tune::kListMargin).dist);
@@ -101,10 +101,10 @@ bool FrameSweep::swept_hulls_meet(const BroadPhasePair& e, Vec3 guess, double ma
 }  // namespace
 
 void mark_busy_trees(const CollisionWorld& world, BroadPhase& broad_phase,
-                     const std::vector<Inside>& inside, const Model& m, Poses& start, Poses& end,
+                     const std::vector<InitialOverlap>& overlaps, const Model& m, Poses& start, Poses& end,
                      const Sweep& sweep, std::vector<char>& busy) {
   const std::vector<CollisionShape>& shapes = world.shapes;
-  for (const Inside& in : inside) {
+  for (const InitialOverlap& in : overlaps) {
     busy[m.root[shapes[in.shape].body]] = 1;
     if (in.other_shape >= 0) busy[m.root[shapes[in.other_shape].body]] = 1;
   }

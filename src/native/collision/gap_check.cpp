@@ -142,8 +142,8 @@ double GapCheck::excess(Poses& start, Poses& end, ContactCandidate& c) const {
   } else {
     const PosedShape& b1 = world_.place(end, c.other_shape);
     PosedShape moved;
-    if (c.inside >= 0) moved = displaced(a1, c.shift());
-    const PosedShape& a = c.inside >= 0 ? moved : a1;
+    if (c.overlap >= 0) moved = displaced(a1, c.shift());
+    const PosedShape& a = c.overlap >= 0 ? moved : a1;
     gap = separate_along(a, b1, c.n).dist;
     if (gap >= c.target || c.dist < 0) return gap - c.target;
     Hint hint = c.hint;

@@ -10,10 +10,10 @@ namespace tune = tuning::collision;
 
 void GapTargets::set(ContactCandidate& c, double h) {
   const ContactSettings& settings = world_.settings;
-  double clear = c.inside >= 0 ? tune::kLeastGap : settings.clearance;
+  double clear = c.overlap >= 0 ? tune::kLeastGap : settings.clearance;
   PairState* state = states_.find(c);
   const bool kept = state && state->kept;
-  if (state && c.inside < 0) {
+  if (state && c.overlap < 0) {
     if (c.dist >= clear)
       states_.erase(c);
     else

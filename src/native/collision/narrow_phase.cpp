@@ -17,7 +17,7 @@ void NarrowPhase::gather(const Model& m, Poses& start, const std::vector<double>
     if (!world_.takes_part(e)) continue;
     const double r = reach[e.shape] + (e.other_shape >= 0 ? reach[e.other_shape] : 0.0);
     if (depenetration_.any())
-      if (Inside* in = depenetration_.find(e)) {
+      if (InitialOverlap* in = depenetration_.find(e)) {
         depenetration_.add_candidates(start, e, *in, r, h, out);
         continue;
       }
@@ -48,7 +48,7 @@ void NarrowPhase::add_half_space(const PosedShape& a, BroadPhasePair& e, Contact
   out.push_back(c);
 }
 
-// Two people who started overlapping: do they still? If not, the pair is an ordinary one from now on.
+// Two people that started overlapping: do they still? If not, the pair is an ordinary one from now on.
 bool NarrowPhase::passing_through(const PosedShape& a, const PosedShape& b, const ContactCandidate& c) {
   const PairState* state = states_.find(c);
   if (!state || !state->through) return false;
@@ -63,15 +63,15 @@ bool NarrowPhase::passing_through(const PosedShape& a, const PosedShape& b, cons
 void NarrowPhase::fix_exit(const PosedShape& a, const PosedShape& b, const Mat3& frame,
                            ContactCandidate& c) {
   PairState* state = states_.find(c);
-  const bool known = state && state->inside;
+  const bool known = state && state->overlapping;
   if (c.dist >= 0) {
-    if (known) state->inside = false;
+    if (known) state->overlapping = false;
   } else if (known) {
     c.n = frame * state->exit;
     c.dist = separate_along(a, b, c.n).dist;
   } else {
     if (!state) state = &states_.add(c, {world_.settings.clearance, false, {}, false});
-    state->inside = true;
+    state->overlapping = true;
     state->exit = mul_t(frame, c.n);
   }
 }
@@ -92,7 +92,7 @@ void NarrowPhase::add_shapes(const Model& m, Poses& start, const PosedShape& a, 
   c.hint = e.hint;
   if (e.own && c.dist < 0) {
     const PairState* state = states_.find(c);
-    if (!state || !state->inside) {
+    if (!state || !state->overlapping) {
       c.n = least_overlap(a, b, c.n);
       c.dist = separate_along(a, b, c.n).dist;
     }

@@ -6,7 +6,7 @@ void PairStates::save(std::vector<double>& out) const {
   out.push_back((double)states_.size());
   for (const auto& [k, s] : states_)
     out.insert(out.end(), {(double)(k >> 32), (double)(k & 0xffffffff), s.clearance,
-                           s.inside ? 1.0 : 0.0, s.exit.x, s.exit.y, s.exit.z,
+                           s.overlapping ? 1.0 : 0.0, s.exit.x, s.exit.y, s.exit.z,
                            (s.through ? 1.0 : 0.0) + (s.kept ? 2.0 : 0.0)});
 }
 

@@ -13,22 +13,25 @@ namespace hp {
 
 struct PairState {
   double clearance = 0;  // the pair's own, where it started nearer than ContactSettings::clearance [m]
-  bool inside = false;   // the two overlap and leave along `exit`
+  bool overlapping = false;  // the two overlap and leave along `exit`
   // Unit direction in which the shape leaves; fixed in the world or, of two shapes of one person, in
   // the frame of SelfDepenetration::reference_body().
   Vec3 exit;
-  bool through = false;  // two people who start overlapping pass through each other until they are apart
+  bool through = false;  // two people that start overlapping pass through each other until they are apart
   bool kept = false;     // hulls overlap where their surfaces are clear: the overlap may stay
 };
 
 class PairStates {
  public:
-  PairState* find(const ContactCandidate& c) {
+  // `c`: anything that names a pair (PairId, ContactCandidate).
+  template <typename Pair>
+  PairState* find(const Pair& c) {
     auto it = states_.find(pair_key(c));
     return it == states_.end() ? nullptr : &it->second;
   }
   // The state of a pair, a new one if there is none.
-  PairState& operator[](const ContactCandidate& c) { return states_[pair_key(c)]; }
+  template <typename Pair>
+  PairState& operator[](const Pair& c) { return states_[pair_key(c)]; }
   PairState& add(const ContactCandidate& c, const PairState& state) {
     return states_.insert({pair_key(c), state}).first->second;
   }

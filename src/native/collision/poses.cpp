@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "math/simd.h"
+#include "tuning.h"
 
 namespace hp {
 
-namespace {
+namespace tune = tuning::collision;
 
-constexpr double kNoBend = 1e-9;  // rates of points that are left out [m/rad]
+namespace {
 
 struct JointWeight {
   int joint;
@@ -129,7 +130,7 @@ Material Poses::material(const CollisionShape& m, const PosedShape& at, Vec3 x) 
     for (int e = 0; e < 9; e++) turn.m[e] += s[k].weight * kin.xmat[m.skin->body[s[k].joint]].m[e];
   // The blend of two joints that twist a vertex against each other by half a turn is singular.
   const double volume = dot(turn.col(0), cross(turn.col(1), turn.col(2)));
-  return {v, volume > 0.1 ? solve3(turn, x - p.at(v)) : mul_t(kin.xmat[m.body], x - p.at(v))};
+  return {v, volume > tune::kSingularBlend ? solve3(turn, x - p.at(v)) : mul_t(kin.xmat[m.body], x - p.at(v))};
 }
 
 Vec3 Poses::position(const CollisionShape& m, const PosedShape& at, const Material& point) const {
@@ -183,7 +184,7 @@ std::shared_ptr<const std::vector<Endpoint::Bend>> Poses::blend_rates(const Coll
       }
       Vec3 world;
       for (int k = 0; k < e.count; k++) world += e.weight[k] * (kin.xmat[e.body[k]] * rate);
-      if (norm2(world) > kNoBend * kNoBend) bends->push_back({s.dof[j] + axis, world});
+      if (norm2(world) > tune::kNoBlendRate * tune::kNoBlendRate) bends->push_back({s.dof[j] + axis, world});
     }
   }
   return bends;

@@ -9,7 +9,7 @@ namespace tune = tuning::collision;
 
 void PrescribedExits::forget() {
   known_ = false;
-  states_.erase_if([&](const ContactCandidate& c) { return world_.shapes[c.shape].person >= 0; });
+  states_.erase_if([&](const PairId& c) { return world_.shapes[c.shape].person >= 0; });
 }
 
 std::vector<PrescribedExits::Pair> PrescribedExits::overlaps(Poses& start,
@@ -88,9 +88,7 @@ void PrescribedExits::update(const Model& m, Poses& start, const std::vector<Bro
       if (f.object == object && dot(f.exit, exit) < tune::kOpposedExits) squeezed[object] = 1;
     found.push_back({object, exit});
     for (size_t i : group) {
-      ContactCandidate c;
-      c.shape = all[i].shape, c.other_shape = all[i].other;
-      states_[c] = {world_.settings.clearance, true, exit};
+      states_[PairId{all[i].shape, -1, all[i].other}] = {world_.settings.clearance, true, exit};
     }
   }
 }

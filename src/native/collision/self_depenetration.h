@@ -1,4 +1,4 @@
-// Overlaps of a person with themselves, and the directions in which they are resolved
+// Overlaps of a person with itself, and the directions in which they are resolved
 // (docs/physics.md, "Self-contact").
 //
 // A pair of hulls of one person that overlaps at the start leaves along a fixed direction (PairState::
@@ -19,7 +19,9 @@ class SelfDepenetration {
   SelfDepenetration(const CollisionWorld& world, PairStates& states) : world_(world), states_(states) {}
 
   // Of two bodies of one person the one that carries more mass: the pair's exit turns with it.
-  int reference_body(const Model& m, const ContactCandidate& c) const {
+  // `c`: anything that names a pair.
+  template <typename AnyPair>
+  int reference_body(const Model& m, const AnyPair& c) const {
     const int a = world_.shapes[c.shape].body, b = world_.shapes[c.other_shape].body;
     return m.carried[a] > m.carried[b] ? a : b;
   }

@@ -8,8 +8,8 @@ namespace tune = tuning::collision;
 
 // Listed pairs that overlap and are to be parted by depenetration: shapes and statics, people and
 // objects. Two objects, and two people, are not; nor are people whose poses are prescribed.
-std::vector<Depenetration::Overlap> World::overlaps(Poses& start) {
-  std::vector<Depenetration::Overlap> found;
+std::vector<PairId> World::initial_overlaps(Poses& start) {
+  std::vector<PairId> found;
   for (BroadPhasePair& e : broad_phase.pairs()) {
     if (forced && shapes[e.shape].person >= 0) continue;
     bool overlap = false;
@@ -32,12 +32,12 @@ void World::reset(const Model& m, Poses& start) {
   pair_states.clear();
   depenetration.clear();
   const std::vector<double> reach(shapes.size(), settings.clearance);
-  broad_phase.update(m, start, reach, depenetration.inside());
-  const std::vector<Depenetration::Overlap> found = overlaps(start);
+  broad_phase.update(m, start, reach, depenetration.overlaps());
+  const std::vector<PairId> found = initial_overlaps(start);
   if (!found.empty()) {
     depenetration.begin(m, start, found);
     broad_phase.invalidate();  // shapes that are cut off are to be listed too
-    broad_phase.update(m, start, reach, depenetration.inside());
+    broad_phase.update(m, start, reach, depenetration.overlaps());
   }
   std::vector<ContactCandidate> near;
   narrow_phase.gather(m, start, reach, 1.0, near);
@@ -53,7 +53,7 @@ void World::remember_pair(const Model& m, const ContactCandidate& c) {
       pair_states[c].through = true;
     if (A.person < 0) pair_states[c].kept = -c.dist <= A.slack + B.slack;
   }
-  if (c.inside >= 0 || c.dist < -tune::kRestingOverlap || c.dist >= settings.clearance) return;
+  if (c.overlap >= 0 || c.dist < -tune::kRestingOverlap || c.dist >= settings.clearance) return;
   const double own = std::max(c.dist, 0.0);
   PairState& state = pair_states.add(c, {own, false, {}, false});
   state.clearance = std::min(state.clearance, own);
@@ -88,7 +88,7 @@ void World::adopt(const World& old, const std::vector<int>& shape) {
     return c.shape >= 0 && (c.other_static >= 0 || c.other_shape >= 0);
   };
   pair_states.erase_if(known);
-  old.pair_states.for_each([&](ContactCandidate c, const PairState& state) {
+  old.pair_states.for_each([&](PairId c, const PairState& state) {
     if (renamed(c)) pair_states[c] = state;
   });
   depenetration.adopt(old.depenetration, renamed, known);

@@ -5,7 +5,7 @@
 //     broad_phase.update      which pairs could come near            broad_phase.h
 //     narrow_phase.gather     candidates: planes not to be crossed   narrow_phase.h
 //       depenetration           ... of initial overlaps              depenetration.h, exit_search.h
-//       self_depenetration      ... of a person with themselves      self_depenetration.h
+//       self_depenetration      ... of a person with itself      self_depenetration.h
 //       prescribed_exits        ... of prescribed poses              prescribed_exits.h
 //       targets                 gaps that are demanded               gap_targets.h
 //     contact_points.add      points of violated candidates          contact_points.h
@@ -66,7 +66,7 @@ class World : public CollisionWorld {
   void adopt(const World& old, const std::vector<int>& shape);
 
  private:
-  std::vector<Depenetration::Overlap> overlaps(Poses& start);
+  std::vector<PairId> initial_overlaps(Poses& start);
   void remember_pair(const Model& m, const ContactCandidate& c);
 };
 

@@ -1,4 +1,6 @@
-// Triangles seen from afar: their part of a winding number without a look at each.
+// The winding number of a cluster of far triangles, by the Taylor expansion of its solid angle to second
+// order (Barill et al. 2018, "Fast winding numbers for soups and clouds"), with a strict bound of what
+// the expansion leaves out.
 #pragma once
 
 #include <cmath>
@@ -9,14 +11,14 @@ namespace triangles {
 
 constexpr double kFourPi = 12.566370614359172954;
 
-// A cluster of triangles seen from afar. With G(r) = r / (4 pi |r|^3), the winding number is
+// With G(r) = r / (4 pi |r|^3), the winding number is
 // the integral of n . G(x - q) dA; around the cluster's centre p it is
 // dipole . G(p - q) + tensor : DG(p - q) + rest, and |rest| <= 3/(4 pi) * second moment / d^4
 // where d is the distance of q from a convex shape that has all of them in it, as |D^2 G| <= 6/(4 pi d^4).
 struct Cluster {
   Vec centre;
   double remainder;
-  double change[2];      // over d^3 and d^4, how fast the expansion changes as q moves at most
+  double change[2];      // over d^3 and d^4: bounds of how fast the expansion changes as q moves
   Vec dipole;            // integral of n dA, over 4 pi
   double diagonal[3];    // integral of (x - p)_i n_i dA, over 4 pi
   double mixed[3];       // xy, yz, zx: integral of (x - p)_i n_j + (x - p)_j n_i dA, over 4 pi

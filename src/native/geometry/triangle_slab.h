@@ -1,4 +1,5 @@
-// What bounds some triangles: a box along the world's axes, and a flatter one along their own.
+// Bounding volumes of some triangles: a box along the world's axes, and a slab, a flatter box along
+// their own axes. Their distances from a point are lower bounds of the triangles' distances.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +21,8 @@ inline double box_distance2(const Box& b, Vec p) {
   return x * x + y * y + z * z;
 }
 
-// A box along its own axes around the triangles of a node: flat where they are flat, so that it is
-// known how near they come without looking at them. In single precision, rounded outwards; the
-// axes are unit vectors to 1e-6.
+// A box along its own axes around the triangles of a node: flat where they are flat, so that its
+// distance is nearly theirs. In single precision, rounded outwards; the axes are unit vectors to 1e-6.
 struct Slab {
   float centre[3], half[3];
   float axes[3][3];
@@ -40,7 +40,8 @@ inline double slab_distance2(const Slab& b, Vec p) {
   return (1.0 - 1e-6) * sum;
 }
 
-// The slab of some triangles in a box. Axes: the mean normal, the longest side of the box across it, and what is across both.
+// The slab of some triangles in a box. Axes: the mean normal, the longest side of the box across it, and
+// the direction across both.
 inline Slab flat(const Triangle* triangles, int count, const Box& box) {
   Vec normal{0, 0, 0};
   for (int i = 0; i < count; ++i) {
@@ -50,7 +51,7 @@ inline Slab flat(const Triangle* triangles, int count, const Box& box) {
   const Vec extent = box.hi - box.lo, middle = 0.5 * (box.lo + box.hi);
   const double size = norm(extent), length = norm(normal);
   Vec axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  if (length > 1e-9 * size * size) {  // else it faces every way, or is a sliver
+  if (length > 1e-9 * size * size) {  // else they face every way, or are slivers
     const Vec n = (1.0 / length) * normal;
     const Vec sides[3] = {{extent.x, 0, 0}, {0, extent.y, 0}, {0, 0, extent.z}};
     Vec longest{0, 0, 0};

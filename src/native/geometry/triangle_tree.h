@@ -1,9 +1,11 @@
-// A tree of bounding volumes over a triangle soup, asked by points: the exact closest triangle,
-// signed crossings of a vertical ray, and the winding number with a proven error.
+// A tree of bounding volumes over a triangle soup, for queries by points: the exact closest triangle,
+// signed crossings of a vertical ray, and the generalised winding number (Jacobson et al. 2013) with a
+// proven error. (geometry/bvh.h is the tree for queries by convex shapes.)
 //
-// Far triangles enter the winding number as a cluster: the Taylor expansion of its solid angle
-// to second order (Barill et al. 2018). Here every cluster also carries a strict bound of what
-// the expansion leaves out; a point is refined until that error cannot change the answer.
+// Built by median splits. Far triangles enter the winding number as a cluster (triangle_cluster.h), near
+// ones by their solid angles; because every cluster carries a strict bound of its error, a point is
+// refined until the error cannot change the answer. Where many points are compared with one threshold,
+// whole balls of them are decided at once. Depth is at most log2(triangles) + 1.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +22,7 @@ namespace triangles {
 namespace tune = hp::tuning::geometry;
 
 constexpr int kStack = 128;    // median splits: depth is at most log2(triangles) + 1
-constexpr double kUnknown = 100.0;    // off by more than any winding number that is asked for
+constexpr double kUnknown = 100.0;    // an error that exceeds any winding number
 
 struct Node {
   int left;            // index of the left child (the right one follows it), -1 in a leaf
@@ -113,13 +115,13 @@ class Tree {
   int decide(Vec q, double rho, double threshold, int steps) const {
     Open heap[tune::kMostOpened + 1];
     int size = 0;
-    double value = 0.0, off = 0.0;  // at the centre, and by how much it may be another anywhere
+    double value = 0.0, off = 0.0;  // at the centre, and a bound of the difference anywhere in the ball
     auto less = [](const Open& a, const Open& b) { return a.off < b.off; };
     auto add = [&](int index) {
       const Open open = seen(index, q, rho);
       value += open.value;
       off += open.off;
-      if (open.node < 0) return;  // as exact as it gets
+      if (open.node < 0) return;  // nothing in it can be opened
       heap[size++] = open;
       std::push_heap(heap, heap + size, less);
     };
@@ -136,8 +138,8 @@ class Tree {
     }
   }
 
-  // `exceeds` of n points with one threshold, points[order[i]]: all of a ball at once where it can
-  // be said of all of it. `order` is changed.
+  // `exceeds` of the n points order[i] with one threshold: tell(order[i], answer). Where one answer holds
+  // for a whole ball, its points get it at once. `order` is changed.
   template <typename Point, typename Tell>
   void exceeds_all(const Point& point, int* order, int n, double threshold, const Tell& tell) const {
     if (n <= tune::kFewPoints) {
@@ -152,7 +154,7 @@ class Tree {
       hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
     }
     const Vec extent = hi - lo;
-    const int known = decide(0.5 * (lo + hi), 0.5 * norm(extent), threshold, 
+    const int known = decide(0.5 * (lo + hi), 0.5 * norm(extent), threshold,
                              std::min(tune::kMostOpened, tune::kOpenedEach * n));
     if (known >= 0) {
       for (int i = 0; i < n; ++i) tell(order[i], known == 1);
@@ -161,9 +163,10 @@ class Tree {
     const int k = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2)
                                        : (extent.y >= extent.z ? 1 : 2);
     std::sort(order, order + n, [&](int a, int b) { return axis(point(a), k) < axis(point(b), k); });
-    for (int i = 0; i < tune::kPointParts; ++i)
-      exceeds_all(point, order + n * i / tune::kPointParts, n * (i + 1) / tune::kPointParts - n * i / tune::kPointParts, threshold,
-                  tell);
+    for (int i = 0; i < tune::kPointParts; ++i) {
+      const int first = n * i / tune::kPointParts, end = n * (i + 1) / tune::kPointParts;
+      exceeds_all(point, order + first, end - first, threshold, tell);
+    }
   }
 
   // Triangles that the ray from q upward (+z) crosses, counted +1 where they face up and -1
@@ -245,8 +248,8 @@ class Tree {
   bool has_winding() const { return winding_; }
 
  private:
-  // What a node adds to the winding number, how far that is off at most, and the node, or -1 where
-  // nothing in it could be opened.
+  // What a node adds to the winding number, a bound of its error, and the node, or -1 where nothing in it
+  // can be opened.
   struct Open {
     double off, value;
     int node;

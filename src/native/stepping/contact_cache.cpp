@@ -31,15 +31,16 @@ bool ContactCache::warm_start(const System& system, State& state,
 
 void ContactCache::forget(const System& system, const std::vector<char>& forget) {
   auto forgotten = [&](const CachedContact& w) {
-    const int other = (int)(w.key & 0xffffffff);
-    return forget[system.tree((int)(w.key >> 32))] || (other % 2 == 1 && forget[system.tree(other / 2)]);
+    const PairId pair = pair_of_key(w.key);
+    return forget[system.tree(pair.shape)] ||
+           (pair.other_shape >= 0 && forget[system.tree(pair.other_shape)]);
   };
   contacts_.erase(std::remove_if(contacts_.begin(), contacts_.end(), forgotten), contacts_.end());
 }
 
 void ContactCache::drop_active(const System& system) {
   for (size_t i = next_.size(); i-- > 0;) {
-    const CollisionShape& m = system.world.shapes[next_[i].key >> 32];
+    const CollisionShape& m = system.world.shapes[pair_of_key(next_[i].key).shape];
     if (system.world.active[m.body]) next_.erase(next_.begin() + i);
   }
 }
@@ -85,11 +86,11 @@ const double* ContactCache::load(const double* in) {
 void ContactCache::adopt(const ContactCache& old, const std::vector<int>& now) {
   contacts_.clear();
   for (CachedContact w : old.contacts_) {
-    const int a = now[(int)(w.key >> 32)];
-    int other = (int)(w.key & 0xffffffff);
-    if (other % 2 == 1) other = now[other / 2] < 0 ? -1 : 2 * now[other / 2] + 1;
-    if (a < 0 || other < 0) continue;
-    w.key = ((int64_t)a << 32) | (int64_t)other;
+    PairId pair = pair_of_key(w.key);
+    pair.shape = now[pair.shape];
+    if (pair.other_shape >= 0) pair.other_shape = now[pair.other_shape];
+    if (pair.shape < 0 || (pair.other_static < 0 && pair.other_shape < 0)) continue;
+    w.key = pair_key(pair);
     contacts_.push_back(w);
   }
 }

@@ -74,7 +74,7 @@ void ContactStep::find_candidates(double h, bool first) {
   untouched_.begin(system_, data_.step.resistance, data_.inertia);
   attempt.solved = 0;
   attempt.tolerance = world.settings.tolerance;
-  world.broad_phase.update(system_.model, data_.state.pose, attempt.reach, world.depenetration.inside());
+  world.broad_phase.update(system_.model, data_.state.pose, attempt.reach, world.depenetration.overlaps());
   world.narrow_phase.gather(system_.model, data_.state.pose, attempt.reach, h, attempt.candidates);
   if (first) kinematic_.give_up_clearance(system_, data_);
   relax(system_, attempt);

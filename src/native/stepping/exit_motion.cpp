@@ -36,7 +36,7 @@ double ExitMotion::excess_speed(System& system, Data& data) {
   body_twists(model, data.state.pose.kin, data.step.v.data(), twists_);
   body_twists(model, data.state.pose.kin, asked.data(), asked_);
   std::vector<char> tree(model.nbody, 0);
-  for (const Inside& in : world.depenetration.inside()) tree[system.tree(in.shape)] = 1;
+  for (const InitialOverlap& in : world.depenetration.overlaps()) tree[system.tree(in.shape)] = 1;
   double fastest = 0;
   for (size_t i = 0; i < world.shapes.size(); i++) {
     const CollisionShape& m = world.shapes[i];
@@ -70,14 +70,14 @@ double ExitMotion::fastest_point(System& system, Data& data, int shape, double l
 }
 
 bool comes_out(const System& system, const Drive& d) {
-  for (const Inside& in : system.world.depenetration.inside())
+  for (const InitialOverlap& in : system.world.depenetration.overlaps())
     if (system.tree(in.shape) == d.body(0)) return true;
   return false;
 }
 
 void start_exits(System& system, State& state) {
   std::vector<char>& path = state.exit_path;
-  for (const Inside& in : system.world.depenetration.inside())
+  for (const InitialOverlap& in : system.world.depenetration.overlaps())
     for (int b = system.world.shapes[in.shape].body; b > 0 && !path[b]; b = system.model.parent[b])
       path[b] = 1;
   for (Drive& d : system.drives)

@@ -49,15 +49,15 @@ void FreePaths::find(System& system, Data& data, double dt) {
   end.kin.update(model, end_qpos_.data(), world.active.data());
   world.start_poses(end);
   const size_t n = world.shapes.size();
-  sweep_.way.assign(n, 0);
+  sweep_.travel.assign(n, 0);
   sweep_.bulge.assign(n, 0);
   assume_strays(system, data, dt);
   travel_bounds(world.shapes, start, end, world.active, sweep_.straight);
   world.inner_travel(model, start, end, sweep_.inner);
   for (const Drive& d : system.drives) sweep(system, d, dt);
   world.active.assign(model.nbody, 1);
-  world.broad_phase.update(model, start, sweep_.way, world.depenetration.inside());
-  mark_busy_trees(world, world.broad_phase, world.depenetration.inside(), model, start, end, sweep_, busy_);
+  world.broad_phase.update(model, start, sweep_.travel, world.depenetration.overlaps());
+  mark_busy_trees(world, world.broad_phase, world.depenetration.overlaps(), model, start, end, sweep_, busy_);
 }
 
 // Busy trees are assumed not to get much farther than they would by themselves.
@@ -77,8 +77,8 @@ void FreePaths::assume_strays(System& system, Data& data, double dt) {
     }
     const double fall = norm(system.gravity) * dt * dt;
     const double speed = system.speed_bound(state.pose.kin, world.shapes[i], twists_);
-    sweep_.way[i] = 1.5 * dt * speed + fall + tune::kFrameStray;
-    assumed_[i] = world.broad_phase.travelled((int)i) + sweep_.way[i];
+    sweep_.travel[i] = 1.5 * dt * speed + fall + tune::kFrameStray;
+    assumed_[i] = world.broad_phase.travelled((int)i) + sweep_.travel[i];
   }
 }
 
@@ -129,7 +129,7 @@ void FreePaths::sweep(const System& system, const Drive& d, double dt) {
     const CollisionShape& m = system.world.shapes[i];
     if (model.root[m.body] != model.root[d.body(0)]) continue;
     sweep_.bulge[i] = 0.125 * dt * dt * bulge(model, m);
-    sweep_.way[i] = sweep_.straight[i] + sweep_.bulge[i];
+    sweep_.travel[i] = sweep_.straight[i] + sweep_.bulge[i];
   }
 }
 

@@ -139,7 +139,7 @@ double Stepper::clearance() {
   const World& world = system.world;
   double smallest = smallest_clearance(world, world.broad_phase, data_.state.pose, system.clearance_range);
   // A part inside a mesh may be far from all of its triangles.
-  for (const Inside& in : world.depenetration.inside())
+  for (const InitialOverlap& in : world.depenetration.overlaps())
     if (in.other_static >= 0 && world.shapes[in.shape].person >= 0)
       smallest = std::min(smallest, -in.depth());
   return smallest;

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.errors import InputError
-from halfphysics.labels.events import Limits, events
+from halfphysics.labels.event_kinds import Limits
+from halfphysics.labels.events import events
 from halfphysics.motion.skeleton import JOINT_INDEX
 from support.results.handled import WRIST, G, Handled
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from halfphysics.labels.contact_labels import contact_labels
-from halfphysics.labels.events import Drop, Events, Hold, Limits, Slip, events
+from halfphysics.labels.event_kinds import Drop, Events, Hold, Limits, Slip
+from halfphysics.labels.events import events
 from halfphysics.labels.exporters import arctic, behave, chois, omomo
 from halfphysics.labels.proximity import Near
 from halfphysics.labels.sampling import ObjectSurface

@@ -1,152 +1,24 @@
-"""Holds and drops: who bears an object's weight, and what becomes of it when nobody does."""
+"""Holds and drops: when people alone bear an object's weight, and how that ends."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base import rotations as rot
-from halfphysics.labels.events import Drop, End, Hold, Limits
-from halfphysics.motion.skeleton import JOINT_NAMES
-
-if TYPE_CHECKING:
-    from halfphysics.results.result import Result
-    from halfphysics.scene.items import Object
+from halfphysics.labels.event_kinds import Drop, End, Hold, Limits
+from halfphysics.labels.loads import Loads, frames_in, intervals, lasts
 
 Array = NDArray[np.float64]
-Frames = NDArray[np.int64]
-Mask = NDArray[np.bool_]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Loads:
-    """What people, and everything else, exert on one object.
-
-    Attributes:
-        result, thing: What happened, to what.
-        rows: Of ``result.contacts``: where people push it (k,), ordered by frame.
-        share: Size of the impulse of each of those, of the object's weight over a frame (k,).
-        people: Sum of those over everybody (T,).
-        elsewhere: What statics and other objects bear of its weight (T,): upward impulses.
-        touched: Frames (T,) in which statics or other objects push it at all.
-        up: Unit vector against gravity (3,), zero without gravity.
-        centre: Of mass (T, 3) [m].
-    """
-
-    result: Result
-    item: Object
-    rows: Frames
-    share: Array
-    people: Array
-    elsewhere: Array
-    touched: Mask
-    up: Array
-    centre: Array
-
-    @classmethod
-    def of(cls, result: Result, item: Object) -> Loads:
-        """Those of an object of the result's scene."""
-        contacts, index = result.contacts, result.names.index(item.name)
-        gravity = np.asarray(result.scene.gravity)
-        g = float(np.linalg.norm(gravity))
-        up = -gravity / g if g else np.zeros(3)
-        # Without gravity there is no weight: what touches bears all there is.
-        weight = item.mass * g / result.fps
-        strength = contacts.strength
-        pushed = (contacts.person >= 0) & (contacts.other == index) & (strength > 0.0)
-        rows = np.flatnonzero(pushed)
-        share = strength[rows] / weight if weight else np.full(len(rows), np.inf)
-
-        def per_frame(rows: Frames, values: Array) -> Array:
-            return summed(contacts.frame[rows], values, len(result))
-
-        elsewhere, touched = np.zeros(len(result)), np.zeros(len(result), dtype=bool)
-        by_object = (contacts.subject >= 0) & (contacts.other == index)
-        for chosen, sign in ((contacts.subject == index, 1.0), (by_object, -1.0)):
-            at = np.flatnonzero(chosen & (strength > 0.0))
-            touched[contacts.frame[at]] = True
-            lift = np.maximum(sign * (contacts.impulse[at] @ up), 0.0)
-            elsewhere += per_frame(at, lift / weight if weight else np.full(len(at), np.inf))
-        track = result.objects[item.name]
-        turn = rot.normalize(track.quaternion)
-        arm = np.broadcast_to(item.com, track.position.shape)
-        return cls(
-            result=result,
-            item=item,
-            rows=rows,
-            share=share,
-            people=per_frame(rows, share),
-            elsewhere=elsewhere,
-            touched=touched,
-            up=up,
-            centre=track.position + rot.rotate(turn, arm),
-        )
-
-    def lifted(self, person: int) -> Array:
-        """What a person bears of its weight (T,): upward, without gravity as what they exert."""
-        contacts = self.result.contacts
-        own = contacts.person[self.rows] == person
-        rows, values = self.rows[own], self.share[own]
-        if self.up.any():
-            values = -(contacts.impulse[rows] @ self.up) * values / contacts.strength[rows]
-        return summed(contacts.frame[rows], values, len(self.result))
-
-    def holders(self, first: int, last: int, load: float) -> tuple[list[int], list[str]]:
-        """People (indices) and parts (names) that push with a share of what all do together."""
-        contacts = self.result.contacts
-        frame = contacts.frame[self.rows]
-        within = (frame >= first) & (frame <= last)
-        pairs, place = np.unique(
-            np.stack([contacts.person, contacts.part])[:, self.rows[within]],
-            axis=1,
-            return_inverse=True,
-        )
-        total = summed(place.reshape(-1), contacts.strength[self.rows[within]], pairs.shape[1])
-        carry = pairs[:, total >= load * total.sum()]
-        return sorted(set(carry[0].tolist())), [JOINT_NAMES[p] for p in sorted(set(carry[1]))]
-
-
-def summed(frame: Frames, values: Array, frames: int) -> Array:
-    """Sums (T,) of values (k,) by their frame (k,)."""
-    return np.bincount(frame, weights=values, minlength=frames).astype(np.float64, copy=False)
-
-
-def intervals(on: Mask, gap: int = 0) -> list[tuple[int, int]]:
-    """First and last frame of every run of True, those at most `gap` frames apart joined."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(np.int8)))
-    found: list[tuple[int, int]] = []
-    for first, after in edges.reshape(-1, 2).tolist():
-        if found and first - found[-1][1] - 1 <= gap:
-            found[-1] = (found[-1][0], after - 1)
-        else:
-            found.append((first, after - 1))
-    return found
-
-
-def frames_in(seconds: float, fps: float) -> int:
-    """Whole frames that so much time takes; a rounding error is not a frame."""
-    return int(np.floor(seconds * fps + 1e-6))
-
-
-def lasts(first: int, last: int, seconds: float, fps: float) -> bool:
-    """Whether what is seen in frames `first` to `last`, inclusive, takes so long [s].
-
-    One moment can be in two frames, just before the end of one and just after: at a low frame rate
-    these two are long, and what they show is a kick all the same. Three are not one moment.
-    """
-    frames = last - first + 1
-    return frames >= seconds * fps - 1e-6 and (frames > 2 or seconds == 0.0)
 
 
 def holds_and_drops(loads: Loads, limits: Limits) -> Iterator[tuple[Hold, Drop | None]]:
-    """Every hold of an object, and the drop that it ended in."""
+    """Every hold of an object, and the drop in which it ends, if it does."""
     result, fps = loads.result, loads.result.fps
     carried = (loads.people >= limits.load) & (loads.elsewhere <= limits.elsewhere)
-    if not loads.up.any():  # without gravity: what only people touch
+    if not loads.up.any():  # without gravity: only people touch it
         carried = (loads.people > 0.0) & ~loads.touched
     held = [
         (first, last)
@@ -158,7 +30,7 @@ def holds_and_drops(loads: Loads, limits: Limits) -> Iterator[tuple[Hold, Drop |
         people, parts = loads.holders(first, last, limits.load)
         names = tuple(result.people[p].name for p in people)
         ending, fell = _ending(loads, limits, people, last, again)
-        # No contact leads to frame 0: what is held on the way to frame 1 is held from the start.
+        # Frame 0 has no contacts: an object that is held at frame 1 is held from the start.
         start = 0 if first == 1 else first
         hold = Hold(
             object=loads.item.name,
@@ -176,11 +48,11 @@ def holds_and_drops(loads: Loads, limits: Limits) -> Iterator[tuple[Hold, Drop |
 def _ending(
     loads: Loads, limits: Limits, people: list[int], last: int, again: int
 ) -> tuple[End, dict[str, Any] | None]:
-    """What a hold ends in, and its drop less who held; `again`: the next hold's first frame."""
+    """How a hold ends, and its drop without the holders; `again`: first frame of the next hold."""
     frames, fps = len(loads.result), loads.result.fps
     if last == frames - 1:
         return "kept", None
-    # Something may brush past it as it leaves the hand.
+    # A static or another object may touch it briefly as it leaves the hand.
     soon = min(last + frames_in(limits.gap, fps) + 2, frames)
     free = last + 1 + np.flatnonzero(~loads.touched[last + 1 : soon])
     if not len(free):
@@ -188,7 +60,7 @@ def _ending(
     begin = int(free[0])
     meets = begin + np.flatnonzero(loads.touched[begin:])
     landed = int(meets[0]) if len(meets) else frames
-    stop = min(landed, again, frames - 1)  # frame in which the flight is over, or the last one
+    stop = min(landed, again, frames - 1)  # last frame of the flight
     if _thrown(loads, limits, people, begin):
         return "thrown", None
     heights = loads.centre[begin - 1 : stop + 1] @ loads.up
@@ -211,7 +83,7 @@ def _ending(
 
 
 def _thrown(loads: Loads, limits: Limits, people: list[int], begin: int) -> bool:
-    """Whether what is free from frame `begin` on left faster than what is let go."""
+    """Whether the object, free from frame `begin` on, left the hands at the speed of a throw."""
     result, up = loads.result, loads.up
     if not up.any():
         return False
@@ -220,7 +92,7 @@ def _thrown(loads: Loads, limits: Limits, people: list[int], begin: int) -> bool
         moved: Array = (places[begin] - places[begin - 1]) * result.fps
         return moved
 
-    # At its release, half a frame before: gravity has made it slower or faster since.
+    # Velocity at the release, half a frame before: without what gravity has added since.
     left = speed(loads.centre) - 0.5 * result.scene.gravity / result.fps
     if left @ up >= limits.throw_up:
         return True
@@ -232,7 +104,7 @@ def _thrown(loads: Loads, limits: Limits, people: list[int], begin: int) -> bool
 
 
 def _met(loads: Loads, frame: int) -> str:
-    """Name of the static or object that pushes it hardest in a frame."""
+    """Name of the static or object that pushes the object hardest in a frame."""
     contacts, names = loads.result.contacts, loads.result.names
     index = names.index(loads.item.name)
     now = contacts[(contacts.frame == frame) & (contacts.person < 0)]
@@ -244,7 +116,7 @@ def _met(loads: Loads, frame: int) -> str:
 
 
 def _speed(loads: Loads, landed: int | None) -> float:
-    """With which it meets something on the way to frame `landed`; None: that at the end [m/s]."""
+    """Speed of the impact on the way to frame `landed`; None: speed at the end [m/s]."""
     result, gravity = loads.result, loads.result.scene.gravity
     last = len(result) - 1 if landed is None else landed - 1
     fell = (loads.centre[last] - loads.centre[last - 1]) * result.fps

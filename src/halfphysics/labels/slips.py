@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from halfphysics.labels.events import Limits, Slip
-from halfphysics.labels.holds import Loads, frames_in, intervals, lasts, summed
+from halfphysics.labels.event_kinds import Limits, Slip
+from halfphysics.labels.loads import Loads, frames_in, intervals, lasts, summed
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.result import PersonResult
 
@@ -22,14 +22,14 @@ def slips_of(loads: Loads, limits: Limits) -> Iterator[Slip]:
     result, contacts = loads.result, loads.result.contacts
     for index, person in enumerate(result.people):
         own = contacts.person[loads.rows] == index
-        # No step leads to frame 0.
+        # Frame 0 ends no step.
         own &= contacts.frame[loads.rows] > 0
         rows, share = loads.rows[own], loads.share[own]
         frame = contacts.frame[rows]
         total = summed(frame, share, len(result))
         carry = (total[frame] >= limits.load) & (share >= limits.load * total[frame])
         rows, share, frame = rows[carry], share[carry], frame[carry]
-        # A kick is over sooner than any slip.
+        # A kick is shorter than any slip.
         if not len(rows) or not lasts(int(frame[0]), int(frame[-1]), limits.slide_time, result.fps):
             continue
         step = _steps(loads, person, rows)
@@ -41,10 +41,10 @@ def slips_of(loads: Loads, limits: Limits) -> Iterator[Slip]:
 
 
 def _steps(loads: Loads, person: PersonResult, rows: Frames) -> Array:
-    """How far (k,) [m] the part of a contact moves along the object's surface in its frame.
+    """Distances (k,) [m] by which the parts of contacts move along the object's surface in a frame.
 
-    The part's material point at the contact, as the object sees it, from one frame to the next,
-    less what goes along the normal. What rolls without slipping does not move.
+    The displacement of the part's material point at the contact in the object's frame, without its
+    normal component: zero for a part that rolls without slipping.
     """
     contacts, track = loads.result.contacts, loads.result.objects[loads.item.name]
     first = int(contacts.frame[rows].min()) - 1
@@ -79,15 +79,15 @@ def _grouped(
     """Slips of a person from the rows (k,) that slide.
 
     Args:
-        loads, limits: Of what, from where on.
+        loads, limits: The loads on the object and the thresholds.
         person: Name.
-        rows, share, step: Of the contacts, what they exert of the weight, how far they slide [m].
-        lift: What the person bears of the weight in every frame (T,).
+        rows, share, step: Rows of the contacts, shares of the weight and distances slid [m].
+        lift: Share of the weight that the person bears in every frame (T,).
     """
     result = loads.result
     frame = result.contacts.frame[rows]
     force = summed(frame, share, len(result))
-    # Without gravity every share is infinite: then all count the same.
+    # Without gravity every share is infinite: then all contacts count equally.
     weight = np.where(np.isfinite(share), share / force[frame], 1.0)
     sums = summed(frame, weight, len(result))
     way = summed(frame, weight * step, len(result))

@@ -20,7 +20,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.sweep.make.provenance import versions
 
 if TYPE_CHECKING:
-    from halfphysics.labels.events import Events
+    from halfphysics.labels.event_kinds import Events
     from halfphysics.motion.motion import Motion
     from halfphysics.results.result import PersonResult, Result
     from halfphysics.settings import Settings

@@ -1,1 +1,1 @@
-"""What every layer stands on: checks, rotations, axes, files, digests, worker processes."""
+"""Foundations of every layer: checks, rotations, axes, files, digests, worker processes."""

@@ -51,12 +51,12 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         raise FileError(f"{path}: cannot write: {reason(error)}") from None
     finally:
-        with contextlib.suppress(OSError):  # what went wrong before is what is said
+        with contextlib.suppress(OSError):  # the first error is the one to report
             temporary.unlink(missing_ok=True)
 
 
 def reason(error: OSError) -> str:
-    """Why the system would not write, and what to do where its disk is full."""
+    """The system's reason why writing failed, with advice if the disk is full."""
     said = error.strerror or str(error)
     full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
     return f"{said}. Make room on the disk and try again" if full else said

@@ -13,17 +13,17 @@ from types import MappingProxyType
 
 from halfphysics.base.digests import sha256_of
 
-#: What numbers come from beside the compiled modules: code, the default body and what else is read.
+#: Suffixes of the files that decide numbers, besides compiled modules: code and data that is read.
 _KINDS = frozenset({".py", ".npz", ".json", ".yaml", ".xml"})
 #: Compiled modules of the package.
 _EXTENSIONS = ("_native", "_render")
-#: Packages whose version decides numbers; the last one is optional and cuts meshes into pieces.
+#: Packages whose version decides numbers; the last one is optional and divides meshes.
 _ENGINES = ("mujoco", "numpy", "scipy", "trimesh", "coacd")
 
 
 @cache
 def engines() -> Mapping[str, str | None]:
-    """Versions of what numbers and bytes depend on; None: a package that is not installed."""
+    """Versions of the packages that decide numbers and bytes; None: not installed."""
 
     def known(name: str) -> str | None:
         try:
@@ -38,7 +38,7 @@ def engines() -> Mapping[str, str | None]:
 
 @cache
 def code_hash() -> str:
-    """SHA-256 of the package's files and of the versions of what it computes with."""
+    """SHA-256 of the package's files and of the versions of `engines`."""
     digest = hashlib.sha256()
     folder = Path(__file__).parents[1]
     files = {

@@ -1,4 +1,4 @@
-"""What a file contains, in 64 letters."""
+"""SHA-256 digests of files."""
 
 from __future__ import annotations
 

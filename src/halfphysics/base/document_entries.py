@@ -15,7 +15,7 @@ Read = Callable[[Entry], Any]
 
 
 def guarded(entry: Entry, make: Callable[..., T], *args: Any) -> T:
-    """make(*args), with the place in the file put before what goes wrong."""
+    """make(*args); the place in the file is put before the message of an error."""
     try:
         return make(*args)
     except HalfPhysicsError as error:
@@ -23,7 +23,7 @@ def guarded(entry: Entry, make: Callable[..., T], *args: Any) -> T:
 
 
 def mapping(entry: Entry, allowed: tuple[str, ...], suffix: str = "") -> dict[str, Entry]:
-    """A mapping with no keys but the allowed ones; `suffix` says what they are the keys of."""
+    """A mapping with only the allowed keys; `suffix` names their owner in messages."""
     if not isinstance(entry.value, dict):
         raise entry.error(f"expected a mapping with {', '.join(allowed)}, found {describe(entry)}")
     for key, child in entry.value.items():
@@ -34,14 +34,14 @@ def mapping(entry: Entry, allowed: tuple[str, ...], suffix: str = "") -> dict[st
 
 
 def named_entries(entry: Entry, of: str) -> dict[str, Entry]:
-    """A mapping with keys of any name; `of` says from what to what."""
+    """A mapping with keys of any name; `of` describes its keys and values in messages."""
     if not isinstance(entry.value, dict):
         raise entry.error(f"expected a mapping ({of}), found {describe(entry)}")
     return entry.value
 
 
 def items(entry: Entry | None) -> list[Entry]:
-    """A list; what is left out has nothing in it."""
+    """A list; a missing entry is an empty one."""
     if entry is None or entry.value is None:
         return []
     if not isinstance(entry.value, list):
@@ -50,7 +50,7 @@ def items(entry: Entry | None) -> list[Entry]:
 
 
 def sequence(entry: Entry, size: int, form: str) -> list[Entry]:
-    """A list of `size` entries; `form` says which."""
+    """A list of `size` entries; `form` describes it in messages."""
     if not isinstance(entry.value, list) or len(entry.value) != size:
         raise entry.error(f"expected {form}, found {describe(entry)}")
     return entry.value
@@ -67,7 +67,7 @@ def number(entry: Entry) -> float:
 
 
 def vector(size: int) -> Read:
-    """What reads a list of `size` finite numbers."""
+    """A reader of lists of `size` finite numbers."""
     return lambda entry: [
         number(child) for child in sequence(entry, size, f"a list of {size} numbers")
     ]
@@ -97,7 +97,7 @@ def choice(entry: Entry, options: tuple[str, ...]) -> str:
 
 
 def describe(entry: Entry) -> str:
-    """What was found, for a message."""
+    """The entry's value, for a message."""
     if isinstance(entry.value, dict):
         return "a mapping" + (f" ({', '.join(entry.value)})"[:80] if entry.value else "")
     if isinstance(entry.value, list):

@@ -1,6 +1,6 @@
 """YAML and JSON documents as trees that know where in the file each value stands.
 
-Strict: a key given twice, a key that is not text, and what is no plain data are errors.
+Strict: a duplicate key, a key that is not text, and a value that is not plain data are errors.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What this machine lets us use: cores and memory, and how much of it a process holds."""
+"""Resources of this machine: cores and memory that may be used, and the memory of a process."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-#: Where control groups, of containers and job systems, say what memory and cores there are.
+#: Where control groups (of containers and job systems) state limits of memory and cores.
 _GROUPS = Path("/sys/fs/cgroup")
 
 
@@ -31,7 +31,7 @@ def memory() -> int:
 
 
 def resident() -> int:
-    """The memory that this process holds [bytes]; where nobody tells, the most it ever held."""
+    """Memory of this process [bytes]; where the system does not tell, its peak memory."""
     try:
         pages = int(Path("/proc/self/statm").read_text().split()[1])
     except OSError:
@@ -42,7 +42,7 @@ def resident() -> int:
 def limit_memory(most: int) -> None:
     """Refuse this process more than so many bytes of its own: a `MemoryError` comes of it.
 
-    Where the system cannot count what is really used (anything but Linux), nothing is refused.
+    Systems other than Linux cannot count the memory that is really used: no limit is set there.
     """
     if sys.platform == "linux":
         import resource

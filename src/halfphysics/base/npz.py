@@ -22,7 +22,7 @@ from halfphysics.errors import FileError
 # A day of full-body motion at 120 fps is about 10 GB; anything a session uses is far below.
 MAX_BYTES = 8 * 2**30
 MAX_MEMBERS = 100_000
-# Motion packs to a fifth or so. Only what is made to fill the memory packs to less than this.
+# Motions compress to about a fifth. Only files made to fill the memory compress by more than this.
 MAX_RATIO, SUSPICIOUS_BYTES = 200, 2**30
 #: How reading a damaged archive can fail.
 DAMAGE = (
@@ -32,7 +32,7 @@ DAMAGE = (
 
 
 class Npz(Mapping[str, NDArray[Any]]):
-    """The arrays of an `.npz` file, read when asked for.
+    """The arrays of an `.npz` file, each read on access.
 
     Raises:
         FileError: The file is not a readable archive, is truncated, is absurdly large, or an

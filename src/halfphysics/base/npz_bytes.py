@@ -1,8 +1,9 @@
-"""An `.npz` in memory, for many small files that are mostly zeros: as quick as it goes.
+"""A fast writer of `.npz` archives in memory, for many small files that are mostly zeros.
 
-The bytes depend on the arrays only. What hardly packs (a motion: packing it takes 60 times as long
-as storing it, and saves a fourteenth) is stored as it is. What packs is packed in blocks; a block
-of zeros (labels of contact) is known beforehand, and so is an array packed before (a mesh).
+The bytes depend on the arrays only. An array that hardly compresses is stored without compression
+(a motion: compression takes 60 times as long as storing and saves a fourteenth). Other arrays are
+compressed in blocks; the result for a block of zeros (contact labels) is known beforehand, and that
+for a whole array is kept for the next file (a mesh).
 """
 
 from __future__ import annotations
@@ -20,16 +21,17 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import InputError
 
-# With more than this share of numbers other than zero an array may not pack.
+# An array with a larger share of numbers other than zero may not compress well.
 _DENSE = 0.75
 _BLOCK = 1 << 16
-# So much of the middle of a dense array is packed to see whether it shrinks to `_WORTH` [bytes].
+# Of a dense array this many bytes of its middle are compressed as a test: it is compressed as a
+# whole if they shrink to the share `_WORTH`.
 _PROBE, _WORTH = 4096, 0.6
-# So much of what was packed is remembered [bytes].
+# Size of the cache of compressed arrays [bytes].
 _REMEMBERED = 16 * 2**20
 _LARGEST = 2**32 - 1
 _STORED, _DEFLATED = 0, 8
-# 1980-01-01 in DOS's way, the earliest date that an archive can say.
+# 1980-01-01 in DOS format, the earliest date of a zip archive.
 _DATE = 0x21
 
 _before: OrderedDict[bytes, bytes] = OrderedDict()
@@ -53,7 +55,7 @@ def npz_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:
         data = [header, content] if packed is None else packed
         crc = _crc(content, zlib.crc32(header))
         whole, size = len(header) + len(content), sum(map(len, data))
-        # Names with letters beyond ASCII say that they are UTF-8.
+        # A flag marks names with letters beyond ASCII as UTF-8.
         flags = 0 if name.isascii() else 0x800
         method = _STORED if packed is None else _DEFLATED
         if max(whole, offset) > _LARGEST:
@@ -73,7 +75,7 @@ def npz_bytes(arrays: Mapping[str, NDArray[Any]]) -> bytes:
 
 
 def packs(array: NDArray[Any]) -> bool:
-    """Whether an array packs well enough to be worth the time."""
+    """Whether an array compresses well enough to be worth the time."""
     if array.dtype.kind not in "biuf" or array.size == 0:
         return False
     if _mostly_zeros(array):
@@ -88,7 +90,7 @@ def _mostly_zeros(array: NDArray[Any]) -> bool:
 
 
 def _packed(array: NDArray[Any], header: bytes, content: memoryview) -> list[bytes] | None:
-    """The array's bytes, packed; None where that is not worth its time."""
+    """The array's bytes, compressed; None where compression is not worth its time."""
     if not packs(array):
         return None
     if _mostly_zeros(array):
@@ -102,7 +104,7 @@ def _packed(array: NDArray[Any], header: bytes, content: memoryview) -> list[byt
 
 
 def _npy(array: NDArray[Any]) -> tuple[bytes, memoryview]:
-    """What `numpy.save` writes: its head, and the numbers."""
+    """The bytes that `numpy.save` writes: the header and the numbers."""
     if array.dtype.hasobject or not array.flags.c_contiguous:
         whole = io.BytesIO()
         np.lib.format.write_array(whole, array, allow_pickle=False)
@@ -119,16 +121,16 @@ def _header(kind: str, shape: tuple[int, ...]) -> bytes:
 
 
 def _deflated(header: bytes, content: memoryview) -> list[bytes]:
-    """A stream of blocks that are packed each for itself."""
+    """A deflate stream of blocks that are compressed independently."""
     pieces = [_flushed_header(header)]
     for at in range(0, len(content), _BLOCK):
         block = content[at : at + _BLOCK]
         pieces.append(_PACKED_ZEROS if _is_zeros(block) else _flushed(block))
-    return [*pieces, b"\x03\x00"]  # and one that is the last, and empty
+    return [*pieces, b"\x03\x00"]  # an empty last block
 
 
 def _crc(content: memoryview, start: int) -> int:
-    """`zlib.crc32`; what a block of zeros makes of a checksum is known beforehand."""
+    """`zlib.crc32`, with a table for the effect of a block of zeros."""
     if len(content) < _BLOCK:
         return zlib.crc32(content, start)
     for at in range(0, len(content), _BLOCK):
@@ -138,19 +140,19 @@ def _crc(content: memoryview, start: int) -> int:
 
 
 def _is_zeros(block: memoryview) -> bool:
-    """Whether it is a whole block, and of zeros."""
+    """Whether the block is of full size and all zeros."""
     return len(block) == _BLOCK and not np.frombuffer(block, np.uint64).any()
 
 
 def _after_zeros(crc: int) -> int:
-    """The checksum of what had one, with a block of zeros after it."""
+    """The checksum of data with checksum `crc` and a block of zeros after it."""
     first, second, third, fourth = _tables()
     return first[crc & 255] ^ second[crc >> 8 & 255] ^ third[crc >> 16 & 255] ^ fourth[crc >> 24]
 
 
 @lru_cache(maxsize=1)
 def _tables() -> list[list[int]]:
-    """Of every byte of a checksum, what a block of zeros makes of it: it is linear but for 0's."""
+    """The effect of a block of zeros on each byte of a checksum: an affine map over bits."""
     zeros = bytes(_BLOCK)
     nothing = zlib.crc32(zeros)
     tables = []

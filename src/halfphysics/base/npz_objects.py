@@ -1,4 +1,4 @@
-"""`.npz` files in which numpy pickled what is no array of numbers: dicts, sparse matrices."""
+"""`.npz` files with members that numpy pickled because they are no arrays of numbers."""
 
 from __future__ import annotations
 

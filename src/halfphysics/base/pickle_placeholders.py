@@ -20,7 +20,7 @@ _SIMPLE_KINDS = "biufcSUO"
 
 
 class Refused(Exception):
-    """The pickle wants something that is not data; the text says what."""
+    """The pickle names an object that is not data; the text is the object's name."""
 
 
 class Placeholder:
@@ -261,7 +261,7 @@ _SPARSE_NAMES = {f"{form}_{kind}" for form in ("csc", "csr", "coo") for kind in 
 
 
 def global_of(module: str, name: str) -> Any:
-    """What stands for `module.name`; None: nothing does."""
+    """The stand-in of `module.name`; None: there is none."""
     known = GLOBALS.get(module, {})
     if name in known:
         return known[name]

@@ -1,4 +1,4 @@
-"""Warnings of the readers, shown at the line of the caller who asked for the file."""
+"""Warnings of the readers, shown at the line of the caller outside the package."""
 
 from __future__ import annotations
 

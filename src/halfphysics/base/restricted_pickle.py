@@ -35,8 +35,11 @@ _MAX_DEPTH = 8
 
 @dataclass(frozen=True, kw_only=True)
 class Guests:
-    """What a format built on pickles (torch) names: functions and classes of ours that stand for
-    its own, by module and name, and what its persistent objects are."""
+    """Additional names of a format that is built on pickles (torch).
+
+    `globals` holds our stand-ins for the format's functions and classes, by module and name;
+    `persistent` returns the data of a persistent object.
+    """
 
     globals: Mapping[str, Mapping[str, Any]]
     persistent: Callable[[Any], Any]
@@ -142,9 +145,9 @@ def _settled(root: Any) -> Any:
 def loads(
     data: bytes, name: str | os.PathLike[str] = "pickle", guests: Guests | None = None
 ) -> Any:
-    """The data of a pickle in memory; `name` is what messages call it.
+    """The data of a pickle in memory; messages call it `name`.
 
-    `guests`: what a format that is built on pickles names besides.
+    `guests`: additional names of a format that is built on pickles.
 
     Raises:
         FileError: It holds or calls anything but data, or is damaged or truncated.

@@ -1,4 +1,4 @@
-"""Objects that Python programs stored: pickles and what is built on them.
+"""Objects that Python programs stored: pickles and formats built on them.
 
 Plain pickles, joblib dumps (compressed or not), `.npy` files of objects and files of `torch.save`:
 all go through `restricted_pickle`. Data comes out and nothing is run.
@@ -19,11 +19,11 @@ from halfphysics.base.npy import Npy
 from halfphysics.base.pickle_placeholders import MAX_BYTES
 from halfphysics.errors import FileError
 
-#: Protocol 2 and later say what they are; earlier ones are told by their names.
+#: Pickles of protocol 2 and later begin so; earlier ones are recognised by the file's name.
 _PROTOCOL = b"\x80"
 _SUFFIXES = (".pkl", ".pickle", ".p", ".joblib", ".pt", ".pth")
 _ZIP, _NPY, _LZ4 = b"PK", b"\x93NUMPY", b"\x04\x22M\x18"
-#: A text that has been given the name of a pickle, and what may stand before it.
+#: The first bytes of a BVH file, and those that may precede them.
 _BVH, _BLANK = b"HIERARCHY", b"\xef\xbb\xbf \t\r\n"
 _CHUNK = 2**20
 
@@ -40,7 +40,7 @@ def is_stored(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path) -> Any:
-    """What is stored in a file: numbers, strings, numpy arrays and containers.
+    """The objects stored in a file: numbers, strings, numpy arrays and containers.
 
     Raises:
         FileError: Anything else is in it, it is damaged, or unpacks to more than `MAX_BYTES`.

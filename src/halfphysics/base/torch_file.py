@@ -19,7 +19,7 @@ from halfphysics.base.pickle_placeholders import MAX_BYTES, Placeholder, Refused
 from halfphysics.base.restricted_pickle import Guests, loads
 from halfphysics.errors import FileError
 
-#: What a file of torch before 1.6, which is no zip, begins with (as a number).
+#: First number of a file of torch before 1.6, which is no zip archive.
 OLD_MAGIC = 0x1950A86A20F9469CFC6C
 _PICKLE = "/data.pkl"
 _TYPES = {
@@ -81,7 +81,7 @@ class _Reader:
         types = {name: name for name in _TYPES}
         rebuild = {"_rebuild_tensor_v2": _tensor, "_rebuild_parameter": _parameter}
         guests = Guests(globals={"torch": types, "torch._utils": rebuild}, persistent=self._storage)
-        #: What the file holds.
+        #: The object that the file holds.
         self.data = loads(archive.read(f"{root}{_PICKLE}"), path, guests)
 
     def _storage(self, pid: Any) -> _Storage:

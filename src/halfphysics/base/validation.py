@@ -1,6 +1,6 @@
 """Checks of single values a caller gave: numbers, vectors, unit quaternions.
 
-Each raises `InputError` naming what the value is for, what was found and what is expected.
+Each raises `InputError` that names the value, its purpose and the expected values.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from halfphysics.errors import FileError, InputError
 
-#: What the system says of a path at which nothing is.
+#: Errors of the system for a path at which there is no file.
 _NOT_THERE = (errno.ENOENT, errno.ENOTDIR, errno.ELOOP)
 
 
@@ -136,11 +136,11 @@ def frame_rate(value: object, example: str = "30.0") -> float:
 
 
 def file_path(value: object) -> Path:
-    """`value` as a path, if it is one that can be asked for: something may be there or not.
+    """`value` as a path that can be accessed; the file itself may be missing.
 
     Raises:
         InputError: It is no path.
-        FileError: It or a folder on the way is closed to us, or the name is too long.
+        FileError: It or a folder above it may not be read, or the name is too long.
     """
     try:
         text = os.fspath(value)  # type: ignore[call-overload]

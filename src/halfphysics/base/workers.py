@@ -1,8 +1,8 @@
-"""Worker processes that may die: each costs only what it was doing, and it is known what that was.
+"""Worker processes that may die: a death loses one item, and the pool knows which.
 
-A `Pool` runs one function in processes of its own, each of which has one item at a time and a
-pipe of its own, so that a process that is killed (by the system for want of memory, by a fault in
-native code, by a person) names exactly one item.
+A `Pool` runs one function in processes of its own. Each process has one item at a time and its own
+pipe, so the death of a process (killed by the system for lack of memory, by a fault in native code
+or by a user) is assigned to exactly one item.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ from halfphysics.errors import HalfPhysicsError
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
-#: What numpy's libraries read to know how many threads to start: one, or workers get in each
-#: other's way.
+#: Environment variables that set the number of threads of numpy's libraries: one, or workers
+#: compete for the cores.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 DIED = "its process died (killed, or out of memory)"
 FULL = "it needs more memory than its process may have"
 
-_STARTS = 3  # so many processes in a row may die before they have begun to work
-_FULL = 0.75  # a worker that holds more than this part of its share is replaced
-_PATIENCE = 2.0  # how long an idle worker has to leave [s]
+_STARTS = 3  # processes in a row that may die before they begin to work
+_FULL = 0.75  # share of a worker's memory limit above which it is replaced
+_PATIENCE = 2.0  # time for an idle worker to end [s]
 
 
 @dataclass(frozen=True)
 class Death:
-    """Instead of an answer: the process that worked on the item is gone."""
+    """Instead of an answer: the process that worked on the item has ended."""
 
     cause: str = DIED
 
@@ -50,7 +50,7 @@ class StartError(HalfPhysicsError):
 
 
 class _Worker:
-    """A process as its parent sees it; `item` is what it works on."""
+    """A process as its parent sees it; `item` is the item that it works on."""
 
     def __init__(self, process: SpawnProcess, pipe: connection.Connection, alone: bool) -> None:
         self.process, self.pipe, self.alone = process, pipe, alone
@@ -58,7 +58,7 @@ class _Worker:
         self.item: Any = None
 
     def give(self, item: Any) -> bool:
-        """Whether it could be handed over; if not, the worker died while it had nothing to do."""
+        """Send an item; False if the worker died while it was idle."""
         try:
             self.pipe.send(item)
         except OSError:
@@ -70,15 +70,15 @@ class _Worker:
 class Pool(Generic[Item, Answer]):
     """Up to `slots` processes that answer items with `function`.
 
-    They start when they are first needed, end with `close` (or the `with` block), and end by
-    themselves when the parent is no more. Ctrl-C is the parent's to handle.
+    The processes start when they are first needed, end with `close` (or the `with` block), and end
+    on their own when the parent has ended. Only the parent handles Ctrl-C.
 
     Args:
-        function: What they do: a function of a module, which does not raise. A `MemoryError` that
-            it lets through ends the process: a `Death` like any other.
-        slots: How many at most.
-        memory: What one may hold [bytes]: more is refused to it where the system can, and one
-            that comes near between two items is replaced. None: no limit.
+        function: The work: a function of a module, which does not raise. A `MemoryError` that
+            leaves it ends the process: a `Death` like any other.
+        slots: Largest number of processes.
+        memory: Memory limit of a process [bytes], enforced where the system can; a process that
+            is near the limit between two items is replaced. None: no limit.
     """
 
     def __init__(
@@ -97,12 +97,12 @@ class Pool(Generic[Item, Answer]):
         self.close()
 
     def submit(self, item: Item, *, alone: bool = False) -> None:
-        """Hand over an item; `alone`: to a process that does nothing else before or after."""
+        """Hand over an item; `alone`: to a process of its own."""
         self._queue.append((item, alone))
         self._dispatch()
 
     def wait(self) -> list[tuple[Item, Answer | Death]]:
-        """What has been answered, at least one item; nothing only where nothing is under way.
+        """Wait for at least one answer; the list is empty only if no item is in progress.
 
         Raises:
             StartError: Processes die as soon as they start.
@@ -121,7 +121,7 @@ class Pool(Generic[Item, Answer]):
         return found
 
     def close(self) -> None:
-        """End all processes; what they were doing is lost."""
+        """End all processes; items in progress are lost."""
         self._queue.clear()
         for worker in list(self._workers):
             if worker.busy:
@@ -135,7 +135,7 @@ class Pool(Generic[Item, Answer]):
         self._leaving.clear()
 
     def _dispatch(self) -> None:
-        """Give what is queued to whoever is idle, or to new processes."""
+        """Give queued items to idle workers, or to new processes."""
         self._leaving = [process for process in self._leaving if process.is_alive()]
         while self._queue:
             item, alone = self._queue[0]
@@ -158,7 +158,7 @@ class Pool(Generic[Item, Answer]):
                 self._begun(worker)
 
     def _heard(self, worker: _Worker) -> Answer | Death | None:
-        """What a worker says about its item; None: nothing about it."""
+        """The answer that a worker has sent; None: a message without one."""
         try:
             said, held = worker.pipe.recv()
         except (EOFError, OSError):
@@ -167,7 +167,7 @@ class Pool(Generic[Item, Answer]):
                 return None
             if worker.ready:
                 return Death()
-            # It never saw the item: another process may have it.
+            # The worker never received the item: another process takes it.
             self._queue.appendleft((worker.item, worker.alone))
             self._begun(worker)
             return None
@@ -196,7 +196,7 @@ class Pool(Generic[Item, Answer]):
         return worker
 
     def _begun(self, worker: _Worker) -> None:
-        """Count processes that die before they work: again and again, and there is a reason."""
+        """Count processes in a row that die before they begin to work; raise at the limit."""
         self._failed_starts = 0 if worker.ready else self._failed_starts + 1
         if self._failed_starts == _STARTS:
             worker.process.join(_PATIENCE)
@@ -207,14 +207,14 @@ class Pool(Generic[Item, Answer]):
             )
 
     def _retire(self, worker: _Worker) -> None:
-        """Without a pipe there is nothing more to do: it ends."""
+        """Close a worker's pipe, which ends the worker."""
         worker.pipe.close()
         self._workers.remove(worker)
         self._leaving.append(worker.process)
 
 
 def _serve(pipe: connection.Connection, function: Callable[[Any], Any], memory: int | None) -> None:
-    """What a worker process does until there is nobody to work for."""
+    """The main loop of a worker process; it ends with its pipe or its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
@@ -223,7 +223,7 @@ def _serve(pipe: connection.Connection, function: Callable[[Any], Any], memory: 
     offer_to_the_killer()
     if memory is not None:
         limit_memory(memory)
-    # Who has asked and is no more ends a worker through its pipe as well.
+    # The end of the parent closes the pipe, which ends the worker as well.
     with contextlib.suppress(EOFError, BrokenPipeError):
         pipe.send((None, 0))
         while True:
@@ -234,15 +234,18 @@ def _serve(pipe: connection.Connection, function: Callable[[Any], Any], memory: 
                 pipe.send((Death(FULL), 0))
                 break
             pipe.send((answer, resident()))
-    # At once: there is nothing to put in order, and no library has the last word.
+    # Exit at once, without the exit handlers of libraries: there is nothing to clean up.
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)
 
 
 def _lock_bars_here() -> None:
-    """A progress bar, even one that is not shown, makes a lock for all processes, which one that
-    is killed leaves behind in the system: a lock for its threads is all that it needs here."""
+    """Give tqdm a lock for threads only.
+
+    Every progress bar, shown or not, otherwise creates a lock of the system for all processes,
+    which a killed process leaves behind.
+    """
     from tqdm import tqdm
 
     tqdm.set_lock(threading.RLock())
@@ -255,7 +258,7 @@ def _end_with(sentinel: int) -> None:
 
 @contextlib.contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """What starts meanwhile uses one thread for its linear algebra, if nobody said otherwise."""
+    """Processes started in the block use one thread for linear algebra, unless the user says."""
     missing = [name for name in THREADS if name not in os.environ]
     os.environ.update(dict.fromkeys(missing, "1"))
     try:
@@ -267,7 +270,7 @@ def _one_thread_each() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _held_back() -> Iterator[None]:
-    """Ctrl-C waits, here and, for good, in the process that starts meanwhile."""
+    """Block Ctrl-C: here for the block, in a process that starts in it for good."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return

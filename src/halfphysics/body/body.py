@@ -1,4 +1,4 @@
-"""Body: a shape and its skin. Where the joints and the vertices of a motion are."""
+"""Body: a shape and its skin, and the positions of joints and vertices in a motion."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ _STATURES = (0.4, 2.8)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Body:
-    """A person's shape: skin, joints, and how they move. Immutable: its arrays are read-only.
+    """A person's shape: skin, joints and skinning. Immutable: its arrays are read-only.
 
     The rest frame is SMPL-X's: y up, z forward, x to the body's left. Files of SMPL-H and SMPL
-    are fitted into the 55 SMPL-X joints: a joint that the file does not have sits at its parent
-    and carries no skin.
+    are fitted into the 55 SMPL-X joints: a joint that the file does not have is at its parent and
+    carries no skin.
 
     Attributes:
         betas: Shape coefficients, one per shape direction of the model, shape (n,).
@@ -55,8 +55,8 @@ class Body:
         hands_components: Their principal components, shape (2, 45, 45), or None.
         source: (path, sha256) of the model file, or None for the default body.
         template_source: (path, sha256) of a per-subject template, or None.
-        mean_vertices: Skin of the model's mean shape at rest [m], shape (V, 3), or None: what must
-            not depend on the shape is made from it.
+        mean_vertices: Skin of the model's mean shape at rest [m], shape (V, 3), or None: the
+            basis of all data that must not depend on the shape.
         mean_joints: Joints of the mean shape [m], shape (55, 3), or None.
     """
 
@@ -85,9 +85,9 @@ class Body:
 
     @classmethod
     def default(cls, betas: ArrayLike | None = None, stature: float | None = None) -> Body:
-        """The body that comes with the package, free of anyone's licence.
+        """The body that comes with the package, free of third-party licences.
 
-        Without a shape of its own it is one object in a process, so that its parts are made once.
+        Without arguments it is one object per process, so its parts are computed once.
 
         Args:
             betas: Its own shape coefficients (not SMPL-X's), up to 10; None: the mean adult.
@@ -135,10 +135,10 @@ class Body:
                 None: the folder ``$HALFPHYSICS_MODELS``; names not found here are looked for
                 there too.
             betas: Shape coefficients, any number: zeros are added. None: the mean shape.
-            gender: "neutral", "male" or "female": which file of a folder, or what a file is
-                whose name does not say.
-            model: "smplx", "smplh" or "smpl": which model of a folder. None: the first of these
-                that is there.
+            gender: "neutral", "male" or "female": selects a file of a folder, or states the
+                gender of a file whose name does not.
+            model: "smplx", "smplh" or "smpl": selects a model of a folder. None: the first of
+                these that is there.
             v_template: Per-subject template [m] that replaces the model's mean: vertices (V, 3)
                 or a PLY or OBJ file.
 
@@ -157,10 +157,10 @@ class Body:
 
     @classmethod
     def shaped(cls, space: ShapeSpace, betas: ArrayLike | None = None, stacklevel: int = 2) -> Body:
-        """A body of a model that is read already: one file, many shapes.
+        """A body of a model that has been read: one file serves many shapes.
 
         Args:
-            space: What `halfphysics.body.model_files.read_model` returned.
+            space: A result of `halfphysics.body.model_files.read_model`.
             betas: As in `load`.
             stacklevel: Of warnings.
         """
@@ -223,14 +223,14 @@ class Body:
             motion: A motion, or one pose.
             frames: Which frames, as an index of numpy; None: all. A single number gives (V, 3).
             indices: Which vertices, shape (n,); None: all.
-            threads: How many threads share the work; the result is the same to the last bit.
+            threads: Number of threads; the result is the same to the last bit for any number.
 
         Returns:
             Vertices, shape (T, V, 3); of a pose or one frame (V, 3).
 
         Raises:
-            InputError: `motion` has not 55 rotations per frame, or frames or vertices that are
-                not there are asked for.
+            InputError: `motion` has not 55 rotations per frame, or `frames` or `indices` are out
+                of range.
         """
         rotations, root, single = self._state(motion)
         if frames is not None:
@@ -250,7 +250,7 @@ class Body:
 
     @cached_property
     def skin(self) -> skinning.Skin:
-        """What `halfphysics.body.skinning` takes."""
+        """The arrays for `halfphysics.body.skinning`."""
         return skinning.Skin(
             rest_vertices=self.rest_vertices,
             rest_joints=self.rest_joints,
@@ -279,7 +279,7 @@ class Body:
 
     @cached_property
     def skin_corners(self) -> SkinHulls:
-        """`skin_hulls` without the vertices that are inside at every pose of this very shape."""
+        """`skin_hulls` without vertices that are inside their hull at every pose of this shape."""
         from halfphysics.body.skin_corners import without_inner
 
         return without_inner(self.skin_hulls, self.weights, self.rest_vertices, self.posedirs)
@@ -288,7 +288,7 @@ class Body:
         """Write the 55 rigid parts as a MuJoCo model (MJCF) that stock MuJoCo opens.
 
         Raises:
-            FileError: The file cannot be written; nothing is left behind.
+            FileError: The file cannot be written; no partial file remains.
         """
         from halfphysics.base.atomic import atomic_write
         from halfphysics.body.mjcf_person import to_mjcf
@@ -328,14 +328,14 @@ class Body:
 
 
 def check_match(motion: Motion, body: Body, allow_mismatch: bool = False) -> None:
-    """Refuse a motion and a body whose betas do not mean the same.
+    """Refuse a motion and a body whose betas belong to different models.
 
-    The default body goes with every motion; betas are then not carried over.
+    The default body fits every motion, but does not take over its betas.
 
     Args:
-        motion: Its `model`, `gender` and `betas` are looked at.
-        body: Its `model` and `gender` are.
-        allow_mismatch: Take the body as it is, whatever the motion says.
+        motion: Its `model`, `gender` and `betas` are compared.
+        body: Its `model` and `gender` are compared.
+        allow_mismatch: Accept any model and gender.
 
     Warns:
         HalfPhysicsWarning: The body is the default one and the motion has a shape of its own.
@@ -378,7 +378,7 @@ def _free() -> ShapeSpace:
 
 @cache
 def _mean() -> Body:
-    """The default body as it is."""
+    """The default body with the mean shape."""
     return Body.shaped(_free())
 
 

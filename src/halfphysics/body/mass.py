@@ -1,9 +1,9 @@
 """Mass, centre of mass and inertia of the body's parts, from the volume inside the skin.
 
 The skin is closed (holes are capped), its volume is exact by the divergence theorem, and its
-inside is sampled along parallel rays: where a ray is inside is exact, so few rays suffice. Every
-sample belongs to the part of the nearest skin vertex. Sums of hull volumes would count the
-overlaps at the joints twice.
+interior is sampled along parallel rays. The intervals of a ray inside the skin are exact, so few
+rays suffice. Every sample belongs to the part of the nearest skin vertex. Sums of hull volumes
+would count the overlaps at the joints twice.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 #: Distance of rays and of samples along them [m], away from small parts.
 PITCH = 0.006
-#: Times as dense where a ray may meet a small part (2 mm: a finger tip has some 400 samples).
+#: Factor of density where a ray may meet a small part (2 mm: a finger tip has some 400 samples).
 REFINE = 3
 #: Sampled and exact volume of a piece may differ by this fraction of the whole volume before the
 #: skin is called tangled.
@@ -50,15 +50,15 @@ class Solid:
 def solid_parts(
     vertices: ArrayLike, faces: ArrayLike, labels: ArrayLike, n_parts: int, fine: ArrayLike = ()
 ) -> Solid:
-    """Share out the volume inside a skin among parts.
+    """Divide the volume inside a skin among parts.
 
     Each connected piece of the skin (body, eyes, tongue) is a solid of its own; holes are capped.
 
     Args:
         vertices: Skin vertices (V, 3) [m].
-        faces: Triangles (F, 3), outward; all inward is mended.
+        faces: Triangles (F, 3), outward; if all are inward they are reversed.
         labels: Part of every vertex (V,), in 0..n_parts-1.
-        n_parts: How many parts there are.
+        n_parts: Number of parts.
         fine: Parts that are sampled `REFINE` times as densely.
 
     Raises:
@@ -85,7 +85,7 @@ def solid_parts(
     second = np.empty((n_parts, 3, 3))
     for i in range(3):
         for j in range(i + 1):
-            # Every sample is a little box: its own second moment keeps small parts solid.
+            # A sample is a small box, whose own moment keeps the inertia of small parts regular.
             own = sizes[:, i] ** 2 / 12.0 if i == j else 0.0
             second[:, i, j] = second[:, j, i] = total(weight * (offset[:, i] * offset[:, j] + own))
     trace = np.trace(second, axis1=1, axis2=2)
@@ -97,8 +97,8 @@ def close_holes(vertices: ArrayLike, faces: ArrayLike) -> tuple[Array, NDArray[n
     """The surface with a fan of triangles over every hole; unchanged if there is none.
 
     Returns vertices (V + holes, 3) and faces (F + rim edges, 3). The fans meet at the middle of
-    their rim, so eye sockets and mouths close flat. Closed in the sense of chains: each edge is
-    walked as often one way as the other, even where more than two faces meet.
+    their rim, so eye sockets and mouths close flat. The result is closed in the sense of chains:
+    each edge is used equally often in both directions, even where more than two faces meet.
     """
     vertices = np.asarray(vertices, dtype=np.float64)
     faces = np.asarray(faces, dtype=np.int64)
@@ -114,7 +114,7 @@ def close_holes(vertices: ArrayLike, faces: ArrayLike) -> tuple[Array, NDArray[n
 
 
 def _connected(n: int, edges: NDArray[np.int64]) -> NDArray[np.int32]:
-    """Which connected component each of n vertices is in; edges (k, 2)."""
+    """Connected component of each of n vertices; edges (k, 2)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -140,14 +140,14 @@ def _sample_pieces(
         corners, triangles = close_holes(vertices[used], local.reshape(-1, 3))
         exact = solid_moments(corners, triangles)[0]
         if exact <= 0.0:
-            continue  # a sheet or an inner shell: it holds no flesh
+            continue  # a sheet or an inner shell: it encloses no flesh
         fine = np.zeros(len(corners), dtype=bool)
         fine[: len(used)] = is_fine[used]
         points, sizes = _inside(corners, triangles, np.asarray(fine[triangles].any(axis=1)))
         weight = sizes.prod(axis=1)
         found = weight.sum()
         if found == 0.0:
-            continue  # slips between the rays: under a few cubic millimetres
+            continue  # too small for the rays: under a few cubic millimetres
         if abs(found - exact) > TANGLED * whole:
             warnings.warn(
                 f"mass: the skin is tangled: {1e3 * exact:.3f} litres by its faces, "
@@ -167,10 +167,10 @@ def _inside(
 ) -> tuple[Array, Array]:
     """Boxes that fill a closed outward surface: centres (n, 3) and sizes (n, 3).
 
-    Rays run along z through the middles of square cells; the grid is centred on the surface, so
-    what is symmetric stays so. Cells that faces marked `fine` (F,) touch are divided.
+    Rays run along z through the middles of square cells. The grid is centred on the surface, so a
+    symmetric surface has symmetric samples. Cells that faces marked `fine` (F,) touch are divided.
     """
-    # The depth of a person (along z) is the shortest way through, hence the fewest samples.
+    # A person is thinnest along z, so rays along z need the fewest samples.
     centre = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
     unit = (vertices - centre) / PITCH
     corners = unit[faces][..., :2]
@@ -194,7 +194,7 @@ def _boxes(ray: NDArray[np.int64], z: Array, sign: NDArray[np.int64]) -> Array:
     order = np.lexsort((z, ray_key(ray)))
     ray, z, sign = ray[order], z[order], sign[order]
     group = np.unique(ray_key(ray), return_inverse=True)[1]
-    # A ray that leaves less often than it enters ran along an edge or through a vertex: drop it.
+    # A ray with fewer exits than entries ran along an edge or through a vertex: drop it.
     whole = np.flatnonzero(np.asarray(np.bincount(group, weights=sign))[group] == 0)
     ray, z, sign = ray[whole], z[whole], sign[whole]
     inside = np.flatnonzero(np.cumsum(sign)[:-1] > 0)

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Armature of finger joints [kg m^2] at stiffness 1. Finger tips weigh 3 to 7 g: they crumple
-#: without, and squeeze too hard with ten times as much.
+#: Armature of finger joints [kg m^2] at stiffness 1. Finger tips weigh 3 to 7 g: without armature
+#: they collapse in a grasp, with ten times as much they squeeze too hard.
 FINGER_ARMATURE = 1e-3 / (1.0 + 1.0)
 #: Root orientation (wxyz) of an upright person in the z-up world.
 UPRIGHT = (float(np.sqrt(0.5)), float(np.sqrt(0.5)), 0.0, 0.0)
@@ -100,7 +100,7 @@ def add_person(
 def add_person_mocap(
     spec: Any, variant: Variant, prefix: str = "", *, contype: int = 1, conaffinity: int = 0
 ) -> None:
-    """Add the parts to a `mujoco.MjSpec` as mocap bodies, which are where they are put.
+    """Add the parts to a `mujoco.MjSpec` as mocap bodies, whose poses are set from outside.
 
     Arguments and names as in `add_person`. Frames are the joints', all in the world.
     """
@@ -110,7 +110,7 @@ def add_person_mocap(
 
 
 def _add_geom(spec: Any, body: Any, part: Part, name: str, contype: int, conaffinity: int) -> None:
-    """The hull of a part; of one without a shape nothing."""
+    """Add the hull of a part, if it has one."""
     import mujoco
 
     if not len(part.vertices):
@@ -151,7 +151,7 @@ def to_mjcf(
 
 
 def add_defaults(default: ElementTree.Element) -> None:
-    """What `add_person_elements` takes for granted of the `<default>` of its bodies and meshes."""
+    """The `<default>` settings of bodies and meshes that `add_person_elements` relies on."""
     from xml.etree import ElementTree
 
     ElementTree.SubElement(default, "mesh", inertia="convex")
@@ -212,13 +212,13 @@ def add_person_elements(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Addresses:
-    """Where a person's joints are in a compiled `mujoco.MjModel`, in the order of `JOINT_NAMES`.
+    """Addresses of a person's joints in a compiled `mujoco.MjModel`, in the order of `JOINT_NAMES`.
 
     Attributes:
         body: Body ids (55,).
-        quat: Where each joint's quaternion begins in qpos (55,), the root's included.
-        dof: Where each joint's three angular velocities begin in qvel (55,), the root's included.
-        root_position, root_velocity: Where the pelvis position and linear velocity begin.
+        quat: First index of each joint's quaternion in qpos (55,), the root's included.
+        dof: First index of each joint's three angular velocities in qvel (55,), also of the root.
+        root_position, root_velocity: First indices of the pelvis position and linear velocity.
     """
 
     body: NDArray[np.int64]
@@ -234,7 +234,7 @@ class Addresses:
 
 
 def addresses(model: Any, prefix: str = "") -> Addresses:
-    """Find a person that `add_person` or `to_mjcf` made in a `mujoco.MjModel`.
+    """Addresses of a person in a `mujoco.MjModel` that `add_person` or `to_mjcf` made.
 
     Raises:
         InputError: the model has no person of that prefix.
@@ -262,7 +262,7 @@ def addresses(model: Any, prefix: str = "") -> Addresses:
 
 
 def part_color(index: int) -> tuple[float, float, float, float]:
-    """Colour (rgba in 0..1) of a part: neighbours in the tree differ clearly."""
+    """Colour (rgba in 0..1) of a part, clearly different from those of adjacent parts."""
     hue = (index * 0.618033988749895) % 1.0
     return (*colorsys.hsv_to_rgb(hue, 0.55, 0.9), 1.0)
 
@@ -305,7 +305,7 @@ def _start(
 def principal(inertia: Array) -> tuple[Array, Array]:
     """Principal moments (3,) [kg m^2], rising, and the quaternion (4,) of their axes.
 
-    Found here because MuJoCo's own search stops at 1e-12, which shows on finger tips.
+    Computed here because MuJoCo's own iteration stops at 1e-12, an error visible on finger tips.
     """
     moments, axes = np.linalg.eigh(inertia)
     axes[:, 2] *= np.sign(np.linalg.det(axes))

@@ -35,7 +35,7 @@ _LAYOUTS = {
     "smplh": SMPLH_JOINTS,
     "smpl": (*SMPL_JOINTS, *_WRISTS),
 }
-#: Columns of SMPL-X shape directions in all -> how many of them are shape, the rest expression.
+#: Number of columns of SMPL-X shape directions -> how many of them are shape, not expression.
 _SMPLX_SHAPE_COLUMNS = {400: 300, 20: 10}
 
 
@@ -46,7 +46,7 @@ def read_model(
     model: str | None = None,
     v_template: ArrayLike | str | os.PathLike[str] | None = None,
 ) -> ShapeSpace:
-    """Read a model file; the arguments and what is raised are those of `Body.load`."""
+    """Read a model file; arguments and exceptions are those of `Body.load`."""
     if gender is not None and gender not in GENDERS:
         raise InputError(f"gender: found {gender!r}, expected one of {', '.join(GENDERS)}")
     if model is not None and model not in _LAYOUTS:
@@ -118,7 +118,7 @@ def read_hands(path: str | os.PathLike[str], gender: str | None = None) -> tuple
 
     Args:
         path: The file, or a folder of files of which `gender` picks one.
-        gender: Of a folder.
+        gender: Selects a file of a folder.
 
     Raises:
         FileError: The file has no hands, or cannot be read.
@@ -136,7 +136,7 @@ def read_hands(path: str | os.PathLike[str], gender: str | None = None) -> tuple
 
 
 class _Fields:
-    """The named arrays of a model file; every one that is asked for is checked."""
+    """The named arrays of a model file, each checked on access."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -172,7 +172,7 @@ class _Fields:
         return key in self.fields
 
     def gender(self) -> str | None:
-        """The file's own word on its gender, where it has one."""
+        """The gender that the file states; None if it does not."""
         if "gender" not in self.fields:
             return None
         stated = np.asarray(self.fields["gender"]).reshape(-1)
@@ -209,14 +209,14 @@ def _source(path: Path) -> Source:
 
 
 def _locked(array: Any) -> Any:
-    """The array, read-only: bodies of one file share it."""
+    """Make an array read-only: all bodies of one file share it."""
     if array is not None:
         array.setflags(write=False)
     return array
 
 
 def _check_tree(fields: _Fields, layout: tuple[int, ...]) -> None:
-    """The file's joints must be the ones we think they are."""
+    """Refuse a file whose joints have other parents than those of the model."""
     table = fields.array("kintree_table", (2, len(layout)), dtype=None).astype(np.int64)
     place = {int(joint): i for i, joint in enumerate(table[1])}
     for i, joint in enumerate(layout):
@@ -250,7 +250,8 @@ def _weights(fields: _Fields, weights: Array, layout: tuple[int, ...]) -> Array:
             f"{fields.path}: field 'weights' sums to {total[worst, 0]:g} for vertex {worst}, "
             "expected 1"
         )
-    # Files in single precision sum to one only nearly, which would stretch far translations.
+    # Weights in single precision do not sum to exactly one, which would distort a skin far from the
+    # origin.
     full = np.zeros((len(weights), N_JOINTS))
     for column, joint in enumerate(layout):
         full[:, joint] += weights[:, column]
@@ -262,7 +263,7 @@ def _regressor(fields: _Fields, count: int, layout: tuple[int, ...]) -> Array:
     regressor = fields.array("J_regressor", (len(layout), count))
     full = np.zeros((N_JOINTS, count))
     for joint in range(N_JOINTS):
-        # The first mention: SMPL's rigid hands come after the wrists.
+        # The first index of a joint: SMPL's rigid hands come after the wrists.
         if joint in layout:
             full[joint] = regressor[layout.index(joint)]
         else:
@@ -330,7 +331,7 @@ def _mesh_vertices(path: Path) -> Array:
     suffix = path.suffix.lower()
     try:
         if suffix == ".obj":
-            # By hand: mesh readers split and reorder vertices at texture seams.
+            # Parsed here: mesh readers split and reorder vertices at texture seams.
             lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
             rows = [line.split()[1:4] for line in lines if line.startswith("v ")]
             return np.array(rows, dtype=np.float64)
@@ -339,6 +340,6 @@ def _mesh_vertices(path: Path) -> Array:
 
             mesh: Any = trimesh.load(path, process=False)
             return np.asarray(mesh.vertices, dtype=np.float64)
-    except Exception as error:  # a damaged mesh can fail in any way that its reader knows
+    except Exception as error:  # readers of damaged meshes raise exceptions of any type
         raise FileError(f"{path}: not a readable template ({error})") from None
     raise FileError(f"{path}: found a template of type '{suffix}', expected .ply or .obj")

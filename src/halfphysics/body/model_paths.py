@@ -1,4 +1,4 @@
-"""Where model files lie: by path, in a folder by gender and model, in $HALFPHYSICS_MODELS."""
+"""Search for model files: by path, in a folder by gender and model, in $HALFPHYSICS_MODELS."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SHORT = {"n": "neutral", "m": "male", "f": "female"}
 
 
 def gender_of(path: Path) -> str | None:
-    """What a model file's name says: SMPLX_MALE, basicmodel_f_lbs_10_207_0, male/model."""
+    """The gender in a model file's name: SMPLX_MALE, basicmodel_f_lbs_10_207_0, male/model."""
     words = re.split(r"[^a-z]+", path.stem.lower())
     if path.stem.lower() == "model":
         words = [path.parent.name.lower()]
@@ -73,7 +73,7 @@ def find_model(path: str | os.PathLike[str] | None, gender: str | None, model: s
 
 
 def genders_in(folder: Path) -> tuple[str, ...]:
-    """The genders that a folder has model files of, of whatever model."""
+    """The genders for which a folder has a file of any model."""
     return tuple(g for g in GENDERS if any(_in_folder(folder, name, g) for name in MODELS))
 
 

@@ -1,4 +1,4 @@
-"""Convex hull of a body part's skin, however few or flat its vertices are."""
+"""Convex hull of a body part's skin, also for few or coplanar vertices."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class PartHull:
 def part_hull(points: Array, what: str) -> PartHull:
     """Convex hull of finite points (n, 3) [m] of the part named `what`; of no points, empty.
 
-    Where the points span less than `MIN_THICKNESS` along a principal axis (a plane, a line, a
-    single point), copies shifted along that axis make up for it, half on either side.
+    If the points span less than `MIN_THICKNESS` along a principal axis (a plane, a line, a single
+    point), copies shifted along that axis add the missing thickness, half on either side.
     """
     if len(points) == 0:
         nothing = np.zeros((0, 3), dtype=np.int32)

@@ -24,17 +24,17 @@ Array = NDArray[np.float64]
 
 #: Density of a human body [kg/m^3]: 1 litre weighs a little under 1 kg.
 DENSITY = 985.0
-#: Mass [kg] and radius [m] of the little ball that stands in for a joint without skin, so that
-#: its inertia matrix is regular.
+#: Mass [kg] and radius [m] of the small ball that replaces the part of a joint without skin, so
+#: that the inertia matrix is regular.
 EMPTY_MASS, EMPTY_RADIUS = 1e-6, 0.01
-#: No person spans this much [m]; skins in centimetres or millimetres do.
+#: Largest extent of a skin [m]; larger ones are in centimetres or millimetres.
 MAX_EXTENT = 10.0
 #: Parts with smaller hulls [m^3] get denser samples for their mass: hands, toes, jaw, eyes.
 FINE_VOLUME = 3e-4
 
 
 class Skin(Protocol):
-    """What `build_variant` needs of a body: a skin bound to 55 joints, in the rest pose."""
+    """Attributes of a body that `build_variant` reads: a skin of 55 joints, in the rest pose."""
 
     @property
     def rest_vertices(self) -> Array: ...  # (V, 3) [m]
@@ -48,11 +48,11 @@ class Skin(Protocol):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Part:
-    """One rigid part. Everything in its joint's frame.
+    """One rigid part, in its joint's frame.
 
     Attributes:
         name: One of `JOINT_NAMES`.
-        index: Its place there.
+        index: Its index there.
         vertices: Corners of the convex hull (n, 3) [m]; (0, 3) for a joint without skin.
         faces: Outward triangles of the hull (m, 3).
         mass: Mass [kg], > 0.
@@ -200,7 +200,7 @@ def _fixed(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-#: Colliders of rigid parts, for as long as their bodies are there.
+#: Colliders of rigid parts, kept as long as the parts exist.
 _colliders: WeakKeyDictionary[Part, ConvexCollider] = WeakKeyDictionary()
 
 

@@ -1,4 +1,4 @@
-"""Bodies before their shape is chosen: what a model file says, in the 55-joint layout."""
+"""Body models before a shape is chosen: the content of a model file in the 55-joint layout."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 class Source(NamedTuple):
-    """A file by name and content: licensed models are referred to, never copied."""
+    """A file by path and SHA-256: licensed models are referenced, never copied."""
 
     path: str
     sha256: str
@@ -23,19 +23,19 @@ class Source(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ShapeSpace:
-    """A template, the directions its shape can take, and where the joints are on any shape.
+    """A template, its shape directions, and the regression of joints from vertices.
 
     Args:
         model: "smplx", "smplh", "smpl" or "free".
-        gender: "neutral", "male", "female", or "unknown" where the file does not say.
+        gender: "neutral", "male", "female", or "unknown" if the file does not state it.
         template: Mean skin at rest [m], y up, z forward, shape (V, 3).
         faces: Triangles, counter-clockwise from outside, shape (F, 3), int32.
         weights: Skinning weights, rows sum to one, shape (V, 55).
         joint_regressor: Joints from vertices, shape (55, V). A joint that the file does not
-            have has its parent's row, so that it sits there on every shape.
-        shapedirs: Shape directions [m per unit of beta], shape (V, 3, n), as the file has them
-            (any float type).
-        posedirs: Pose blend shapes [m], shape (V, 3, 486), or None where there are none.
+            have has its parent's row and so its position.
+        shapedirs: Shape directions [m per unit of beta], shape (V, 3, n), in the file's float
+            type.
+        posedirs: Pose blend shapes [m], shape (V, 3, 486), or None.
         hands_mean: Relaxed left and right hand, axis-angle [rad], shape (2, 45), or None.
         hands_components: Their principal components, shape (2, 45, 45), rows; or None.
         source: The file, or None for the default body.
@@ -56,10 +56,10 @@ class ShapeSpace:
     template_source: Source | None = None
 
     def betas(self, betas: ArrayLike | None, stacklevel: int = 2) -> Array:
-        """Coefficients (n,) for all directions: zeros are added, what has no direction left out.
+        """Coefficients (n,) for all directions: padded with zeros, or truncated.
 
         Warns:
-            HalfPhysicsWarning: Coefficients that are not zero are left out.
+            HalfPhysicsWarning: Coefficients other than zero are dropped.
 
         Raises:
             InputError: Not one vector of finite numbers.

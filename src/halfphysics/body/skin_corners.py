@@ -1,4 +1,4 @@
-"""Which vertices of a skin's hulls can never be corners, at any pose, by proof.
+"""Vertices of a skin's hulls that provably are no corners at any pose.
 
 Vertices with equal weights are moved by one affine map, and affine maps keep convex combinations:
 of such a group only the corners of its hull at rest can be corners of anything later. Pose blend
@@ -27,7 +27,7 @@ def without_inner(
 ) -> SkinHulls:
     """The same hulls of fewer vertices, at every pose of this shape (not of others).
 
-    Every face is still inside one hull, though not all its vertices are in the set any more.
+    Every face remains inside one hull, although not all its vertices remain in the set.
 
     Args:
         hulls: Vertex sets of whole faces.

@@ -1,16 +1,15 @@
-"""Which faces of a skin share a convex hull: cut by joints, then where the hulls bulge most.
+"""Division of a skin into pieces with tight convex hulls: by joints, then where hulls bulge most.
 
-The bulge of a hull over a face is how far one travels from the face along its normal until one
-leaves the hull. It is looked at in a few bent poses, because hollows open and close, and counts as
-what is seen of it: how far the place where one leaves is from all skin, which is nothing inside
-other skin and little in a crease. Cuts are planes of the rest pose; each next cut is the one that
-takes away most of
+The bulge of a hull over a face is measured along the face's normal, from the face to the exit from
+the hull, as the distance of the exit from all skin: it is zero if the exit is inside other skin and
+small in a crease. It is evaluated in a few bent poses, because hollows open and close. Cuts are
+planes of the rest pose; each next cut is the one that reduces most
 
     sum over poses, hulls and faces of area * bulge^2
 
-(greedily: the best cut of every piece is known once that piece's whole sum is the largest left).
-Hulls are looked at through their support in some hundred directions, faces through samples:
-an estimate that chooses cuts. That hulls cover the skin does not depend on it.
+(greedily: the best cut of a piece is computed when its whole sum is the largest one left).
+Hulls are approximated by their support in some hundred directions, faces by samples. The
+approximation only selects cuts; that the hulls cover the skin does not depend on it.
 """
 
 from __future__ import annotations
@@ -29,21 +28,21 @@ Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int64]
 
-#: Pieces to cut the skin into, joints' own pieces included.
+#: Number of pieces of the skin, one or more per joint.
 PIECES = 90
-#: Faces that stand for a part's neighbourhood: one in 16, at least and at most.
+#: Number of faces that sample a part's neighbourhood: one in 16, at least and at most.
 SAMPLES = (64, 256)
 #: Normals of a piece that stand for its hull's, and directions of the sphere beside them. Twice as
 #: many of these and of the samples change the gaps by under a tenth.
 NORMALS, SPHERE = 32, 64
-#: Places along each axis at which a cut is tried.
+#: Number of positions along each axis at which a cut is evaluated.
 LEVELS = 5
-#: A part's hulls are held against all faces whose weight of it is at least this: a hull also
+#: A part's hulls are compared with all faces whose weight of it is at least this: a hull also
 #: bulges over the faces beside it.
 BLEND = 0.2
-#: Steps [m] along a normal at which the distance of all skin is known; past the last it stays.
+#: Steps [m] along a normal at which the distance from all skin is computed; constant beyond.
 STEPS = (0.0, 0.005, 0.01, 0.02, 0.04)
-#: Area of hands counts this many times: they are small, and touch most.
+#: Factor of the area of hands: they are small, and touch most.
 HAND_FACTOR = 5.0
 #: Left and right bulge alike: of what differs by less than this share the first counts, so that
 #: rounding does not choose, and machines agree.
@@ -62,8 +61,8 @@ _HANDS = [
     *(JOINT_INDEX["right_wrist"], *RIGHT_HAND_JOINTS),
 ]
 _FINGERS = tuple(f"{f}{k}" for f in ("index", "middle", "pinky", "ring") for k in (1, 2, 3))
-#: Bends [rad] that open and close the hollows of a body; of the left side where there are two,
-#: the right one is the mirror image. Sitting; standing, arched; arms up, legs apart; and at rest.
+#: Rotations [rad] that open and close the hollows of a body, given for the left side; the right
+#: side is the mirror image. Sitting; standing, arched; arms up, legs apart; and at rest.
 _BENDS: tuple[dict[str, tuple[float, float, float]], ...] = (
     {},
     {
@@ -89,7 +88,7 @@ _BENDS: tuple[dict[str, tuple[float, float, float]], ...] = (
 
 
 def bends() -> Array:
-    """Rotations of the poses that are looked at, shape (P, 55, 3)."""
+    """Rotations of the poses in which bulges are evaluated, shape (P, 55, 3)."""
     out = np.zeros((len(_BENDS), N_JOINTS, 3))
     for rotations, bend in zip(out, _BENDS, strict=True):
         for joint, turn in bend.items():
@@ -118,7 +117,8 @@ def cut_faces(
         weights: Skinning weights, shape (V, 55).
         rest_vertices: Skin at rest [m], shape (V, 3).
         rest_joints: Joints at rest [m], shape (55, 3).
-        pieces: How many to stop at. Joints with faces may be more; faces may be fewer.
+        pieces: Number of pieces. There are more if more joints have faces, fewer if there are
+            fewer faces.
     """
     part = parts_of_faces(faces, weights)
     done = {k: np.flatnonzero(part == k) for k in np.unique(part).tolist()}
@@ -150,7 +150,7 @@ def cut_faces(
 
 
 class _Samples(NamedTuple):
-    """Faces (m,) around a part: what each stands for, and what is outside of it."""
+    """Faces (m,) around a part: the area that each represents, and the distances outside it."""
 
     face: Ints
     area: float | Floats  # (m,) [m^2]

@@ -1,8 +1,8 @@
-"""The skin in convex pieces: vertex sets whose hulls cover it at every pose.
+"""The skin as convex pieces: vertex sets whose hulls cover it at every pose.
 
-A face whose three vertices are in one set lies in the hull of that set wherever skinning takes
-its vertices: hulls that are clear of something mean skin that is clear of it. `skin_cut` decides
-which faces go together. For the default body that was decided beforehand: `assets/body_cut.npz`.
+A face whose three vertices are in one set lies in the hull of that set at any pose. So if the hulls
+do not overlap an obstacle, the skin does not either. `skin_cut` selects the faces of each set. For
+the default body the sets come with the package: `assets/body_cut.npz`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Ints = NDArray[np.int64]
 
 _BAKED = Path(__file__).parents[1] / "assets" / "body_cut.npz"
 
-#: Skins that are remembered with their cut: many shapes of one model are cut once.
+#: Size of the cache of divided skins: all shapes of one model share one division.
 REMEMBERED = 16
 _known: dict[bytes, SkinHulls] = {}
 
@@ -53,7 +53,7 @@ class SkinHulls:
 def skin_hulls(
     faces: ArrayLike, weights: ArrayLike, rest_vertices: ArrayLike, rest_joints: ArrayLike
 ) -> SkinHulls:
-    """Cut a skin into vertex sets of whole faces, each hull tight at people's poses.
+    """Divide a skin into vertex sets of whole faces whose hulls are tight at people's poses.
 
     Vertices of no face are in no set. The same input gives the same arrays, and, in one process,
     the same object.
@@ -71,10 +71,10 @@ def skin_hulls(
     skin = _digest(triangles, weights, rest)
     key = _digest(joints, of=skin).digest()
     if key not in _known:
-        whose, pieces = baked()
-        # The joints only bend the poses that are looked at: they come of the skin by a product,
-        # whose last bits are the machine's.
-        if skin.hexdigest() != whose:
+        digest, pieces = baked()
+        # Joints are not part of the key: they only define the poses in which bulges are evaluated,
+        # and their last bits depend on the machine.
+        if skin.hexdigest() != digest:
             pieces = cut_faces(triangles, weights, rest, joints)
         while len(_known) >= REMEMBERED:
             _known.pop(next(iter(_known)), None)
@@ -99,7 +99,7 @@ def bake(
 
 @cache
 def baked() -> tuple[str, list[Ints]]:
-    """Of which skin `assets/body_cut.npz` is, and its pieces."""
+    """The digest of the skin of `assets/body_cut.npz`, and the faces of its pieces."""
     with np.load(_BAKED, allow_pickle=False) as file:
         piece = file["piece"]
         return str(file["skin"]), [np.flatnonzero(piece == k) for k in range(piece.max() + 1)]

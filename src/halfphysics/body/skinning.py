@@ -31,7 +31,7 @@ _NO_SUBSET = np.zeros(0, dtype=np.int32)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Skin:
-    """What skinning needs of a shaped body; all arrays are C-contiguous float64.
+    """The arrays of a shaped body for skinning, C-contiguous float64.
 
     Args:
         rest_vertices: Skin at rest [m], rest frame, shape (V, 3).

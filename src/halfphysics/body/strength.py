@@ -1,4 +1,4 @@
-"""How strong a person is: limits of what the drive may exert, with human defaults."""
+"""Strength: limits of the force and torques that the drive may exert, with human defaults."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 _FINGERS = ("index", "middle", "ring", "pinky", "thumb")
 _STANDARD_GRAVITY = 9.80665
-#: What the ground gives a person who stands beyond their own weight, in body weights: an isometric
+#: Force of the ground on a standing person beyond the own weight, in body weights: an isometric
 #: mid-thigh pull reaches about 2.5 body weights on the ground (Comfort et al. 2019, Strength
 #: Cond J 41), one of which is the person's own.
 ROOT_BODY_WEIGHTS = 1.5
@@ -32,7 +32,7 @@ HUMAN: JointValues = JointValues(
         "trunk": 250.0,
         # Neck extension 25 to 40: Vasavada et al. 2001, Spine 26.
         "head": 30.0,
-        # Scapular elevation and protraction carry what the shoulder does, at its arm of force.
+        # Scapular elevation and protraction transmit the load of the shoulder, at its lever arm.
         "left_collar": 100.0,
         "right_collar": 100.0,
         # Shoulder 60 to 90 and elbow flexion 60 to 70: Holzbaur et al. 2007, J Biomech 40.
@@ -84,8 +84,9 @@ def checked_strength(value: Any) -> str | JointValues | None:
 
 
 def limits_of(strength: str | Mapping[str, float], body: Body) -> tuple[float, Array]:
-    """The most that a person's drive may exert: force on the root [N], torque of every joint (55,)
-    [N m] (row 0: on the root's rotation); inf where nothing limits it.
+    """Limits of a person's drive: force on the root [N] and torque of all joints (55,) [N m].
+
+    Row 0 is the torque on the root's rotation; inf: no limit.
     """
     if isinstance(strength, str):
         mass = sum(part.mass for part in body.variant.parts)

@@ -1,1 +1,1 @@
-"""Shapes and meshes, and questions to them."""
+"""Shapes, triangle meshes and geometric queries."""

@@ -1,4 +1,4 @@
-"""Collision geometry: what a shape is for contact, as a hull of points, swept and rounded."""
+"""Collision geometry of a shape: a convex hull of points, swept and rounded."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ConvexCollider:
 
     @property
     def arrays(self) -> tuple[Array, Array, float, Array]:
-        """What the core's add_shape() and add_hull() take last, in their order."""
+        """The last arguments of the core's add_shape() and add_hull(), in their order."""
         return self.vertices, self.normals, self.radius, self.rim
 
     def moved(self, rotation: Array, position: Array) -> ConvexCollider:

@@ -1,4 +1,4 @@
-"""How an object touches: as it is, or as which convex pieces, and what is worth saying of that."""
+"""The shape that an object collides with: itself, its convex hull or convex pieces."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from halfphysics.geometry.shape_base import Shape
 def asked(
     what: str, given: Shape, pieces: Any, threshold: float, max_pieces: int | None
 ) -> tuple[list[Mesh] | None, Cut]:
-    """The caller's own pieces, if they are given, and what was asked for."""
+    """The caller's own pieces, if given, and the checked options."""
     if max_pieces is not None:
         most = number(max_pieces, f"{what}: max_pieces", least=1.0)
         if most != int(most):
@@ -54,7 +54,7 @@ def asked(
 def touching(
     what: str, given: Shape, cut: Cut, own: list[Mesh] | None
 ) -> tuple[Shape, Decomposition | None]:
-    """The solid that touches, and the pieces that it does so by; warns of what is worth knowing."""
+    """The solid and the convex pieces that collide; warns of inaccurate pieces and open meshes."""
     if not isinstance(given, Mesh):
         return given, None
     try:

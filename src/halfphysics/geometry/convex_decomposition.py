@@ -1,9 +1,9 @@
-"""A mesh of any shape as convex pieces, for contact: coacd, cached by content, its error measured.
+"""Convex decomposition of a mesh for contact: by coacd, cached by content, with a measured error.
 
-A mesh is cut into its connected solids first. What is convex to within the tolerance is taken as
-it is: a table of boxes needs no cutting. Holes are bridged first, as for every question about what
-is inside a mesh. The rest goes to coacd (Wei et al. 2022), whose threshold
-is a share of half the solid's longest extent.
+A mesh is divided into its connected solids first, with holes bridged as for every query about the
+inside of a mesh. A solid that is convex to within the tolerance is kept: a table of boxes needs no
+decomposition. The others go to coacd (Wei et al. 2022), whose threshold is a share of half the
+solid's longest extent.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 
 #: How far pieces may stick out of the mesh, unless said otherwise [m].
 THRESHOLD = 0.003
-#: Pieces that stick out by more, or leave more bare, are worth a warning [mm].
+#: Pieces that stick out of the mesh or leave it uncovered by more cause a warning [mm].
 WARN_MM = 5.0
-#: What makes coacd ready.
+#: The command that installs coacd.
 MEND = "pip install 'halfphysics[pieces]'"
 
 #: A change of how pieces are made or measured: kept ones of another number are not used.
@@ -40,7 +40,7 @@ _LEAST, _MOST = 0.01, 1.0
 
 @dataclass(frozen=True, kw_only=True)
 class Cut:
-    """What was asked for: "auto", "hull" or "given"; the threshold [m] and the most pieces."""
+    """Options: `pieces` "auto", "hull" or "given"; threshold [m] and largest number of pieces."""
 
     pieces: str = "auto"
     threshold: float = THRESHOLD
@@ -61,7 +61,7 @@ class Decomposition(PieceError):
 
 
 def decompose(mesh: Mesh, cut: Cut) -> Decomposition:
-    """Pieces of a mesh: from the cache, or else made and kept there. The same each time.
+    """Pieces of a mesh, from the cache or computed and cached; deterministic.
 
     Raises:
         MissingDependencyError: coacd is needed and is not installed.
@@ -153,7 +153,7 @@ def _solids(mesh: Mesh) -> list[Mesh]:
     of_face = _sheets(faces)
     parts = [Mesh(mesh.vertices, faces[of_face == k]) for k in np.unique(of_face)]
     if mesh.closed and not all(part.closed for part in parts):
-        # Solids that share edges all around a face: what hangs together at all is cut as one.
+        # Solids that share all edges of a face: divide connected parts instead of sheets.
         links = np.concatenate([faces[:, :2], faces[:, 1:]])
         of_face = mesh_queries.components(len(mesh.vertices), links)[faces[:, 0]]
         parts = [Mesh(mesh.vertices, faces[of_face == k]) for k in np.unique(of_face)]
@@ -224,7 +224,7 @@ def _by_coacd(solid: Mesh, threshold: float, most: int) -> list[Mesh]:
         points = vertices[np.isfinite(vertices).all(axis=1)]
         try:
             hull = Mesh(points, _any_faces(len(points))).hull
-        except InputError:  # a sliver without volume touches nothing that its neighbours do not
+        except InputError:  # a sliver without volume: its neighbours cover it
             continue
         if math.isfinite(hull.volume) and hull.volume > 0.0:
             pieces.append(hull)

@@ -1,4 +1,4 @@
-"""A triangle mesh as a shape: what it bounds, its hull, point queries against it."""
+"""A triangle mesh as a shape: its solid, its convex hull, point queries against it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from halfphysics.geometry.shape_base import Array, MassProperties, Shape, Triang
 
 @dataclass(frozen=True, kw_only=True)
 class MeshSource:
-    """Where a mesh came from and what was done to it: enough to read it again.
+    """The file of a mesh and its transform: enough to read it again.
 
     `path` absolute, `sha256` of that file's content, `scale` applied, `up` axis of the file.
     """

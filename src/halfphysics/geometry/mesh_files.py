@@ -15,7 +15,7 @@ from halfphysics.base.validation import file_path
 from halfphysics.errors import FileError, InputError, MissingDependencyError
 from halfphysics.geometry.mesh import Mesh, MeshSource
 
-#: Formats that say themselves which way is up.
+#: Suffixes of formats whose standard defines the up axis (y).
 Y_UP_SUFFIXES = (".glb", ".gltf")
 
 #: z-up from y-up: a quarter turn about x.

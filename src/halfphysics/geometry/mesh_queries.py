@@ -1,11 +1,11 @@
-"""Points against a triangle mesh: is a point inside, and how far is the surface.
+"""Queries of points against a triangle mesh: inside or not, distance to the surface.
 
 *Inside* means a generalised winding number over 0.5 (Jacobson et al. 2013): the solid angle
 that the triangles span at the point, over 4 pi, outward triangles (counter-clockwise seen from
 outside) counted positive. It is defined for any soup: a closed surface gives 1 inside and 0
 outside, a surface with a hole goes smoothly from one to the other across the hole. A closed
-surface turned inside out gives -1 in what it encloses, so nothing is inside it; where windings
-are mixed at random the contributions cancel and little or nothing is inside.
+surface turned inside out gives -1 in its interior, so nothing is inside it; if windings are mixed
+at random the contributions cancel and little or nothing is inside.
 
 `MeshQuery` is native. `tests/support/references/mesh_queries.py` has the same in plain numpy; the
 tests hold both equal.

@@ -1,4 +1,4 @@
-"""Where parallel rays cross triangles: how the inside of a closed surface is found without doubt.
+"""Crossings of parallel rays with triangles: exact intervals inside a closed surface.
 
 Rays run along +z through the middles (i + 0.5, j + 0.5) of the cells of a unit grid.
 """
@@ -13,7 +13,7 @@ Ints = NDArray[np.int64]
 
 
 def cells(low: Array, high: Array) -> tuple[Ints, Ints]:
-    """All integer pairs (n, 2) within boxes low..high (m, 2), ends included, and whose they are."""
+    """All integer pairs (n, 2) within boxes low..high (m, 2), ends included; their boxes (n,)."""
     start = low.astype(np.int64)
     width, height = np.maximum(high.astype(np.int64) - start + 1, 0).T
     count = width * height
@@ -33,9 +33,9 @@ def crossings(
 ) -> tuple[Ints, Array, Ints]:
     """Where rays at (i + 0.5, j + 0.5) along +z cross faces: (i, j), z, +1 entering, -1 leaving.
 
-    Two faces see the side of their common edge that a ray passes by the same arithmetic, with
-    opposite signs: a ray cannot slip between them or meet both. `window`: least and largest (i, j)
-    that are asked for, (2,) each; None: all.
+    Two faces determine on which side of their common edge a ray passes by the same arithmetic, with
+    opposite signs: a ray cannot pass between them or hit both. `window`: smallest and largest
+    (i, j) of the rays, (2,) each; None: all.
     """
     flat = vertices[:, :2] - 0.5
     corners = flat[faces]
@@ -49,7 +49,7 @@ def crossings(
         start, end = flat[np.minimum(a, b)], flat[np.maximum(a, b)]
         along, across = (end - start)[face], ray - start[face]
         value = along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]
-        # On the edge counts as left of it, seen from the lower vertex, for both faces.
+        # For both faces a ray on the edge is to the left of it, seen from the lower vertex.
         value = np.where(value == 0.0, np.finfo(np.float64).tiny, value)
         side[k] = np.where(a < b, 1.0, -1.0)[face] * value
     upward = np.asarray((side > 0.0).all(axis=0))

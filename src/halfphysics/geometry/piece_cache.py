@@ -1,4 +1,4 @@
-"""Pieces of meshes kept between runs: one small npz per mesh and set of options.
+"""Cache on disk of convex decompositions: one small npz per mesh and set of options.
 
 The folder is $HALFPHYSICS_CACHE, else $XDG_CACHE_HOME/halfphysics, else ~/.cache/halfphysics; it
 may be deleted at any time.
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 def folder() -> Path:
-    """Where kept things lie."""
+    """The folder of the cache."""
     own, xdg = os.environ.get("HALFPHYSICS_CACHE"), os.environ.get("XDG_CACHE_HOME")
     if own:
         return Path(own)
@@ -29,7 +29,7 @@ def folder() -> Path:
 
 
 def read(key: str) -> tuple[list[Mesh], Array] | None:
-    """Pieces and figures kept under `key`; None: there are none, or the file is broken."""
+    """Pieces and error figures stored under `key`; None: there are none, or the file is damaged."""
     path = _path(key)
     if not path.is_file():
         return None
@@ -52,7 +52,7 @@ def read(key: str) -> tuple[list[Mesh], Array] | None:
 
 
 def write(key: str, pieces: list[Mesh], figures: Array) -> None:
-    """Keep pieces and figures; where that fails, a `HalfPhysicsWarning` says so."""
+    """Store pieces and error figures; failure gives a `HalfPhysicsWarning`."""
     path = _path(key)
     arrays = {
         "key": np.array(key),

@@ -1,4 +1,4 @@
-"""How well convex pieces stand for a mesh: what sticks out, what is left uncovered, the volume."""
+"""Error of convex pieces that replace a mesh: how far they stick out, what they leave uncovered."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ Array = NDArray[np.float64]
 SURFACE = 20_000
 EACH = 100
 LATTICE = 100_000
-#: The root of x^4 = x + 1, in three dimensions what the golden section is in one.
+#: The root of x^4 = x + 1: in three dimensions the counterpart of the golden ratio.
 _EVEN = 1.2207440846057596
-#: What is this near to a face is on it: rounding of files and of Qhull [m].
+#: A point this near to a face is on it: rounding of files and of Qhull [m].
 _ON = 1e-7
 
 
 @dataclass(frozen=True, kw_only=True)
 class PieceError:
-    """Convex pieces against the mesh that they stand for.
+    """Error of convex pieces against the mesh that they replace.
 
     outside_mm: Farthest that the union of the pieces sticks out of the mesh [mm].
     inside_mm: Farthest that the mesh sticks out of the union [mm].
@@ -39,7 +39,7 @@ class PieceError:
 
 
 class Hull:
-    """A convex piece, for questions about many points."""
+    """A convex piece, for queries of many points."""
 
     def __init__(self, piece: Mesh) -> None:
         from scipy.spatial import ConvexHull
@@ -82,7 +82,7 @@ def piece_error(mesh: Mesh, pieces: Sequence[Mesh]) -> PieceError:
     if len(bare):
         inside = np.min([h.query.closest(bare)[0] for h in hulls], axis=0).max()
     volume = mesh.solid_volume
-    # The difference of two counts of the same points is surer than either of them.
+    # The difference of two counts of the same points has less variance than either count.
     more = (np.count_nonzero(of_pieces & ~of_mesh) - np.count_nonzero(of_mesh & ~of_pieces)) * cell
     return PieceError(
         outside_mm=_millimetres(float(outside)),
@@ -105,10 +105,10 @@ def _covered(hulls: Sequence[Hull], points: Array) -> NDArray[np.bool_]:
 
 
 def _lattice(low: Array, high: Array) -> tuple[Array, float]:
-    """Points (n, 3) through a box, and the volume that each stands for [m^3].
+    """Points (n, 3) spread evenly in a box, and the volume per point [m^3].
 
-    By powers of a number that keeps them even in all directions: a grid of rows and columns falls
-    in with walls that are thinner than its meshes, and counts them twice or not at all.
+    An additive recurrence spreads them evenly in all directions. A regular grid would align with
+    walls that are thinner than its cells and count them twice or not at all.
     """
     size = np.maximum(high - low, 1e-9)
     share = (0.5 + np.outer(np.arange(1, LATTICE + 1), _EVEN ** -np.arange(1.0, 4.0))) % 1.0

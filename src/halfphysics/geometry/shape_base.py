@@ -1,4 +1,4 @@
-"""What every shape can do, primitive or mesh."""
+"""The base class of all shapes, primitives and meshes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class MassProperties:
 
 
 class Shape:
-    """What every shape can do. Points and results are in the shape's own frame [m]."""
+    """Base of all shapes. Points and results are in the shape's own frame [m]."""
 
     @property
     def volume(self) -> float:

@@ -1,7 +1,7 @@
-"""Shapes of things: plane, box, sphere, capsule, cylinder, triangle mesh.
+"""Primitive shapes: plane, box, sphere, capsule, cylinder; `Mesh` is the triangle mesh.
 
-All are frozen, checked when made, in metres and centred on their own origin. What stands in a
-scene (a shape, its pose, its material) is `halfphysics.scene.scene`'s.
+All are frozen, checked when made, in metres and centred on their own origin. An item of a scene (a
+shape with a pose and a material) is in `halfphysics.scene.items`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ __all__ = [
     "Sphere",
 ]
 
-#: Half the side of the quad that stands for a plane where one is drawn [m].
+#: Half the side of the square that represents a plane in pictures [m].
 PLANE_HALF_EXTENT = 10.0
 
 _SEGMENTS = 32  # around the axis of round shapes, where they are triangulated

@@ -1,4 +1,4 @@
-"""What a motion file holds besides the motion, kept to be written back."""
+"""Data of a motion file besides the motion, kept to be written back."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FileMetadata:
-    """What a motion's file said besides the motion: all a writer needs to give it back.
+    """Data of a motion file besides the motion: all that a writer needs to restore it.
 
     `fields` belongs to the format (key names, dtypes, constants); `per_frame` holds arrays
     with one row per frame that are cut and resampled along with the motion.

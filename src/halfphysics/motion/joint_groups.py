@@ -54,8 +54,8 @@ ROOT_FORCE = "root"
 class JointValues(Mapping[str, float]):
     """Numbers by joint group or joint name, read-only and hashable.
 
-    The smaller group of joints wins ("hands" over "arms", a joint over its group); of two groups
-    as large, the later one.
+    The smaller group of joints has precedence ("hands" over "arms", a joint over its group); of two
+    groups of equal size, the later one.
     """
 
     __slots__ = ("_items",)
@@ -74,7 +74,7 @@ class JointValues(Mapping[str, float]):
         return len(self._items)
 
     def __eq__(self, other: object) -> bool:
-        # The order of two groups as large decides who wins.
+        # The order of two groups of equal size decides which has precedence.
         return isinstance(other, Mapping) and self._items == tuple(other.items())
 
     def __hash__(self) -> int:
@@ -105,10 +105,10 @@ def joint_values(
     """`value`, a mapping from joint groups or names to numbers >= 0, checked.
 
     Args:
-        value: What the user gave.
-        what: What it is for, to start an error with.
-        extra: Keys that are no joints and are allowed too.
-        unit: Of the numbers, for errors.
+        value: The mapping.
+        what: Its purpose, with which messages begin.
+        extra: Allowed keys besides joints and groups.
+        unit: Unit of the numbers, for messages.
 
     Raises:
         InputError: No mapping, a joint that does not exist, a number below 0 or none.
@@ -164,10 +164,10 @@ def stiffness_rows(value: Any, what: str, shape: tuple[int, ...]) -> Array:
 
 
 def stiffness_over_time(value: Any, frames: int, people: int) -> Array | None:
-    """What `simulate(stiffness=)` takes, as firmness (T, people, 55), 0 at the roots.
+    """The argument `stiffness` of `simulate` as firmness (T, people, 55), 0 at the roots.
 
-    For everybody, or in a list or tuple one a person: a number or numbers by joint group or joint
-    (those not named: 1), or over time an array (T,) or (T, 55).
+    One value for all people, or a list or tuple of one for each: a number, numbers by joint group
+    or joint (1 for joints that are not named), or over time an array (T,) or (T, 55).
 
     Raises:
         InputError: Another shape or number of arrays, a joint that does not exist, or numbers
@@ -194,7 +194,7 @@ def stiffness_over_time(value: Any, frames: int, people: int) -> Array | None:
 
 
 def _constant(value: Any) -> bool:
-    """Whether a firmness is said once, and not over time."""
+    """Whether a firmness is constant over time."""
     return isinstance(value, Mapping) or (
         not isinstance(value, list | tuple) and np.ndim(value) == 0
     )

@@ -48,7 +48,7 @@ class Motion:
         gender: "neutral", "male" or "female": of the model that `betas` belong to.
         model: "smplx", "smplh" or "smpl": the model that `betas` belong to.
         axes: World from file axes, shape (3, 3); None: the identity.
-        origin: What the file said besides (set by loaders, used by writers).
+        origin: Further data of the file (set by loaders, used by writers).
 
     Raises:
         InputError: A wrong shape, NaN, fewer than two frames, an fps that is not positive, a
@@ -189,13 +189,13 @@ class Motion:
     def grounded(self, body: Body, z: float = 0.0, *, percentile: float = 0.0) -> Motion:
         """The motion moved along z so that its lowest skin vertex touches height `z` [m].
 
-        By default the lowest vertex of the whole clip: then no frame starts under a floor at
-        `z` and the floor disturbs nothing that the clip did not ask for. Where single noisy
-        frames would lift the rest, `percentile` takes that percentile of the per-frame lowest
-        heights instead (50: the median frame).
+        By default this is the lowest vertex of the whole clip: then no frame is below a floor at
+        `z`, and the floor changes nothing that the clip does not require. If single noisy frames
+        would lift the rest, `percentile` takes that percentile of the lowest heights of all frames
+        instead (50: the median frame).
 
         Raises:
-            InputError: Something that is no body, or an impossible height or percentile.
+            InputError: `body` is no body, or an impossible height or percentile.
         """
         validation.body(body, "vertices")
         z = number(z, "z", unit="m")
@@ -293,13 +293,13 @@ class Motion:
         return turned(self.translation, self.rotations, self.axes.T)
 
     def rebased(self, body: Body, up: str = "z") -> Motion:
-        """The same movement of `body`, with `translation` as files with `up` up have it.
+        """The same movement of `body`, with the `translation` of a file whose up axis is `up`.
 
-        `axes` says in which axes the pelvis at rest J0 is added to `translation`; with other
-        axes, the same place of the pelvis is another translation.
+        `axes` are the axes in which the pelvis at rest J0 is added to `translation`: with other
+        axes, the same position of the pelvis is another translation.
 
         Args:
-            body: Whose pelvis at rest it is.
+            body: The body whose pelvis at rest is J0.
             up: "z" or "y".
         """
         axes = axes_of(up)
@@ -329,14 +329,14 @@ class Motion:
 
         Args:
             path: The file, or the folder of a data set that comes as one.
-            fps: Frames per second where the file does not say (or says it wrongly).
-            up: "z" or "y" where it is not what the format prescribes.
-            hands: "flat" or "mean": what zero fingers mean, where the format does not say.
+            fps: Frames per second if the file does not state them (or states them wrongly).
+            up: "z" or "y" if the up axis is not the one that the format prescribes.
+            hands: "flat" or "mean": the meaning of zero fingers, if the format does not define it.
             model: A body-model file, needed for mean hands; or "smplx", "smplh", "smpl" where
-                the file does not say which model it is for.
-            gender: "neutral", "male" or "female" where the file does not say.
+                the file does not name its model.
+            gender: "neutral", "male" or "female" if the file does not state it.
             frames: Read only frames start <= i < stop, as in a slice.
-            clip: Which one, where the file holds several (`halfphysics.clips` names them).
+            clip: Name of the clip, if the file holds several (`halfphysics.clips` lists them).
             assets: Folders of the data set's other files (meshes, templates), searched before
                 $HALFPHYSICS_MODELS and the file's own folder.
 
@@ -371,8 +371,8 @@ class Motion:
             path: Where to. The suffix chooses the format where it is not the origin's; .npz is
                 AMASS for the motion's `model`.
             format: Name of another format to write (`halfphysics.formats.FORMATS`).
-            body: Whose motion it is, needed by formats that hold its joints (BVH) and for a
-                format whose up axis is another than that of the motion's file (`rebased`).
+            body: The body that moves, needed by formats that hold its joints (BVH) and by a
+                format with another up axis than the motion's file (`rebased`).
 
         Raises:
             FileError: The folder does not exist or cannot be written.

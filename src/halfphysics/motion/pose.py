@@ -60,7 +60,7 @@ def flat_rotations(rotations: ArrayLike, leading: int) -> ArrayLike:
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """One frame: where the body is and how its joints are turned.
+    """One frame: the position of the body and the rotations of its joints.
 
     Args:
         translation: Of the SMPL-X origin [m], world, shape (3,).

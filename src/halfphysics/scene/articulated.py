@@ -1,7 +1,7 @@
 """Articulated objects: links that move about joints, such as doors, drawers, laptops and scissors.
 
-World z-up, metres, radians, kilograms, seconds; quaternions wxyz. What is read from MJCF and URDF
-files (`io/mjcf.py`) ends here, as plain numbers.
+World z-up, metres, radians, kilograms, seconds; quaternions wxyz. `mjcf_import` reads them from
+MJCF and URDF files.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class LinkGeom:
     quaternion: Array
 
     def collider(self) -> ConvexCollider:
-        """What touches, in the link's frame."""
+        """The collision geometry, in the link's frame."""
         return convex_collider(self.shape).moved(rot.to_matrix(self.quaternion), self.position)
 
 
@@ -89,7 +89,7 @@ class Link:
     fixed: bool
 
     def mesh(self) -> Triangles:
-        """Vertices (V, 3) [m] and faces (F, 3) of what touches, in the link's frame."""
+        """Vertices (V, 3) [m] and faces (F, 3) of the collision geometry, in the link's frame."""
         vertices, faces = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int32)]
         count = 0
         for geom in self.geoms:
@@ -106,8 +106,8 @@ class Articulated:
 
     Results name its links "NAME/LINK" (`Result.objects`, `Result.names`) and its joints
     "NAME/JOINT" (`Result.joints`). Links of one articulated object do not touch each other.
-    `joints` and `velocities`: what joints start with, where that is not their reference and rest.
-    `source`: the file, or `xml`: the text that it was made from.
+    `joints` and `velocities`: start values of joints that do not start at their reference, at rest.
+    `source`: the file, or `xml`: the text from which it was made.
     """
 
     name: str
@@ -123,7 +123,7 @@ class Articulated:
 
     @property
     def link_names(self) -> tuple[str, ...]:
-        """As results have them."""
+        """Names of the links in results."""
         return tuple(f"{self.name}/{link.name}" for link in self.links)
 
     def __repr__(self) -> str:
@@ -133,7 +133,7 @@ class Articulated:
 
 @dataclass(frozen=True, eq=False)
 class JointPlace:
-    """Where a joint's numbers stand in the model's coordinates."""
+    """Indices of a joint's values in the model's coordinates."""
 
     name: str
     joint: LinkJoint
@@ -150,7 +150,7 @@ class JointPlace:
 
 @dataclass(frozen=True, eq=False)
 class LinkPlace:
-    """A link in a world: where it is follows from the coordinates of the joints before it."""
+    """A link in a world: its pose follows from the coordinates of the joints before it."""
 
     name: str
     parent: LinkPlace | None
@@ -205,7 +205,7 @@ def add_bodies(spec: Any, item: Articulated) -> None:
         for k, joint in enumerate(link.joints):
             j = b.add_joint(name=f"articulated/{item.name}/{i}/{k}", type=kinds[joint.kind])
             j.armature = joint.armature
-            # One number for every power of the velocity (of the distance): the first.
+            # MuJoCo has one number per power of the velocity (of the distance): the first.
             for field in ("damping", "stiffness"):
                 value = getattr(joint, field)
                 plain = np.ndim(getattr(j, field)) == 0
@@ -220,7 +220,7 @@ def add_bodies(spec: Any, item: Articulated) -> None:
                 j.limited = int(joint.limited)
                 if joint.limited:
                     j.range = [joint.lower, joint.upper]
-    # The numbers are radians already.
+    # The numbers are in radians already.
     spec.compiler.degree = False
 
 
@@ -242,7 +242,7 @@ def places(model: Any, item: Articulated) -> tuple[tuple[LinkPlace, ...], tuple[
 
 
 def start(model: Any, item: Articulated, qpos: Array, qvel: Array) -> None:
-    """Writes what the joints start with into coordinates (nq,) and velocities (nv,)."""
+    """Write the start values of the joints into coordinates (nq,) and velocities (nv,)."""
     for link, place in zip(item.links, places(model, item)[0], strict=True):
         for at in place.joints:
             joint, (count, speeds) = at.joint, SIZES[at.joint.kind]
@@ -251,7 +251,7 @@ def start(model: Any, item: Articulated, qpos: Array, qvel: Array) -> None:
 
 
 def start_of(item: Articulated, link: Link, joint: LinkJoint) -> Any:
-    """What a joint of a link starts with: its value, or the quaternion or pose of its kind."""
+    """The start value of a joint: a number, or a quaternion or pose, depending on its kind."""
     value: Any = joint.reference
     if joint.kind == "free":
         value = np.concatenate(placed(item, link))
@@ -261,7 +261,7 @@ def start_of(item: Articulated, link: Link, joint: LinkJoint) -> Any:
 
 
 def start_poses(item: Articulated) -> list[tuple[Array, Array]]:
-    """Of every link the position (3,) [m] and quaternion (4,) in the world that it starts with."""
+    """Position (3,) [m] and quaternion (4,) in the world of every link at the start."""
     import mujoco
 
     spec = mujoco.MjSpec()
@@ -273,7 +273,7 @@ def start_poses(item: Articulated) -> list[tuple[Array, Array]]:
 
 
 def placed(item: Articulated, link: Link) -> tuple[Array, Array]:
-    """A link's pose in its parent; in the world where it has none."""
+    """A link's pose in its parent, or in the world if it has no parent."""
     if link.parent >= 0:
         return link.position, link.quaternion
     position = item.position + rot.rotate(item.quaternion, link.position)

@@ -1,4 +1,4 @@
-"""Things of a scene in one line of text, for the command line.
+"""Items of a scene as one line of text each, for the command line.
 
 ``ball=sphere:0.11,mass=0.43,at=1:0:0.11``: a name, a shape with its sizes or the path of a mesh,
 then key=value pairs; several numbers of one value are joined by colons.
@@ -16,7 +16,7 @@ from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Shape, Sphere
 
-#: Shape by its word: class from numbers, how many numbers, how it is written.
+#: Shape by its word: constructor from numbers, their count, form for messages.
 _SHAPES: dict[str, tuple[Callable[[list[float]], Shape], int, str]] = {
     "plane": (lambda v: Plane(), 0, "plane"),
     "sphere": (lambda v: Sphere(*v), 1, "sphere:RADIUS"),
@@ -25,7 +25,7 @@ _SHAPES: dict[str, tuple[Callable[[list[float]], Shape], int, str]] = {
     "cylinder": (lambda v: Cylinder(*v), 2, "cylinder:RADIUS:LENGTH"),
 }
 
-#: Key -> (argument of add_static / add_object, how many numbers; 0: text).
+#: Key -> (argument of add_static / add_object, count of numbers; 0: text).
 _STATIC = {
     "friction": ("friction", 1),
     "restitution": ("restitution", 1),
@@ -44,7 +44,7 @@ _OBJECT = {
     "max_pieces": ("max_pieces", 1),
 }
 
-#: What the keys with text may say.
+#: Allowed values of the keys with text.
 _WORDS = {"up": ("y", "z"), "pieces": ("auto", "hull")}
 
 Parsed = tuple[str, Shape | str, dict[str, Any]]
@@ -54,7 +54,7 @@ def parse_object(text: str) -> Parsed:
     """(name, shape or mesh path, keyword arguments of `Scene.add_object`) of one line.
 
     Keys: mass, density, friction, restitution, at, quat, velocity, scale, up, pieces,
-    threshold, max_pieces. Raises `InputError` with all that is wrong in one message.
+    threshold, max_pieces. Raises one `InputError` that lists all mistakes.
     """
     return _parse(text, _OBJECT, "object", "ball=sphere:0.11,mass=0.43,at=1:0:0.11")
 
@@ -62,8 +62,8 @@ def parse_object(text: str) -> Parsed:
 def parse_static(text: str) -> Parsed:
     """(name, shape or mesh path, keyword arguments of `Scene.add_static`) of one line.
 
-    Keys: friction, restitution, at, quat, scale, up. Raises `InputError` with all that is
-    wrong in one message.
+    Keys: friction, restitution, at, quat, scale, up. Raises one `InputError` that lists all
+    mistakes.
     """
     return _parse(text, _STATIC, "static", "wall=box:0.1:2:2.5,at=1:0:1.25")
 
@@ -71,7 +71,7 @@ def parse_static(text: str) -> Parsed:
 def _parse(text: str, keys: dict[str, tuple[str, int]], kind: str, example: str) -> Parsed:
     name, equals, rest = text.partition("=")
     problems: list[str] = []
-    # In "sphere:0.11,mass=1" the first "=" comes behind a comma or colon: the name is missing.
+    # In "sphere:0.11,mass=1" the first "=" is behind a comma or colon: the name is missing.
     if not equals or not name.strip() or "," in name or ":" in name:
         raise InputError(f"{kind} {text!r}: expected NAME=SHAPE, such as {example}")
     first, *pairs = rest.split(",")

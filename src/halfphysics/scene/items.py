@@ -1,4 +1,4 @@
-"""What a scene is made of: statics and objects, and the checks on what they are made from."""
+"""Items of a scene, statics and objects, and the checks of the arguments that make them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Coulomb friction where nothing else is said; a pair has the smaller of its two.
+#: Default coefficients of Coulomb friction; a pair has the smaller of its two.
 PERSON_FRICTION = 1.0
 STATIC_FRICTION = 1.0
 OBJECT_FRICTION = 0.8
@@ -31,7 +31,7 @@ OBJECT_FRICTION = 0.8
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Static:
-    """Something that never moves; `position` (3,), `quaternion` (4,) of its frame in the world."""
+    """Static geometry; `position` (3,), `quaternion` (4,) of its frame in the world."""
 
     name: str
     shape: Shape
@@ -48,15 +48,15 @@ class Static:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Object:
-    """Something that moves by contact and gravity alone.
+    """A rigid body that moves by contact and gravity alone.
 
-    `pieces` are what touches, all convex: one primitive or mesh, or those that a mesh was cut
-    into, with their error in `decomposition` (None where it is convex by itself). `shape` is the
-    one piece, or the solid that several stand for; the mesh as given is kept as `visual` (None
-    for a primitive). `mass` [kg], `com` (3,) centre of mass [m] and `inertia` (3, 3) about it
-    [kg m^2] in the object's frame; at the start `position` (3,) and `quaternion` (4,) of that
-    frame, `velocity` (3,) of its origin [m/s] and `angular_velocity` (3,) [rad/s], all in the
-    world; `start` "awake", or "asleep": held where it is until something that moves touches it.
+    `pieces` are the convex shapes that collide: one primitive or mesh, or the pieces of a divided
+    mesh, whose error is in `decomposition` (None for a convex shape). `shape` is the one piece, or
+    the solid that several pieces replace; `visual` is the mesh as given (None for a primitive).
+    `mass` [kg], `com` (3,) centre of mass [m] and `inertia` (3, 3) about it [kg m^2] are in the
+    object's frame; `position` (3,) and `quaternion` (4,) of that frame, `velocity` (3,) of its
+    origin [m/s] and `angular_velocity` (3,) [rad/s] are those at the start, in the world. `start`:
+    "awake", or "asleep": held in place until a moving body touches it.
     """
 
     name: str
@@ -78,16 +78,16 @@ class Object:
 
     @property
     def pieces(self) -> tuple[Shape, ...]:
-        """The convex pieces that touch, in the object's frame."""
+        """The convex pieces that collide, in the object's frame."""
         return (self.shape,) if self.decomposition is None else self.decomposition.pieces
 
     def mesh(self) -> Triangles:
-        """Vertices (V, 3) [m] and faces (F, 3) of what touches, in the object's frame."""
+        """Vertices (V, 3) [m] and faces (F, 3) of the colliding pieces, in the object's frame."""
         return self.shape.triangles() if len(self.pieces) == 1 else joined(self.pieces).triangles()
 
     @property
     def filling(self) -> Shape:
-        """The solid whose even filling mass, centre and inertia come from."""
+        """The solid of uniform density from which mass, centre and inertia come."""
         given = self.visual
         return given if given is not None and given.closed else self.shape
 
@@ -141,7 +141,7 @@ def checked_material(what: str, friction: float, restitution: float) -> dict[str
 def checked_shape(
     what: str, given: Any, scale: float, up: str | None
 ) -> tuple[Shape, MeshSource | None]:
-    """The shape that was meant, and its file if it came from one."""
+    """The shape, and its file if it came from one."""
     from halfphysics.geometry import mesh_files as meshes
 
     scale = number(scale, f"{what}: scale", above=0.0)

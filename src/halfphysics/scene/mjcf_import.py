@@ -1,4 +1,4 @@
-"""Articulated objects from MJCF or URDF: MuJoCo compiles, links and joints are read off."""
+"""Articulated objects from MJCF or URDF: MuJoCo compiles them, links and joints are copied."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from halfphysics.geometry.shape_base import Shape
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Sphere
 from halfphysics.scene.articulated import SIZES, Articulated, Link, LinkGeom, LinkJoint
 
-#: Name of the link that what stands on no body belongs to.
+#: Name of the link for geoms that belong to no body.
 WORLD = "world"
 _KINDS = ("free", "ball", "slide", "hinge")
 _SOURCES = "the path of a .xml or .urdf file, MJCF or URDF text, or a mujoco.MjSpec"
@@ -68,7 +68,7 @@ def load_articulated(
 
 
 def _spec(what: str, source: Any) -> tuple[Any, dict[str, Any]]:
-    """An MjSpec that is ours to change, and where it came from."""
+    """An MjSpec that may be modified, and its source."""
     import mujoco
 
     if isinstance(source, mujoco.MjSpec):
@@ -106,7 +106,7 @@ def _parsed(what: str, read: Any) -> Any:
 
 
 def _checked_xml(what: str, text: str, path: Path | None, folder: Path | None = None) -> Any:
-    """The root element; refuses what would reach out of the file's folder, or is neither format."""
+    """The root element; refuses other formats and paths that leave the file's folder."""
     where = f"{what}: {path}" if path is not None else what
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise InputError(f"{where}: found XML entities, expected plain MJCF or URDF; remove them")
@@ -151,12 +151,12 @@ def _check_includes(what: str, where: str, root: Any, base: Path | None, seen: l
 
 
 def _prepare(what: str, root: Any, spec: Any) -> None:
-    """What a URDF must say by itself."""
+    """Complete a URDF with the settings that MJCF states explicitly."""
     import mujoco
 
     if root.tag != "robot":
         return
-    # A mass is not to be guessed from volumes.
+    # Masses are never inferred from volumes.
     spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
     spec.compiler.fusestatic = False
     weighed = {e.get("name") for e in root.iter("link") if e.find("inertial") is not None}
@@ -203,7 +203,7 @@ def _links(what: str, model: Any) -> tuple[Link, ...]:
             for j in range(model.body_jntadr[b], model.body_jntadr[b] + model.body_jntnum[b])
         )
         parent = index.get(int(model.body_parentid[b]), -1) if b else -1
-        # What stands on MuJoCo's world stands in our frame.
+        # Geoms of MuJoCo's world body are placed in the articulated object's frame.
         if b and model.body_parentid[b] == 0:
             parent = -1
         fixed = not joints and (parent < 0 or links[parent].fixed)
@@ -319,7 +319,7 @@ def _sphere_points() -> Any:
 
 
 def _warn_of_ignored(what: str, model: Any) -> None:
-    """One warning for each kind of thing that plays no part."""
+    """One warning for each kind of element that is ignored."""
     counts = {
         "actuators": model.nu,
         "tendons": model.ntendon,
@@ -327,7 +327,7 @@ def _warn_of_ignored(what: str, model: Any) -> None:
         "flexible bodies": model.nflex,
         "friction losses of joints": int(np.count_nonzero(model.dof_frictionloss)),
         "gravity compensations": int(np.count_nonzero(model.body_gravcomp)),
-        # Older versions of MuJoCo have no such thing.
+        # Older versions of MuJoCo do not have this list.
         "damping and stiffness that are not linear": sum(
             int(np.count_nonzero(getattr(model, field, ())))
             for field in ("dof_dampingpoly", "jnt_stiffnesspoly")

@@ -1,4 +1,4 @@
-"""What a ray hits first: exact for primitives, every triangle for meshes and skins."""
+"""Ray casts: exact for primitives, against every triangle for meshes and skins."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Found = tuple[float, Array]  # distance and normal
 
-#: Within this share of a triangle's size of its border a ray still hits it: no ray slips through
-#: between two triangles for the rounding of their common edge.
+#: Tolerance at a triangle's border, as a share of its size, so that no ray passes between two
+#: triangles because their common edge is rounded.
 _EDGE = 1e-12
 
 
 @dataclass(frozen=True)
 class Hit:
-    """Where a ray first meets something.
+    """The first hit of a ray.
 
     Attributes:
         distance: From the origin [m].
-        name: Of the static, object or person.
-        position: In the world (3,) [m].
-        normal: Unit normal of the surface there (3,), on the side that the ray comes from.
-        part: Name of the joint whose part of a person's skin it is; None for things.
+        name: Name of the static, object or person.
+        position: Position in the world (3,) [m].
+        normal: Unit normal of the surface (3,), on the side from which the ray comes.
+        part: Name of the joint whose part of a person's skin is hit; None for scene items.
     """
 
     distance: float
@@ -53,7 +53,7 @@ class Hit:
 
 
 class Ray:
-    """A ray, and the nearest that it has hit so far."""
+    """A ray and its nearest hit so far."""
 
     def __init__(self, origin: ArrayLike, direction: ArrayLike) -> None:
         self.origin = vector(origin, "ray: origin", unit="m")
@@ -65,14 +65,14 @@ class Ray:
         self.hit: Hit | None = None
 
     def meet(self, name: str, shape: Shape, position: Array, quaternion: Array) -> None:
-        """Keeps where it hits a shape, if that is the nearest."""
+        """Keep the hit of a shape if it is the nearest."""
         turn = rot.to_matrix(quaternion)
         found = _of_shape(shape, (self.origin - position) @ turn, self.direction @ turn)
         if found is not None:
             self._keep(name, found[0], turn @ found[1], None)
 
     def meet_person(self, name: str, body: Body, pose: Pose) -> None:
-        """Keeps where it hits a person's skin, if that is the nearest."""
+        """Keep the hit of a person's skin if it is the nearest."""
         vertices = body.vertices(pose)
         found = _of_triangles(vertices, body.faces, self.origin, self.direction)
         if found is not None:
@@ -93,7 +93,7 @@ def checked_names(ignore: Collection[str], known: Collection[str]) -> set[str]:
     """The names that a ray passes through.
 
     Raises:
-        InputError: Text instead of a list of names, or a name that is not there.
+        InputError: Text instead of a list of names, or an unknown name.
     """
     if isinstance(ignore, str):
         raise InputError(
@@ -175,7 +175,7 @@ def _crossings(o: Array, d: Array, radius: float) -> Iterator[float]:
     if a == 0.0:
         return
     middle = -float(o @ d) / a
-    nearest = o + middle * d  # from here: no digits are lost far away
+    nearest = o + middle * d  # relative to the nearest point: precise also far away
     height = radius**2 - float(nearest @ nearest)
     if height < 0.0:
         return

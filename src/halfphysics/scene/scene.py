@@ -1,4 +1,4 @@
-"""A scene: what stands around a person (statics) and what can be pushed about (objects).
+"""A scene: static geometry, objects, articulated objects, and the properties of their pairs.
 
 World z-up, metres, kilograms, seconds; quaternions wxyz.
 """
@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 
 
 class Scene:
-    """Statics, objects, gravity, and what holds between pairs of them.
+    """Statics, objects, articulated objects, gravity, and friction and exclusions of pairs.
 
     gravity: acceleration downward (-z) [m/s^2], or its vector (3,).
     """
@@ -57,22 +57,22 @@ class Scene:
 
     @property
     def gravity(self) -> Array:
-        """Acceleration of free fall (3,) [m/s^2]; (0, 0, -9.81) unless said otherwise."""
+        """Acceleration of free fall (3,) [m/s^2]; by default (0, 0, -9.81)."""
         return self._gravity
 
     @property
     def statics(self) -> Mapping[str, Static]:
-        """What never moves, by name, in the order added (read-only)."""
+        """Static geometry by name, in the order added (read-only)."""
         return MappingProxyType(self._statics)
 
     @property
     def objects(self) -> Mapping[str, Object]:
-        """What moves, by name, in the order added (read-only)."""
+        """Free and kinematic objects by name, in the order added (read-only)."""
         return MappingProxyType(self._objects)
 
     @property
     def articulated(self) -> Mapping[str, Articulated]:
-        """What has joints, by name, in the order added (read-only)."""
+        """Articulated objects by name, in the order added (read-only)."""
         return MappingProxyType(self._articulated)
 
     def __repr__(self) -> str:
@@ -91,7 +91,7 @@ class Scene:
         friction: float = STATIC_FRICTION,
         restitution: float = 0.0,
     ) -> Static:
-        """Add something that never moves.
+        """Add static geometry.
 
         Args:
             name: New in this scene.
@@ -134,31 +134,31 @@ class Scene:
         threshold: float = THRESHOLD,
         max_pieces: int | None = None,
     ) -> Object:
-        """Add something that moves by contact and gravity.
+        """Add a rigid body that moves by contact and gravity.
 
         Args:
             name: New in this scene.
             shape: A shape that has a volume, the path of a mesh file, or a trimesh. A mesh that
-                is not convex touches as convex pieces, whose error is in `decomposition`.
+                is not convex collides as convex pieces, whose error is in `decomposition`.
             mass, density: Exactly one of them [kg], [kg/m^3]; a mesh that is not closed needs a
                 mass.
             friction, restitution: As for statics.
-            com: Centre of mass (3,) in the object's frame [m]; None: that of an even filling.
-                The inertia about it stays that of the even filling.
+            com: Centre of mass (3,) in the object's frame [m]; None: that of uniform density.
+                The inertia about it remains that of uniform density.
             position, quaternion: Pose of its frame in the world at the start.
             velocity, angular_velocity: Of its origin [m/s], [rad/s], in the world, at the start.
             scale, up: As for statics.
-            start: "asleep": it is held where it is, whatever carries it or not, until a person or
-                something else that moves touches it (or something asleep that lies on it); then
-                it is awake for good.
-            pieces: How a mesh touches. "auto": as it is where it is convex, else cut by coacd
-                (kept in a cache). "hull": as its convex hull. Or a sequence of convex meshes, in
-                the object's frame [m].
-            threshold: How far pieces that are cut should stick out of the mesh at most [m].
-            max_pieces: The most pieces to cut into; None: as many as the threshold asks for.
+            start: "asleep": it is held in place, supported or not, until a person or another
+                moving body touches it (or a sleeping object on top of it); then it is awake for
+                good.
+            pieces: Collision geometry of a mesh. "auto": the mesh if it is convex, else pieces by
+                coacd (cached). "hull": its convex hull. Or a sequence of convex meshes, in the
+                object's frame [m].
+            threshold: Largest distance by which pieces should stick out of the mesh [m].
+            max_pieces: Largest number of pieces; None: as many as the threshold requires.
 
-        Warns (`HalfPhysicsWarning`) where pieces are off by more than 5 mm, where coacd is needed
-        and not installed (the hull is taken), and where a mesh is not closed.
+            Warns (`HalfPhysicsWarning`) if pieces deviate by more than 5 mm, if coacd is needed and
+            not installed (the hull is used), and if a mesh is not closed.
 
         Raises:
             InputError: An impossible value. FileError: A mesh file that cannot be used.
@@ -198,22 +198,22 @@ class Scene:
         scale: float = 1.0,
         up: str | None = None,
     ) -> KinematicObject:
-        """Add something that moves along a given trajectory and pushes what is in its way.
+        """Add a kinematic object: it moves along a given trajectory and pushes other bodies.
 
-        Nothing pushes it: it has the velocity of its trajectory and, to whatever it meets, infinite
-        mass; it passes through statics and others of its kind. Where no step can be made, because
-        somebody is wedged between it and what stands, it waits, and then goes on along its
-        trajectory that much later (`Result.lost_time`).
+        It has the velocity of its trajectory and, in contacts, infinite mass; it passes through
+        statics and other kinematic objects. If no step is possible, because a person is wedged
+        between it and static geometry, it waits and continues its trajectory that much later
+        (`Result.lost_time`).
 
         Args:
             name: New in this scene.
             shape: As for objects.
-            positions, quaternions: Of its frame in the world, (K, 3) [m] and (K, 4), straight lines
-                and SLERP between them; None: never turned.
-            fps: So many of them to the second, whatever the motion's frame rate is. The first one
-                is where it is at the start.
+            positions, quaternions: Poses of its frame in the world, (K, 3) [m] and (K, 4),
+                interpolated linearly and by SLERP; None: it does not rotate.
+            fps: Poses per second, independent of the motion's frame rate. The first pose is that at
+                the start.
             friction, restitution: As for statics.
-            loop: After the last one comes the first again, 1/fps later; else it stays at the last.
+            loop: The first pose follows the last one, 1/fps later; else it stays at the last pose.
             scale, up: As for statics.
 
         Raises:
@@ -250,8 +250,8 @@ class Scene:
         """Add links and joints from MJCF or URDF: a door, a drawer, a laptop.
 
         Joints keep their ranges, damping, springs and armature. Links of one articulated object
-        do not touch each other; meshes touch as their convex hulls; geoms whose contype and
-        conaffinity are 0 are for looks alone. Actuators, tendons, equalities and friction losses
+        do not collide with each other; meshes collide as their convex hulls; geoms whose contype
+        and conaffinity are 0 are only visible. Actuators, tendons, equalities and friction losses
         are ignored, with a `HalfPhysicsWarning` each.
 
         Args:
@@ -259,8 +259,8 @@ class Scene:
             source: The path of a .xml or .urdf file, MJCF or URDF text, or a `mujoco.MjSpec`.
             position, quaternion: Pose of its world frame in ours.
             friction, restitution: Of all its links; as for statics.
-            joints: What joints start at: name -> value [rad or m], or (4,) of a ball joint.
-            velocities: What joints start with: name -> [rad/s or m/s], or (3,) of a ball joint.
+            joints: Start values of joints: name -> value [rad or m], or (4,) of a ball joint.
+            velocities: Start velocities: name -> [rad/s or m/s], or (3,) of a ball joint.
 
         Raises:
             InputError: A model that cannot be used, an unknown joint, a start beyond its range.
@@ -278,11 +278,11 @@ class Scene:
         return item
 
     def friction(self, a: str, b: str, mu: float) -> None:
-        """Coulomb friction `mu` between two things, instead of the smaller of their own.
+        """Coulomb friction `mu` between two items, instead of the smaller of their own.
 
         `a`, `b`: names of this scene, or "person" for every part of every person, or one part of
-        every person by its joint, "person/left_foot" (`JOINT_NAMES`), which counts before
-        "person". Raises `InputError` for a name that is not there and for a negative mu.
+        every person by its joint, "person/left_foot" (`JOINT_NAMES`), which has precedence over
+        "person". Raises `InputError` for an unknown name and for a negative mu.
         """
         pair = self._pair("friction", a, b)
         mu = number(mu, f"friction between {a!r} and {b!r}", least=0.0)
@@ -314,11 +314,11 @@ class Scene:
     def ray(
         self, origin: ArrayLike, direction: ArrayLike, *, ignore: Collection[str] = ()
     ) -> Hit | None:
-        """What a ray from `origin` (3,) [m] along `direction` (3,) meets first; None: nothing.
+        """First hit of a ray from `origin` (3,) [m] along `direction` (3,); None: no hit.
 
-        Statics, and objects where they start, by the surfaces that touch; whoever starts inside
-        something meets its surface from within. `ignore`: names to pass through. `Simulator.ray`
-        asks the same of a simulation, with its people.
+        Statics and objects (at their start poses) are hit at the surfaces that collide; a ray that
+        starts inside a solid hits its surface from inside. `ignore`: names of items to pass
+        through. `Simulator.ray` does the same in a running simulation, with its people.
 
         Raises:
             InputError: No vector, a direction of no length, an unknown name.
@@ -342,7 +342,8 @@ class Scene:
         """Scene from a YAML or JSON file; see docs/scene-files.md.
 
         Raises:
-            FileError: The file or a mesh it names is missing or wrong: says where and how to mend.
+            FileError: The file or a mesh that it names is missing or wrong; the message names the
+                line and a remedy.
         """
         from halfphysics.scene.scene_file import load_scene
 
@@ -351,8 +352,8 @@ class Scene:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a scene file (.yaml, .yml or .json); mesh files are named relative to it.
 
-        Meshes that came from no file are written out in full. Raises `InputError` for another
-        suffix and `FileError` where it cannot be written.
+        Meshes that came from no file are written in full. Raises `InputError` for another suffix
+        and `FileError` if the file cannot be written.
         """
         from halfphysics.scene.scene_writer import save_scene
 

@@ -40,14 +40,14 @@ from halfphysics.scene.scene import Scene
 if TYPE_CHECKING:
     pass
 
-#: Written into files; a reader of another version refuses with both numbers.
+#: Version written into files; files of another version are refused.
 VERSION = 1
 
 SUFFIXES = (".yaml", ".yml", ".json")
 
 #: Shape by its name in files, and the keys that its constructor takes.
 SHAPES: dict[str, tuple[type[Shape], tuple[str, ...], tuple[str, ...]]] = {
-    # name: class, keys needed, keys that may be left out
+    # name: class, required keys, optional keys
     "plane": (Plane, (), ("normal", "offset")),
     "box": (Box, ("size",), ()),
     "sphere": (Sphere, ("radius",), ()),
@@ -90,7 +90,7 @@ def scene_from_document(document: Mapping[str, Any], origin: Path) -> Scene:
 
     Args:
         document: In the file's format; relative mesh paths are relative to `origin`'s folder.
-        origin: Where it was found, for messages.
+        origin: The file of the document, for messages.
 
     Raises:
         FileError: As for a file.
@@ -168,7 +168,7 @@ def _add_mesh(
     try:
         added = add(name, source, **options)
     except HalfPhysicsError as error:
-        # What is wrong with a file stands at its path, what is wrong with a value at the thing.
+        # An error in a file is reported at the line of its path, other errors at that of the item.
         place = mesh if isinstance(error, FileError) else entry
         raise place.error(str(error)) from error
     if "sha256" in given and added.source is not None:

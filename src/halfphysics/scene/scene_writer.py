@@ -116,7 +116,7 @@ def _relative(path: str, base: Path | None) -> str:
     if base is not None:
         try:
             return Path(os.path.relpath(path, base.resolve())).as_posix()
-        except ValueError:  # another drive: no relative path leads there
+        except ValueError:  # another drive: there is no relative path
             pass
     return Path(path).as_posix()
 

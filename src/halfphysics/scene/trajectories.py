@@ -1,4 +1,4 @@
-"""Things that move as they are told: replayed objects, platforms, doors; nothing pushes them."""
+"""Kinematic objects: replayed objects, platforms and doors that move along given trajectories."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Array = NDArray[np.float64]
 class KinematicObject(Object):
     """An object on a given trajectory, as `Scene.add_moving` makes it.
 
-    Its frame is at `positions` (K, 3) [m] and `quaternions` (K, 4) in the world, `fps` of them to
-    the second: straight lines and SLERP between them, at the first of them when the simulation
-    starts. `loop`: the last one leads to the first and so on, else it stays at the last. Its `mass`
-    is infinite: nothing pushes it. `position`, `velocity` and the like are those at the start.
+    Its frame has the poses `positions` (K, 3) [m] and `quaternions` (K, 4) in the world, `fps` per
+    second from the start of the simulation, interpolated linearly and by SLERP. With `loop` the
+    first pose follows the last one, else it stays at the last pose. Its `mass` is infinite.
+    `position`, `velocity` and the like are those at the start.
     """
 
     positions: Array
@@ -31,7 +31,7 @@ class KinematicObject(Object):
     loop: bool = False
 
     def at(self, time: ArrayLike) -> tuple[Array, Array]:
-        """Positions (..., 3) and quaternions (..., 4) at times (...) [s] that nothing delayed."""
+        """Positions (..., 3) and quaternions (..., 4) at times (...) [s], without delays."""
         count = len(self.positions)
         frame = np.asarray(time, dtype=np.float64) * self.fps
         frame = frame % count if self.loop else np.clip(frame, 0.0, count - 1)
@@ -46,7 +46,7 @@ class KinematicObject(Object):
 def trajectory(
     what: str, positions: ArrayLike, quaternions: ArrayLike | None
 ) -> tuple[Array, Array]:
-    """Positions (K, 3) and unit quaternions (K, 4), checked; None: never turned.
+    """Positions (K, 3) and unit quaternions (K, 4), checked; None: no rotation.
 
     Raises:
         InputError: Other shapes, numbers that are not finite, a quaternion of no length.
@@ -67,7 +67,7 @@ def trajectory(
                 f"{what}: quaternion {int(np.argmin(length))} is of zero length, no rotation; "
                 "expected w, x, y, z (no rotation: 1, 0, 0, 0)"
             )
-        exact = np.abs(length**2 - 1.0) < 1e-15  # stays as it is: files come back the same
+        exact = np.abs(length**2 - 1.0) < 1e-15  # unchanged: files come back the same
         turns = np.where(exact[:, None], turns, turns / length[:, None])
     for array in (places, turns):
         array.setflags(write=False)

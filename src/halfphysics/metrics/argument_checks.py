@@ -1,4 +1,4 @@
-"""Checks of what the measures are given."""
+"""Checks of the arguments of measures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 def check_motion(name: str, motion: Any, *, pose: bool = False) -> None:
-    """Refuse what is no motion; with `pose` a single pose will do.
+    """Refuse a value that is no motion; `pose`: a single pose is accepted too.
 
     Raises:
         InputError: Something else.
@@ -27,7 +27,7 @@ def check_motion(name: str, motion: Any, *, pose: bool = False) -> None:
 
 
 def check_result(result: Any) -> None:
-    """Refuse what is no `Result`.
+    """Refuse a value that is no `Result`.
 
     Raises:
         InputError: Something else.
@@ -42,7 +42,7 @@ def check_result(result: Any) -> None:
 
 
 def joints_of(motion: Any, body: Any, *, least: int, what: str) -> tuple[Array, float]:
-    """Joints (T, 55, 3) [m] of a motion of at least so many frames, and its frame rate.
+    """Joints (T, 55, 3) [m] of a motion of at least a number of frames, and its frame rate.
 
     Raises:
         InputError: No motion, no body, or too few frames for `what`.

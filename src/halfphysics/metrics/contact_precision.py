@@ -1,4 +1,4 @@
-"""Contact precision: whether what is labelled as touching is really there."""
+"""Contact precision: the share of labelled contacts that the geometry confirms."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from halfphysics.metrics.part_distance import Poses
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
-#: A part this much farther from a thing than the clearance still touches it [m].
+#: A part touches an item up to this distance beyond the clearance [m].
 MARGIN = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LabelReport:
-    """How many of a result's contact labels the geometry bears out.
+    """Contact labels of a result that the geometry confirms.
 
     Attributes:
         contacts: Number of labelled contacts that carry an impulse.
         precision_percent: Share of them whose sides are within clearance + margin of each other
             at their frame, or at a pose on the way to it [%]; 100 where there are none.
-        at_frame_percent: Share of them of which that holds at the pose of their frame itself [%]:
-            what bounced has left again.
-        distance: Of every row of ``result.contacts`` (n,): the smallest distance of its sides on
-            the way to its frame [m]; 0 or less where they meet, inf beyond 0.1 m, nan where it
-            carries no impulse.
+        at_frame_percent: Share of them for which that holds at the pose of their frame itself [%]:
+            after a bounce the sides are apart again.
+        distance: Smallest distance of the two sides of every row of ``result.contacts`` (n,) on the
+            way to its frame [m]; 0 or less if they overlap, inf beyond 0.1 m, nan without an
+            impulse.
     """
 
     contacts: int
@@ -40,18 +40,18 @@ class LabelReport:
 
 
 def contact_precision(result: Result, *, margin: float = MARGIN) -> LabelReport:
-    """Share of the labelled contacts, ``result.contacts``, that really are contacts.
+    """Share of the labelled contacts, ``result.contacts``, that the geometry confirms.
 
-    A label says that two sides touched during (t-1, t]: a person's part, or an object, and a
-    static, an object, a link or another part. What is measured is the distance of the shapes
-    that touch: hulls of the skin (of the rigid parts where ``contact="parts"``), an object's
-    convex pieces, a static's own surface; at frames t-1 and t, and at every substep between
-    where the result has them. A pair is borne out where it is at most the clearance
-    (`Settings.clearance`) and `margin` apart.
+    A label says that two sides touched during (t-1, t]: a person's part or an object, and a
+    static, an object, a link or another part. The measure is the distance of their collision
+    geometry: hulls of the skin (of the rigid parts with ``contact="parts"``), an object's convex
+    pieces, a static's own surface; at frames t-1 and t, and at every substep between them if the
+    result has them. A label is confirmed if the distance is at most the clearance
+    (`Settings.clearance`) plus `margin`.
 
     Args:
-        result: What was simulated.
-        margin: Beyond the clearance [m].
+        result: The result of a simulation.
+        margin: Tolerance beyond the clearance [m].
 
     Raises:
         InputError: No result, or an impossible margin.
@@ -67,7 +67,7 @@ def contact_precision(result: Result, *, margin: float = MARGIN) -> LabelReport:
     at_frame = best <= most
 
     def closer(poses: Poses, count: int) -> None:
-        """Look at poses before that of the frame too, `count` of them a frame, until all touch."""
+        """Include `count` earlier poses per frame, until all labels are confirmed."""
         for back in range(1, count + 1):
             apart = np.flatnonzero((best > most) & (frame > 0))
             if not len(apart):

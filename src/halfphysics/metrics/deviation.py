@@ -1,4 +1,4 @@
-"""Deviation from the intent: how far a result is from what was asked, in and out of contact."""
+"""Deviation of a simulated motion from its reference, in and out of contact."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from halfphysics.results.result import SETTLE
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
-#: What deviations are told of: the groups of `JOINT_GROUPS` by these names.
+#: The groups of `JOINT_GROUPS` for which deviations are reported.
 GROUPS = ("trunk", "head", "arms", "hands", "legs", "feet", "all")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Deviation:
-    """Mean deviation from the reference over some frames; all 0 where there are none.
+    """Mean deviation from the reference over some frames; all 0 if there are none.
 
     Attributes:
-        frames: How many frames.
-        root_mm: Distance of the root from where it was asked to be, in the world [mm].
-        root_deg: Angle between its rotation and the one asked for [deg].
-        local_mm: Distance of a group's joints from the reference's, both seen from their pelvis
-            without turning anything [mm]; by group.
+        frames: Number of frames.
+        root_mm: Distance of the root from that of the reference, in the world [mm].
+        root_deg: Angle between its rotation and that of the reference [deg].
+        local_mm: Distance of a group's joints from the reference's, both relative to their pelvis
+            without a rotation [mm]; by group.
         angle_deg: Angle between the rotations of a group's joints, in their parents' frames, and
             the reference's [deg]; by group.
     """
@@ -61,12 +61,12 @@ class IntentReport:
 
 
 def deviation(result: Result, person: int = 0, *, settle: float = SETTLE) -> IntentReport:
-    """How far a person's motion is from what was asked, by group of joints.
+    """Deviation of a person's simulated motion from the reference, by group of joints.
 
     Args:
-        result: What was simulated.
-        person: Which person.
-        settle: How long after a contact frames still count as touched [s].
+        result: The result of a simulation.
+        person: Index of the person.
+        settle: Time after a contact in which frames still count as touched [s].
 
     Raises:
         InputError: No result, no such person, or an impossible time.

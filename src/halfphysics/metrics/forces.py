@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from halfphysics.scene.items import Object
     from halfphysics.scene.scene import Scene
 
-#: Impulses are compared with each other to this fraction of their size, and this much [N s].
+#: Tolerances of comparisons of impulses: as a fraction of their size, and absolute [N s].
 TOLERANCE, LEAST = 1e-6, 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ForceReport:
-    """How plausible a result's contact impulses are.
+    """Plausibility of a result's contact impulses.
 
     Attributes:
         contacts: Number of labelled contacts that carry an impulse.
@@ -36,11 +36,11 @@ class ForceReport:
             there are none.
         cone_percent: Share of them whose impulse is in the friction cone [%]; likewise.
         pull: Largest impulse against the normal [N s].
-        slip: Largest impulse across the normal beyond what friction allows [N s].
-        balance: Object -> what is missing in its momentum's balance of every frame (T,) [N s], 0
-            in frame 0 and while it is asleep. Empty unless the result has every substep
+        slip: Largest tangential impulse beyond the limit of friction [N s].
+        balance: Object -> residual of its momentum balance of every frame (T,) [N s], 0 in frame 0
+            and while it is asleep. Empty unless the result has every substep
             (``Settings(record="substeps")``).
-        unbalanced: Largest of those [N s]; nan where nothing was balanced.
+        unbalanced: Largest of those residuals [N s]; nan if there are none.
     """
 
     contacts: int
@@ -53,18 +53,18 @@ class ForceReport:
 
 
 def contact_forces(result: Result) -> ForceReport:
-    """How plausible the contact impulses of a result are.
+    """Check the contact impulses of a result.
 
     A contact's impulse p, of all points of a pair in a frame, is split along the contact's normal
-    n into p_n = p . n and the rest p_t. It pushes where p_n >= 0, and is in its cone where
+    n into p_n = p . n and the rest p_t. It pushes if p_n >= 0, and is in its cone if
     |p_t| <= mu p_n, mu being the pair's friction (`Scene.friction_of`); both to a millionth of
-    |p|. Where a pair touches in several planes their normals differ, and a sum of impulses that
-    are each in their own cone can be outside the mean one's.
+    |p|. If a pair touches in several planes, a sum of impulses that are each in their own cone
+    can be outside the cone of the mean normal.
 
     Each object's momentum m v changes in a frame by the impulses on it and by gravity:
     r_t = m (v_t - v_{t-1}) - sum of impulses - m g dt should be 0; |r_t| is reported. v is the
-    velocity of the centre of mass in the frame's last substep, by its two last positions: exact
-    where no step was shortened (`Result.lost_time`) or divided.
+    velocity of the centre of mass in the frame's last substep, from its last two positions: exact
+    if no step was shortened (`Result.lost_time`) or divided.
 
     Raises:
         InputError: No result.
@@ -114,7 +114,7 @@ def _friction(result: Result, contacts: Contacts) -> Array:
 
 
 def _balance(result: Result, scene: Scene) -> dict[str, Array]:
-    """Size of the missing momentum (T,) of every object that moves freely."""
+    """Size of the residual of the momentum balance (T,) of every free object."""
     if result.substeps is None:
         return {}
     dt = 1.0 / result.fps
@@ -122,7 +122,7 @@ def _balance(result: Result, scene: Scene) -> dict[str, Array]:
     balance = {}
     for name, track in result.substeps.objects.items():
         item = scene.objects.get(name)
-        if item is None or isinstance(item, KinematicObject):  # a link, or given
+        if item is None or isinstance(item, KinematicObject):  # a link or a kinematic object
             continue
         turn = rot.normalize(track.quaternion)
         centre = track.position + rot.rotate(turn, np.broadcast_to(item.com, track.position.shape))
@@ -148,7 +148,7 @@ def _received(result: Result, name: str) -> Array:
 
 
 def _asleep(item: Object, centre: Array) -> int:
-    """For how many frames an object that starts asleep is held where it is; centre (T, 3)."""
+    """Number of frames in which an object that starts asleep is held in place; centre (T, 3)."""
     if item.start != "asleep":
         return 0
     moved = (centre != centre[0]).any(axis=1)

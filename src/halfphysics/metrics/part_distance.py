@@ -1,4 +1,4 @@
-"""Distances of a person's parts, and of objects, from what they touch, pose by pose."""
+"""Distances of a person's parts, and of objects, from the items they touch, pose by pose."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Triangles:
     corners: Array
 
 
-#: What stands or moves is made of: half-spaces (normal (3,), offset), hulls and triangles.
+#: Collision geometry: a half-space (normal (3,), offset), a hull or triangles.
 Solid = tuple[Array, float] | ConvexCollider | Triangles
 
 
@@ -51,13 +51,13 @@ class Poses:
     def distances(self, rows: NDArray[np.intp], at: NDArray[np.intp]) -> Array:
         """Distances (n,) [m] between the two sides of contacts `rows` (n,) in poses `at` (n,).
 
-        0 or less where they meet; inf beyond `RANGE`.
+        0 or less if they overlap; inf beyond `RANGE`.
         """
         contacts, found = self.result.contacts, np.full(len(rows), np.inf)
         item = contacts.other_part[rows] < 0
         rest = np.flatnonzero(~item)
         found[rest] = self._between_people(rows[rest], at[rest])
-        # What touches what: a person or, past them, an object; and a thing.
+        # Group the rows by pair: a person or (with a larger index) an object, and an item.
         subject, first = contacts.subject[rows], len(self.result.names)
         mine = np.where(subject >= 0, subject, first + contacts.person[rows])
         for who, other in {*zip(mine[item].tolist(), contacts.other[rows[item]], strict=True)}:
@@ -85,7 +85,7 @@ class Poses:
         return np.asarray(gap)
 
     def _places(self, name: str, at: NDArray[np.intp]) -> tuple[Array, Array]:
-        """Positions (n, 3) and turns (n, 3, 3) of a thing; of what stands the world's."""
+        """Positions (n, 3) and turns (n, 3, 3) of an item; the world frame for a static."""
         if name in self._statics:
             return np.zeros((len(at), 3)), np.tile(np.eye(3), (len(at), 1, 1))
         track = self.tracks[name]
@@ -93,7 +93,7 @@ class Poses:
         return np.ascontiguousarray(track.position[at]), np.ascontiguousarray(turn)
 
     def _gap_item(self, name: str) -> Any:
-        """What touches of a static, an object or a link, for the core; worked out once."""
+        """Collision geometry of a static, an object or a link for the core; computed once."""
         if name not in self._gap_items:
             from halfphysics import _native
 
@@ -137,7 +137,7 @@ class Poses:
         return self.result.settings.contact == "skin"
 
     def _skins(self, frames: NDArray[np.intp]) -> list[Any]:
-        """Of everybody, in some frames: the skin (t, V, 3), or the joints' frames."""
+        """For all people, in some frames: the skin (t, V, 3), or the joints' frames."""
         out: list[Any] = []
         for person, motion in zip(self.result.people, self.motions, strict=True):
             body = person.body

@@ -1,4 +1,4 @@
-"""Distances of a person's parts from things, many at a time: hulls of the skin, or rigid parts."""
+"""Distances of a person's parts from items, in batches: hulls of the skin, or rigid parts."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ def part_gaps(
     at: Whole,
     reach: float,
 ) -> Array:
-    """Distances (n,) [m] of parts (n,) of a person from a thing in poses `at` (n,).
+    """Distances (n,) [m] of parts (n,) of a person from an item in poses `at` (n,).
 
-    0 or less where they meet; inf beyond `reach`.
+    0 or less if they overlap; inf beyond `reach`.
 
     Args:
-        body, motion: The person's.
-        skin: Whether the skin's hulls touch, or the rigid parts.
-        thing: The core's `GapThing`.
-        track: How it moves; None: it stands.
-        part, at: What is asked for.
-        reach: How far is measured [m].
+        body, motion: Of the person.
+        skin: Measure the skin's hulls, not the rigid parts.
+        item: The item's collision geometry, made by the core.
+        track: Its poses; None: it is static.
+        part, at: Parts and poses (n,).
+        reach: Largest distance that is measured [m].
     """
     found = np.full(len(at), np.inf)
     frames = np.unique(at)
@@ -91,7 +91,7 @@ def _joints(body: Body, motion: Motion, frames: Whole) -> tuple[Array, Array]:
 def _skin(
     body: Body, moved: tuple[Array, Array, Array], parts: Whole, wanted: NDArray[np.bool_]
 ) -> Posed:
-    """The skin's hulls of parts; points mean something where their part is wanted (t, parts)."""
+    """The skin's hulls of parts; points are valid where their part is `wanted` (t, parts)."""
     hulls = body.skin_hulls
     vertices, of_part, corners, first = [], [], [], [0]
     for part in parts:

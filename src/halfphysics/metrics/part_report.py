@@ -24,18 +24,18 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PartReport:
-    """What happened to every part of a person: arrays (T, 55), columns as `JOINT_NAMES`.
+    """Measures of every part of a person: arrays (T, 55), columns as `JOINT_NAMES`.
 
     Attributes:
-        clearance: Distance of the part from what stands [m]; inf beyond
-            `Settings.clearance_range`, and of a part without a shape. Negative where it meets a
-            surface, by how far; and where it meets none but is inside something or beyond it
-            (`Result.inside`): the way that it has to go.
-        nearest: Index into `Result.names` of what `clearance` is from, -1 where that is inf.
-        contact: Whether the part carried an impulse during (t-1, t]: of what stands, of an
-            object or of another person.
-        force: Sizes of its contacts' impulses in that time, summed, over its length [N].
-        displacement: Distance of its joint from where the reference has it [m].
+        clearance: Distance of the part from static geometry [m]; inf beyond
+            `Settings.clearance_range`, and for a part without a shape. Negative inside a
+            surface: the depth; and inside or beyond a solid without touching its surface
+            (`Result.inside`): the distance to the exit.
+        nearest: Index into `Result.names` of the static at `clearance`, -1 where that is inf.
+        contact: Whether the part carried an impulse during (t-1, t], from static geometry, an
+            object or another person.
+        force: Sum of the sizes of its contacts' impulses in that time, over its length [N].
+        displacement: Distance of its joint from that of the reference [m].
         rotation: Angle between the joint's rotation, in its parent's frame, and the
             reference's [rad]; of the pelvis in the world.
     """
@@ -64,7 +64,7 @@ def part_reports(result: Result) -> tuple[PartReport, ...]:
     for index, person in enumerate(result.people):
         clearance, nearest = measured[0][index], measured[1][index]
         inside = result.inside[(result.inside.person == index) & (result.inside.other < statics)]
-        # Beyond the surface there is a distance from it again.
+        # Beyond the surface the distance grows again: the depth replaces it.
         swallowed = clearance[inside.frame, inside.part] > 0.0
         for row in np.flatnonzero(swallowed & ~inside.no_way_out):
             at = inside.frame[row], inside.part[row]
@@ -87,18 +87,18 @@ def part_reports(result: Result) -> tuple[PartReport, ...]:
 
 
 def clearances(result: Result, frames: slice = slice(None)) -> tuple[Array, Ints]:
-    """Distances of all parts from what stands, measured at the poses of a result.
+    """Distances of all parts from static geometry at the poses of a result.
 
     Returns:
-        Clearance (people, T, 55) [m] and nearest (people, T, 55), as in `PartReport`, but for
-        the depth of what is inside.
+        Clearance (people, T, 55) [m] and nearest (people, T, 55), as in `PartReport`, but
+        without depths.
 
     Raises:
-        FileError: A body or a mesh of the scene has gone.
+        FileError: A body or a mesh of the scene is missing.
     """
     world = _world(result)
     count = len(range(len(result))[frames])
-    qpos = np.tile(world.model.qpos0, (count, 1))  # objects are not looked at
+    qpos = np.tile(world.model.qpos0, (count, 1))  # only static geometry matters
     for place, person in zip(world.people, result.people, strict=True):
         motion = person.motion
         qpos[:, place.qpos : place.qpos + place.count] = place.coordinates(

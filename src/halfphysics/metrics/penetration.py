@@ -20,11 +20,11 @@ from halfphysics.scene.scene import Scene
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PenetrationReport:
-    """How far a motion's skin goes into a scene.
+    """Penetration of a motion's skin into a scene.
 
-    A vertex is inside where the winding number of a mesh is over 0.5 (see
-    `halfphysics.geometry.mesh_queries`) or a primitive holds it; its depth is the distance to that
-    shape's surface, the larger where it is in several.
+    A vertex is inside if the winding number of a mesh is over 0.5 (see
+    `halfphysics.geometry.mesh_queries`) or if it is inside a primitive. Its depth is the distance
+    to that shape's surface, the larger one inside several shapes.
 
     Attributes:
         rate_percent: Mean over frames of the share of vertices inside [%].
@@ -33,7 +33,7 @@ class PenetrationReport:
         depth_penetrating_mm: Mean depth over all vertices that are inside, 0 if none [mm].
         share: Share of vertices inside in every frame (T,) [%].
         deepest: Deepest vertex of every frame (T,) [mm].
-        by_name: Deepest vertex of every frame in each thing, name -> (T,) [mm].
+        by_name: Deepest vertex of every frame in each item, name -> (T,) [mm].
         vertices_inside: Number of vertices inside, summed over the frames.
     """
 
@@ -57,24 +57,23 @@ def penetration(
     threads: int = 1,
     progress: bool = False,
 ) -> PenetrationReport:
-    """Penetration of the skinned body into the scene's statics, and into objects and other people
-    where they are known.
+    """Penetration of the skin into the scene's statics, and into objects and people that are given.
 
     Args:
         motion: T frames, or a single pose.
-        body: Whose skin; every vertex counts.
-        scene: Its statics, pair by pair unless `scene.ignore(name, "person")` excuses them. Of an
-            object that touches by convex pieces it is the mesh they stand for that counts.
+        body: The body whose skin is measured; every vertex counts.
+        scene: Its statics, except those of `scene.ignore(name, "person")`. An object that collides
+            by convex pieces is measured by the mesh that they replace.
         objects: Tracks of objects (name -> `.position (T, 3)`, `.quaternion (T, 4)`), as in
             `result.objects`; objects without a track are left out.
         people: Other people at the same frames, name -> (motion, body): their skins count as
-            things of these names.
+            items of these names.
         threads: Threads to use; the numbers do not depend on it.
         progress: Show a progress bar.
 
     Raises:
-        InputError: Something of a wrong type; tracks of unknown objects or another length; people
-            named like things or with another number of frames.
+        InputError: An argument of a wrong type; tracks of unknown objects or of another length;
+            people with names of items or with another number of frames.
     """
     check_motion("motion", motion, pose=True)
     validation.body(body, "vertices")
@@ -123,7 +122,7 @@ def _skin_depth(points: Array, skin: Array, faces: Any, threads: int) -> Array:
     depth = np.zeros(points.shape[:2])
     closed = is_closed(np.asarray(faces), skin.shape[1])
     for own, mine, its in zip(depth, points, skin, strict=True):
-        # What is beyond the skin's box is outside: no tree for frames in which all is.
+        # Points beyond the skin's box are outside: no tree is built for frames without others.
         near = ((mine >= its.min(axis=0)) & (mine <= its.max(axis=0))).all(axis=1)
         if near.any():
             own[near] = MeshQuery(its, faces, closed=closed).depth(mine[near], threads=threads)
@@ -161,7 +160,7 @@ def _depth(solids: list[Solid], points: Array, part: slice, threads: int) -> Arr
 
 
 def _shown(parts: list[slice], progress: bool) -> Iterable[slice]:
-    """The same, with a progress bar if it is wanted."""
+    """The batches, with a progress bar if requested."""
     if not progress:
         return parts
     from tqdm import tqdm

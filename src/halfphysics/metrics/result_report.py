@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Joints nearer than this to where they were asked to be are there: rounding [m].
+#: Joints nearer than this to the reference are on it: rounding [m].
 EXACT = 1e-9
-#: What an object that moved less than this did is called standing still [m, rad].
+#: An object that moved by less than this did not move [m, rad].
 STILL, STILL_TURN = 1e-3, np.deg2rad(1.0)
 _LISTED = 5  # touched things, and objects, that are listed
 _PARTS = 3  # parts that are named for each
@@ -57,7 +57,7 @@ def _head(result: Result) -> str:
 
 
 def _following(result: Result, index: int) -> list[str]:
-    """How exactly the motion was followed, and how far from it the body got."""
+    """How exactly the motion was followed, and the largest deviation from it."""
     person = result.people[index]
     shift = np.linalg.norm(person.motion.translation - person.reference.translation, axis=1)
     root = (
@@ -77,7 +77,7 @@ def _following(result: Result, index: int) -> list[str]:
     if not free.any():
         followed = "never free of contact"
     else:
-        # Who was stopped keeps an offset of the root, which is reported with the root.
+        # A body that was stopped keeps an offset of the root, which is reported with the root.
         worst = local[free].max()
         how = "motion followed exactly" if worst < EXACT else "motion not followed exactly"
         followed = (
@@ -95,12 +95,12 @@ def _following(result: Result, index: int) -> list[str]:
 
 
 def _touches(result: Result, index: int) -> list[str]:
-    """What a person touched, the hardest first; only what carried an impulse counts."""
+    """The items that a person touched with an impulse, the hardest contact first."""
     contacts = result.contacts
     contacts = contacts[(contacts.person == index) & (contacts.strength > 0.0)]
     if not len(contacts):
         return ["touched nothing"]
-    # By thing and frame, in newtons.
+    # By item and frame [N].
     forces = np.zeros((len(result.names), len(result)))
     np.add.at(forces, (contacts.other, contacts.frame), contacts.strength * result.fps)
     touched = np.flatnonzero(forces.any(axis=1))
@@ -121,14 +121,14 @@ def _touches(result: Result, index: int) -> list[str]:
 
 
 def _parts(contacts: Contacts) -> str:
-    """The parts of some contacts, those that carried most first."""
+    """The parts of some contacts, those with the largest impulses first."""
     total = np.bincount(contacts.part, weights=contacts.strength)
     order = np.argsort(-total, kind="stable")[: np.count_nonzero(total)]
     return _some([JOINT_NAMES[part] for part in order], _PARTS)
 
 
 def _inside(result: Result, inside: Inside) -> list[str]:
-    """What was inside something at the start and when it was out; what got inside later."""
+    """Overlaps at the start and when they ended; overlaps that began later."""
     if not len(inside):
         return []
     keys = np.stack([inside.person, inside.part, inside.subject, inside.other])
@@ -189,7 +189,7 @@ def _objects(result: Result) -> list[str]:
 
 
 def _nearest(result: Result) -> list[str]:
-    """The deepest in what stands, and the smallest distance in frames with nobody inside."""
+    """The deepest penetration of statics, and the smallest distance in frames without any."""
     statics = len(result.names) - len(result.objects) - len(result.people)
     if not statics:
         return []
@@ -225,7 +225,7 @@ def _closest(result: Result, frame: int) -> tuple[str, str]:
     """The part (a blank after it) and the static that a frame's clearance is between."""
     try:
         measured, nearest = clearances(result, slice(frame, frame + 1))
-    except HalfPhysicsError:  # the scene is not whole any more: the number is known all the same
+    except HalfPhysicsError:  # items of the scene are missing: only the number is known
         return "", "something"
     person, _, part = np.unravel_index(measured.argmin(), measured.shape)
     other = int(nearest[person, 0, part])
@@ -236,7 +236,7 @@ def _closest(result: Result, frame: int) -> tuple[str, str]:
 
 
 def _cost(result: Result) -> str:
-    """What blocked steps lost, and how exactly the contacts were solved."""
+    """Time lost by blocked steps, and the residual of the contact solver."""
     lost = result.lost_time
     if lost.any():
         text = (
@@ -267,7 +267,7 @@ def _when(result: Result, frame: int | np.integer) -> str:
 
 
 def _span(result: Result, frames: NDArray[np.intp]) -> str:
-    """Frames that something happened in: how many, and from when to when."""
+    """Frames in words: their number and the time from the first to the last."""
     first, last = frames[0], frames[-1]
     if first == last:
         return _when(result, first)
@@ -287,7 +287,7 @@ def _newtons(force: float | np.floating) -> str:
 
 
 def _some(words: list[str], most: int, separator: str = ", ") -> str:
-    """The first words, and how many more there are."""
+    """The first words, and the number of the others."""
     if len(words) <= most:
         return separator.join(words)
     return f"{separator.join(words[:most])} and {len(words) - most} more"

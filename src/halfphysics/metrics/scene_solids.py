@@ -1,4 +1,4 @@
-"""The things of a scene as they are measured: what they are, and where they stand or move."""
+"""The solids of a scene that measures use, and their poses over time."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
     from halfphysics.scene.items import Object
 
 
-#: A shape, where it is (T or 1, 3) [m] and how it is turned (T or 1, 4).
+#: A shape, its positions (T or 1, 3) [m] and quaternions (T or 1, 4).
 Solid = tuple[Shape, Array, Array]
 
 
 def _true_shape(item: Object) -> Shape:
-    """What the thing is: where pieces stand for a mesh, the mesh itself."""
+    """The true shape of an object: the mesh as given if convex pieces replace it."""
     cut = item.decomposition is not None
     return item.visual if cut and item.visual is not None else item.shape
 
 
 def links_of(scene: Scene) -> dict[str, tuple[str, Link]]:
-    """Links of articulated objects as results name them: whose, and the link."""
+    """Links by their names in results: name of the articulated object, and the link."""
     return {
         name: (item.name, link)
         for item in scene.articulated.values()
@@ -73,9 +73,9 @@ def tracks_of(
 
 
 def solids_of(scene: Scene, tracks: Mapping[str, tuple[Array, Array]]) -> dict[str, list[Solid]]:
-    """What a person can be inside of, by name; links of articulated objects are several solids.
+    """Solids that a person can penetrate, by name; a link has one solid per geom.
 
-    The statics, and the objects and links that have a track, unless they are excused.
+    The statics, and the objects and links with a track, except those that people ignore.
     """
     links = links_of(scene)
     found: dict[str, list[Solid]] = {

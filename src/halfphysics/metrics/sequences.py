@@ -1,4 +1,4 @@
-"""Penetration over several sequences, as a table of results has it."""
+"""Penetration over several sequences, as one row of a table."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class PenetrationSummary:
     """Penetration of several sequences.
 
     Attributes:
-        sequences: How many.
-        frames: How many frames they have together.
+        sequences: Number of sequences.
+        frames: Number of all their frames.
         rate_percent: Mean over all frames of the share of vertices inside [%].
         depth_mean_mm: Mean over all frames of the deepest vertex [mm].
         depth_max_mm: Mean over sequences of the sequence's deepest vertex [mm].
@@ -53,7 +53,7 @@ def over_sequences(reports: Iterable[PenetrationReport]) -> PenetrationSummary:
             )
     if not found:
         raise InputError("reports: found none, expected at least one")
-    # Vertices inside times depth, and how many: shares are of each body's number of vertices.
+    # Sum of depths over vertices inside, and their number; shares refer to each body's vertices.
     inside = np.array([r.vertices_inside for r in found], dtype=np.float64)
     depth = np.array([r.depth_penetrating_mm for r in found])
     return PenetrationSummary(

@@ -1,4 +1,4 @@
-"""Foot skate: feet that slide while they are on the ground."""
+"""Foot skate: sliding of feet that are on the ground."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ FEET = tuple(JOINT_INDEX[name] for name in ("left_foot", "right_foot"))
 
 @dataclass(frozen=True, kw_only=True)
 class SkateReport:
-    """How much feet slide on the ground. A step is the way from one frame to the next.
+    """Sliding of feet on the ground. A step is the interval from one frame to the next.
 
     Attributes:
         share_percent: Share of all steps in which at least one foot that is on the ground in both
             frames moves faster than the limit [%].
-        mean_mm: Mean horizontal way of feet in the steps in which they are on the ground in both
-            frames [mm/frame]; 0 where there are none.
+        mean_mm: Mean horizontal displacement of feet in the steps in which they are on the
+            ground in both frames [mm/frame]; 0 if there are none.
         mean_speed: The same as a speed [m/s].
-        steps: Number of (step, foot) pairs that `mean_mm` is the mean of.
+        steps: Number of (step, foot) pairs over which `mean_mm` is averaged.
     """
 
     share_percent: float
@@ -37,7 +37,7 @@ class SkateReport:
 def foot_skate(
     motion: Any, body: Any, *, ground: float = 0.0, height: float = 0.05, speed: float = 0.5
 ) -> SkateReport:
-    """How much the feet slide on a level ground.
+    """Sliding of the feet on level ground.
 
     A foot is its ball, the joint "left_foot" or "right_foot"; it is on the ground in a step where
     it is lower than `height` in both frames. `share_percent` is the foot skating ratio of Guided
@@ -47,14 +47,13 @@ def foot_skate(
 
     Args:
         motion: T >= 2 frames.
-        body: Whose joints.
+        body: The body whose joints are measured.
         ground: Height of the ground [m].
-        height: Of the ball of a foot over the ground, under which it is on it [m].
+        height: Height of the ball of a foot under which the foot is on the ground [m].
         speed: Horizontal speed over which it skates [m/s].
 
     Raises:
-        InputError: An impossible number, fewer than 2 frames, or something that is no motion or
-            no body.
+        InputError: An impossible number, fewer than 2 frames, no motion or no body.
     """
     ground = number(ground, "ground", unit="m")
     height = number(height, "height", above=0.0, unit="m")

@@ -13,7 +13,7 @@ _BATCH = 32  # frames skinned at a time: about 10 MB of vertices
 
 
 def frames_of(motion: Any) -> int:
-    """How many frames a motion has; a single pose is one."""
+    """Number of frames of a motion; 1 for a single pose."""
     return np.shape(motion.rotations)[0] if np.ndim(motion.rotations) == 3 else 1
 
 

@@ -1,4 +1,4 @@
-"""Jerk: how abruptly the joints' accelerations change."""
+"""Jerk: the rate of change of the joints' accelerations."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ def jerk(motion: Any, body: Any) -> float:
     """Mean jerk of the joints in the world [m/s^3].
 
     The third difference of joint positions, x(t+3) - 3 x(t+2) + 3 x(t+1) - x(t), times fps^3:
-    its length, meaned over all frames and 55 joints. The "jitter" of TransPose (Yi et al. 2021,
-    section 4.1) over all joints. It grows with the frame rate where a motion has noise: compare
-    motions of one rate. Exact where joints move along cubics.
+    its length, averaged over all frames and 55 joints. The "jitter" of TransPose (Yi et al. 2021,
+    section 4.1) over all joints. For noisy motions it grows with the frame rate: compare motions
+    of one rate. Exact for joints that move along cubics.
 
     Args:
         motion: T >= 4 frames.
-        body: Whose joints.
+        body: The body whose joints are measured.
 
     Raises:
-        InputError: Fewer than 4 frames, or something that is no motion or no body.
+        InputError: Fewer than 4 frames, no motion or no body.
     """
     joints, fps = joints_of(motion, body, least=4, what="jerk")
     third = np.diff(joints, n=3, axis=0) * fps**3

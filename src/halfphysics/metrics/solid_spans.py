@@ -1,4 +1,4 @@
-"""Where parallel rays are inside the shapes of a scene."""
+"""Intervals of parallel rays inside the shapes of a scene."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from halfphysics.metrics.spans import Spans
 
 Ints = NDArray[np.int64]
 
-#: What is symmetric about the origin does not lie symmetrically in the grid.
+#: Shift of the grid, so that a shape symmetric about the origin is not aligned with it.
 _SHIFT = np.array([0.1871, 0.3178, 0.0])
 
 
@@ -48,10 +48,10 @@ class Placed:
     quaternion: Array
 
     def inside(self, grid: Grid, skin: Spans) -> Spans:
-        """Where the rays of a skin's spans are inside the shape, as far as the spans reach.
+        """Intervals of the rays of a skin's spans that are inside the shape, within the spans.
 
-        Exact along each ray, but for a mesh that is not closed: there every span is looked at in
-        the middles of steps of at most the pitch.
+        Exact along each ray; for a mesh that is not closed, every span is sampled at the middles
+        of steps of at most the pitch.
         """
         shape = self.shape
         if isinstance(shape, Mesh) and not shape.closed:
@@ -116,7 +116,7 @@ def _through(
 
 
 def _below(at: Array, slope: float, within: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Where at (n,) + t slope < 0, of the pieces `within`."""
+    """The intervals within `within` in which at (n,) + t slope < 0."""
     low, high = within
     if abs(slope) < 1e-15:
         return low, np.where(at < 0.0, high, low)
@@ -131,7 +131,7 @@ def _ball(start: Array, along: Array, centre: Array, radius: float) -> tuple[Arr
 
 
 def _quadratic(a: float, b: Array, c: Array, otherwise: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Where a t^2 + 2 b t + c < 0; where a is 0 and c < 0: `otherwise`."""
+    """The interval in which a t^2 + 2 b t + c < 0; `otherwise` if a is 0 and c < 0."""
     if a < 1e-30:
         low, high = otherwise
         return low, np.where(c < 0.0, high, low)

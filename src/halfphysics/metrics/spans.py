@@ -1,4 +1,4 @@
-"""Spans: the pieces of parallel rays that are inside something."""
+"""Spans: intervals of parallel rays, such as those inside a solid."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Spans:
-    """Pieces of rays along z: ray (n, 2), z at the bottom (n,) and at the top (n,)."""
+    """Intervals of rays along z: ray (n, 2), z at the bottom (n,) and at the top (n,)."""
 
     ray: Ints
     bottom: Array
@@ -23,10 +23,10 @@ class Spans:
 
     @classmethod
     def of_crossings(cls, ray: Ints, z: Array, sign: Ints) -> Spans:
-        """Where rays are inside a closed surface: its winding number is over 0.
+        """The intervals inside a closed surface, where its winding number is over 0.
 
-        Rays (n, 2) cross it at z (n,), sign +1 entering, -1 leaving. A ray that leaves less often
-        than it enters ran along an edge of a surface that is not closed: it is left out.
+        Rays (n, 2) cross it at z (n,), sign +1 entering, -1 leaving. A ray with fewer exits than
+        entries ran along an edge of a surface that is not closed: it is dropped.
         """
         key = ray_key(ray)
         order = np.lexsort((z, key))
@@ -40,14 +40,14 @@ class Spans:
 
     @classmethod
     def union(cls, each: list[Spans]) -> Spans:
-        """Where rays are in any of some spans."""
+        """The intervals that are in any of some spans."""
         ray = np.concatenate([s.ray for s in each] * 2)
         z = np.concatenate([s.bottom for s in each] + [s.top for s in each])
         sign = np.repeat([1, -1], len(ray) // 2)
         return cls.of_crossings(ray, z, sign)
 
     def common(self, other: Spans) -> tuple[Ints, Array]:
-        """Rays (k, 2) and the lengths (k,) that are in a span of both, none in one place twice."""
+        """Rays (k, 2) and lengths (k,) of the intersections; own intervals must not overlap."""
         ray = np.concatenate([self.ray, self.ray, other.ray, other.ray])
         z = np.concatenate([self.bottom, self.top, other.bottom, other.top])
         mine, its = len(self.ray), len(other.ray)

@@ -1,4 +1,4 @@
-"""Success: whether every frame came back."""
+"""Success: whether a motion has all frames of its reference."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from halfphysics.metrics.argument_checks import check_motion
 
 
 def success(motion: Any | None, asked: Any) -> bool:
-    """Whether a motion came back whole: as many frames as asked, at the same rate, all finite.
+    """Whether a motion is complete: the frames and the rate of the reference, all numbers finite.
 
     The share of clips for which this holds is the success rate of the paper's Table 1 as we
     define it (the paper leaves room; trackers also count a fall as a failure).
 
     Args:
-        motion: What came back, T frames; None: nothing did.
-        asked: The motion that was asked for.
+        motion: The simulated motion, T frames; None: there is none.
+        asked: The reference motion.
 
     Raises:
-        InputError: Something that is no motion.
+        InputError: A value that is no motion.
     """
     check_motion("asked", asked)
     if motion is None:

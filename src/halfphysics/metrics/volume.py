@@ -1,4 +1,4 @@
-"""Penetrating volume: how much of a body is inside a scene."""
+"""Penetrating volume: the volume of a body that is inside the solids of a scene."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ from halfphysics.scene.scene import Scene
 
 Ints = NDArray[np.int64]
 
-#: Rays are this far apart [m].
+#: Default distance of the rays [m].
 PITCH = 0.004
-#: They are turned about the vertical, by the angle whose tangent is the golden ratio's inverse, so
-#: that no row of them runs along a wall, nor meets one again after a few [rad].
+#: Rotation of their grid about the vertical: the angle whose tangent is the golden ratio's inverse,
+#: so that rows of rays are not aligned with walls [rad].
 _TURN = 0.5535743589
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class VolumeReport:
-    """How much of a body's volume is inside a scene.
+    """Volume of a body inside a scene.
 
     Attributes:
         volume: In every frame (T,) [cm^3].
-        error: Its estimated error (T,) [cm^3]: half of the most by which the volume by one ray in
-            four, of a grid twice as wide, is another; there are four such.
+        error: Its estimated error (T,) [cm^3]: half of the largest difference of the volumes by the
+            four subsets of one ray in four, which are grids of twice the pitch.
         mean_cm3: Mean over frames [cm^3].
         max_cm3: Largest of all frames [cm^3].
     """
@@ -59,23 +59,24 @@ def penetrating_volume(
     objects: Mapping[str, Any] | None = None,
     pitch: float = PITCH,
 ) -> VolumeReport:
-    """Volume that the body's skin, made watertight, and a scene's things have in common.
+    """Volume of the intersection of the body's skin, made watertight, with a scene's items.
 
-    Vertical rays, `pitch` apart, are cut by the skin (holes are closed by fans) and by the things;
-    the volume is pitch^2 times the length that is in both. Along a ray the cuts are exact, with
-    primitives as with closed meshes; in a mesh that is not closed a ray is sampled every `pitch`.
-    What things have in common, or the skin with itself, counts once. The error falls about as
-    pitch^1.5; at 4 mm a foot in a floor is known to about 1 % and `VolumeReport.error` says it.
+    Vertical rays, `pitch` apart, are intersected with the skin (holes are closed by fans) and with
+    the items; the volume is pitch^2 times the length inside both. Along a ray the intersections
+    with primitives and closed meshes are exact; a mesh that is not closed is sampled every `pitch`.
+    Overlaps of items, or of the skin with itself, count once. The error decreases about as
+    pitch^1.5; at 4 mm the volume of a foot in a floor is known to about 1 %, as
+    `VolumeReport.error` says.
 
     Args:
         motion: T frames, or a single pose.
-        body: Whose skin: `vertices(motion)` and `faces`.
-        scene: Its statics, those that are not excused (`scene.ignore(name, "person")`).
+        body: The body whose skin is measured: `vertices(motion)` and `faces`.
+        scene: Its statics, except those of `scene.ignore(name, "person")`.
         objects: Tracks of objects, as in `result.objects`; those without a track are left out.
         pitch: Distance of the rays [m].
 
     Raises:
-        InputError: Something of a wrong type, or tracks of unknown objects or another length.
+        InputError: An argument of a wrong type, or tracks of unknown objects or of another length.
     """
     check_motion("motion", motion, pose=True)
     validation.body(body, "vertices")
@@ -110,7 +111,7 @@ def penetrating_volume(
 
 @dataclass(frozen=True, eq=False)
 class _Caps:
-    """A skin's faces (F, 3), with fans over its holes, and what the middles of the fans are of."""
+    """A skin's faces (F, 3) with fans over its holes, and the rims of the fans."""
 
     faces: Ints
     rim: Ints
@@ -136,7 +137,7 @@ class _Caps:
 
 
 def _common(vertices: Array, faces: Ints, items: list[Placed], grid: Grid) -> Array:
-    """Lengths (4,) [grid] that skin and things have in common, of rays in even and odd rows."""
+    """Lengths (4,) [grid] inside both skin and items, by rays in even and odd rows and columns."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     near = []
     window = np.array([[np.inf, np.inf], [-np.inf, -np.inf]])
@@ -170,11 +171,11 @@ def _wider(window: Array, points: Array) -> Array:
 
 
 def _box(item: Placed) -> Array | None:
-    """Corners (2, 3) of the box around a placed shape; None of a half-space."""
+    """Corners (2, 3) of the box around a placed shape; None for a half-space."""
     if isinstance(item.shape, Plane):
         return None
     if isinstance(item.shape, Sphere | Capsule | Cylinder):
-        # The triangles of round shapes are within them.
+        # The triangles of round shapes are inside them: enlarge the box.
         half = item.shape.radius + 0.5 * getattr(item.shape, "length", 0.0)
         half = float(np.hypot(half, item.shape.radius))
         return np.stack([item.position - half, item.position + half])

@@ -14,9 +14,15 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
-Result Scene Sequence Settings Simulator Sphere __version__ attach clips errors export
+Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips errors export
 load_sequence metrics scenarios simulate view
 """
+
+SETTINGS = (
+    "* substeps stiffness drive_time recovery_rate root root_speed clearance "
+    "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
+    "threads record"
+)
 
 # What is called from outside: name -> parameters, * before keyword-only ones.
 PARAMETERS = {
@@ -58,9 +64,7 @@ PARAMETERS = {
     "Sphere": "radius",
     "Capsule": "radius length",
     "Cylinder": "radius length",
-    "Settings": "* substeps stiffness drive_time recovery_rate root root_speed clearance "
-    "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
-    "mode internal_forces joint_damping torque_frequency torque_damping threads record",
+    "Settings": SETTINGS,
     "Settings.paper": "stiffness ** changes",
     "simulate": "motion scene * body settings stiffness allow_mismatch progress",
     "Simulator": "scene * body settings fps",
@@ -96,6 +100,16 @@ PARAMETERS = {
     "metrics.penetrating_volume": "motion body scene * objects pitch",
     "metrics.contact_precision": "result * margin",
     "metrics.contact_forces": "result",
+    "baselines.Ablation": f"{SETTINGS} internal_forces joint_damping",
+    "baselines.Torque": f"{SETTINGS} internal_forces joint_damping frequency damping",
+    "baselines.Kinematic": SETTINGS,
+    "baselines.Positions": SETTINGS,
+    "baselines.Interpolated": SETTINGS,
+    "baselines.EngineKinematic": SETTINGS,
+    "baselines.EngineVelocity": SETTINGS,
+    "baselines.from_options": "options",
+    "baselines.options_of": "settings",
+    "baselines.with_options": "settings options",
     "scenarios.names": "",
     "scenarios.load": "name ** chosen",
 }

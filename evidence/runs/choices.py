@@ -5,20 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-#: Fields of `Settings` that are not the default.
+from halfphysics.baselines import from_options
+from halfphysics.settings import Settings
+
+#: Options of settings that are not the default, see `halfphysics.baselines.from_options`.
 Choice = dict[str, Any]
 #: The paper's own setting, `Settings.paper()`; of Figures 4 and 9, Table 2: `Settings.paper(1.0)`.
 LIMP: Choice = {"drive_time": None, "substeps": 8, "stiffness": 0.0}
 FIRM: Choice = {**LIMP, "stiffness": 1.0}
+#: Options that are called otherwise as fields of settings.
+FIELDS = {"torque_frequency": "frequency", "torque_damping": "damping"}
 
 
 def said(choice: Mapping[str, Any]) -> str:
     """A choice as Python code."""
+    kind = type(from_options(choice))
+    name = "Settings" if kind is Settings else f"baselines.{kind.__name__}"
+    values = {FIELDS.get(option, option): value for option, value in choice.items()}
+    values.pop("mode", None)
     if all(choice.get(k, "") == v for k, v in LIMP.items() if k != "stiffness"):
-        rest = {k: v for k, v in choice.items() if k not in LIMP}
+        rest = {k: v for k, v in values.items() if k not in LIMP}
         words = [f"{choice['stiffness']:g}"] if choice["stiffness"] else []
-        return f"Settings.paper({', '.join([*words, *_pairs(rest)])})"
-    return f"Settings({', '.join(_pairs(choice))})"
+        return f"{name}.paper({', '.join([*words, *_pairs(rest)])})"
+    return f"{name}({', '.join(_pairs(values))})"
 
 
 def _pairs(choice: Mapping[str, Any]) -> list[str]:

@@ -37,14 +37,14 @@ def follow(source: Mapping[str, Any], runs: Mapping[str, Choice], strip: str = "
         [mm] (None without success), the cause of a failure, and the mean error of every tenth of
         a second, "curve" [mm].
     """
+    from halfphysics.baselines import from_options
     from halfphysics.body.body import Body
     from halfphysics.render.contact_sheet import contact_sheet_png
-    from halfphysics.settings import Settings
 
     motion, body = sources.load(source), Body.default()
     values, pictures = {}, {}
     for name, chosen in runs.items():
-        result, found = _followed(motion, body, Settings(**chosen))
+        result, found = _followed(motion, body, from_options(chosen))
         values[name] = found
         if name == strip and result is not None:
             frames = np.linspace(0, len(motion) - 1, _PICTURES + 1)[1:].round().astype(int)

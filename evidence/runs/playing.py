@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from halfphysics import metrics, scenarios
 from halfphysics.base import rotations as rot
+from halfphysics.baselines import from_options
 from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.motion.skeleton import N_JOINTS, PARENTS
 from halfphysics.results.result import SETTLE
-from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -47,7 +47,7 @@ def run(sequence: Sequence, choice: Mapping[str, Any]) -> Result:
             sequence.motions[0],
             sequence.scene,
             body=sequence.bodies[0],
-            settings=Settings(**choice),
+            settings=from_options(choice),
         )
 
 

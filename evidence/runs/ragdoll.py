@@ -25,7 +25,7 @@ DAMPING = 0.1
 def let_go(sequence: Sequence, frame: int) -> Motion:
     """The motion of a person that goes limp at a frame: gravity acts, joints only have damping.
 
-    Up to that frame it is followed by velocities, as with `Settings(mode="engine_velocity")`.
+    Up to that frame it is followed by velocities, as with `halfphysics.baselines.EngineVelocity`.
     """
     import mujoco
 

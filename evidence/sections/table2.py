@@ -141,7 +141,7 @@ def _asked(data: str, found: Mapping[str, Any], *, judged: bool) -> Row:
     return Row(
         name="as asked for",
         data=data,
-        setting="Settings(mode='kinematic') plays the same",
+        setting="baselines.Kinematic() plays the same",
         figures=tuple(figures),
         note=note,
     )

@@ -13,7 +13,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from halfphysics import errors, metrics, scenarios
+    from halfphysics import baselines, errors, metrics, scenarios
     from halfphysics.body.body import Body
     from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
     from halfphysics.formats import load_sequence
@@ -54,6 +54,7 @@ __all__ = [
     "Sphere",
     "__version__",
     "attach",
+    "baselines",
     "clips",
     "errors",
     "export",
@@ -66,6 +67,7 @@ __all__ = [
 
 # Name -> module it comes from; None: the name is a module of this package.
 _FROM: dict[str, str | None] = {
+    "baselines": None,
     "errors": None,
     "metrics": None,
     "scenarios": None,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any, Literal, get_args
+from enum import IntEnum
+from typing import Any, Literal
 
 from halfphysics.base.field_checks import FieldChecks
-from halfphysics.baselines.modes import Mode, check_mode
 from halfphysics.body.strength import checked_strength
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import joint_values
@@ -16,6 +16,42 @@ from halfphysics.motion.joint_groups import joint_values
 #: Largest clearance that can be asked for [m]: fifty times the default. Hands that keep more from
 #: what they hold (twice, for the two sides of a rod) hold nothing of the size of a hand.
 MAX_CLEARANCE = 0.05
+
+
+class PosesSet(IntEnum):
+    """Whether the core sets people's poses in place of driving them, numbered as the core does."""
+
+    NO = 0
+    UNNOTICED = 1
+    """Once a frame; contacts do not notice the people."""
+    EVERY_FRAME = 2
+    EVERY_SUBSTEP = 3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """What moves the people: half-physics by default; `halfphysics.baselines` has the others.
+
+    Attributes:
+        poses: Whether the people's poses are set.
+        torque_frequency: Natural frequency of PD torques in place of velocities [rad/s]; 0: none.
+        torque_damping: Damping ratio of those.
+        internal_forces: Whether Coriolis, centrifugal and gyroscopic forces act on people.
+        joint_damping: Viscous damping of the people's joints [N m s/rad].
+        follow: Runs a world over whole motions in place of the core, given the world, its motions,
+            firmness over time or None, and a function to tell how many frames were done.
+    """
+
+    poses: PosesSet = PosesSet.NO
+    torque_frequency: float = 0.0
+    torque_damping: float = 1.0
+    internal_forces: bool = False
+    joint_damping: float = 0.0
+    follow: Callable[[Any, Any, Any, Callable[[int], Any]], Any] | None = None
+
+
+#: Half-physics: velocities by the drive of `Settings`, and no other force on people.
+HALF_PHYSICS = Drive()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,19 +90,6 @@ class Settings:
     """What the drive can exert (with drive_time): all it needs (None), as much as a person
     ("human"), or per joint group or joint [N m]; "pelvis" limits the torque on the whole body,
     "root" the force on it [N]; what is not named has no limit."""
-    mode: Mode = "velocity"
-    """How the motion drives the body: by velocity (half-physics), or, to compare with, one of the
-    baselines of docs/physics.md, "Baselines"."""
-    internal_forces: bool = False
-    """Coriolis, centrifugal and gyroscopic forces act on the person, which the paper leaves out: an
-    ablation, for mode="velocity" and "torque"."""
-    joint_damping: float = 0.0
-    """Viscous damping of the person's joints [N m s/rad]: an ablation, for the same modes."""
-    torque_frequency: float = 100.0
-    """With mode="torque": natural frequency of the joints' PD control [rad/s]. Stiffness and
-    drive_time do not apply then."""
-    torque_damping: float = 1.0
-    """With mode="torque": damping ratio of the joints' PD control."""
     threads: int = 1
     """Threads for measuring a result (a substep runs on one); no number depends on it."""
     record: Literal["frames", "substeps"] = "frames"
@@ -101,27 +124,17 @@ class Settings:
             "None without drive_time: Algorithm 1 sets velocities, whatever force that takes. Set "
             "drive_time, such as 0.02",
         )
-        check.choice("mode", *get_args(Mode))
-        check.flag("internal_forces")
-        check.number("joint_damping", least=0.0)
-        check.number("torque_frequency", above=0.0)
-        check.number("torque_damping", least=0.0)
-        self._check_ablations(check)
         check.flag("self_contact")
         check.number("depenetration_speed", least=0.0)
         check.number("tolerance", above=0.0)
         check.count("max_sweeps")
         check.count("threads")
         check.choice("record", "frames", "substeps")
-        check_mode(self)
 
-    def _check_ablations(self, check: FieldChecks) -> None:
-        """Forces and torques that are there to compare with, and what does not go with them."""
-        if self.strength is not None:
-            why = "with strength: it limits half-physics' own drive"
-            check.holds("internal_forces", not self.internal_forces, f"False {why}")
-            check.holds("joint_damping", not self.joint_damping, f"0 {why}")
-            check.holds("mode", self.mode != "torque", f"'velocity' {why}")
+    @property
+    def drive(self) -> Drive:
+        """What moves the people."""
+        return HALF_PHYSICS
 
     @classmethod
     def paper(cls, stiffness: float | Mapping[str, float] = 0.0, **changes: Any) -> Settings:
@@ -133,11 +146,11 @@ class Settings:
         known = {f.name for f in fields(cls)}
         for name in changes:
             if name not in known:
-                raise InputError(f"Settings has no field {name!r}; it has {sorted(known)}")
+                raise InputError(f"{cls.__name__} has no field {name!r}; it has {sorted(known)}")
         return cls(**{**values, **changes})
 
     def substeps_for(self, dt: float) -> int:
-        """Number of substeps N of a frame of length `dt` [s] (METHOD: h = dt/N <= 1/240 s)."""
+        """Number of substeps N of a frame of length `dt` [s] (h = dt/N <= 1/240 s)."""
         if self.substeps is not None:
             return self.substeps
         return max(1, math.ceil(240.0 * dt - 1e-9))

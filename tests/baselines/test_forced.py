@@ -10,6 +10,15 @@ import pytest
 import halfphysics as hp
 from halfphysics import metrics, scenarios
 from halfphysics.base import rotations as rot
+from halfphysics.baselines import (
+    Interpolated,
+    Kinematic,
+    Positions,
+    from_options,
+    options_of,
+    with_options,
+)
+from halfphysics.baselines.options import MODES
 from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
@@ -21,11 +30,9 @@ from support.doors import ACROSS, DOOR
 from support.kicks import before_the_foot, swing
 from support.people import MIDDLE, SOLES, along_x, violent
 
-KINEMATIC = Settings(mode="kinematic")
-POSITIONS = Settings(mode="positions")
-INTERPOLATED = Settings(mode="interpolated")
+KINEMATIC, POSITIONS, INTERPOLATED = Kinematic(), Positions(), Interpolated()
 #: Interpolated to 1,020 Hz at 30 fps.
-FINE = Settings(mode="interpolated", substeps=34)
+FINE = Interpolated(substeps=34)
 ALL = pytest.mark.parametrize(
     "settings", [KINEMATIC, POSITIONS, INTERPOLATED, FINE], ids=["K", "P", "I", "fine"]
 )
@@ -125,7 +132,7 @@ def kicked(body, mass, **settings):
     """Fastest speed of a weightless ball after a kick that stays out [m/s]."""
     scene = before_the_foot(body, mass, radius=0.11, ahead=0.39, height=0.2)
     motion = swing(body, 30.0, back=False)
-    return speeds(simulate(motion, scene, body=body, settings=Settings(**settings)), "ball").max()
+    return speeds(simulate(motion, scene, body=body, settings=from_options(settings)), "ball").max()
 
 
 @pytest.mark.parametrize("pace", [0.5, 10.0])
@@ -150,7 +157,7 @@ def test_a_suitcase_is_penetrated_and_stays(body, settings):
     story = scenarios.load("lift_suitcase", carry=1.0, shake=0.0)
 
     def lifted(**asked):
-        settings = dataclasses.replace(story.settings or Settings(), **asked)
+        settings = with_options(story.settings, asked)
         result = simulate(story.motion[:66], story.scene, body=story.body, settings=settings)
         height = result.objects["suitcase"].position[:, 2]
         found = metrics.penetration(
@@ -158,7 +165,7 @@ def test_a_suitcase_is_penetrated_and_stays(body, settings):
         )
         return height.max() - height[0], found.by_name["suitcase"].max()
 
-    rise, depth = lifted(mode=settings.mode, substeps=settings.substeps)
+    rise, depth = lifted(mode=options_of(settings)["mode"], substeps=settings.substeps)
     assert rise < 0.02
     assert depth > 30.0
     if settings is POSITIONS:
@@ -171,7 +178,7 @@ def test_a_suitcase_is_penetrated_and_stays(body, settings):
 def test_what_interpolated_means(body, substeps):
     """Root along straight lines, joints by SLERP the short way round, in every substep."""
     motion = violent(12)
-    settings = Settings(mode="interpolated", substeps=substeps, record="substeps")
+    settings = Interpolated(substeps=substeps, record="substeps")
     scene = walled()
     result = simulate(motion, scene, body=body, settings=settings)
     n = settings.substeps_for(1.0 / motion.fps)
@@ -364,7 +371,7 @@ def test_nothing_is_held(body):
     for settings in (KINEMATIC, POSITIONS, INTERPOLATED):
         simulator = Simulator(scene, body=body, settings=settings)
         simulator.reset(along_x(0.0, 2, start=0.0)[0])
-        with pytest.raises(InputError, match="attach: with Settings"):
+        with pytest.raises(InputError, match="with the baseline"):
             simulator.attach("box")
 
 
@@ -382,8 +389,8 @@ def test_nothing_is_held(body):
 )
 def test_senseless_settings(mode, other):
     with pytest.raises(InputError, match=next(iter(other))):
-        Settings(mode=mode, **other)
-    assert Settings.paper(mode=mode).mode == mode
+        from_options({"mode": mode, **other})
+    assert MODES[mode].paper().drive == MODES[mode]().drive
 
 
 @pytest.mark.parametrize("mode", ["kinematic", "positions", "interpolated", "engine_kinematic"])
@@ -394,7 +401,7 @@ def test_not_in_somebody_elses_world(body, mode):
     human = hp.attach(spec, body)
     model = spec.compile()
     with pytest.raises(InputError, match="a person is driven"):
-        human.bind(model, mujoco.MjData(model), settings=Settings(mode=mode))
+        human.bind(model, mujoco.MjData(model), settings=MODES[mode]())
 
 
 def test_a_start_in_a_wall_is_no_news(body):

@@ -71,9 +71,9 @@ def test_tasks(section):
 
 def test_settings_are_said_as_one_writes_them():
     assert choices.said({}) == "Settings()"
-    assert choices.said({"mode": "positions"}) == "Settings(mode='positions')"
+    assert choices.said({"mode": "positions"}) == "baselines.Positions()"
     assert choices.said(choices.LIMP) == "Settings.paper()"
-    assert choices.said({**choices.FIRM, "mode": "torque"}) == "Settings.paper(1, mode='torque')"
+    assert choices.said({**choices.FIRM, "mode": "torque"}) == "baselines.Torque.paper(1)"
 
 
 def test_scenes():

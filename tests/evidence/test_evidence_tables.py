@@ -68,7 +68,9 @@ def test_a_task_measures_what_it_says():
     """MPJPE of a run that is off, against plain numpy."""
     outcome = following.follow(SHORT, {"a": {**LIMP, "joint_damping": 0.1}, "b": LIMP})
     body, motion = hp.Body.default(), sources.load(SHORT)
-    result = hp.simulate(motion, body=body, settings=hp.Settings.paper(0.0, joint_damping=0.1))
+    result = hp.simulate(
+        motion, body=body, settings=hp.baselines.Ablation.paper(0.0, joint_damping=0.1)
+    )
     rest = np.asarray(body.rest_joints)
 
     def joints(m):
@@ -97,7 +99,8 @@ def test_settings_are_said_so_that_a_user_can_paste_them():
     assert hp.Settings(**LIMP) == hp.Settings.paper()
     for runs in (table1.RUNS, table3.RUNS, table4.RUNS):
         for choice in runs.values():
-            assert eval(said(choice), {"Settings": hp.Settings}) == hp.Settings(**choice)
+            names = {"Settings": hp.Settings, "baselines": hp.baselines}
+            assert eval(said(choice), names) == hp.baselines.from_options(choice)
 
 
 def test_a_motion_that_comes_back_as_none_is_no_success(monkeypatch):

@@ -101,8 +101,8 @@ def test_scenes_one_after_the_other(walk, chosen):
     for said in chosen:
         scene, how = room(**said["scene"]), hp.Settings(contact="parts", **said["settings"])
         motion = walk.resample(said["fps"])
-        assert use_again(simulator, scene, how, motion.fps)
-        result = follow(simulator, [motion])
+        assert use_again(simulator.world, scene, how)
+        result = follow(simulator.world, [motion])
         assert bits(result) == anew(scene, motion, how)
         assert result.settings is how
         assert result.scene is scene
@@ -115,7 +115,7 @@ def test_the_model_is_the_compiled_one():
     simulator = Simulator(room())
     scene = room(masses=(0.013, 70.0, 1e-3), places=[(1.0, 2.0, 3.0)] * 3)
     limp = hp.Settings(stiffness={"right_hand": 0.3})
-    assert use_again(simulator, scene, limp, 30.0)
+    assert use_again(simulator.world, scene, limp)
     theirs = Simulator(scene, settings=limp).world
     mine, other = model_arrays(simulator.world.model), model_arrays(theirs.model)
     assert all(np.array_equal(mine[name], other[name]) for name in mine)
@@ -129,9 +129,9 @@ def test_scenarios_twice(name):
     simulator = Simulator(
         story.scene, body=list(story.bodies), settings=story.settings, fps=motions[0].fps
     )
-    first = bits(follow(simulator, motions))
-    assert use_again(simulator, story.scene._copied(), story.settings, motions[0].fps)
-    assert bits(follow(simulator, motions)) == first
+    first = bits(follow(simulator.world, motions))
+    assert use_again(simulator.world, story.scene._copied(), story.settings)
+    assert bits(follow(simulator.world, motions)) == first
 
 
 def test_what_sleeps_sleeps_again(walk):
@@ -143,9 +143,9 @@ def test_what_sleeps_sleeps_again(walk):
         return made
 
     simulator = Simulator(scene(1.0), settings=hp.Settings(contact="parts"), fps=walk.fps)
-    follow(simulator, [walk])
-    assert use_again(simulator, scene(3.0), simulator.settings, walk.fps)
-    assert bits(follow(simulator, [walk])) == anew(scene(3.0), walk)
+    follow(simulator.world, [walk])
+    assert use_again(simulator.world, scene(3.0), simulator.settings)
+    assert bits(follow(simulator.world, [walk])) == anew(scene(3.0), walk)
 
 
 def other_shape(scene):
@@ -184,18 +184,18 @@ def asleep(scene):
 def test_what_needs_a_new_world_leaves_the_old_one_alone(walk, change):
     scene = room()
     simulator = Simulator(scene, settings=hp.Settings(contact="parts"), fps=walk.fps)
-    before = bits(follow(simulator, [walk]))
-    assert not use_again(simulator, change(scene), simulator.settings, walk.fps)
+    before = bits(follow(simulator.world, [walk]))
+    assert not use_again(simulator.world, change(scene), simulator.settings)
     assert simulator.world.scene is scene
-    assert bits(follow(simulator, [walk])) == before
+    assert bits(follow(simulator.world, [walk])) == before
 
 
 def test_trajectories_and_poses_that_are_set_need_a_new_world():
     scene, how = room(), hp.Settings()
-    pose = hp.Settings(mode="kinematic")
-    assert not use_again(Simulator(scene, settings=pose), scene, pose, 30.0)
+    pose = hp.baselines.Kinematic()
+    assert not use_again(Simulator(scene, settings=pose).world, scene, pose)
     scene.add_moving("cart", hp.Sphere(0.1), [(3.0, 0.0, 1.0)], fps=1.0)
-    assert not use_again(Simulator(scene), scene, how, 30.0)
+    assert not use_again(Simulator(scene).world, scene, how)
 
 
 @pytest.mark.parametrize(
@@ -212,7 +212,7 @@ def test_trajectories_and_poses_that_are_set_need_a_new_world():
 def test_settings_that_need_a_new_world(other):
     scene = room()
     simulator = Simulator(scene)
-    assert not use_again(simulator, scene, hp.Settings(**other), 30.0)
+    assert not use_again(simulator.world, scene, hp.baselines.from_options(other))
     assert simulator.settings == hp.Settings() == simulator.world.settings
 
 
@@ -223,5 +223,5 @@ def test_gravity(walk):
     earth.add_object("ball", hp.Sphere(0.1), mass=1.0, position=(0.5, 0.0, 1.0))
     how = hp.Settings(contact="parts")
     simulator = Simulator(earth, settings=how, fps=walk.fps)
-    assert use_again(simulator, moon, how, walk.fps)
-    assert bits(follow(simulator, [walk])) == anew(moon, walk)
+    assert use_again(simulator.world, moon, how)
+    assert bits(follow(simulator.world, [walk])) == anew(moon, walk)

@@ -29,7 +29,9 @@ BASELINES: Mapping[str, dict[str, Any]] = {
 
 def baseline_settings(changes: Mapping[str, Any]) -> Any:
     """Settings of a baseline: the one place that knows how they are asked for."""
-    return hp.Settings(**changes)
+    if hasattr(hp, "baselines"):
+        return hp.baselines.from_options(changes)
+    return hp.Settings(**changes)  # before baselines had settings of their own
 
 
 def played(name: str, changes: Mapping[str, Any]) -> dict[str, Any]:

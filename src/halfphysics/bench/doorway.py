@@ -26,7 +26,7 @@ def doorway(options: Options) -> Iterator[Record]:
         return lambda: simulate(motion, told.scene, body=person, settings=by)
 
     def after(simulator: Simulator) -> Callable[[], Result]:
-        return lambda: follow(simulator, [motion])
+        return lambda: follow(simulator.world, [motion])
 
     for setting, ours, rigid in (
         ("simulate(), set-up included", whole(skin.settings), whole(parts.settings)),

@@ -122,7 +122,7 @@ def solving(simulator: Simulator, motion: Motion) -> Checks:
         return {}
     core.keep_times(True)
     try:
-        follow(simulator, [motion])
+        follow(simulator.world, [motion])
         times = np.asarray(core.solve_times())
     finally:
         core.keep_times(False)

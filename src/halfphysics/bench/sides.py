@@ -45,7 +45,7 @@ def simulators(
 
 def followed(simulator: Simulator, motion: Motion) -> Callable[[], Result]:
     """A side that simulates a motion with what is built already."""
-    return lambda: follow(simulator, [motion])
+    return lambda: follow(simulator.world, [motion])
 
 
 def driven(

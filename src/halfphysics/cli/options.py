@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import tyro
 
 from halfphysics.base.validation import file_path
+from halfphysics.baselines.options import Mode, with_options
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats import loading
 from halfphysics.formats.loading import betas_for, furnished, model_for
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
     from halfphysics.scene.scene import Scene
+    from halfphysics.settings import Settings
 
 #: A file that may be left out, and things that are said once each.
 File = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
@@ -97,6 +99,27 @@ class SceneOptions:
     def given(self) -> bool:
         """Whether any of it was said."""
         return self.scene is not None or bool(self.static) or bool(self.object)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BaselineOptions:
+    """What moves the body, to compare with: docs/physics.md, "Baselines"."""
+
+    mode: Mode = "velocity"
+    """How the motion moves the body: by velocity (half-physics), or as one of the baselines."""
+    internal_forces: bool = False
+    """Coriolis, centrifugal and gyroscopic forces act on the person (velocity and torque)."""
+    joint_damping: float = 0.0
+    """Viscous damping of the person's joints [N m s/rad] (velocity and torque)."""
+    torque_frequency: float = 100.0
+    """With --mode torque: natural frequency of the joints' PD control [rad/s]."""
+    torque_damping: float = 1.0
+    """With --mode torque: damping ratio of the joints' PD control."""
+
+    def applied(self, settings: Settings) -> Settings:
+        """Settings with these options."""
+        chosen = vars(self)
+        return settings if self == BaselineOptions() else with_options(settings, chosen)
 
 
 def check_output(path: Path, *inputs: Path | None) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import tyro
 
 from halfphysics.base.suggestions import did_you_mean
-from halfphysics.cli.options import check_output, progress
+from halfphysics.cli.options import BaselineOptions, check_output, progress
 from halfphysics.cli.parsing import Exit, parse
 from halfphysics.errors import InputError
 from halfphysics.settings import Settings
@@ -153,7 +153,8 @@ def _play(prog: str, name: str, arguments: list[str]) -> Play | Exit:
     if sequence.settings != Settings():
         # What is not said is as the scenario has it, which only building it tells.
         command = parsed(sequence.settings)
-    return Play(name, sequence, command.settings, command.outputs)
+    settings = command.baseline.applied(command.settings)
+    return Play(name, sequence, settings, command.outputs)
 
 
 def _texts(name: str) -> dict[str, Any]:
@@ -183,6 +184,11 @@ def _command(name: str, settings: Settings) -> type[Any]:
             "settings",
             tyro.conf.OmitArgPrefixes[Settings],
             field(default_factory=lambda: settings),
+        ),
+        (
+            "baseline",
+            tyro.conf.OmitArgPrefixes[BaselineOptions],
+            field(default_factory=BaselineOptions),
         ),
     ]
     made = make_dataclass("Command", fields, frozen=True, kw_only=True)

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from halfphysics.cli.options import BodyOptions, MotionOptions, SceneOptions, check_output, progress
+from halfphysics.cli.options import (
+    BaselineOptions,
+    BodyOptions,
+    MotionOptions,
+    SceneOptions,
+    check_output,
+    progress,
+)
 from halfphysics.errors import InputError
 from halfphysics.formats.loading import is_furnished
 from halfphysics.settings import Settings
@@ -38,6 +45,7 @@ class Command:
     person: tyro.conf.OmitArgPrefixes[BodyOptions] = field(default_factory=BodyOptions)
     motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
     settings: tyro.conf.OmitArgPrefixes[Settings] = field(default_factory=Settings)
+    baseline: tyro.conf.OmitArgPrefixes[BaselineOptions] = field(default_factory=BaselineOptions)
 
     def run(self) -> None:
         """Simulate, print the summary, write the result."""
@@ -63,7 +71,7 @@ class Command:
             motions,
             scene,
             body=bodies,
-            settings=self.settings,
+            settings=self.baseline.applied(self.settings),
             allow_mismatch=self.person.allow_mismatch,
             progress=progress(),
         )

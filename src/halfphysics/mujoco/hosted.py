@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.baselines.modes import ENGINE_MODES, FORCED
 from halfphysics.body.mjcf_person import add_person, addresses
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.motion.joint_groups import stiffness_array
@@ -116,10 +115,10 @@ class Control:
                 "bind: Settings.self_contact is True; a person in a MuJoCo world of one's own has "
                 "no contact with itself yet. Leave it False, or use halfphysics.Simulator"
             )
-        if settings.mode in (*FORCED, *ENGINE_MODES):
+        if settings.drive.poses or settings.drive.follow is not None:
             raise InputError(
-                f"bind: Settings.mode is {settings.mode!r}; in a MuJoCo world of one's own a "
-                "person is driven. Expected mode='velocity', or use halfphysics.Simulator"
+                f"bind: found the baseline {type(settings).__name__}; in a MuJoCo world of one's "
+                "own a person is driven. Expected other settings, or use halfphysics.Simulator"
             )
         at = addresses(model, human.prefix)
         _check_masses(model, human, at.body)

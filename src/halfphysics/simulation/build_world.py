@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics.baselines.modes import FORCED
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.scene import articulated as jointed
 from halfphysics.scene.trajectories import KinematicObject
@@ -118,7 +117,7 @@ def _fill(
     shapes = add_shapes(core, model, scene, settings, names, places.people, places.links)
     set_pairings(core, scene, settings, names)
     set_settings(core, settings, scene.gravity)
-    core.set_prescribed(FORCED.get(settings.mode, 0))
+    core.set_prescribed(int(settings.drive.poses))
     for place, item in zip(places.objects, scene.objects.values(), strict=True):
         body = model.body(f"object/{item.name}").id
         if isinstance(item, KinematicObject):

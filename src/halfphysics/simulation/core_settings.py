@@ -23,9 +23,9 @@ LEAST_CLEARANCE = 2e-5
 
 def set_settings(core: Any, settings: Settings, gravity: Array) -> None:
     """Give the core its settings and gravity (3,) [m/s^2]."""
-    s = settings
+    s, drive = settings, settings.drive
     core.set_drive(
-        time_constant=0.0 if s.mode == "torque" else s.drive_time or 0.0,
+        time_constant=0.0 if drive.torque_frequency else s.drive_time or 0.0,
         recovery_rate=s.recovery_rate,
         recover_root=s.root == "recover",
         root_speed=s.root_speed,
@@ -39,10 +39,10 @@ def set_settings(core: Any, settings: Settings, gravity: Array) -> None:
         gravity=np.array(gravity),
     )
     core.set_baselines(
-        internal_forces=s.internal_forces,
-        joint_damping=s.joint_damping,
-        torque_frequency=s.torque_frequency if s.mode == "torque" else 0.0,
-        torque_damping=s.torque_damping,
+        internal_forces=drive.internal_forces,
+        joint_damping=drive.joint_damping,
+        torque_frequency=drive.torque_frequency,
+        torque_damping=drive.torque_damping,
     )
 
 

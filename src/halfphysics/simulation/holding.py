@@ -15,6 +15,7 @@ from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
 from halfphysics.scene.trajectories import KinematicObject
+from halfphysics.settings import HALF_PHYSICS
 from halfphysics.simulation.coordinates import FreeObject
 
 if TYPE_CHECKING:
@@ -95,12 +96,11 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
         InputError: An unknown name, part or person, an object that is not free.
     """
     what = f"attach {shown(name)}"
-    driven = world.settings
-    if driven.mode != "velocity" or driven.internal_forces or driven.joint_damping:
+    if world.settings.drive != HALF_PHYSICS:
         raise InputError(
-            f"{what}: with mode={driven.mode!r}, internal_forces={driven.internal_forces} and "
-            f"joint_damping={driven.joint_damping:g} nobody bears what is tied to them; expected "
-            "mode='velocity' without the others. What a hand grips needs no attach"
+            f"{what}: with the baseline {type(world.settings).__name__} the person does not bear "
+            "the weight of a held object; expected halfphysics.Settings. What a hand grips needs "
+            "no attach"
         )
     place = {place.name: place for place in world.objects}.get(name)
     if place is None:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from halfphysics.baselines.modes import FORCED
 from halfphysics.scene.material_pairs import PERSON, of_person
 from halfphysics.scene.trajectories import KinematicObject
 
@@ -25,7 +24,7 @@ def set_pairings(core: Any, scene: Scene, settings: Settings, names: Names) -> N
     # people whose poses are set.
     trajectories = {n for n, item in scene.objects.items() if isinstance(item, KinematicObject)}
     unmoved = trajectories | set(scene.statics)
-    set_ = trajectories | ({PERSON, *names.parts} if settings.mode in FORCED else set())
+    set_ = trajectories | ({PERSON, *names.parts} if settings.drive.poses else set())
     for i, a in enumerate(rows):
         for j, b in enumerate(rows):
             if a == b and not of_person(a):

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.baselines.modes import FORCED
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.result import (
     DIAGNOSTICS,
@@ -60,7 +59,7 @@ def recorded_result(world: World, motions: Sequence[Motion], run: Recording) -> 
 
 def _followed(motion: Motion, person: Person, qpos: Array, settings: Settings) -> Motion:
     """What became of a motion: by coordinates (T, nq), or itself where it sets the pose."""
-    if settings.mode in FORCED:
+    if settings.drive.poses:
         return motion.with_frames(motion.translation, motion.rotations)
     return motion.with_frames(*person.pose(qpos, motion.axes))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.result import DIAGNOSTICS
 
 if TYPE_CHECKING:
+    from halfphysics.motion.motion import Motion
     from halfphysics.simulation.world import World
 
 Array = NDArray[np.float64]
@@ -57,20 +58,24 @@ class Recording:
 
 
 def record(
-    world: World, targets: Array, dt: float, firmness: Array | None, done: Callable[[int], Any]
+    world: World,
+    motions: Sequence[Motion],
+    firmness: Array | None,
+    done: Callable[[int], Any],
 ) -> Recording:
-    """Run a world that stands at the first of its targets over all of them.
+    """Run a world that was reset to the first frame of its motions over all of them.
 
     What the core's `frame` would do frame by frame, to the last bit.
 
     Args:
-        world: People and scene, reset to the first frame.
-        targets: Coordinates of the people (T, .), see `World.motion_coordinates`.
-        dt: Length of a frame [s].
+        world: People and scene.
+        motions: One per person, of one length and frame rate.
         firmness: Of all joints in every frame (T, people, 55); None: as it is.
         done: Told how many frames were run.
     """
-    core, settings, count = world.stepper, world.settings, len(targets)
+    core, settings, dt = world.stepper, world.settings, 1.0 / motions[0].fps
+    targets = world.motion_coordinates(motions)
+    count = len(targets)
     qpos, clearance = np.empty((count, world.nq)), np.empty(count)
     qpos[0], clearance[0] = core.qpos(), core.clearance()
     lost_time, numbers = np.zeros(count), np.zeros((count, len(DIAGNOSTICS)))

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.baselines.modes import ENGINE_MODES, no_stiffness
 from halfphysics.motion.joint_groups import stiffness_over_time
+from halfphysics.simulation.argument_checks import (
+    checked_people,
+    checked_scene,
+    checked_settings,
+)
+from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.lost_time import warn_of_lost_time
-from halfphysics.simulation.people import checked_people
 from halfphysics.simulation.recorded_result import recorded_result
 from halfphysics.simulation.recording import record
-from halfphysics.simulation.simulator import Simulator
 from halfphysics.simulation.start_warnings import warn_of_start
 
 if TYPE_CHECKING:
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
     from halfphysics.results.result import Result
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
+    from halfphysics.simulation.world import World
 
 Array = NDArray[np.float64]
 #: lambda: one for all joints, by joint group or joint, or over time.
@@ -63,36 +67,35 @@ def simulate(
     """
     motions, bodies = checked_people(motion, body, allow_mismatch=allow_mismatch)
     firmness = stiffness_over_time(stiffness, len(motions[0]), len(motions))
-    simulator = Simulator(scene, body=bodies, settings=settings, fps=motions[0].fps)
-    return follow(simulator, motions, firmness, progress=progress)
+    world = build_world(bodies, checked_scene(scene), checked_settings(settings))
+    return follow(world, motions, firmness, progress=progress)
 
 
 def follow(
-    simulator: Simulator,
+    world: World,
     motions: Sequence[Motion],
     stiffness: Array | None = None,
     *,
     progress: bool = False,
 ) -> Result:
-    """Run a simulator over whole motions, one per person: `simulate` without its set-up.
+    """Run a world over whole motions, one per person: `simulate` without its set-up.
 
     What `Simulator.step` would do frame by frame, to the last bit; all that is not physics is
-    done for all frames at once. The motions have one length and the simulator's frame rate.
-    `stiffness`: firmness (T, people, 55) of every frame.
-    """
-    world, dt = simulator.world, simulator.dt
-    if world.settings.mode in ENGINE_MODES:
-        from halfphysics.baselines.engine.following import follow_in_engine
+    done for all frames at once.
 
-        if stiffness is not None:
-            raise no_stiffness(world.settings.mode)
-        with _progress(len(motions[0]) - 1, progress) as bar:
-            return follow_in_engine(world, motions, dt, bar.update)
-    simulator.reset([m[0] for m in motions])
-    world = simulator.world  # what was held is held no more
-    warn_of_start(world, motions)
+    Args:
+        world: People and scene; nothing is held.
+        motions: One per person, of one length and frame rate.
+        stiffness: Firmness (T, people, 55) of every frame; None: by the settings.
+        progress: As of `simulate`.
+    """
     with _progress(len(motions[0]) - 1, progress) as bar:
-        run = record(world, world.motion_coordinates(motions), dt, stiffness, bar.update)
+        instead = world.settings.drive.follow
+        if instead is not None:
+            return cast("Result", instead(world, motions, stiffness, bar.update))
+        world.reset([motion[0] for motion in motions])
+        warn_of_start(world, motions)
+        run = record(world, motions, stiffness, bar.update)
     result = recorded_result(world, motions, run)
     warn_of_lost_time(result, stacklevel=3)
     return result

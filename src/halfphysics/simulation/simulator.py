@@ -9,20 +9,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from halfphysics.baselines.modes import ENGINE_MODES, FORCED
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.pose import Pose
-from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation import holding, live_edits
+from halfphysics.simulation.argument_checks import (
+    checked_bodies,
+    checked_scene,
+    checked_settings,
+    several,
+)
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.frame import Frame, State
-from halfphysics.simulation.people import checked_bodies, several
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.scene.rays import Hit
+    from halfphysics.scene.scene import Scene
+    from halfphysics.settings import Settings
 
 Array = NDArray[np.float64]
 
@@ -50,13 +54,9 @@ class Simulator:
         fps: float = 30.0,
     ) -> None:
         bodies = checked_bodies(body)
-        if scene is not None and not isinstance(scene, Scene):
-            raise InputError(f"scene: found {scene!r}, expected a halfphysics.Scene")
-        if settings is not None and not isinstance(settings, Settings):
-            raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
-        self.settings = settings or Settings()
+        scene, self.settings = checked_scene(scene), checked_settings(settings)
         self.dt = 1.0 / _positive("fps", fps)
-        self.world = build_world(bodies, scene or Scene(), self.settings)
+        self.world = build_world(bodies, scene, self.settings)
         self._axes: tuple[Array, ...] = tuple(np.eye(3) for _ in bodies)
         self._started = False
 
@@ -77,8 +77,8 @@ class Simulator:
         if self.world.held:
             self.world = build_world(self.bodies, self.world.scene, self.settings)
         self._axes = tuple(np.array(p.axes, dtype=np.float64) for p in poses)
-        self.world.stepper.reset(*self.world.start(poses))
-        self._set_firmness(np.tile(self.world.stiffness, (len(poses), 1)))
+        self.world.reset(poses)
+        self._firmness = np.tile(self.world.stiffness, (len(poses), 1))
         self._started = True
         return self._frame(np.zeros((0, self.world.nq)), poses, moved=False)
 
@@ -123,12 +123,7 @@ class Simulator:
             raise InputError(f"set_stiffness: found person {person}, expected 0 to {people - 1}")
         chosen = slice(None) if person is None else person
         self._firmness[chosen] = firmness
-        self._set_firmness(self._firmness)
-
-    def _set_firmness(self, stiffness: Array) -> None:
-        """Firmness of everybody's joints (people, 55)."""
-        self._firmness = stiffness
-        self.world.stepper.set_stiffness(self.world.firmness(stiffness))
+        self.world.stepper.set_stiffness(self.world.firmness(self._firmness))
 
     def get_state(self) -> State:
         """Everything the simulation remembers: continue from it with `set_state`, bit for bit."""
@@ -244,15 +239,9 @@ class Simulator:
 
         Raises:
             InputError: Before `reset`; another name, part or person; something held already, on a
-                trajectory or articulated; a mode other than "velocity", internal forces or joint
-                damping.
+                trajectory or articulated; a baseline's settings.
         """
         self._must_run("attach")
-        if self.settings.mode in FORCED:
-            raise InputError(
-                f"attach: with Settings.mode={self.settings.mode!r} the person's pose is set, and "
-                "nothing hangs on it; expected another mode, such as 'velocity'"
-            )
         held = holding.with_held(self.world, name, part, person)
         self.world = live_edits.rebuilt(self.world, self.world.scene, True, held)
 
@@ -292,10 +281,10 @@ class Simulator:
             raise InputError(f"{what}: the simulator has no pose yet; call reset(pose) first")
 
     def _must_be_native(self) -> None:
-        if self.settings.mode in ENGINE_MODES:
+        if self.settings.drive.follow is not None:
             raise InputError(
-                f"Settings.mode is {self.settings.mode!r}, which follows whole motions only; "
-                "expected another mode here. Use halfphysics.simulate"
+                f"the baseline {type(self.settings).__name__} follows whole motions only; expected "
+                "other settings here. Use halfphysics.simulate"
             )
 
     def _checked(self, pose: Pose | Sequence[Pose]) -> list[Pose]:
@@ -319,7 +308,7 @@ class Simulator:
             _world=self.world,
             _qpos=stepper.qpos(),
             _axes=self._axes,
-            _set=tuple(poses) if self.settings.mode in FORCED else None,
+            _set=tuple(poses) if self.settings.drive.poses else None,
             _contacts=stepper.touches(),
             _inside=stepper.inside(),
             _torques=stepper.torques() if moved else np.zeros((0, 3)),

@@ -90,6 +90,11 @@ class World:
         there = ", ".join(known) or "none"
         return f"there is no object called {shown(name)}{hint}. There are: {there}"
 
+    def reset(self, poses: Sequence[Pose]) -> None:
+        """Put the people at `poses` and objects at their start; the core forgets all else."""
+        self.stepper.reset(*self.start(poses))
+        self.stepper.set_stiffness(self.firmness(np.tile(self.stiffness, (len(poses), 1))))
+
     def start(self, poses: Sequence[Pose]) -> tuple[Array, Array]:
         """Coordinates (nq,) and velocities (nv,) with people at `poses`, objects at their start."""
         qpos, qvel = np.zeros(self.nq), np.zeros(self.nv)

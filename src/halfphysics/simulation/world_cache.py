@@ -14,36 +14,34 @@ import numpy as np
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene.trajectories import KinematicObject
+from halfphysics.settings import HALF_PHYSICS
 from halfphysics.simulation.compiled_model import armature_of, compiled_inertia, model_arrays
 from halfphysics.simulation.core_settings import set_settings
 from halfphysics.simulation.names import parts_set_apart
 from halfphysics.simulation.pairing import set_pairings
-from halfphysics.simulation.world import World, signature_of
+from halfphysics.simulation.world import signature_of
 
 if TYPE_CHECKING:
     from halfphysics.scene.items import Object, Static
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
-    from halfphysics.simulation.simulator import Simulator
+    from halfphysics.simulation.world import World
 
-#: Settings that a world is made for: what touches, what the drive can, how the motion drives.
-FIXED = (
-    *("contact", "self_contact", "strength", "mode"),
-    *("internal_forces", "joint_damping", "torque_frequency", "torque_damping"),
-)
+#: Settings that a world is made for: what touches, and what the drive can exert.
+FIXED = ("contact", "self_contact", "strength")
 
 
-def use_again(simulator: Simulator, scene: Scene, settings: Settings, fps: float) -> bool:
-    """Give a simulator another scene, if that differs only in masses, materials and starts.
+def use_again(world: World, scene: Scene, settings: Settings) -> bool:
+    """Give a world another scene, if that differs only in masses, materials and starts.
 
-    The simulator is then, to the last bit, what `Simulator` would make of its people and the new
-    scene; it has to be reset. Where an object moves on a trajectory or is held, or settings differ
-    in what a world is made for (`FIXED`), a new one is needed.
+    The world is then, to the last bit, what `build_world` would make of its people and the new
+    scene; it has to be reset. A new one is needed where an object moves on a trajectory or is held,
+    where a baseline moves the people, and where settings differ in what a world is made for
+    (`FIXED`).
 
     Returns:
-        Whether it could be done; if not, the simulator is as it was.
+        Whether it could be done; if not, the world is as it was.
     """
-    world = simulator.world
     if not _fits(world, scene, settings):
         return False
     model, changed = world.model, _set_firmness(world, settings)
@@ -61,7 +59,6 @@ def use_again(simulator: Simulator, scene: Scene, settings: Settings, fps: float
             model.body_inertia[body], model.body_iquat[body] = compiled_inertia(item)
             changed = True
     _put(world, scene, settings, changed)
-    simulator.settings, simulator.dt = settings, 1.0 / fps
     return True
 
 
@@ -91,7 +88,7 @@ def _set_firmness(world: World, settings: Settings) -> bool:
 
 def _fits(world: World, scene: Scene, settings: Settings) -> bool:
     was = world.scene
-    if world.held or settings.mode != "velocity":
+    if world.held or not settings.drive == world.settings.drive == HALF_PHYSICS:
         return False
     if any(getattr(settings, field) != getattr(world.settings, field) for field in FIXED):
         return False

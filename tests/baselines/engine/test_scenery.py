@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from halfphysics.baselines import EngineKinematic, EngineVelocity
 from halfphysics.baselines.engine.scenery import add_scene
 from halfphysics.body.body import Body
 from halfphysics.body.mjcf_person import add_person
@@ -13,7 +14,6 @@ from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.geometry.mesh import Mesh
 from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
 from support.people import along_x
 
@@ -131,7 +131,7 @@ def test_a_mesh_touches_as_its_convex_pieces(body):
     scene = Scene()
     scene.add_static("corner", two_boxes())
     scene.add_object("ball", Sphere(0.05), mass=1.0, position=(0.4, 0.0, 0.25))
-    settings = Settings(mode="engine_kinematic")
+    settings = EngineKinematic()
     with pytest.warns(HalfPhysicsWarning, match="'corner'.*convex pieces, 2 of them") as said:
         result = simulate(along_x(0.0, 31, start=-9.0), scene, body=body, settings=settings)
     assert said[0].filename == __file__
@@ -143,7 +143,7 @@ def test_a_convex_mesh_touches_as_it_is(body, recwarn):
     scene = Scene()
     scene.add_static("block", Mesh(*Box((1.0, 1.0, 1.0)).triangles()))
     scene.add_object("ball", Sphere(0.05), mass=1.0, position=(0.0, 0.0, 0.55))
-    settings = Settings(mode="engine_kinematic")
+    settings = EngineKinematic()
     result = simulate(along_x(0.0, 11, start=-9.0), scene, body=body, settings=settings)
     np.testing.assert_allclose(result.objects["ball"].position[-1], [0.0, 0.0, 0.55], atol=1e-3)
     assert not [w for w in recwarn if issubclass(w.category, HalfPhysicsWarning)]
@@ -155,7 +155,7 @@ def test_an_object_touches_as_its_pieces(body):
     scene.add_static("floor", Plane())
     scene.add_object("corner", two_boxes(), mass=5.0)
     scene.add_object("ball", Sphere(0.05), mass=0.1, position=(0.4, 0.0, 0.25))
-    settings = Settings(mode="engine_velocity")
+    settings = EngineVelocity()
     result = simulate(along_x(0.0, 31, start=-9.0, z=2.0), scene, body=body, settings=settings)
     np.testing.assert_allclose(result.objects["ball"].position[-1], [0.4, 0.0, 0.25], atol=2e-3)
     np.testing.assert_allclose(result.objects["corner"].position[-1], 0.0, atol=2e-3)
@@ -173,6 +173,6 @@ def test_without_anything_to_answer_nothing_is_cut(body, monkeypatch):
     scene = Scene()
     scene.add_static("corner", two_boxes())
     scene.add_moving("lift", Box((0.1, 0.1, 0.1)), [[3.0, 0.0, 0.0], [4.0, 0.0, 0.0]], fps=1.0)
-    settings = Settings(mode="engine_kinematic")
+    settings = EngineKinematic()
     result = simulate(along_x(0.0, 31, start=-9.0), scene, body=body, settings=settings)
     np.testing.assert_allclose(result.objects["lift"].position[-1], [4.0, 0.0, 0.0], atol=1e-12)

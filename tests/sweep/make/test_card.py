@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from halfphysics.base.json_files import text_of
+from halfphysics.baselines import options_of
 from halfphysics.labels import events
 from halfphysics.motion.motion import Motion
 from halfphysics.results.inside import Inside
@@ -69,7 +70,7 @@ def test_a_card_says_what_it_was_made_from():
     assert (found["input"], found["body"], found["scene"]) == ("kick_ball", "own", "own")
     assert found["factors"] == {"object.ball.mass": 0.5}
     assert found["settings"]["stiffness"] == 1.0
-    assert set(found["settings"]) == {f for f in vars(Settings())}
+    assert set(found["settings"]) == set(options_of(Settings()))
     assert found["sources"] == [{"path": "a/b.npz", "sha256": "00"}]
     assert found["versions"] == versions()
     assert set(OF_RESULT) <= set(found)

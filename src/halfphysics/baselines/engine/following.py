@@ -1,4 +1,4 @@
-"""Whole motions through plain MuJoCo: the modes "engine_velocity" and "engine_kinematic"."""
+"""Whole motions through plain MuJoCo: `EngineVelocity` and `EngineKinematic`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from halfphysics.baselines.engine.kinematic import MocapDrive, between
 from halfphysics.baselines.engine.model import EngineModel
 from halfphysics.baselines.engine.velocity import VelocityDrive, Watch
 from halfphysics.baselines.engine.watching import Recorder
+from halfphysics.baselines.settings import EngineKinematic
 from halfphysics.body.mjcf_person import addresses
 from halfphysics.errors import InputError
 from halfphysics.metrics.part_report import clearances
@@ -31,25 +32,22 @@ Array = NDArray[np.float64]
 _STATE = ("QPOS", "QVEL", "QACC")
 
 
-def follow_in_engine(
-    world: World, motions: Sequence[Motion], dt: float, bar: Callable[[int], Any]
-) -> Result:
+def follow(world: World, motions: Sequence[Motion], done: Callable[[int], Any]) -> Result:
     """Run whole motions, one per person, in MuJoCo.
 
     Args:
         world: People, scene and settings; of what it compiled, only names and clearances are used.
         motions: One per person, of one length.
-        dt: Length of a frame [s].
-        bar: Told how many frames were done.
+        done: Told how many frames were done.
 
     Raises:
         InputError: What MuJoCo cannot have, see `add_scene`; or it became unstable.
     """
     import mujoco
 
-    settings, count = world.settings, len(motions[0])
+    settings, count, dt = world.settings, len(motions[0]), 1.0 / motions[0].fps
     substeps = settings.substeps_for(dt)
-    mocap = settings.mode == "engine_kinematic"
+    mocap = isinstance(settings, EngineKinematic)
     engine = EngineModel(world, dt / substeps, mocap=mocap)
     model, data = engine.model, mujoco.MjData(engine.model)
     recorder = Recorder(engine, data, substeps)
@@ -70,7 +68,7 @@ def follow_in_engine(
         qpos.append(recorder.qpos.copy() if every else recorder.qpos[-1:].copy())
         rows.append(recorder.rows())
         frames.append(np.full(len(rows[-1]), t))
-        bar(1)
+        done(1)
     whole = np.concatenate(qpos)
     at_frames = whole[::substeps] if every else whole
     columns, row = contact_rows(engine, np.concatenate(rows))
@@ -105,9 +103,9 @@ def _check_stable(data: Any, settings: Settings, t: int, dt: float) -> None:
 
     if any(data.warning[getattr(mujoco.mjtWarning, f"mjWARN_BAD{x}")].number for x in _STATE):
         raise InputError(
-            f"Settings.mode is {settings.mode!r}: MuJoCo became unstable before frame {t} "
+            f"{type(settings).__name__}: MuJoCo became unstable before frame {t} "
             f"({t * dt:.2f} s), expected forces that {settings.substeps_for(dt)} steps per frame "
-            "can follow. Use more substeps=, heavier objects, or another mode"
+            "can follow. Use more substeps=, heavier objects, or another baseline"
         )
 
 

@@ -169,5 +169,5 @@ def _warn_of_unheeded(scene: Scene) -> None:
             warnings.warn(
                 f"{', '.join(map(repr, names[:_NAMED]))}{more}: {what}",
                 HalfPhysicsWarning,
-                stacklevel=6,  # the line that called `simulate`
+                stacklevel=7,  # the line that called `simulate`
             )

@@ -204,13 +204,13 @@ def _pieces(name: str, mesh: Mesh) -> list[Array]:
     except InputError as error:
         raise InputError(
             f"static {name!r}: MuJoCo knows convex solids only, and its mesh is not made of any: "
-            f"{error}. Add it as a Plane or as boxes, or use another mode"
+            f"{error}. Add it as a Plane or as boxes, or use another baseline"
         ) from None
     warnings.warn(
         f"static {name!r}: MuJoCo knows convex solids only: the mesh touches there in convex "
         f"pieces, {len(made.pieces)} of them, which are up to {made.outside_mm:.1f} mm outside of "
         f"it and leave up to {made.inside_mm:.1f} mm of it bare",
         HalfPhysicsWarning,
-        stacklevel=8,  # the line that called `simulate`
+        stacklevel=9,  # the line that called `simulate`
     )
     return [piece.vertices for piece in made.pieces]

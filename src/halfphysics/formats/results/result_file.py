@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from halfphysics.base.axes import turned
 from halfphysics.base.npz import Npz
 from halfphysics.base.validation import file_path, shown
+from halfphysics.baselines.options import OPTIONS, from_options
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats import load_motion
 from halfphysics.formats.results.keys import (
@@ -294,12 +295,11 @@ def _parsed(npz: Npz, key: str) -> Any:
 
 
 def _settings(data: Any) -> Settings:
-    known = {f.name for f in dataclasses.fields(Settings)}
     checked_document(data, "field 'meta/settings'", ())
-    unknown = sorted(set(data) - known)
+    unknown = sorted(set(data) - set(OPTIONS))
     if unknown:
         raise InputError(
             f"field 'meta/settings': found unknown settings {unknown}, expected some of "
-            f"{sorted(known)}. A newer halfphysics may read it"
+            f"{sorted(OPTIONS)}. A newer halfphysics may read it"
         )
-    return Settings(**data)
+    return from_options(data)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import os
 from collections.abc import Mapping
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base.npz import write_npz
+from halfphysics.baselines.options import options_of
 from halfphysics.formats.amass import smpl as amass_smpl
 from halfphysics.formats.amass import smplh as amass_smplh
 from halfphysics.formats.amass import smplx as amass_smplx
@@ -137,5 +137,5 @@ def _json(data: Any) -> NDArray[Any]:
 
 
 def _settings_document(settings: Settings) -> dict[str, Any]:
-    values = {f.name: getattr(settings, f.name) for f in dataclasses.fields(settings)}
+    values = options_of(settings)
     return {k: dict(v) if isinstance(v, Mapping) else v for k, v in values.items()}

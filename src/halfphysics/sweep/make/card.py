@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.baselines import options_of
 from halfphysics.sweep.make.provenance import versions
 
 if TYPE_CHECKING:
@@ -151,7 +152,7 @@ def _made_from(plan: Plan, variant: Variant, ready: Made) -> dict[str, Any]:
         "body": variant.body.name,
         "scene": variant.scene.name,
         "factors": plain(variant.factors),
-        "settings": plain(ready.settings),
+        "settings": plain(options_of(ready.settings)),
         "sources": [_source(source, variant, plan.base) for source in ready.sources],
         "versions": versions(),
     }

@@ -8,14 +8,14 @@ furnished, then changed thing by thing. What neighbouring variants share is kept
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from halfphysics.baselines import with_options
 from halfphysics.body.body import check_match
 from halfphysics.errors import InputError
-from halfphysics.settings import Settings
+from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.simulate import follow
-from halfphysics.simulation.simulator import Simulator
 from halfphysics.simulation.world_cache import use_again
 from halfphysics.sweep.make.motion_factors import placed, said_of_motion
 from halfphysics.sweep.make.scene_factors import SceneFactors
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
     from halfphysics.results.result import Result
     from halfphysics.scene.scene import Scene
+    from halfphysics.settings import Settings
+    from halfphysics.simulation.world import World
     from halfphysics.sweep.plan.plan import Plan
     from halfphysics.sweep.plan.variants import Variant
 
@@ -66,7 +68,7 @@ class Workshop:
         self._plan = plan
         self._stock = Stock()
         self._items = SceneFactors()
-        self._simulator: Simulator | None = None
+        self._world: World | None = None
 
     def make(self, variant: Variant) -> Ready:
         """What to simulate.
@@ -110,23 +112,21 @@ class Workshop:
         """
         for motion, body in zip(ready.motions, ready.bodies, strict=True):
             check_match(motion, body, allow_mismatch=ready.allow_mismatch)
-        return follow(self._simulator_for(ready), ready.motions)
+        return follow(self._world_for(ready), ready.motions)
 
-    def _simulator_for(self, ready: Ready) -> Simulator:
-        last, fps = self._simulator, ready.motions[0].fps
+    def _world_for(self, ready: Ready) -> World:
+        last = self._world
         if (
             last is not None
             and len(last.bodies) == len(ready.bodies)
             and all(a is b for a, b in zip(last.bodies, ready.bodies, strict=True))
-            and use_again(last, ready.scene, ready.settings, fps)
+            and use_again(last, ready.scene, ready.settings)
         ):
             return last
         # Forgotten first: two at a time would take twice the memory.
-        self._simulator = None
-        self._simulator = Simulator(
-            ready.scene, body=list(ready.bodies), settings=ready.settings, fps=fps
-        )
-        return self._simulator
+        self._world = None
+        self._world = build_world(ready.bodies, ready.scene, ready.settings)
+        return self._world
 
     def _people(
         self, variant: Variant, said: Mapping[str, Mapping[str, Any]]
@@ -178,4 +178,4 @@ def _check_options(scenario: str, options: Iterable[str]) -> None:
 def _settings(base: Settings, plan: Mapping[str, Any], factors: Mapping[str, Any]) -> Settings:
     """The clip's settings, with what the plan says instead, with what factors say instead."""
     changes = {**plan, **factors}
-    return replace(base, **changes) if changes else base
+    return with_options(base, changes)

@@ -1,6 +1,6 @@
 """Names of factors: what each varies, and which of its values are possible.
 
-settings.FIELD                 a field of halfphysics.Settings
+settings.FIELD                 a field of halfphysics.Settings, or an option of a baseline
 body.stature, body.betas.K     height of the default body [m]; its K-th shape number
 motion.X                       speed, fps, offset_x, offset_y, offset_z [m], yaw [deg]
 scenario.OPTION                an option of the scenarios
@@ -14,13 +14,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import real, shown
+from halfphysics.baselines.options import OPTIONS, from_options
 from halfphysics.errors import InputError
-from halfphysics.settings import Settings
 from halfphysics.sweep.plan.values import Normal, Spec, Value
 
 Group: TypeAlias = Literal[
@@ -70,7 +70,6 @@ STATURE = Bounds(least=0.4, most=2.8)
 
 #: Most shape numbers that a body model has.
 _MOST_BETAS = 400
-_SETTINGS = tuple(field.name for field in fields(Settings))
 #: Options of a scenario that are no plain value, and what varies instead of them.
 NOT_PLAIN = ("body", "other")
 
@@ -145,7 +144,7 @@ class FactorName:
 
 
 _WHATS: Mapping[str, tuple[str, ...]] = {
-    "settings": _SETTINGS,
+    "settings": OPTIONS,
     "motion": tuple(MOTION),
     "objects": tuple(OBJECT),
     "object": tuple(OBJECT),
@@ -189,12 +188,12 @@ def check_settings(settings: Mapping[str, Any]) -> None:
         InputError: Naming the field.
     """
     for name in settings:
-        if name not in _SETTINGS:
+        if name not in OPTIONS:
             raise InputError(
-                f"{name}: halfphysics.Settings has no such field{_meant(name, _SETTINGS)} Expected "
-                f"one of {', '.join(_SETTINGS)}"
+                f"{name}: halfphysics.Settings has no such field{_meant(name, OPTIONS)} Expected "
+                f"one of {', '.join(OPTIONS)}"
             )
-    Settings(**settings)
+    from_options(settings)
 
 
 def _within(values: Spec, check: Callable[..., None], *args: Any) -> None:
@@ -255,7 +254,7 @@ def _check_setting(
     ways = itertools.product(*others.values())
     for way in ({}, *(dict(zip(others, w, strict=True)) for w in itertools.islice(ways, 1000))):
         try:
-            Settings(**{**chosen, **way})
+            from_options({**chosen, **way})
         except InputError as error:
             first = first or str(error)
         else:

@@ -1,5 +1,5 @@
-"""What the paper leaves out or argues against, in plain numpy, beside the drive of `reference.py`;
-see docs/physics.md, "Baselines"."""
+"""`Ablation` and `Torque` in plain numpy, beside the drive of `halfphysics.reference.step`; see
+docs/physics.md, "Baselines"."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def bias(model: Any, qpos: Array, qvel: Array) -> Array:
 
 def damping(drive: reference.ReferenceDrive) -> Array:
     """D (n,) of a person's dofs [N m s/rad]: the root has none."""
-    d = np.full_like(drive.v_ref, drive.settings.joint_damping)
+    d = np.full_like(drive.v_ref, drive.settings.drive.joint_damping)
     d[:6] = 0.0
     return d
 
@@ -67,7 +67,7 @@ def with_own_forces(
     """v* (n,) with damping and the internal forces c (n,) (0: without them), `v` being without."""
     pull = np.linalg.solve(heavier(drive, h, M, stiff), -h * c - h * damping(drive) * v)
     own = np.array(v + pull)
-    if drive.settings.internal_forces:
+    if drive.settings.drive.internal_forces:
         for i in range(3, len(v), 3):
             most = max(FASTEST, float(np.linalg.norm(v[i : i + 3])))
             own[i : i + 3] *= min(1.0, most / max(float(np.linalg.norm(own[i : i + 3])), 1e-300))
@@ -88,9 +88,9 @@ class TorqueDrive(reference.ReferenceDrive):
 
         kp = I w^2 and kd = 2 z I w act at the end of a substep: h kd + h^2 kp.
         """
-        wh = self.settings.torque_frequency * self.h
+        wh = self.settings.drive.torque_frequency * self.h
         return np.full(
-            1 + (len(self.v_ref) - 6) // 3, wh * (wh + 2.0 * self.settings.torque_damping)
+            1 + (len(self.v_ref) - 6) // 3, wh * (wh + 2.0 * self.settings.drive.torque_damping)
         )
 
     def begin_frame(self, target: Array, dt: float, qpos: Array, qvel: Array) -> None:
@@ -104,7 +104,7 @@ class TorqueDrive(reference.ReferenceDrive):
         self, k: int, h: float, qpos: Array, qvel: Array, M: Array, stiff: Array
     ) -> Array:
         """(M + h kd + h^2 kp) (v* - v) = h kp (eps - h v) - h kd v; `stiff` (n,): h kd + h^2 kp."""
-        s, v = self.settings, qvel[self.dofs]
+        s, v = self.settings.drive, qvel[self.dofs]
         kp = stiff / self.firmness[0] * s.torque_frequency**2
         kd = 2.0 * s.torque_damping / s.torque_frequency * kp
         turns = reference.turns(self.coordinates(qpos), self.target)

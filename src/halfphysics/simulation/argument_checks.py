@@ -1,4 +1,4 @@
-"""The people of a simulation: motions and bodies as they were given, checked."""
+"""Arguments of a simulation, checked: motions, bodies, scene and settings."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import TypeVar, cast
 from halfphysics.body.body import Body, check_match
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
+from halfphysics.scene.scene import Scene
+from halfphysics.settings import Settings
 
 T = TypeVar("T")
 
@@ -28,6 +30,20 @@ def checked_bodies(body: Body | Sequence[Body] | None) -> list[Body]:
         if not isinstance(one, Body):
             raise InputError(f"body: found {one!r}, expected a halfphysics.Body")
     return bodies
+
+
+def checked_scene(scene: Scene | None) -> Scene:
+    """A scene; None: an empty one. Raises `InputError` for anything else."""
+    if scene is not None and not isinstance(scene, Scene):
+        raise InputError(f"scene: found {scene!r}, expected a halfphysics.Scene")
+    return scene or Scene()
+
+
+def checked_settings(settings: Settings | None) -> Settings:
+    """Settings; None: the default ones. Raises `InputError` for anything else."""
+    if settings is not None and not isinstance(settings, Settings):
+        raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
+    return settings or Settings()
 
 
 def checked_people(
@@ -61,7 +77,7 @@ def checked_people(
                 f"{len(first)} at {first.fps:g}; expected the same. "
                 "Use motion.resample(fps) and slices motion[a:b]"
             )
-    bodies = several(Body.default() if body is None else body)
+    bodies = checked_bodies(body)
     if not isinstance(body, list | tuple):
         bodies *= len(motions)
     if len(bodies) != len(motions):

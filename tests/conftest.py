@@ -11,7 +11,7 @@ import pytest
 
 from support.paths import ROOT
 
-# How fast a machine is, and how busy, is no property of what is tested.
+# The time limits of hypothesis are off: how busy a machine is says nothing about the code.
 hypothesis.settings.register_profile(
     "any machine", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
 )
@@ -20,13 +20,13 @@ hypothesis.settings.load_profile("any machine")
 
 @pytest.fixture(scope="session", autouse=True)
 def kept_pieces(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Pieces of meshes are kept in a folder of this run, not in the home of whoever runs it."""
+    """The cache of decomposed meshes is a folder of this run, not the one in the home folder."""
     os.environ["HALFPHYSICS_CACHE"] = str(tmp_path_factory.mktemp("cache"))
 
 
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
-    """Folder with real motions and meshes; tests that need it skip where it is absent."""
+    """Folder with real motions and meshes; tests that use it skip if it is absent."""
     default = ROOT.parent / "shared" / "data"
     folder = Path(os.environ.get("HALFPHYSICS_TEST_DATA", default))
     if not folder.is_dir():
@@ -35,7 +35,7 @@ def shared_data() -> Path:
 
 
 def pytest_terminal_summary(terminalreporter) -> None:
-    """What a fuzzer that was asked for has seen."""
+    """Print what the fuzzer has seen, if HALFPHYSICS_FUZZ is set."""
     fuzzing = sys.modules.get("support.fuzzing")
     if fuzzing is not None and fuzzing.SECONDS > 0.0 and fuzzing.seen:
         terminalreporter.section("fuzzed")

@@ -101,12 +101,12 @@ def contacts():
     return tuple(out)
 
 
-#: Whose skin: seeds take turns. Betas of three, pose blend shapes that nobody has.
+#: Whose skin: seeds take turns. Betas of three, made-up pose blend shapes.
 WHO = ("default", *(f"beta{k}{sign}" for k in range(10) for sign in "+-"), "blend")
 
 
 @cache
-def somebody(who="default"):
+def body_of(who="default"):
     """A body of `WHO`, made once."""
     if who.startswith("beta"):
         betas = np.zeros(10)
@@ -141,7 +141,7 @@ def _set_up(case, data, body):
 
 def run(case, data=None, contact="skin", body=None, **changes):
     """The numbers of one case; `changes` of `Settings`."""
-    body = somebody(getattr(case, "who", "default")) if body is None else body
+    body = body_of(getattr(case, "who", "default")) if body is None else body
     motion, scene, pressing = _set_up(case, data, body)
     settings = Settings(
         contact=contact,
@@ -214,7 +214,7 @@ def _mm(x):
 
 def first_contact(case, contact="skin", body=None):
     """Distance of the skin [m] at the end of the first frame with a contact; None: no contact."""
-    body = somebody(case.who) if body is None else body
+    body = body_of(case.who) if body is None else body
     made = build(case.name, body, case.kind, case.fps, case.seed, pace=case.pace)
     settings = Settings(
         contact=contact,

@@ -4,7 +4,7 @@
         [--shard 0/2] [--seed 0] [--contact skin] [--data DATA] [--case KIND-SEED] [--summary]
 
 Kinds take turns, so any part of the campaign is a fair sample; what the log has is not run again.
-`--seed` starts the seeds elsewhere: choose one that nobody has looked at. `PYTHONPATH` chooses the
+`--seed` starts the seeds elsewhere: choose one that was not used before. `PYTHONPATH` chooses the
 build that is judged.
 """
 

@@ -19,12 +19,12 @@ from campaigns.skin import (
     WHO,
     Case,
     all_cases,
+    body_of,
     campaign,
     complaints,
     contacts,
     first_contact,
     run,
-    somebody,
     summary,
 )
 from halfphysics.motion.skeleton import JOINT_NAMES
@@ -104,7 +104,7 @@ def ids(some):
 @pytest.mark.slow
 @pytest.mark.parametrize("case", SAMPLE, ids=ids(SAMPLE))
 def test_a_case_starts_clear_and_asks_for_something(case):
-    body = somebody(case.who)
+    body = body_of(case.who)
     made = build(case.name, body, "primitives", case.fps, case.seed, pace=case.pace)
     judge = SkinJudge(body, made.scene)
     chosen = np.linspace(0, len(made.motion) - 1, 12).astype(int)
@@ -133,7 +133,7 @@ def test_a_case_starts_clear_and_asks_for_something(case):
 @pytest.mark.parametrize("kind", KINDS)
 def test_furniture_of_every_kind_is_in_the_same_place(kind):
     """The last pose is cut by all of them; sheets have no inside to be deep in."""
-    body = somebody()
+    body = body_of()
     for name in ("sit_chair", "knee-edge90", "hip_table_corner"):
         made = build(name, body, kind)
         verdict = SkinJudge(body, made.scene, samples=100).judge_motion(made.motion[-14:-12])

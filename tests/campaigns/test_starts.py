@@ -1,4 +1,4 @@
-"""Who starts inside something comes out of it: steadily, soon, and without disturbing the rest.
+"""People who start inside something come out: steadily, soon, and with the rest undisturbed.
 
 A few cases of each kind run always; `HALFPHYSICS_STARTS=n` runs n of each, from
 `HALFPHYSICS_STARTS_SEED` on. The judge is tested on runs made up by hand.

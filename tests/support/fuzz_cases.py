@@ -1,7 +1,7 @@
 """Random people, motions, obstacles, things and settings: what the fuzzer draws, and its building.
 
 A `Case` is plain numbers; its repr is the code that makes it again. Every case starts clear: when
-it is built, obstacles that would overlap somebody are moved ahead until they do not, and things
+it is built, obstacles that would overlap a person are moved ahead until they do not, and things
 that would overlap anything are left out.
 """
 
@@ -43,7 +43,7 @@ STATICS = (
 THINGS = ("box", "sphere", "capsule", "cylinder", "hull")
 #: Things start at least this far from everything [m]: twice the clearance.
 ROOM = 0.002
-#: An obstacle that overlaps somebody is moved ahead in steps of this, so often at most [m].
+#: An obstacle that overlaps a person is moved ahead in steps of this, so often at most [m].
 AHEAD, TRIES = 0.1, 25
 #: Substeps of a case at most, whatever its speed and frame rate.
 MOST_SUBSTEPS = 320
@@ -74,7 +74,7 @@ class Thing:
 
 @dataclass(frozen=True)
 class Person:
-    """Somebody who goes along a direction at `speed` [m/s] and moves `wild` times as much as we do.
+    """A person who goes along a direction at `speed` [m/s] and moves `wild` times as much as we do.
 
     `seed` chooses how the joints move; `spin` [rad/s] turns the whole about the vertical.
     """

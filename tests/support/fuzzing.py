@@ -2,7 +2,7 @@
 
 `HALFPHYSICS_FUZZ=SECONDS` lets every kind of test go on for so long. What it has seen is counted
 and printed at the end. No case is lost: each is in a file of `UNDER_WAY` from before it begins
-until it has passed, so that it is still there after a crash, or after somebody lost patience; one
+until it has passed, so that it is still there after a crash, or an interruption; one
 that fails is said at once, and reported as it was found: nothing is made smaller.
 """
 

@@ -15,7 +15,7 @@ UPRIGHT = {"y": np.zeros(3), "z": np.array([np.pi / 2, 0.0, 0.0])}
 
 
 def movement(frames: int = 12, seed: int = 0, up: str = "z") -> tuple[np.ndarray, np.ndarray]:
-    """Translation (T, 3) and rotations (T, 55, 3) of somebody upright who wiggles all joints.
+    """Translation (T, 3) and rotations (T, 55, 3) of an upright person who moves all joints.
 
     At a person's speeds up to 120 frames per second.
     """

@@ -1,4 +1,4 @@
-"""Results made by hand: a box of 1 kg at a person's palm, on any path, pushed by whom one says."""
+"""Results made by hand: a box of 1 kg at a person's palm, on any path, with chosen contacts."""
 
 from __future__ import annotations
 

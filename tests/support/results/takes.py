@@ -1,4 +1,4 @@
-"""A small scene with one of everything, and somebody who moves in it: what exporters are given."""
+"""A small scene with one of everything, and a person who moves in it: input of exporters."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def scene(*, meshes: bool = True) -> hp.Scene:
 
 @cache
 def result(people: int = 1) -> hp.Result:
-    """Somebody among all that, simulated for 0.4 s."""
+    """A person in that scene, simulated for 0.4 s."""
     motions = []
     for i in range(people):
         translation, rotations = movement(13, seed=i)

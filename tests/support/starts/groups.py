@@ -1,4 +1,4 @@
-"""Who is held by what at the start: hulls that hang together, and their shortest way out."""
+"""Which hulls overlap what at the start: connected groups of hulls, and their shortest exits."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ def _shortest(posed, k, pieces, inside, beyond, met, others):
         ways += _different([a + b for a, b in combinations(ways, 2) if a @ b > -0.5])
     back = [n for n in ways if all(_returns(n, s, x) for _, s, x in beyond)] or ways
     trial = Group(pieces, inside, tuple((h, s) for h, s, _ in beyond), ways[0], 0.0)
-    # Whoever hangs between the group and the root comes along: not from one thing into another,
+    # The hulls between the group and the root move with it: not from one thing into another,
     # nor, where it can be helped, from in front of an edge to under it.
     between = _between(posed, trial.hulls)
     best = {True: (np.inf, back[0]), False: (np.inf, back[0])}

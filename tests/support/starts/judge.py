@@ -204,7 +204,7 @@ class StartJudge:
         return out
 
     def _measure_skin(self, v, posed, groups):
-        """When the last skin vertex has left the solids that held somebody."""
+        """When the last skin vertex has left the solids that it started in."""
         last = -1
         for solid in {id(s): s for g in groups for s in g.solids}.values():
             normals, offsets = solid.normals, solid.offsets

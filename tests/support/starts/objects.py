@@ -23,7 +23,7 @@ DEPTHS = (0.01, 0.03)
 
 
 def _pushed(posed, shape, at, out, deep):
-    """Where a shape that touches somebody at `at` has to be to be so deep in one of the hulls."""
+    """Where a shape that touches a person at `at` has to be to be so deep in one of the hulls."""
     geometry = coal_shape(shape, solid=True)
 
     def depth(way):
@@ -46,7 +46,7 @@ def _pushed(posed, shape, at, out, deep):
 
 
 def build(case: Case, contact: str, data=None) -> Start:
-    """Somebody stands there and waves; one thing or two overlap something."""
+    """A person stands and waves; one object or two overlap something."""
     rng = case.rng()
     u = rng.uniform
     deep = u(*DEPTHS)

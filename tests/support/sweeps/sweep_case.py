@@ -32,7 +32,7 @@ def planned(folder: Path, text: str = PLAN) -> Plan:
 
 
 def begun(folder: Path, plan: Plan) -> Store:
-    """The folder of a sweep that nobody works on."""
+    """The folder of a sweep without a driver or workers."""
     store = Store(folder, plan)
     store.begin()
     store.close()
@@ -48,7 +48,7 @@ def data(folder: Path) -> dict[str, bytes]:
 
 
 class Told:
-    """Who listens to a driver."""
+    """Records the deaths that a driver reports."""
 
     def __init__(self):
         self.deaths = 0

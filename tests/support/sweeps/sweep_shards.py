@@ -96,7 +96,7 @@ def write_tar(path, samples):
 
 
 def plan_of(base, *, variants=11, batch=2, per_shard=6, formats=("webdataset",), seed=0):
-    """A plan of so many variants: of two files, the values of a factor; nobody opens the files."""
+    """A plan of so many variants: of two files, the values of a factor; the files stay closed."""
     for name in ("a.npz", "b.npz"):
         if not (base / name).exists():
             (base / name).write_bytes(name.encode())

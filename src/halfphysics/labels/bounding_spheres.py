@@ -1,6 +1,7 @@
-"""Balls around the skin of each part in every frame: what is far from them need not be skinned.
+"""Bounding spheres of the skin, by part and by cluster, in every frame.
 
-Parts first, as they are few; of those that may be near, the small clusters of their vertices.
+Parts whose bounding spheres are far from all items are not skinned. Parts are tested first, as they
+are few; then the small clusters of vertices of the parts that may be near.
 """
 
 from __future__ import annotations
@@ -26,18 +27,18 @@ _MOST = 64  # vertices of a cluster
 
 @dataclass(frozen=True, eq=False)
 class Balls:
-    """What is known of groups of a skin's vertices before it is posed.
+    """Bounding spheres of groups of a skin's vertices, without posing the skin.
 
-    A skinned vertex is a mean of where the joints that carry it would take it: it lies in a ball
-    around the balls that these joints take along. A group's ball has the corners of all faces that
-    reach into the group in it, and so these faces.
+    A skinned vertex is a weighted mean of its rigid positions under the joints that carry it, so it
+    lies in a sphere around the spheres that move with these joints. A group's sphere contains the
+    corners of all faces that reach into the group, and so these faces.
 
     Attributes:
-        groups: How many there are.
-        joint, of: Which joint carries some vertices of which group (k,), joint by joint.
-        centre, radius: Of the ball around these in the joint's frame at rest (k, 3), (k,) [m].
-        bulge: How far pose blend shapes move a group's vertices for every unit by which a joint's
-            rotation differs from none (groups, 54) [m], or None.
+        groups: Number of groups.
+        joint, of: Joint and group of each sphere (k,), ordered by joint.
+        centre, radius: Of the sphere in the joint's frame at rest (k, 3), (k,) [m].
+        bulge: Largest displacement of a group's vertices by pose blend shapes per unit of
+            |R - I| of each joint (groups, 54) [m], or None.
     """
 
     groups: int
@@ -57,10 +58,10 @@ class Balls:
         """Centres (T, groups, 3) and radii (T, groups) [m] in every frame; -inf: without skin.
 
         Args:
-            rotations: How the body moves, as `Motion.rotations` (T, 55, 3).
-            positions, quaternions: Of its joints, as `Body.joint_frames` says.
-            wanted: Of which groups in which frames (T, groups), the others come as without skin;
-                None: of all.
+            rotations: Rotations of the motion (T, 55, 3).
+            positions, quaternions: Of its joints, from `Body.joint_frames`.
+            wanted: Groups to compute in each frame (T, groups), the others have no skin; None:
+                all.
         """
         from halfphysics import _native
 
@@ -87,12 +88,12 @@ class PartBalls:
     """A body's parts and their clusters.
 
     Attributes:
-        part: Of every vertex, the joint with its largest weight (V,).
-        cluster: Of every vertex (V,): clusters are neighbours at rest, part by part.
-        of: The part of each cluster (c,).
+        part: Joint with the largest weight of every vertex (V,).
+        cluster: Cluster of every vertex (V,): neighbours at rest, part by part.
+        of: Part of each cluster (c,).
         order: The vertices cluster by cluster, ascending in each (V,).
         corners: The clusters of the corners of each face (3, F).
-        parts, clusters: The balls of both.
+        parts, clusters: The spheres of both.
     """
 
     part: Whole
@@ -108,7 +109,7 @@ _known: WeakKeyDictionary[Body, PartBalls] = WeakKeyDictionary()
 
 
 def part_balls(body: Body) -> PartBalls:
-    """Of a body; worked out once."""
+    """The spheres of a body; computed once."""
     found = _known.get(body)
     if found is None:
         found = _known[body] = _made(body)
@@ -137,7 +138,7 @@ def _made(body: Body) -> PartBalls:
 
 
 def _split(points: Array, some: Whole) -> list[Whole]:
-    """Some vertices in halves, along their longest side, until none are many."""
+    """Divide vertices along their longest side until the clusters are small."""
     if len(some) <= _MOST:
         return [some] if len(some) else []
     mine = points[some]
@@ -147,7 +148,7 @@ def _split(points: Array, some: Whole) -> list[Whole]:
 
 
 def _balls(body: Body, group: Whole, groups: int) -> Balls:
-    """Of the groups that each vertex is in (V,)."""
+    """The spheres of groups, given the group of each vertex (V,)."""
     count = len(group)
     # Every group with its own vertices, and with those of faces that reach into it.
     pairs = [group * count + np.arange(count)]
@@ -155,7 +156,7 @@ def _balls(body: Body, group: Whole, groups: int) -> Balls:
         for other in range(3):
             pairs.append(group[body.faces[:, corner]] * count + body.faces[:, other])
     of, vertex = np.divmod(np.unique(np.concatenate(pairs)), count)
-    # And these with every joint that carries them.
+    # And each of these vertices with every joint that carries it.
     first, joints, _ = body.skin.sparse_weights
     many = np.diff(first)[vertex]
     entry = np.arange(many.sum()) + np.repeat(first[vertex] - np.cumsum(many) + many, many)

@@ -1,4 +1,4 @@
-"""Making contact labels of a result: geometry and the solver's impulses together."""
+"""Contact labels of a result, from its geometry and the solver's impulses."""
 
 from __future__ import annotations
 
@@ -17,28 +17,29 @@ from halfphysics.metrics.argument_checks import check_result
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.result import Result
 
-#: A vertex this much farther from a thing than the clearance still touches it [m].
+#: A vertex touches an item up to this distance beyond the clearance [m].
 MARGIN = 1e-3
 
 
 def contact_labels(
     result: Result, *, threshold: float | None = None, reach: float = 0.05
 ) -> ContactLabels:
-    """Which vertices and parts touched what in every frame of a result, and how hard.
+    """Label the vertices and parts in contact, with their forces, in every frame of a result.
 
-    A vertex touches what is at most `threshold` from it: what of that thing touches in the
-    simulation (an object's convex pieces, a static's own shape, exactly), or, of an object's
-    vertex, the triangles of the skin. What the scene excuses from contact is not labelled.
+    A vertex of the skin touches an item if its distance from the item's collision geometry (an
+    object's convex pieces, a static's own shape, exact) is at most `threshold`; a vertex of an
+    object, if its distance from the triangles of the skin is. Pairs that the scene ignores are
+    not labelled.
 
     Args:
-        result: What was simulated.
-        threshold: Up to how far [m]; None: the clearance of the result's settings and 1 mm, which
-            is also the most that it can be.
-        reach: How far the exporters may ask [m]: nothing is worked out until they do.
+        result: The result of a simulation.
+        threshold: Largest distance [m]; None: the clearance of the result's settings plus 1 mm,
+            which is also the upper limit.
+        reach: Largest distance that exporters may request [m], computed on request.
 
     Raises:
         InputError: No result, or an impossible threshold or reach.
-        FileError: In a result from a file: a body or the scene has gone.
+        FileError: In a result from a file: a body or the scene is missing.
     """
     check_result(result)
     most = result.settings.clearance + MARGIN
@@ -77,7 +78,7 @@ _STANDS, _MOVES, _PERSON = 0, 1, 2
 
 
 def _kinds(result: Result, items: tuple[ItemSolids, ...]) -> NDArray[np.int64]:
-    """Of every name of a result: what stands, what moves, a person."""
+    """The kind of every name of a result: static, moving item or person."""
     stands = {item.name for item in items if item.stands}
     people = {person.name for person in result.people}
     return np.array(
@@ -128,7 +129,7 @@ def _person(
 
 
 def _once(rows: list[Near]) -> Near:
-    """Rows of several things as those of one: every vertex once a frame, where it is nearest."""
+    """Merge the rows of several items: every vertex once per frame, with its smallest distance."""
     every = Near.joined(rows)
     order = np.lexsort((every.distance, every.vertex, every.frame))
     frame, vertex = every.frame[order], every.vertex[order]

@@ -1,7 +1,7 @@
-"""What other data sets call contact, in their own layouts: BEHAVE, OMOMO, CHOIS, ARCTIC.
+"""Contact labels in the definitions and layouts of BEHAVE, OMOMO, CHOIS and ARCTIC.
 
-From the same distances as the labels, at those data sets' thresholds. docs/labels.md says what is
-equal to theirs and what is not.
+They use the same distances as the labels, with the thresholds of those data sets. docs/labels.md
+lists the differences.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from halfphysics.motion.skeleton import JOINT_INDEX
 
 Array = NDArray[np.float64]
 
-#: What each data set calls contact [m].
+#: Contact threshold of each data set [m].
 BEHAVE, OMOMO, CHOIS, ARCTIC = 0.02, 0.05, 0.05, 0.003
-#: How far ARCTIC's distances are told here [m]: well past its contact, and quick.
+#: Largest distance in ARCTIC's layout [m]: well beyond its contact threshold, and quick.
 FIELD = 0.02
 
 
 def behave(
     labels: ContactLabels, *, person: int = 0, item: int = 0, threshold: float = BEHAVE
 ) -> dict[str, NDArray[Any]]:
-    """As BEHAVE's contact files, all frames in one: points on the object that a person is near.
+    """Labels as in BEHAVE's contact files, all frames in one: points on the object near a person.
 
     Args:
         labels: Made by `contact_labels`.
-        person, item: Whose, and of which object.
-        threshold: Up to how far is contact [m].
+        person, item: Indices of the person and the object.
+        threshold: Largest distance of a contact [m].
 
     Returns:
         "object_points" (T, N, 3) float32, the object's vertices in the world [m]; "contact_label"
@@ -61,7 +61,7 @@ def behave(
 def omomo(
     labels: ContactLabels, *, person: int = 0, item: int = 0, threshold: float = OMOMO
 ) -> NDArray[np.bool_]:
-    """As OMOMO judges it: whether (T, 2) left and right hand are in contact with an object.
+    """Labels as in OMOMO: whether (T, 2) left and right hand are in contact with an object.
 
     A hand is its joint at the root of the index finger, joints 22 and 23 of OMOMO's 24; it is in
     contact where that is at most `threshold` from the nearest of the object's vertices.
@@ -88,9 +88,9 @@ def omomo(
 def chois(
     labels: ContactLabels, *, person: int = 0, item: int = 0, threshold: float = CHOIS
 ) -> NDArray[np.float32]:
-    """As CHOIS's contact_labels_w_semantics: (T, 4) of 0 and 1, hands and feet near an object.
+    """Labels as in CHOIS (contact_labels_w_semantics): (T, 4) of 0 and 1, hands and feet.
 
-    In the order left hand, right hand, left foot, right foot, each a part of the skin.
+    The order is left hand, right hand, left foot, right foot, each a part of the skin.
 
     Args:
         labels, person, item, threshold: As of `behave`.
@@ -115,11 +115,11 @@ def arctic(
     most: float = FIELD,
     hands: Mapping[str, ArrayLike] | None = None,
 ) -> dict[str, NDArray[Any]]:
-    """As ARCTIC's interaction field: distances between each hand and the object, and contact.
+    """Labels as in ARCTIC (interaction field): distances of each hand and the object, and contact.
 
     Args:
         labels, person, item, threshold: As of `behave`.
-        most: Distances are known up to this [m], and this where there is more.
+        most: Largest distance [m]; larger ones are set to it.
         hands: "left" and "right": vertices of the skin in the order of the hand model, such as
             SMPL-X's MANO correspondence; None: the vertices of wrist and fingers, ascending.
 

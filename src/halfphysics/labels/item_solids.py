@@ -1,8 +1,8 @@
-"""What physically touches of a scene, solid by solid, and how far points are from it.
+"""Collision geometry of a scene's items as solids, and distances of points from them.
 
-An object touches by its convex pieces, a static by its own shape: round shapes are round here,
-nothing is triangulated. The distance of a solid is 0 inside it; a static mesh is a surface, as it
-is for the simulation, and has no inside.
+An object collides by its convex pieces, a static by its own shape; round shapes are exact, not
+triangulated. The distance from a solid is 0 inside it. A static mesh is a surface without an
+inside, as in the simulation.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A shape that touches; `position` (3,) and `turn` (3, 3) of its frame in its thing's.
+    """A shape that collides; `position` (3,) and `turn` (3, 3) of its frame in its item's frame.
 
-    `surface`: a mesh that touches by its triangles as they are; else it is its convex hull.
+    `surface`: a mesh collides by its triangles; else by its convex hull.
     """
 
     shape: Shape
@@ -65,15 +65,15 @@ class Solid:
 
 @dataclass(frozen=True, eq=False)
 class ItemSolids:
-    """A static, an object or a link: what it touches by, and where it is.
+    """A static, an object or a link: its collision geometry and its poses.
 
     Attributes:
         name: As in `Result.names`.
-        solids: In its frame.
-        position: Of its frame in the world (T, 3) [m]; (1, 3) of what stands.
+        solids: The collision geometry in its frame.
+        position: Of its frame in the world (T, 3) [m]; (1, 3) if it never moves.
         turn: World from its frame (T, 3, 3) or (1, 3, 3).
-        stands: A static, or a link that no joint moves.
-        parts: Which of a person's parts it touches (55,): all but those the scene excuses.
+        stands: Whether it is a static, or a link that no joint moves.
+        parts: Parts of a person that collide with it (55,): all but those the scene ignores.
     """
 
     name: str
@@ -85,11 +85,11 @@ class ItemSolids:
 
     @property
     def still(self) -> bool:
-        """Whether it has one place for all frames."""
+        """Whether it has one pose for all frames."""
         return len(self.position) == 1
 
     def at(self, frames: NDArray[np.integer] | None = None) -> tuple[Array, Array]:
-        """Position (t, 3) and turn (t, 3, 3) at some frames, None: all; of what is still one."""
+        """Position (t, 3) and turn (t, 3, 3) at some frames, None: all; one row if `still`."""
         some = slice(None) if self.still or frames is None else frames
         return np.ascontiguousarray(self.position[some]), np.ascontiguousarray(self.turn[some])
 
@@ -104,7 +104,7 @@ class ItemSolids:
         return found
 
     def distance(self, points: Array) -> Array:
-        """Distances (n,) [m] of points (n, 3) in its frame; 0 inside, inf where it has no solid."""
+        """Distances (n,) [m] of points (n, 3) in its frame; 0 inside, inf without a solid."""
         return np.asarray(self.native.distance(np.ascontiguousarray(points)))
 
 
@@ -157,6 +157,6 @@ def face_planes(hull: Mesh) -> Array:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     normal = normal[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
-    # All of the hull is behind a plane: of a face that rounding tilted too.
+    # The largest offset over all vertices: the hull is behind every plane despite rounding.
     offset = (hull.vertices @ normal.T).max(axis=0)
     return np.ascontiguousarray(np.concatenate([normal, offset[:, None]], axis=1))

@@ -1,6 +1,7 @@
-"""Which vertices are near what: of the skin to the things of a scene, of an object to the skin.
+"""Proximity of vertices: of the skin to the items of a scene, of an object to the skin.
 
-Parts whose ball is far from a thing are not looked at, those far from everything not skinned.
+Parts whose bounding spheres are far from an item are not tested against it, and parts whose
+spheres are far from all items are not skinned.
 `tests/support/references/labels.py` has the same in plain numpy; the tests hold both equal.
 """
 
@@ -30,15 +31,14 @@ _CHUNK = 128  # frames skinned at a time
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Vertices near something: rows (n,), ordered by frame and vertex.
+    """Vertices near a surface: rows (n,), ordered by frame and vertex.
 
     Attributes:
-        frame: (n,).
-        vertex: Of the skin, or of the object (n,).
-        distance: [m] (n,).
-        nearest: Vertex of the skin nearest to where an object's vertex is nearest (n,); of rows
-            about the skin itself empty.
-        point: That nearest point of the skin (n, 3), in the world [m]; likewise.
+        frame: Frame (n,).
+        vertex: Vertex of the skin, or of the object (n,).
+        distance: Distance [m] (n,).
+        nearest: Vertex of the skin nearest to `point` (n,); empty for rows about the skin itself.
+        point: Point of the skin nearest to an object's vertex (n, 3), in the world [m]; likewise.
     """
 
     frame: Ints
@@ -48,7 +48,7 @@ class Near:
     point: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     def within(self, threshold: float) -> Near:
-        """The rows at most so far away [m]."""
+        """The rows with at most a distance [m]."""
         keep = self.distance <= threshold
         both = len(self.nearest) == len(keep)
         return Near(
@@ -77,12 +77,12 @@ class Near:
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """A thing that vertices may be near to.
+    """An item whose proximity is computed.
 
     Attributes:
-        thing: What touches.
-        reach: Vertices of the skin up to this far from it are asked for [m].
-        surface: Its own vertices up to this far from the skin are asked for too; None: not.
+        item: Its collision geometry.
+        reach: Largest distance of the skin's vertices from it [m].
+        surface: Its own vertices, to be found within the same distance of the skin; None: none.
     """
 
     item: ItemSolids
@@ -91,7 +91,7 @@ class Target:
 
 
 def near(body: Body, motion: Motion, targets: Sequence[Target]) -> list[tuple[Near, Near]]:
-    """Of a person and each target: the vertices of the skin near it, and its own near the skin."""
+    """For each target: the skin's vertices near it, and its own vertices near the skin."""
     if not targets:
         return []
     balls = part_balls(body)
@@ -132,7 +132,7 @@ def _close(
     radii: Array,
     frames: NDArray[np.intp] | None = None,
 ) -> NDArray[np.bool_]:
-    """Which of the groups asked about (t, g) may be so near a thing, at some frames (t,)."""
+    """Whether groups (t, g) may be near an item, at some frames (t,)."""
     item, reach = target.item, target.reach
     if target.surface is not None:
         reach += target.surface.off
@@ -169,8 +169,7 @@ def _asked(
     frames: NDArray[np.intp],
     close: NDArray[np.bool_],
 ) -> tuple[Near, Near]:
-    """What is near a thing of some parts, posed (t, n, 3) at some frames (t,) in their close
-    clusters (t, c)."""
+    """Rows near an item: of vertices (t, n, 3) at some frames (t,) in close clusters (t, c)."""
     item, surface = target.item, target.surface
     position, turn = item.at(frames)
     skin, points = item.native.near(

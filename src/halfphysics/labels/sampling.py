@@ -1,7 +1,7 @@
-"""The vertices of an object that are labelled: a mesh's own, or points all over a primitive.
+"""The vertices of an object that are labelled: a mesh's own, or points spread over a primitive.
 
-A ball of two triangles a side has no vertices where it is touched: primitives are covered evenly,
-the same each time, round ones too.
+A coarse triangulation of a primitive has no vertices near most contacts, so primitives are covered
+evenly, and deterministically.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ class ObjectSurface:
 
     Attributes:
         name: As in `Result.names`.
-        vertices: In the object's frame (Vo, 3) [m]: a mesh's own, or points all over a primitive.
+        vertices: In the object's frame (Vo, 3) [m]: a mesh's own, or points over a primitive.
         faces: Triangles of them (Fo, 3), outward.
-        off: How far outside of what touches `vertices` are at most [m]: 0 but for a mesh that
-            convex pieces stand for.
+        off: Largest distance of `vertices` from the collision geometry [m]: 0 except for a mesh
+            that convex pieces replace.
     """
 
     name: str
@@ -58,7 +58,7 @@ class ObjectSurface:
 def surface_of(scene: Scene, item: ItemSolids) -> ObjectSurface:
     """The vertices of an object or a link.
 
-    Of a mesh those it was given with, also where convex pieces touch in its stead.
+    For a mesh its own vertices, also if convex pieces replace it.
     """
     vertices, faces = _triangles(scene, item.name)
     given = scene.objects.get(item.name)
@@ -85,9 +85,9 @@ def _triangles(scene: Scene, name: str) -> Triangles:
 
 @lru_cache(maxsize=16)
 def covered(shape: Shape, spacing: float = SPACING) -> Triangles:
-    """Vertices (V, 3) [m] and outward faces (F, 3) all over a primitive, read-only.
+    """Vertices (V, 3) [m] and outward faces (F, 3) over a primitive, read-only.
 
-    Neighbours are at most about `spacing` apart; where that would be over `MOST` vertices, more.
+    Neighbours are at most about `spacing` apart, or more if that needs over `MOST` vertices.
 
     Raises:
         InputError: No primitive of finite size.

@@ -19,20 +19,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SolverContacts(Table):
-    """Who touched what during (t-1, t], a row a pair: columns of one length n, by frame.
+    """Contacts during (t-1, t], one row per pair: columns of one length n, by frame.
 
     Attributes:
         frame: The frame t (n,).
         person: Index of the person (n,); -1 where an object touches a static or an object.
         part: Index into `JOINT_NAMES` (n,); -1 where `person` is.
-        object: Index into the names of what was touched (n,).
-        position: Where, in the world (n, 3) [m].
-        normal: Unit vector from what was touched into the part (n, 3).
-        distance: Of the two sides at frame t (n,) [m]; 0 or less where they meet, inf beyond
-            0.1 m: what bounced has left again.
-        impulse: On the part, summed over (t-1, t] (n, 3) [N s].
-        subject: Index into the names of the object in the part's place (n,), -1 where a person is.
-        other_part: Index into `JOINT_NAMES` of the other's part (n,) where that is a person's.
+        object: Index of the touched item into the names (n,).
+        position: Position of the contact in the world (n, 3) [m].
+        normal: Unit vector from the touched item into the part (n, 3).
+        distance: Distance of the two sides at frame t (n,) [m]; 0 or less if they overlap, inf
+            beyond 0.1 m: after a bounce they are apart again.
+        impulse: Impulse on the part, summed over (t-1, t] (n, 3) [N s].
+        subject: Index into the names of the object in place of a part (n,), -1 for a person.
+        other_part: Index into `JOINT_NAMES` of the other person's part (n,), else -1.
     """
 
     NAME: ClassVar[str] = "contacts"
@@ -51,7 +51,7 @@ class SolverContacts(Table):
     other_part: Ints
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """The columns as small as they go: whole numbers in 8 to 32 bits, the rest float32."""
+        """The columns in small types: whole numbers in 8 to 32 bits, the rest float32."""
         kinds = {"frame": np.int32, "object": np.int16, "subject": np.int16, "person": np.int16}
         small = {"part": np.int8, "other_part": np.int8}
         return {
@@ -61,7 +61,7 @@ class SolverContacts(Table):
 
 
 def solver_contacts(result: Result) -> SolverContacts:
-    """Those of a result."""
+    """The solver's contacts of a result."""
     contacts = result.contacts
     rows = np.arange(len(contacts))
     poses = Poses(result, [p.motion for p in result.people], result.objects)

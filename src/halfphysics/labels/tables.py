@@ -1,6 +1,6 @@
-"""Contact labels of a result, in the layouts that people load: docs/labels.md.
+"""Contact labels of a result in the layouts of docs/labels.md.
 
-Ids are GRAB's: 0 where nothing touches, else the index into `JOINT_NAMES` of the body part plus 1.
+Ids are those of GRAB: 0 without a contact, else 1 plus the part's index into `JOINT_NAMES`.
 """
 
 from __future__ import annotations
@@ -41,16 +41,16 @@ class PersonLabels:
     Attributes:
         name: As in `Result.names`.
         vertex_part: Index into `JOINT_NAMES` of every vertex's part (Vb,): its largest weight.
-        body_near: Of every object, the vertices of the skin that touch it.
-        object_near: Of every object, those of its vertices that the skin touches.
-        scene_near: The vertices of the skin that touch what stands, once a frame, with the
+        body_near: For every object, the vertices of the skin that touch it.
+        object_near: For every object, its vertices that touch the skin.
+        scene_near: The vertices of the skin that touch static geometry, once per frame, with the
             smallest distance.
-        human_parts: Parts that touch an object (T, 55): one of their vertices does, or the solver
-            had an impulse between them during (t-1, t].
-        scene_parts: The same with what stands: statics, and links that no joint moves.
-        people_parts: Parts with an impulse from another person, or from oneself (T, 55).
-        force: On every part, from all that it touched (T, 55, 3) [N]: mean over (t-1, t], world.
-        force_objects: Of that what comes from objects (T, 55, 3) [N].
+        human_parts: Parts that touch an object (T, 55): by a vertex, or by an impulse of the solver
+            during (t-1, t].
+        scene_parts: The same for static geometry: statics, and links that no joint moves.
+        people_parts: Parts with an impulse from another person, or in self-contact (T, 55).
+        force: Force on every part (T, 55, 3) [N]: mean over (t-1, t], world.
+        force_objects: The part of that force that objects exert (T, 55, 3) [N].
     """
 
     name: str
@@ -65,18 +65,18 @@ class PersonLabels:
     force_objects: Array
 
     def body(self, item: int = 0) -> Ids:
-        """Ids (T, Vb) of the skin's vertices: those that touch an object have their part's."""
+        """Ids (T, Vb) of the skin's vertices: their part's id if they touch an object."""
         rows = self.body_near[item] if self.body_near else Near.joined([])
         return self._ids(rows)
 
     @property
     def scene(self) -> Ids:
-        """Ids (T, Vb) of the skin's vertices: those that touch what stands have their part's."""
+        """Ids (T, Vb) of the skin's vertices: their part's id if they touch static geometry."""
         return self._ids(self.scene_near)
 
     @property
     def hands_feet(self) -> Bools:
-        """Whether (T, 4) left and right hand touch an object, left and right foot what stands."""
+        """Whether (T, 4) left, right hand touch an object, left, right foot static geometry."""
         return np.stack(
             [
                 self.human_parts[:, LEFT_HAND].any(axis=1),
@@ -95,17 +95,17 @@ class PersonLabels:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ContactLabels:
-    """Contact labels of everybody in a result.
+    """Contact labels of all people in a result.
 
     Attributes:
-        threshold_m: Vertices at most this far apart touch [m].
-        reach: How far `skin_near` and `object_near` can be asked [m].
-        fps: Frames a second.
-        people: One entry a person.
-        objects: What moves and can be touched, in the scene's order, links of articulated objects
-            one by one ("NAME/LINK").
-        names: What `contacts` refers to: statics, objects, people.
-        contacts: The solver's.
+        threshold_m: Largest distance of a contact [m].
+        reach: Largest distance for `skin_near` and `object_near` [m].
+        fps: Frames per second.
+        people: One entry per person.
+        objects: Moving items in the scene's order, links of articulated objects one by one
+            ("NAME/LINK").
+        names: Names to which `contacts` refers: statics, objects, people.
+        contacts: The solver's contacts.
     """
 
     threshold_m: float
@@ -136,7 +136,7 @@ class ContactLabels:
         return self.people[0].hands_feet
 
     def object_ids(self, person: int = 0, item: int = 0) -> Ids:
-        """Ids (T, Vo) of an object's vertices: those that touch the skin have its part's there."""
+        """Ids (T, Vo) of an object's vertices: the id of the part that they touch."""
         who = self.people[person]
         count = len(self.objects[item].vertices) if self.objects else 0
         ids = np.zeros((len(self), count), dtype=np.int8)
@@ -151,7 +151,7 @@ class ContactLabels:
         Raises:
             InputError: Farther than `reach`, or no such person or object.
         """
-        if (within, True) in self._found:  # what is asked of the object finds the skin too
+        if (within, True) in self._found:  # it has the skin's vertices too
             return self._near(within, person, item, True)[0].within(within)
         return self._near(within, person, item, False)[0].within(within)
 
@@ -164,13 +164,13 @@ class ContactLabels:
         return self._near(within, person, item, True)[1].within(within)
 
     def arrays(self, *, scene: bool = False) -> dict[str, NDArray[Any]]:
-        """What goes into a contact.npz: docs/labels.md has every key.
+        """The arrays of a contact.npz: docs/labels.md has every key.
 
         The first person's labels with the first object are under the plain keys; another object's
         have "/NAME" after the key, another person's "PERSON/" before it.
 
         Args:
-            scene: Also the ids (T, Vb) of what touches the statics, "scene".
+            scene: Include "scene", the ids (T, Vb) of vertices that touch statics.
         """
         found: dict[str, NDArray[Any]] = {
             "threshold_m": np.array(self.threshold_m),
@@ -214,7 +214,7 @@ class ContactLabels:
             )
 
     def _near(self, within: float, person: int, item: int, both: bool) -> tuple[Near, Near]:
-        """Vertices near each other, of the skin alone or of `both`; kept for the next to ask."""
+        """Vertices near each other, of the skin alone or of `both`; cached."""
         self.check(person, item)
         if number(within, "within", least=0.0, unit="m") <= self.threshold_m:
             who = self.people[person]

@@ -1,1 +1,1 @@
-"""What a simulation returns: motion, contacts, depths, and what they were made from."""
+"""Results of a simulation: motion, contacts, depths, and records of their inputs."""

@@ -1,4 +1,4 @@
-"""Contacts: who touched what, where and how hard."""
+"""Contacts: pairs in contact, with position, normal and impulse."""
 
 from __future__ import annotations
 
@@ -15,20 +15,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Contacts(Table):
-    """Who touched what, where and how hard: columns of one length n, ordered by frame.
+    """Contacts of a result: columns of one length n, ordered by frame.
 
-    A row is one pair that touched during (t-1, t]. Where two people touch, each has a row.
+    A row is one pair that touched during (t-1, t]. If two people touch, each has a row.
 
     Attributes:
         frame: The frame t (n,).
         person: Index into `Result.people` (n,); -1 where an object touches a static or object.
         part: Index into `JOINT_NAMES` (n,); -1 where `person` is.
-        other: Index into `Result.names` of what was touched (n,).
-        position: Where, in the world (n, 3) [m].
+        other: Index into `Result.names` of the touched item or person (n,).
+        position: Position of the contact in the world (n, 3) [m].
         normal: Unit vector from the other into the part (n, 3).
-        impulse: On the part, summed over (t-1, t] (n, 3) [N s].
-        subject: Index into `Result.names` of the object that stands in the part's place (n,),
-            -1 where a person does.
+        impulse: Impulse on the part, summed over (t-1, t] (n, 3) [N s].
+        subject: Index into `Result.names` of the object in place of a part (n,), -1 for a person.
         other_part: Index into `JOINT_NAMES` of the other's part (n,) where the other is a person,
             else -1.
     """

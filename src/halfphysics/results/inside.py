@@ -1,7 +1,7 @@
-"""Inside: which parts and objects are inside what, and how deep.
+"""Overlaps: parts and objects that are inside other items, and their depths.
 
-Only what starts inside something can be there later: what starts clear stays clear. What is beyond
-a wall as seen from the rest of the body counts as inside it.
+Only bodies that overlap at the start can overlap later: bodies that start clear stay clear. A part
+beyond a wall, as seen from the rest of the body, counts as inside it.
 """
 
 from __future__ import annotations
@@ -22,16 +22,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Depths(Table):
-    """What is inside what in one frame: columns of one length n, a row a pair.
+    """Overlaps in one frame: columns of one length n, one row per pair.
 
     Attributes:
-        person: Index of the person (n,); -1 where an object is inside something.
+        person: Index of the person (n,); -1 for an object.
         part: Index into `JOINT_NAMES` (n,); -1 where `person` is.
-        subject: Index into the names of the object that stands in the part's place (n,), -1
-            where a person does.
-        other: Index into the names of the static, or of the object, that it is inside of (n,).
-        depth: How deep (n,) [m]: the way that its deepest shape has to go to be out. 0: no way
-            out was found.
+        subject: Index into the names of the object in place of a part (n,), -1 for a person.
+        other: Index into the names of the static or object that contains it (n,).
+        depth: Depth (n,) [m]: the distance of its deepest shape to the exit. 0: no exit was
+            found.
     """
 
     NAME: ClassVar[str] = "inside"
@@ -50,7 +49,7 @@ class Depths(Table):
 
     @property
     def no_way_out(self) -> NDArray[np.bool_]:
-        """Rows (n,) for which no way out was found: free to move until clear by itself."""
+        """Rows (n,) without an exit: such parts move freely until they are clear."""
         result: NDArray[np.bool_] = self.depth == 0.0
         return result
 
@@ -58,8 +57,8 @@ class Depths(Table):
         """Each row in words, the deepest first, such as "left_foot 34 mm inside floor".
 
         Args:
-            names: What `subject` and `other` refer to.
-            people: How many there are: of several each part says whose it is.
+            names: Names to which `subject` and `other` refer.
+            people: Number of people; with several, each part is given with its person.
         """
         words = []
         for row in np.argsort(-deepest_first(self.depth), kind="stable"):
@@ -70,7 +69,7 @@ class Depths(Table):
                 whose = f"{names[len(names) - people + person]}'s " if people > 1 else ""
                 what = whose + JOINT_NAMES[self.part[row]]
             millimetres = 1000.0 * self.depth[row]
-            # Tenths where whole millimetres would say nothing.
+            # Tenths where whole millimetres would round to zero.
             shown = f"{millimetres:.0f}" if millimetres >= 10.0 else f"{millimetres:.1f}"
             where = f"inside {names[self.other[row]]}"
             lost = self.no_way_out[row]
@@ -82,7 +81,7 @@ class Depths(Table):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Inside(Depths):
-    """What was inside what over a whole result: as `Depths`, ordered by frame.
+    """Overlaps over a whole result: as `Depths`, ordered by frame.
 
     Attributes:
         frame: The frame (n,).
@@ -97,5 +96,5 @@ class Inside(Depths):
 
 
 def deepest_first(depth: Array) -> Array:
-    """Depths to sort by: what has no way out is deeper than all that has one."""
+    """Depths as sort keys: rows without an exit are deeper than all others."""
     return np.where(depth == 0.0, np.inf, depth)

@@ -1,6 +1,6 @@
-"""What a result file says of bodies and scenes: plain data that leads back to them.
+"""Records of bodies and scenes in result files: plain data from which they are loaded again.
 
-Licensed models and meshes are named by path and SHA-256; their content never enters a file.
+Licensed models and meshes are named by path and SHA-256; their content is never written.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from halfphysics.body.shape_space import Source
     from halfphysics.scene.scene import Scene
 
-#: Key of a mesh that came from no file: only what identifies it is kept.
+#: Key of a mesh that came from no file: only its digest is kept.
 IN_MEMORY = "in_memory"
 _MEND_BODY = "Put it back, or pass body= to Result.load"
 _SAME_STATURE = 1e-9  # rounding of a sum of shape directions [m]
@@ -52,7 +52,7 @@ class SceneRecord:
         return SceneRecord(document, "this session")
 
     def missing(self) -> dict[str, str]:
-        """Things that cannot be built again: name -> why."""
+        """Items that cannot be loaded: name -> reason."""
         lost = {}
         for group in ("statics", "objects", "moving"):
             for name, item in self.document.get(group, {}).items():
@@ -69,7 +69,7 @@ class SceneRecord:
         return lost
 
     def make(self) -> Scene:
-        """The scene, without what is missing (with a warning; built once)."""
+        """The scene without missing items (with a warning; loaded once)."""
         return self._scene
 
     @cached_property
@@ -93,7 +93,7 @@ class SceneRecord:
             pairs = document.get(group, [])
             document[group] = [pair for pair in pairs if not set(pair[:2]) & set(lost)]
         with warnings.catch_warnings():
-            # Said when the scene was first built.
+            # The warning was given when the scene was first loaded.
             warnings.filterwarnings("ignore", ".*(convex hull|pieces)", HalfPhysicsWarning)
             return scene_from_document(document, Path(self.origin))
 
@@ -121,10 +121,10 @@ class BodyRecord:
         )
 
     def make(self) -> Body:
-        """The body (built once).
+        """The body (loaded once).
 
         Raises:
-            FileError: Its model file has gone or changed, or it came from no file.
+            FileError: Its model file is missing or has changed, or it came from no file.
         """
         return self._body
 

@@ -1,4 +1,4 @@
-"""Result: what a simulation gives back, in memory and as a file.
+"""Result: the result of a simulation, in memory and as a file.
 
 World z-up, metres, seconds, newton seconds; quaternions wxyz; T frames at `Result.fps`.
 """
@@ -39,15 +39,15 @@ SETTLE = 0.5
 
 
 class Record(Protocol[T_co]):
-    """Stands for a value that a file only refers to; `make` builds it (once)."""
+    """A reference to a value in another file; `make` loads it (once)."""
 
     def make(self) -> T_co: ...
 
 
 class Deferred(Generic[T]):
-    """A dataclass field that holds a value, or a `Record` that makes it when first read.
+    """A dataclass field that holds a value, or a `Record` that loads it on first access.
 
-    So a thousand results can be looked through without loading the meshes they refer to.
+    So a thousand results can be read without loading the meshes to which they refer.
     """
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -55,7 +55,7 @@ class Deferred(Generic[T]):
 
     def __get__(self, instance: Any, owner: type | None = None) -> T:
         if instance is None:
-            raise AttributeError("a field without a default")  # what dataclasses ask for
+            raise AttributeError("a field without a default")  # as dataclasses require
         held = vars(instance)[self._key]
         result: T = held.make() if hasattr(held, "make") else held
         return result
@@ -66,7 +66,7 @@ class Deferred(Generic[T]):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ObjectTrack:
-    """How an object moved: `position` (T, 3) [m] and `quaternion` (T, 4) of its own frame."""
+    """Poses of an object: `position` (T, 3) [m] and `quaternion` (T, 4) of its own frame."""
 
     position: Array
     quaternion: Array
@@ -90,14 +90,13 @@ class PersonResult:
 
     Attributes:
         name: As in `Result.names`.
-        motion: What the person did.
-        reference: What was asked for; as many frames, the same frame rate.
-        body: Their body. In a result from a file it is loaded when first read; raises
-            `FileError` where a licensed model has gone or changed (see `Result.load`).
-        torque: What the drive exerted on the joints (T, 55, 3) [N m], mean over (t-1, t], in the
-            frame of the joint's child, row 0 on the whole body: zero where the motion is followed
-            freely, against the contacts where something is held. See docs/physics.md. None:
-            unknown (older files).
+        motion: The simulated motion.
+        reference: The reference motion, with the same frames and frame rate.
+        body: The person's body. In a result from a file it is loaded on first access; raises
+            `FileError` if a licensed model is missing or has changed (see `Result.load`).
+        torque: Torque of the drive on the joints (T, 55, 3) [N m], mean over (t-1, t], in the frame
+            of the joint's child, row 0 on the whole body: zero in free motion, against the
+            contacts otherwise. See docs/physics.md. None: unknown (older files).
     """
 
     name: str
@@ -119,7 +118,7 @@ class PersonResult:
             )
         if self.torque is not None:
             shape = (len(self.motion), N_JOINTS, 3)
-            # What is read-only is the core's own: mostly zeros, which take no memory.
+            # A read-only array is the core's own: mostly zeros, which take no memory.
             own = isinstance(self.torque, np.ndarray) and not self.torque.flags.writeable
             if not own or self.torque.shape != shape:
                 _set(self, "torque", checked("torque", self.torque, shape, "(T, 55, 3)"))
@@ -132,11 +131,11 @@ class PersonResult:
 
 
 def at_substeps(motion: Motion, translation: Array, rotations: Array, fps: float) -> Motion:
-    """A person's poses at all substeps, `fps` of them a second; those that are set may jump.
+    """A person's poses at all substeps, `fps` per second; arguments as of `Motion.with_frames`.
 
-    Arguments as of `Motion.with_frames`.
+    Poses that are set from outside may jump.
     """
-    # No motion is asked for here: how fast the root may be is not looked at.
+    # These poses are no reference motion: the speed of the root is not checked.
     poses = motion.with_frames(translation, rotations, fps=1.0)
     _set(poses, "fps", frame_rate(fps))
     return poses
@@ -159,33 +158,33 @@ class Substeps:
         _set(self, "objects", MappingProxyType(dict(self.objects)))
 
 
-#: What the core says of a frame: planes and contact points (the most in any substep), solves and
-#: the sweeps and steps they took, substeps that were shortened, and the largest gap that was
-#: missing at the end of a substep [m].
+#: Diagnostics of a frame: contact planes and points (largest number in any substep), solves, their
+#: sweeps and steps, substeps that were shortened, and the largest residual gap at the end of a
+#: substep [m].
 DIAGNOSTICS = ("planes", "contacts", "passes", "sweeps", "shortened", "residual")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Result:
-    """What `simulate` gives back.
+    """The result of `simulate`.
 
     Attributes:
-        people: One entry a person.
+        people: One entry per person.
         objects: Name -> `ObjectTrack` of T frames.
-        scene: As simulated. In a result from a file it is loaded when first read; things whose
-            mesh file has gone are left out, with a warning.
-        names: What `contacts` refers to: statics, objects, people, in this order.
-        contacts: Who touched what.
+        scene: The simulated scene. In a result from a file it is loaded on first access; items
+            whose mesh file is missing are left out, with a warning.
+        names: Names to which `contacts` refers: statics, objects, people, in this order.
+        contacts: The contacts, one row per pair and frame.
         clearance: Smallest distance of the people from the statics in every frame (T,) [m]; inf
             beyond `Settings.clearance_range`, negative: penetration.
         lost_time: Time by which blocked steps were shortened, per frame (T,) [s].
-        settings: How it was simulated.
+        settings: Settings of the simulation.
         substeps: Every committed pose, with ``Settings(record="substeps")``, else None.
         diagnostics: Name -> number of every frame (T,), see `DIAGNOSTICS`; empty where unknown.
         joints: "NAME/JOINT" of an articulated object -> its value of every frame (T,) [rad or m],
             quaternions (T, 4) of a ball joint. Links are among the `objects`: "NAME/LINK".
-        inside: Which parts were inside statics or objects, and which objects inside statics,
-            when and how deep; empty where everything started clear.
+        inside: Overlaps of parts with statics or objects, and of objects with statics, with their
+            depths; empty if there was none at the start.
 
     Raises:
         InputError: Parts that do not belong together, or of a wrong type.
@@ -283,7 +282,7 @@ class Result:
 
     @property
     def reference(self) -> Motion:
-        """The motion that was asked of the first person."""
+        """The first person's reference motion."""
         return self.people[0].reference
 
     def free_frames(self, person: int = 0, settle: float = SETTLE) -> NDArray[np.bool_]:
@@ -302,12 +301,12 @@ class Result:
     def parts(self, person: int = 0) -> PartReport:
         """Clearance, contact, force and displacement of every part in every frame.
 
-        Worked out when first asked for, for everybody at once, from the poses at the frames.
+        Computed on first access, for all people at once, from the poses at the frames.
 
         Raises:
             InputError: There is no such person.
-            FileError: In a result from a file: a body or a mesh of the scene has gone. Put it
-                back, or pass scene= or body= to `Result.load`.
+            FileError: In a result from a file: a body or a mesh of the scene is missing. Restore
+                it, or pass scene= or body= to `Result.load`.
         """
         self._check_person(person)
         return self._parts[person]
@@ -328,10 +327,9 @@ class Result:
     def summary(self) -> str:
         """The result in words and numbers, 10 to 20 lines to be read by a person.
 
-        How exactly the motion was followed, what touched what and how hard, how far from the
-        motion the body got, what was inside what at the start, what moved, the smallest
-        distance, lost time. Forces are impulses of a frame divided by its length. What a result
-        from a file does not know any more (a body or a mesh that has gone) is said.
+        Accuracy of following, contacts and their forces, deviation from the reference, overlaps at
+        the start, motion of objects, smallest distance, lost time. Forces are impulses of a frame
+        divided by its length. Missing files of a loaded result (bodies, meshes) are named.
         """
         from halfphysics.metrics.result_report import summary
 
@@ -340,10 +338,10 @@ class Result:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything into one npz, whole or not at all.
 
-        On top stand the keys of the file that the first person's motion came from (AMASS keys
-        by default), so that whatever reads those files reads the corrected motion; the rest is
-        under object/, contact/, person/ and meta/ (docs/result-files.md). Body models and meshes
-        are named by path and SHA-256, their content is not written.
+        At the top level are the keys of the file of the first person's motion (by default AMASS
+        keys), so that readers of such files read the corrected motion; the rest is under object/,
+        contact/, person/ and meta/ (docs/result-files.md). Body models and meshes are named by path
+        and SHA-256, their content is not written.
 
         Raises:
             FileError: The folder does not exist or cannot be written.
@@ -363,8 +361,8 @@ class Result:
 
         Args:
             path: The file.
-            scene: Use this scene instead of the one the file names (its meshes may have moved).
-            body: Use this body, or one each, likewise.
+            scene: Replaces the scene that the file names (its meshes may have moved).
+            body: Replaces the bodies likewise: one, or a sequence of one per person.
 
         Raises:
             FileError: Missing, damaged, no result file, or of a newer version.
@@ -385,6 +383,6 @@ def _typed(name: str, value: Any, kind: type) -> None:
 
 
 def _deferred(name: str, held: Any, kind: type) -> None:
-    """Refuse what is neither a value of a kind nor a `Record` of one."""
+    """Refuse a value that is neither of a type nor a `Record` of one."""
     if not hasattr(held, "make"):
         _typed(name, held, kind)

@@ -1,4 +1,4 @@
-"""Table: rows as columns of one length; what the tables of a result have in common."""
+"""Table: columns of one length, the base of a result's tables."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Table:
-    """Columns of one length n: whole numbers (n,), but for those that are said to be others.
+    """Columns of one length n: whole numbers (n,) unless declared otherwise.
 
     Raises:
-        InputError: Columns of different lengths, or that hold something else.
+        InputError: Columns of different lengths or of another type.
     """
 
     NAME: ClassVar[str]  # in messages
@@ -63,7 +63,7 @@ class Table:
 
     @classmethod
     def none(cls) -> Self:
-        """No rows at all."""
+        """A table without rows."""
         empty: dict[str, Any] = {
             name: np.zeros((0, 3) if name in cls.VECTORS else 0)
             if name in cls.VECTORS | cls.NUMBERS

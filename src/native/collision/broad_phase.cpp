@@ -152,7 +152,7 @@ void BroadPhase::measure_static(Poses& p, BroadPhasePair& e, double r) const {
     if (!S.tree->planes(a, r, e.planes)) e.planes_reach = 0;
     e.dist = r;
     for (const Plane& q : e.planes) e.dist = std::min(e.dist, q.dist);
-    // Nothing near: knowing how much farther there is nothing saves many measurements.
+    // The mesh is far: a larger lower bound of its distance saves measurements later.
     if (e.planes.empty()) e.dist = std::max(r, S.tree->distance(a, r + tune::kFartherLook));
   }
 }

@@ -1,21 +1,21 @@
 // Broad phase: which pairs could come near at all, and a lower bound of each pair's distance.
 //
-// *The list.* All pairs within reach of each other are listed with a margin, by boxes around bounding
-// spheres. It holds as long as no shape has travelled farther than the list allowed for; then it is
-// made anew, and pairs that stay keep what is known of them.
+// *The list.* All pairs within reach of each other are listed with a margin, by boxes around
+// bounding spheres. It holds as long as no shape has travelled farther than the list allowed for;
+// then it is made anew, and pairs that stay keep what is known of them.
 //
-// *Bounds.* Each pair remembers its distance when it was last measured and what the two had travelled
-// by then. With D what they have travelled since (travel_bounds.h), the distance is at least
+// *Bounds.* Each pair remembers its distance when it was last measured and what the two had
+// travelled by then. With D what they have travelled since (travel_bounds.h), the distance is at
+// least
 //
 //     dist - D,
 //
-// and a pair is passed over while that exceeds the reach that is asked for. A pair with a static keeps
-// the separating planes too: a shape on the outer side of all planes, all of which were asked for as
-// far as it can reach, is clear. Two shapes of one person count what they travel in the root's frame.
+// and a pair is skipped while that exceeds the reach of the query. A pair with a static keeps the
+// separating planes too: a shape on the outer side of all planes is clear, if they were computed
+// for as far as it can reach. Two shapes of one person count what they travel in the root's frame.
 //
-// Nothing here decides a result: a bound only says what need not be measured. The saved state includes
-// it all the same, because of equally near points the one that is found first depends on it.
-// Lengths in [m].
+// Bounds save measurements and decide no result. The saved state includes them all the same: which
+// of several equally near points a search finds first depends on them. Lengths in [m].
 #pragma once
 #include <vector>
 
@@ -28,12 +28,12 @@ class BroadPhase {
  public:
   explicit BroadPhase(const CollisionWorld& world) : world_(world) {}
 
-  // All shapes have been put somewhere else: nothing is known of distances.
+  // All shapes have been moved: drops the list and all distances.
   void forget();
   // The list is to be made anew; what is known of its pairs stays.
   void invalidate() { listed_once_ = false; }
-  // Shapes of active trees have moved, no farther than `travel` each; seen from their roots no farther
-  // than `inner`, which is empty without self-contact.
+  // Shapes of active trees have moved, no farther than `travel` each; seen from their roots no
+  // farther than `inner`, which is empty without self-contact.
   void travel(const std::vector<double>& travel, const std::vector<double>& inner);
   double travelled(int shape) const { return travelled_[shape]; }
   // Lists all pairs that can come within `reach[shape]` of each other, unless the list says so
@@ -53,7 +53,7 @@ class BroadPhase {
   }
   bool behind_planes(const BroadPhasePair& e, const PosedShape& a, double r) const;
   bool spheres_apart(Poses& p, BroadPhasePair& e, double r) const;
-  // Do the pair's planes tell of everything within r?
+  // Were the pair's planes computed for everything within r?
   bool planes_reach(const BroadPhasePair& e, double r) const {
     return !e.planes.empty() && travelled(e) - e.travelled + r <= e.planes_reach;
   }

@@ -10,8 +10,8 @@
 //     f(point) <= f_0 + sum_k max_weight_k max(0, f_k - f_0)   and   f(point) <= max_k f_k,
 //
 // with f_k the largest value for points carried by body k within `reach` of its anchor. The first
-// influence carries most of the shape. A rigid shape has one influence, and the bound is exact for its
-// bounding sphere.
+// influence carries most of the shape. A rigid shape has one influence, and the bound is exact for
+// its bounding sphere.
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -36,8 +36,8 @@ struct CollisionShape {
   int name = 0;     // index into the names of material pairs
   int person = -1;  // -1: an object
   int part = -1;    // joint index, -1: an object
-  // How far the hull sticks out of the surface that it approximates [m]: objects whose hulls overlap
-  // by no more than that at the start are not parted.
+  // How far the hull sticks out of the surface that it approximates [m]: objects whose hulls
+  // overlap by no more than that at the start are not parted.
   double slack = 0;
   std::vector<Influence> influences;
 

@@ -1,8 +1,9 @@
-// What there is to collide: shapes that bodies carry, static geometry, and what holds between pairs.
+// What there is to collide: shapes that bodies carry, static geometry, and what holds between
+// pairs.
 //
-// Plain data, filled in once by the caller; only which trees take part in a step (`active`, `standing`,
-// `asleep`) changes later. Every component of collision detection reads it and none writes to it.
-// Lengths in [m], times in [s].
+// Plain data, filled in once by the caller; only which trees take part in a step (`active`,
+// `standing`, `asleep`) changes later. Every component of collision detection reads it and none
+// writes to it. Lengths in [m], times in [s].
 #pragma once
 #include <memory>
 #include <vector>
@@ -52,8 +53,8 @@ struct CollisionWorld {
   std::vector<char> standing;
   // Per body: its tree rests where it is until something touches it, and meets no static geometry.
   std::vector<char> asleep;
-  // People's poses are set, not simulated: static geometry does not stop them, and what they overlap
-  // is found anew in every step (prescribed_exits.h).
+  // People's poses are set, not simulated: static geometry does not stop them, and what they
+  // overlap is found anew in every step (prescribed_exits.h).
   bool forced = false;
 
   const Pairing& pairing(int a, int b) const { return pairings[a * n_names + b]; }

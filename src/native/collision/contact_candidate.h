@@ -23,8 +23,8 @@ struct PairId {
 };
 
 // A pair that may come near, and what is known of its distance: at least `dist` minus what the two
-// have travelled since, or, up to `planes_reach`, as far as the planes say. It only saves work: what
-// is skipped for it could not have been a candidate.
+// have travelled since, or, up to `planes_reach`, as far as the planes say. It only saves work:
+// what is skipped for it could not have been a candidate.
 struct BroadPhasePair {
   static constexpr double kUnknown = -1e300;  // of `dist`
 
@@ -33,7 +33,7 @@ struct BroadPhasePair {
   bool own = false;         // two of one person: distances are travelled in the root's frame
   double dist = kUnknown;   // lower bound when last measured [m]
   double travelled = 0;     // what the two had travelled by then [m]
-  // Everything of the other within `planes_reach` of the shape lies behind these planes.
+  // All geometry of the other within `planes_reach` of the shape lies behind these planes.
   std::vector<Plane> planes;
   double planes_reach = 0;
   Vec3 axis;  // direction between the nearest points when last measured; 0: not yet
@@ -51,7 +51,7 @@ struct ContactCandidate {
   double hard = 0;    // distance under which the step is shortened [m]
   int triangle = -1;  // of a mesh
   Hint hint;          // of two shapes at the start
-  bool forgiven = false;  // the plane may be crossed: nothing behind it is in the way
+  bool forgiven = false;  // the plane may be crossed: the shape meets nothing behind it
   bool searched = false;  // candidates that its plane had hidden have been added
   // A shape that overlapped at the start of the simulation is held clear where it would be after a
   // displacement (depenetration.h): `from` at the start of the substep and, where the step makes

@@ -65,8 +65,9 @@ struct Generator {
   }
 };
 
-// Appends a contact of the points xa and xb, whose gap along n is `dist`. Rounded surfaces lie `reach`
-// before the points that they are round about, and points between two surfaces `back` before those.
+// Appends a contact of the points xa and xb, whose gap along n is `dist`. Rounded surfaces lie
+// `reach` before the points that they are round about, and points between two surfaces `back`
+// before those.
 void Generator::make(Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature, double back) {
   Contact k;
   k.n = n;
@@ -92,8 +93,8 @@ void Generator::make(Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature, double 
   contacts.push_back(k);
 }
 
-// The bodies that carry a point x of a shape, and the material point whose gap counts: `measured`, what
-// a round surface is round about. Bodies that do not take part are as good as the world.
+// The bodies that carry a point x of a shape, and the material point whose gap counts: `measured`,
+// the centre of a round surface. Bodies that do not take part count as the world.
 Endpoint Generator::endpoint(int which, Vec3 x, Vec3 measured, int feature, Material& gap) {
   const CollisionShape& own = world.shapes[which];
   const PosedShape& at = world.place(start, which);
@@ -103,8 +104,8 @@ Endpoint Generator::endpoint(int which, Vec3 x, Vec3 measured, int feature, Mate
   return world.active[own.body] ? start.endpoint(own, at, point) : Endpoint{};
 }
 
-// Points that lie opposite each other act on one point between them: the angular momentum of the two
-// is kept too.
+// Points that lie opposite each other act on one point between them: the angular momentum of the
+// two is kept too.
 void Generator::make_opposite(Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature) {
   Vec3 x = 0.5 * (xa + xb);
   make(n, dist, x, x, feature, 0.5 * dist);
@@ -157,7 +158,8 @@ std::vector<Generator::RimPoint> Generator::deep_rim_points() const {
   for (int v = 0; v < s1.points.n; v++) {
     const Vec3 toward[5] = {s1.on_rim(-c.n), t, s, -t, -s};
     for (int k = 0; k < 5; k++) {
-      // The last four are for a disc that lies flat; on its edge some would be nowhere in particular.
+      // The last four are for a disc that lies flat; on its edge some would be nowhere in
+      // particular.
       if (k > 0 && std::fabs(dot(toward[k], s1.axis)) > tune::kOnEdge) continue;
       Vec3 out = s1.on_rim(toward[k]);
       double gap = dot(c.n, s1.points.at(v) + c.shift() + out) - a0.hull->radius - c.offset;
@@ -201,8 +203,8 @@ void Generator::add_rim_points() {
   }
 }
 
-// The nearest points of the displaced shape and the object, at the start or, later, at the end; they
-// act where the shape is.
+// The nearest points of the displaced shape and the object, at the start or, later, at the end;
+// they act where the shape is.
 void Generator::add_displaced() {
   if (already == tune::kMostPoints) return;
   Poses& at = already == 0 ? start : end;

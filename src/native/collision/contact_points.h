@@ -2,17 +2,18 @@
 //
 // A candidate is a plane; the solver needs points. Which, depends on the pair:
 //
-// - *against a static*: the vertices that would end deepest, at first spread out (so that few points
-//   carry a face), at most four more per pass;
-// - *a disc against a static*: points of its rim in a direction of the world, not of the material, so
-//   that what rolls or tips is measured where it touches: the deepest, and four that make it stand;
+// - *against a static*: the vertices that would end deepest, at first spread out (so that few
+//   points carry a face), at most four more per pass;
+// - *a disc against a static*: points of its rim in a direction of the world, not of the material,
+//   so that what rolls or tips is measured where it touches: the deepest, and four that make it
+//   stand;
 // - *two moving shapes, first pass*: the points that carried an impulse in the substep before, the
-//   corners of the area where two near faces overlap (face_manifold), each with its own gap
-//   so that what is slanted can settle, and the nearest points;
+//   corners of the area where two near faces overlap (face_manifold), each with its own gap so that
+//   what is slanted can settle, and the nearest points;
 // - *two moving shapes, later passes*: the nearest points at the end pose, along the normal there;
 //   where that does not settle, along the start's normal, because whatever is apart along any
 //   direction is apart;
-// - *a shape on its way out of an object*: the nearest points of the displaced shape.
+// - *a shape that still overlaps an object initially*: the nearest points of the displaced shape.
 //
 // Each contact has a normal n, points a and b with the bodies that carry them, and a gap
 //
@@ -36,9 +37,9 @@ class ContactPoints {
   void add(const std::vector<CachedContact>& cached, Poses& start, Poses& end,
            const ContactCandidate& c, int index, int pass, std::vector<Contact>& contacts) const;
   // Marks the candidates, between a person and what moves, that had contacts in the substep before:
-  // they are likely to have them again. True if there are any. (Of static geometry those points are
-  // wanted that would end deepest, which takes a look; and points between two objects that nothing
-  // presses together would give a pile energy.)
+  // they are likely to have them again. True if there are any. (Contacts with static geometry are
+  // not recalled: the points that would end deepest are better. Nor are contacts between objects:
+  // points between two that nothing presses together would give a pile energy.)
   bool recall(const std::vector<CachedContact>& cached, const std::vector<ContactCandidate>& candidates,
               std::vector<char>& out) const;
   // The gap of a contact's own points at the end pose [m].

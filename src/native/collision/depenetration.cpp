@@ -28,7 +28,7 @@ Obstacle Depenetration::obstacle(Poses& start, int other_static, int other_shape
                            : Obstacle::of_shape(world_, start, other_shape);
 }
 
-// Every tree and obstacle that overlap are looked at once, whichever of their pairs comes first.
+// Each tree is handled once per obstacle that it overlaps, when their first pair comes.
 void Depenetration::begin(const Model& m, Poses& start, const std::vector<PairId>& pairs) {
   auto root_of = [&](const PairId& o) { return m.root[world_.shapes[o.shape].body]; };
   auto same = [&](const PairId& a, const PairId& b) {
@@ -52,7 +52,7 @@ void Depenetration::begin(const Model& m, Poses& start, const std::vector<PairId
 void Depenetration::add_group(Poses& start, const Obstacle& o, const OverlapGroup& group,
                               const Exit& exit) {
   for (int i : group.shapes) {
-    if (is_overlapping(overlaps_, i, o.other_static, o.other_shape)) continue;  // on another way out already
+    if (is_overlapping(overlaps_, i, o.other_static, o.other_shape)) continue;  // it has another exit already
     InitialOverlap in;
     in.shape = i, in.other_static = o.other_static, in.other_shape = o.other_shape;
     in.exit = exit.displacement;

@@ -1,16 +1,16 @@
 // Initial overlaps and how they are resolved (docs/physics.md, "Initial overlaps").
 //
-// A shape that overlaps a static at the reset, or a part of a person that overlaps an object, is not
-// where it is held to be. A displacement w (`exit`, exit_search.h) takes it, and all hulls of its group
-// (overlap_groups.h), out on the right side. What contacts keep clear of the obstacle is the shape
-// displaced by (1 - s) w, and s (`out`) only grows: at s = 1 the shape itself is clear, and the pair is
-// an ordinary one from then on. Because a step of nothing at all at the old s is always clear, no
-// shape gets deeper, measured along w.
+// A shape that overlaps a static at the reset, or a part of a person that overlaps an object, is
+// not where it is held to be. A displacement w (`exit`, exit_search.h) takes it, and all hulls of
+// its group (overlap_groups.h), out on the right side. What contacts keep clear of the obstacle is
+// the shape displaced by (1 - s) w, and s (`progress`) only grows: at s = 1 the shape itself is
+// clear, and the pair is an ordinary one from then on. Because a step of length zero at the old s
+// is always clear, no shape gets deeper, measured along w.
 //
-// In a substep of length h, s grows so far that no plane of the displaced shape is entered by more than
-// `growth` times the depenetration speed times h, less over the last centimetre. A group that hardly
-// progresses for some substeps tries another direction. Limits: a displacement of 0.6 m; where nothing
-// fits, nothing holds the pair until it is clear by itself.
+// In a substep of length h, s grows so far that no plane of the displaced shape is entered by more
+// than `growth` times the depenetration speed times h, less over the last centimetre. A group that
+// hardly progresses for some substeps tries another direction. Limits: displacements are at most
+// 0.6 m long; where none fits, no contact holds the pair until it is clear by itself.
 #pragma once
 #include <vector>
 
@@ -30,25 +30,25 @@ class Depenetration {
   bool any() const { return !overlaps_.empty(); }
   InitialOverlap* find(const BroadPhasePair& e);
 
-  // The share of the depenetration speed that is asked for in the next substep.
+  // The share of the depenetration speed that the next substep demands.
   double growth = 1;
 
   void clear();
   // Finds exits for these pairs, which overlap at the poses `start`.
   void begin(const Model& m, Poses& start, const std::vector<PairId>& pairs);
-  // The candidates that hold a pair: planes of the obstacle against the displaced shape, up to `reach`;
-  // decides how far the pair comes out in this substep.
+  // The candidates that hold a pair: planes of the obstacle against the displaced shape, up to
+  // `reach`; decides how far the pair comes out in this substep.
   void add_candidates(Poses& start, BroadPhasePair& e, InitialOverlap& in, double reach, double h,
                       std::vector<ContactCandidate>& out);
-  // Groups that are stuck try another direction. True if something has changed.
+  // Groups that are stuck try another direction. True if the pairs have changed.
   bool reroute(const Model& m, Poses& start);
   // The substep has been made, by the trees' shares of it (per body; empty: whole).
   void advance(const std::vector<double>& share);
 
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
-  // Takes over the pairs of another simulation: `renamed` gives each its numbers here or says that it is
-  // gone, `known` says which of the pairs here the other one knew.
+  // Takes over the pairs of another simulation: `renamed` gives each its numbers here or says that
+  // it is gone, `known` says which of the pairs here the other one knew.
   template <typename Renamed, typename Known>
   void adopt(const Depenetration& old, Renamed renamed, Known known) {
     std::vector<InitialOverlap> in;

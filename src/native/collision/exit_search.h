@@ -1,14 +1,15 @@
 // The smallest displacement that takes a group of shapes out of an obstacle, onto the right side.
 //
-// Directions tried: the normals of faces nearby (of a mesh: of triangles near the group, both ways) and
-// the 26 directions of a grid. Along each, displacements grow in strides up to a limit until the group
-// fits, and the last stride is bisected; the shortest of all wins. A displacement fits if
+// Directions tried: the normals of faces nearby (of a mesh: of triangles near the group, both ways)
+// and the 26 directions of a grid. Along each, displacements grow in strides up to a limit until
+// the group fits, and the last stride is bisected; the shortest of all wins. A displacement fits if
 //
 // - every shape of the group is clear of the obstacle,
 // - of a static: every hull is on the side of its joint (an object: on its own side), no joint that
-//   leaves is taken through the static, and the bones between what leaves and what stays cross nothing,
-// - no shape of the group, nor of what hangs between it and the root, is taken into another static that
-//   it is clear of now. If nothing fits, this last condition is dropped.
+//   leaves passes through the static, and the bones between bodies that leave and bodies that stay
+//   do not cross it,
+// - no shape of the group, nor of the bodies between it and the root, enters another static that it
+//   is clear of now. If no displacement fits, this last condition is dropped.
 #pragma once
 #include <utility>
 #include <vector>
@@ -18,7 +19,7 @@
 namespace hp {
 
 struct Exit {
-  Vec3 displacement;  // [m]; zero: no way out was found
+  Vec3 displacement;  // [m]; zero: none was found
   double length = 0;  // [m]
 };
 

@@ -1,13 +1,13 @@
-// The frame's shortcut: which trees may touch anything on their way through a whole frame?
+// The frame's shortcut: which trees may touch anything on their path through a whole frame?
 //
 // Each shape goes from its start pose to its end pose; no point of it strays from the straight line
-// between its ends by more than the shape's bulge (docs/physics.md, "The frame"). So it is clear of an
-// obstacle if, in the order of their cost,
+// between its ends by more than the shape's bulge (docs/physics.md, "The frame"). So it is clear of
+// an obstacle if, in the order of their cost,
 //
 // - the pair's distance bound exceeds the shape's whole travel,
 // - both ends lie on the outer side of all planes to a static by the bulge,
-// - of two shapes of one person, seen from the root: the hulls of both ends of each are apart by the
-//   bulges (GJK).
+// - of two shapes of one person, seen from the root: the hulls of both ends of each are apart by
+//   the bulges (GJK).
 //
 // Two trees that both move are apart if their distance exceeds what the two travel. Trees of pairs
 // without such a proof are stepped through; all others arrive at their end pose.

@@ -92,7 +92,8 @@ bool GapCheck::swept_clear(const ContactCandidate& c, Poses& start, Poses& end) 
   margin += b.hull->radius;
   if (c.other_shape < 0 || !world_.shapes[c.other_shape].skin)
     return gjk(swept.support(), b.support(), c.n, pa, pb, margin) > margin;
-  // A skin hull deforms as seen from the frame that carries it: both ends of it are in its swept hull.
+  // A skin hull deforms as seen from the frame that carries it: both ends of it are in its swept
+  // hull.
   const Points q0 = b.points(), q1 = world_.place(end, c.other_shape).points();
   SweptPoints other(q0.n);
   for (int i = 0; i < q0.n; i++) other.set(i, q0.at(i)), other.set(q0.n + i, back * q1.at(i) + shift);

@@ -1,12 +1,13 @@
-// Does the end pose keep the gap that a candidate demands, and where not, is anything in the way?
+// Does the end pose keep the gap that a candidate demands, and where not, does the shape meet
+// anything?
 //
-// The gap at the end is measured along the candidate's plane; of two shapes whose nearest features have
-// stayed the same, it is their true distance at the end, because the plane turns as they do. A plane
-// that is crossed is *forgiven* if nothing behind it is met: if the swept hull (the hull of the shape's
-// start and end vertices, seen from the other) is disjoint from the other by the clearance and by the
-// bulge. The bulge is how far the arcs of turning points stray out of the swept hull: a point at r that
-// turns by an angle on an arc strays from the chord by at most r angle^2 / 8 (sagitta). There are no
-// ghost contacts at edges that a shape passes by.
+// The gap at the end is measured along the candidate's plane; of two shapes whose nearest features
+// have stayed the same, it is their true distance at the end, because the plane turns as they do. A
+// plane that is crossed is *forgiven* if the shape meets nothing behind it: if the swept hull (the
+// hull of the shape's start and end vertices, seen from the other) is disjoint from the other by
+// the clearance and by the bulge. The bulge is how far the arcs of turning points stray out of the
+// swept hull: a point at r that turns by an angle on an arc strays from the chord by at most r
+// angle^2 / 8 (sagitta). There are no ghost contacts at edges that a shape passes by.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -19,8 +20,8 @@ class GapCheck {
  public:
   explicit GapCheck(const CollisionWorld& world) : world_(world) {}
 
-  // Smallest gap of a candidate at the end pose minus its target [m]; kForgiven, and c.forgiven is set,
-  // where the plane is crossed but nothing is behind it.
+  // Smallest gap of a candidate at the end pose minus its target [m]; kForgiven, and c.forgiven is
+  // set, where the plane is crossed but nothing is behind it.
   double excess(Poses& start, Poses& end, ContactCandidate& c) const;
   static constexpr double kForgiven = 1e300;
   // Is the swept hull clear of the candidate's whole mesh? Then no plane of it that may be crossed

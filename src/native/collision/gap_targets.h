@@ -7,10 +7,10 @@
 //              d + min(v h, -d)               d < 0          overlaps are resolved
 //              d                              d < 0, hulls overlap where their surfaces are clear
 //
-// The clearance of a pair is the settings'; a pair that started nearer keeps its own distance until it
-// is farther; shapes that come out of an obstacle are held at the least gap. `hard` is half of
-// min(d, least gap), so that repeated solving cannot wear a gap away, with floors below which the gap
-// may shrink only as slowly as solving is inexact, and then not at all.
+// The clearance of a pair is the settings'; a pair that started nearer keeps its own distance until
+// it is farther; shapes that come out of an obstacle are held at the least gap. `hard` is half of
+// min(d, least gap), so that repeated solving cannot wear a gap away, with floors below which the
+// gap may shrink only as slowly as solving is inexact, and then not at all.
 #pragma once
 #include <vector>
 

@@ -1,4 +1,5 @@
-// A shape that overlapped something when the simulation started, on its way out; see depenetration.h.
+// A shape that overlapped a static or an object when the simulation started, and does not clear it
+// yet; see depenetration.h.
 #pragma once
 #include <vector>
 
@@ -11,7 +12,7 @@ struct InitialOverlap {
   Vec3 exit;                 // displaced by this the shape is clear, and on the right side [m]
   double progress = 0;       // the shape is held clear displaced by (1 - progress) exit; 1: it is out
   double next_progress = 0;  // what `progress` will be at the end of the substep
-  bool no_exit = false;      // none was found: nothing holds the pair until it is clear by itself
+  bool no_exit = false;      // none was found: no contact holds the pair until it is clear
   double asked = 0;          // how far it should come in the substep [m]
   int stuck = 0;             // substeps in a row in which it made hardly any progress
   double depth() const { return (1 - progress) * norm(exit); }

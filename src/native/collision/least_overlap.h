@@ -1,10 +1,10 @@
 // The direction along which two convex shapes overlap least, searched over the sphere.
 //
-// separate() (geometry/convex.h) knows only face normals and the line between centres: enough for hulls
-// with few, large faces, a poor bound for hulls of a skin with hundreds of small ones. Here the guesses
-// and the points of a Fibonacci lattice are tried, and the best is refined by a pattern search: turned
-// in eight directions, by half as much whenever none is better. The result is an upper bound of the
-// penetration depth; nothing guarantees the global minimum.
+// separate() (geometry/convex.h) knows only face normals and the line between centres: enough for
+// hulls with few, large faces, a poor bound for hulls of a skin with hundreds of small ones. Here
+// the guesses and the points of a Fibonacci lattice are tried, and the best is refined by a pattern
+// search: turned in eight directions, by half as much whenever none is better. The result is an
+// upper bound of the penetration depth; nothing guarantees the global minimum.
 #pragma once
 #include <vector>
 

@@ -48,7 +48,8 @@ void NarrowPhase::add_half_space(const PosedShape& a, BroadPhasePair& e, Contact
   out.push_back(c);
 }
 
-// Two people that started overlapping: do they still? If not, the pair is an ordinary one from now on.
+// Two people that started overlapping: do they still? If not, the pair is an ordinary one from now
+// on.
 bool NarrowPhase::passing_through(const PosedShape& a, const PosedShape& b, const ContactCandidate& c) {
   const PairState* state = states_.find(c);
   if (!state || !state->through) return false;
@@ -58,8 +59,8 @@ bool NarrowPhase::passing_through(const PosedShape& a, const PosedShape& b, cons
   return false;
 }
 
-// Of a pair that overlaps, the direction in which it leaves: fixed in `frame` when the overlap is first
-// seen, forgotten when it is over.
+// The exit direction of a pair that overlaps: fixed in `frame` when the overlap is first found,
+// dropped when it ends.
 void NarrowPhase::fix_exit(const PosedShape& a, const PosedShape& b, const Mat3& frame,
                            ContactCandidate& c) {
   PairState* state = states_.find(c);

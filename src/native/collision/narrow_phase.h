@@ -3,16 +3,16 @@
 // For every listed pair within reach at the start of the substep:
 //
 // - half-space: its own plane;
-// - two convex shapes (an object, a part, a hull of a static): the plane across the line between their
-//   nearest points, by GJK (geometry/convex.h). Where they overlap, the direction is fixed when the
-//   overlap is first seen, in the world or, of two shapes of one person, in the frame of the heavier
-//   one, so that the pair leaves steadily;
+// - two convex shapes (an object, a part, a hull of a static): the plane across the line between
+//   their nearest points, by GJK (geometry/convex.h). Where they overlap, the direction is fixed
+//   when the overlap is first seen, in the world or, of two shapes of one person, in the frame of
+//   the heavier one, so that the pair leaves steadily;
 // - mesh: planes to triangles, nearest first, without the triangles behind a plane already found
 //   (geometry/bvh.h). A mesh triangle that a shape overlaps gives no plane: initial overlaps are
 //   resolved by depenetration.h, and none can arise later.
 //
-// Planes are valid for displacements up to the reach they were asked for. What each candidate demands
-// of its gap is set by gap_targets.h. Lengths in [m], times in [s].
+// Planes are valid for displacements up to the reach they were asked for. What each candidate
+// demands of its gap is set by gap_targets.h. Lengths in [m], times in [s].
 #pragma once
 #include <vector>
 

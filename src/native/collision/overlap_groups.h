@@ -1,10 +1,10 @@
 // Which hulls of a tree must leave an obstacle, and which of them together.
 //
 // Hulls that overlap the obstacle must leave it; so must those that a static cuts off: bodies whose
-// bones (straight lines between neighbouring joints) connect them to the greater part of the tree only
-// through the static are on its wrong side, however clear they are. The greater part is that with the
-// most mass among those that carry at least a share of it, but not one that a closed mesh swallows
-// whole (winding number). An object is gone round: it cuts off nothing.
+// bones (straight lines between neighbouring joints) connect them to the greater part of the tree
+// only through the static are on its wrong side, however clear they are. The greater part is that
+// with the most mass among those that carry at least a share of it, but not one that a closed mesh
+// swallows whole (winding number). An object cuts off no hulls: bodies can go round it.
 //
 // Bodies that must leave and are neighbours in the skeleton leave together, by one displacement.
 #pragma once

@@ -1,9 +1,9 @@
 // Poses of all collision shapes: posed hulls, made on demand, and points of their surfaces.
 //
 // A `Poses` belongs to one set of coordinates (start of the substep, its end, ...). Kinematics are
-// set by the caller; restart() then declares all shapes stale, and a shape is posed when it is first
-// asked for: most shapes never are, because bounds decide about them. Skin hulls are skinned vertex by
-// vertex (skin.h).
+// set by the caller; restart() then declares all shapes stale, and a shape is posed when it is
+// first used: most shapes never are, because bounds decide about them. Skin hulls are skinned
+// vertex by vertex (skin.h).
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -37,8 +37,8 @@ struct Poses {
   BoundingSphere bounding_sphere(const CollisionShape& m) const;
   const BoundingSphere& cached_bounding_sphere(const std::vector<CollisionShape>& shapes, int i);
 
-  // The material point of a shape's surface that is at x now, and where it is at this pose. The shape
-  // must be posed; a point of a skin hull moves with the nearest vertex.
+  // The material point of a shape's surface that is at x now, and where it is at this pose. The
+  // shape must be posed; a point of a skin hull moves with the nearest vertex.
   Material material(const CollisionShape& m, const PosedShape& at, Vec3 x) const;
   Vec3 position(const CollisionShape& m, const PosedShape& at, const Material& point) const;
   // The same point as contacts need it: the bodies that carry it, and by how much (its Jacobian,

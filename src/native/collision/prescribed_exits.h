@@ -1,12 +1,13 @@
-// Overlaps of people whose poses are prescribed, not simulated (docs/physics.md, "Poses that are set").
+// Overlaps of people whose poses are prescribed, not simulated (docs/physics.md, "Poses that are
+// set").
 //
-// Such people are put somewhere in every frame or substep, whatever is there; an object that they
-// overlap leaves them. All hulls of a person that overlap one object and are neighbours in the skeleton
-// make a group, and the object leaves the group along one direction: that along which the deepest of the
-// group's hulls is least deep, among the normals of the object's faces, each pair's own direction of
-// least depth, and the 26 directions of a grid. (Hull by hull the directions would work against each
-// other, and an object between two hulls would be thrown.) An object between two groups whose
-// directions are opposed is squeezed, and not pushed at all.
+// Such people are moved to a pose in every frame or substep, whatever they overlap there; an object
+// that they overlap is pushed out. All hulls of a person that overlap one object and are neighbours
+// in the skeleton make a group, and the object leaves the group along one direction: that along
+// which the deepest of the group's hulls is least deep, among the normals of the object's faces,
+// each pair's own direction of least depth, and the 26 directions of a grid. (Hull by hull the
+// directions would work against each other, and an object between two hulls would be thrown.) An
+// object between two groups whose directions are opposed is squeezed, and not pushed at all.
 #pragma once
 #include <vector>
 
@@ -31,9 +32,9 @@ class PrescribedExits {
     const int object = world_.shapes[c.other_shape].body;
     return squeezed[object] ? 0 : pace[object];
   }
-  // People have been put somewhere else: the states of their pairs are forgotten.
+  // People have been moved: drops the states of their pairs.
   void forget();
-  // Finds the directions anew if people have been put somewhere else.
+  // Finds the directions, if people have been moved.
   void update(const Model& m, Poses& start, const std::vector<BroadPhasePair>& pairs);
 
  private:

@@ -1,11 +1,12 @@
-// Overlaps of a person with itself, and the directions in which they are resolved
-// (docs/physics.md, "Self-contact").
+// Overlaps of a person with itself, and the directions in which they are resolved (docs/physics.md,
+// "Self-contact").
 //
-// A pair of hulls of one person that overlaps at the start leaves along a fixed direction (PairState::
-// exit). Pairs whose bodies are neighbours in the skeleton on both sides share one direction: a hand
-// whose fingers left in front of an arm while its palm left behind it would never get out. The shared
-// direction is that along which the deepest pair of the group is least deep (least_overlap.h). If the
-// depth summed over all pairs has not fallen enough after some substeps, directions are chosen anew.
+// A pair of hulls of one person that overlaps at the start leaves along a fixed direction
+// (PairState:: exit). Pairs whose bodies are neighbours in the skeleton on both sides share one
+// direction: a hand whose fingers left in front of an arm while its palm left behind it would never
+// get out. The shared direction is that along which the deepest pair of the group is least deep
+// (least_overlap.h). If the depth summed over all pairs has not fallen enough after some substeps,
+// directions are chosen anew.
 #pragma once
 #include <vector>
 
@@ -45,7 +46,7 @@ class SelfDepenetration {
 
   const CollisionWorld& world_;
   PairStates& states_;
-  int waited_ = 0;         // substeps since progress was last looked at
+  int waited_ = 0;         // substeps since progress was last measured
   double depth_ = 1e300;   // sum of depths along the exits then [m]
 };
 

@@ -5,8 +5,8 @@
 //
 //     x = sum_j w_j (R_j (x_rest + B vec(R_local - I) - p_j) + c_j)
 //
-// where p_j is joint j at rest, (R_j, c_j) its frame in the world, and R_local stacks the rotations of
-// all joints but the root relative to their parents. Lengths in [m].
+// where p_j is joint j at rest, (R_j, c_j) its frame in the world, and R_local stacks the rotations
+// of all joints but the root relative to their parents. Lengths in [m].
 #pragma once
 #include <vector>
 
@@ -18,7 +18,8 @@ struct Skin {
   std::vector<int> body, parent, dof;  // per joint: the model's body, the parent joint, first dof
   std::vector<Vec3> joint;             // per joint: position at rest, p_j
   std::vector<Vec3> rest;              // per vertex: position at rest, x_rest
-  // Vertex v has the weights first_weight[v] ... first_weight[v + 1] - 1, of the joints weight_joint.
+  // Vertex v has the weights first_weight[v] ... first_weight[v + 1] - 1, of the joints
+  // weight_joint.
   std::vector<int> first_weight, weight_joint;
   std::vector<double> weight;
   std::vector<double> pose_blend;  // B: vertices x 3 x features(); empty: no pose blend shapes

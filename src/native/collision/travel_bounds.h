@@ -1,7 +1,8 @@
-// Upper bounds of how far shapes move between two poses: all that broad phase needs to know of them.
+// Upper bounds of how far shapes move between two poses: all that broad phase needs to know of
+// them.
 //
-// A rigid shape moves no farther than its centre does plus 2 sin(angle / 2) times its bounding radius.
-// A skin hull moves no farther than the weighted bound of what its influencing bodies move
+// A rigid shape moves no farther than its centre does plus 2 sin(angle / 2) times its bounding
+// radius. A skin hull moves no farther than the weighted bound of what its influencing bodies move
 // (collision_shape.h), plus gain |dR| for each joint with pose blend shapes.
 #pragma once
 #include <vector>

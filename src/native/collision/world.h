@@ -1,4 +1,5 @@
-// Collision detection, from broad phase to the check of end poses: the components and how they are connected.
+// Collision detection, from broad phase to the check of end poses: the components and how they are
+// connected.
 //
 // A substep calls them in this order (docs/physics.md, "The substep"):
 //
@@ -12,8 +13,8 @@
 //     gap_check.excess        does the end pose keep the gaps?       gap_check.h
 //
 // and a frame asks mark_busy_trees() first, which trees need substeps at all (frame_sweep.h).
-// `pair_states` remembers pairs that started too near or overlapping. A component sees only those that
-// it is constructed with.
+// `pair_states` remembers pairs that started too near or overlapping. A component sees only those
+// that it is constructed with.
 #pragma once
 #include "collision/broad_phase.h"
 #include "collision/clearance_query.h"
@@ -48,21 +49,21 @@ class World : public CollisionWorld {
   ContactPoints contact_points{*this};
   GapCheck gap_check{*this};
 
-  // No point of a shape travels farther between two poses than `way`, seen from the shape's root body [m]; empty
-  // without self-contact.
+  // No point of a shape travels farther between two poses than `way`, seen from the shape's root
+  // body [m]; empty without self-contact.
   void inner_travel(const Model& m, const Poses& from, const Poses& to, std::vector<double>& way) const {
     way.clear();
     if (self_contact()) travel_bounds_in_root_frame(shapes, m, from, to, active, way);
   }
 
-  // The simulation starts here: remembers the pairs that are nearer than the clearance or overlap, and
-  // how the latter are resolved.
+  // The simulation starts here: remembers the pairs that are nearer than the clearance or overlap,
+  // and how the latter are resolved.
   void reset(const Model& m, Poses& start);
   // The state that determines all further steps, as numbers.
   void save(std::vector<double>& out) const;
   const double* load(const double* in);
-  // Of pairs that were there before, what was known then: `shape` gives each shape's number in `old`
-  // (-1: new).
+  // Of pairs that were there before, what was known then: `shape` gives each shape's number in
+  // `old` (-1: new).
   void adopt(const World& old, const std::vector<int>& shape);
 
  private:

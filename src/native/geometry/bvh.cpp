@@ -114,10 +114,10 @@ void TriangleTree::triangle(int t, Vec3 v[3]) const {
   for (int k = 0; k < 3; k++) v[k] = corner_[3 * (size_t)t + k];
 }
 
-// One call of planes(). Triangles are settled in the order of their distance. One whose plane has been
-// computed before its turn ("known": its distance is larger than its box said) waits in the queue;
-// whatever lies behind that plane and is not nearer waits with it, because it is culled if the plane is
-// found and is asked again if not.
+// One call of planes(). Triangles are settled in the order of their distance. One whose plane has
+// been computed before its turn ("known": its distance is larger than its box said) waits in the
+// queue; whatever lies behind that plane and is not nearer waits with it, because it is culled if
+// the plane is found and is asked again if not.
 struct TriangleTree::PlaneSearch {
   struct Known {
     Plane plane;
@@ -148,7 +148,8 @@ struct TriangleTree::PlaneSearch {
   bool left_out(int t) const {
     return std::find(without.begin(), without.end(), t) != without.end();
   }
-  // Is everything that `is_behind` tests culled by a plane that is found or out of reach, or put to wait?
+  // Is everything that `is_behind` tests culled by a plane that is found or out of reach, or put to
+  // wait?
   template <typename Behind>
   bool settled(const Entry& e, Behind is_behind) {
     for (const Plane& p : out)
@@ -274,8 +275,8 @@ bool TriangleTree::planes(const PosedShape& a, double reach, std::vector<Plane>&
   return PlaneSearch{*this, a, reach, without, out, scratch}.run();
 }
 
-// One call of distance(): triangles behind a plane that was measured are no nearer than its triangle, and
-// so no nearer than the best.
+// One call of distance(): triangles behind a plane that was measured are no nearer than its
+// triangle, and so no nearer than the best.
 struct TriangleTree::DistanceSearch {
   struct Scratch {
     Queue queue;

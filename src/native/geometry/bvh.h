@@ -1,15 +1,15 @@
-// A bounding-volume hierarchy over the triangles of static geometry, asked by convex shapes: separating
-// planes and distances. (geometry/triangle_tree.h is the one that points ask.)
+// A bounding-volume hierarchy over the triangles of static geometry, for queries by convex shapes:
+// separating planes and distances. (geometry/triangle_tree.h is the one that points ask.)
 //
 // *Built* by the surface-area heuristic in 16 bins (Wald 2007, "On fast construction of SAH-based
 // bounding volume hierarchies"), in the same order on every platform. Any soup will do: open,
 // non-manifold, duplicated, degenerate triangles.
 //
 // *Planes.* All triangles within reach of a shape are to be kept apart from it by as few planes as
-// possible: a foot on a finely divided floor needs one. Nodes and triangles are visited in the order of
-// their distance (lower bounds by boxes, then GJK); the nearest triangle's plane comes first, and
-// whatever lies wholly behind a plane already found is culled, because the plane keeps the shape from
-// that too. The planes hold for displacements up to the reach that was asked for.
+// possible: a foot on a finely divided floor needs one. Nodes and triangles are visited in the
+// order of their distance (lower bounds by boxes, then GJK); the nearest triangle's plane comes
+// first, and whatever lies wholly behind a plane already found is culled, because the plane keeps
+// the shape from that too. The planes hold for displacements up to that reach.
 //
 // Lengths in [m].
 #pragma once
@@ -33,23 +33,23 @@ class TriangleTree {
  public:
   // Vertices (nv, 3) in the world frame, faces (nf, 3) of their indices.
   TriangleTree(const double* vertices, int nv, const int* faces, int nf);
-  // The tree of these triangles: one that exists already, if anything still holds it, else a new one.
+  // The tree of these triangles: one that exists already, if it is still in use, else a new one.
   // Trees are told apart by content, bit for bit. Thread-safe.
   static std::shared_ptr<const TriangleTree> shared(const double* vertices, int nv,
                                                     const int* faces, int nf);
 
   // Planes that together separate `a` from every triangle within `reach` of it, nearest triangle
   // first. Triangles `without` are left out. The triangles of the planes that `out` holds on entry,
-  // from a pose nearby, are measured first: they are likely to be the ones again. False if there were
-  // more planes than are kept: the farthest are missing.
+  // from a pose nearby, are measured first: they are likely to be the ones again. False if there
+  // were more planes than are kept: the farthest are missing.
   bool planes(const PosedShape& a, double reach, std::vector<Plane>& out,
               const std::vector<int>& without = {}) const;
   // Smallest distance of `a` from the triangles, up to `range`; `range` if none is nearer, <= 0
   // where it meets one. The triangles of `near` are measured first.
   double distance(const PosedShape& a, double range, const std::vector<Plane>& near = {}) const;
 
-  // How often the triangles wind around p: 1 inside a closed mesh, 0 outside, between where it is open
-  // (generalised winding number: Jacobson et al. 2013). Sums over all triangles.
+  // How often the triangles wind around p: 1 inside a closed mesh, 0 outside, between where it is
+  // open (generalised winding number: Jacobson et al. 2013). Sums over all triangles.
   double winding(Vec3 p) const;
 
   // Triangles are numbered in the order of the leaves; `face` is the index into the faces given.

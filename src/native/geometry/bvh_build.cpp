@@ -101,8 +101,9 @@ struct Splitter {
   }
 };
 
-// Sorts items [first, last) to two sides and returns where the second begins: by area, else in halves; in
-// the middle as they are where their centres do not tell them apart. The same order on every platform.
+// Sorts items [first, last) to two sides and returns where the second begins: by area, else in
+// halves; in the middle as they are where their centres do not tell them apart. The same order on
+// every platform.
 int split(std::vector<Item>& items, int first, int last, const Box3& centres, bool by_area) {
   const int half = first + (last - first) / 2;
   Vec3 size = centres.hi - centres.lo;

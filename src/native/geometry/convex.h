@@ -1,8 +1,8 @@
 // Convex shapes: the hull of some points, swept by a disc, grown by a radius.
 //
 // All primitives are exact in this form: a sphere is one point and a radius, a capsule two, a box
-// eight points, a cylinder two points and a disc across its axis, any convex mesh its vertices. With S
-// the unrounded shape (hull and disc) and r the radius, the support function is
+// eight points, a cylinder two points and a disc across its axis, any convex mesh its vertices.
+// With S the unrounded shape (hull and disc) and r the radius, the support function is
 //
 //     h(n) = max over x in S of n.x + r |n|.
 //
@@ -24,8 +24,8 @@ struct Points {
   int support(Vec3 d) const { return farthest(x, y, z, n, d.x, d.y, d.z); }
 };
 
-// The unrounded shape S in the world, as GJK asks for it: the hull of points, swept by a disc of radius
-// `rim` across `axis`.
+// The unrounded shape S in the world, as GJK asks for it: the hull of points, swept by a disc of
+// radius `rim` across `axis`.
 struct Support {
   Points points;
   Vec3 axis;
@@ -39,7 +39,8 @@ struct Support {
     Vec3 p = points.at(i);
     return rim == 0 ? p : p + on_rim(d);
   }
-  // From a disc's centre to the point of its rim that lies farthest along d; 0 if d is along the axis.
+  // From a disc's centre to the point of its rim that lies farthest along d; 0 if d is along the
+  // axis.
   Vec3 on_rim(Vec3 d) const {
     Vec3 side = d - dot(d, axis) * axis;
     double length = norm(side);

@@ -144,7 +144,8 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
       if (vv - vw <= tune::kGjkProgress * vv) break;  // no support point gets nearer
       if (s.has(w)) break;
     }
-    // Hints help once the shapes are known to be apart: then a flat tetrahedron cannot say otherwise.
+    // Hints help once the shapes are known to be apart: then a flat tetrahedron cannot say
+    // otherwise.
     if (s.n == 0 && hint && apart > tune::kProvedApart) s.add_hint(*hint, a.points, b.points, i, j);
     s.add(i, j, p, q);
     bool inside = false;
@@ -154,7 +155,8 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
       return 0;
     }
     if (apart > tune::kTouching && norm2(near.p) < apart * apart * (1 - 1e-9)) {
-      // Nearer than can be: the plane of a thin triangle is tilted by rounding, its corners are not.
+      // Nearer than can be: the plane of a thin triangle is tilted by rounding, its corners are
+      // not.
       near.p = {};
       for (int k = 0; k < near.n; k++) near.p += near.l[k] * s.w[near.id[k]];
     }

@@ -49,8 +49,9 @@ void matrix(const double* q, double* m, int stride) {
   m[2] = 1 - 2 * (x * x + y * y);
 }
 
-// What a block of up to tune::kSkinFrames frames shares: rigid transforms, and the blend-shape coefficients
-// of the joints that are turned in any of its frames (the others would add exact zeros).
+// What a block of up to tune::kSkinFrames frames shares: rigid transforms, and the blend-shape
+// coefficients of the joints that are turned in any of its frames (the others would add exact
+// zeros).
 struct Block {
   // Numbers of a transform: four columns of three, each with one to spare.
   static constexpr size_t affine_size = 16;

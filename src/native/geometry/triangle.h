@@ -1,6 +1,6 @@
 // One triangle and one point: the closest point of the triangle (Ericson 2005, "Real-Time Collision
-// Detection", 5.1.5) and the solid angle under which it is seen (Van Oosterom and Strackee 1983, "The
-// solid angle of a plane triangle").
+// Detection", 5.1.5) and the solid angle under which it is seen (Van Oosterom and Strackee 1983,
+// "The solid angle of a plane triangle").
 #pragma once
 
 #include <algorithm>

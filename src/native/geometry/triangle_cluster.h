@@ -1,6 +1,6 @@
-// The winding number of a cluster of far triangles, by the Taylor expansion of its solid angle to second
-// order (Barill et al. 2018, "Fast winding numbers for soups and clouds"), with a strict bound of what
-// the expansion leaves out.
+// The winding number of a cluster of far triangles, by the Taylor expansion of its solid angle to
+// second order (Barill et al. 2018, "Fast winding numbers for soups and clouds"), with a strict
+// bound of what the expansion leaves out.
 #pragma once
 
 #include <cmath>
@@ -11,10 +11,10 @@ namespace triangles {
 
 constexpr double kFourPi = 12.566370614359172954;
 
-// With G(r) = r / (4 pi |r|^3), the winding number is
-// the integral of n . G(x - q) dA; around the cluster's centre p it is
-// dipole . G(p - q) + tensor : DG(p - q) + rest, and |rest| <= 3/(4 pi) * second moment / d^4
-// where d is the distance of q from a convex shape that has all of them in it, as |D^2 G| <= 6/(4 pi d^4).
+// With G(r) = r / (4 pi |r|^3), the winding number is the integral of n . G(x - q) dA; around the
+// cluster's centre p it is dipole . G(p - q) + tensor : DG(p - q) + rest, and |rest| <= 3/(4 pi) *
+// second moment / d^4 where d is the distance of q from a convex shape that has all of them in it,
+// as |D^2 G| <= 6/(4 pi d^4).
 struct Cluster {
   Vec centre;
   double remainder;

@@ -22,7 +22,8 @@ inline double box_distance2(const Box& b, Vec p) {
 }
 
 // A box along its own axes around the triangles of a node: flat where they are flat, so that its
-// distance is nearly theirs. In single precision, rounded outwards; the axes are unit vectors to 1e-6.
+// distance is nearly theirs. In single precision, rounded outwards; the axes are unit vectors to
+// 1e-6.
 struct Slab {
   float centre[3], half[3];
   float axes[3][3];
@@ -40,8 +41,8 @@ inline double slab_distance2(const Slab& b, Vec p) {
   return (1.0 - 1e-6) * sum;
 }
 
-// The slab of some triangles in a box. Axes: the mean normal, the longest side of the box across it, and
-// the direction across both.
+// The slab of some triangles in a box. Axes: the mean normal, the longest side of the box across
+// it, and the direction across both.
 inline Slab flat(const Triangle* triangles, int count, const Box& box) {
   Vec normal{0, 0, 0};
   for (int i = 0; i < count; ++i) {

@@ -1,11 +1,11 @@
-// A tree of bounding volumes over a triangle soup, for queries by points: the exact closest triangle,
-// signed crossings of a vertical ray, and the generalised winding number (Jacobson et al. 2013) with a
-// proven error. (geometry/bvh.h is the tree for queries by convex shapes.)
+// A tree of bounding volumes over a triangle soup, for queries by points: the exact closest
+// triangle, signed crossings of a vertical ray, and the generalised winding number (Jacobson et al.
+// 2013) with a proven error. (geometry/bvh.h is the tree for queries by convex shapes.)
 //
-// Built by median splits. Far triangles enter the winding number as a cluster (triangle_cluster.h), near
-// ones by their solid angles; because every cluster carries a strict bound of its error, a point is
-// refined until the error cannot change the answer. Where many points are compared with one threshold,
-// whole balls of them are decided at once. Depth is at most log2(triangles) + 1.
+// Built by median splits. Far triangles enter the winding number as a cluster (triangle_cluster.h),
+// near ones by their solid angles; because every cluster carries a strict bound of its error, a
+// point is refined until the error cannot change the answer. Where many points are compared with
+// one threshold, whole balls of them are decided at once. Depth is at most log2(triangles) + 1.
 #pragma once
 
 #include <algorithm>
@@ -138,8 +138,8 @@ class Tree {
     }
   }
 
-  // `exceeds` of the n points order[i] with one threshold: tell(order[i], answer). Where one answer holds
-  // for a whole ball, its points get it at once. `order` is changed.
+  // `exceeds` of the n points order[i] with one threshold: tell(order[i], answer). Where one answer
+  // holds for a whole ball, its points get it at once. `order` is changed.
   template <typename Point, typename Tell>
   void exceeds_all(const Point& point, int* order, int n, double threshold, const Tell& tell) const {
     if (n <= tune::kFewPoints) {
@@ -248,8 +248,8 @@ class Tree {
   bool has_winding() const { return winding_; }
 
  private:
-  // What a node adds to the winding number, a bound of its error, and the node, or -1 where nothing in it
-  // can be opened.
+  // What a node adds to the winding number, a bound of its error, and the node, or -1 where nothing
+  // in it can be opened.
   struct Open {
     double off, value;
     int node;

@@ -18,7 +18,6 @@ from halfphysics.baselines import (
     options_of,
     with_options,
 )
-from halfphysics.baselines.options import MODES
 from halfphysics.body.body import Body
 from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Box, Mesh, Plane, Sphere
@@ -373,35 +372,6 @@ def test_nothing_is_held(body):
         simulator.reset(along_x(0.0, 2, start=0.0)[0])
         with pytest.raises(InputError, match="with the baseline"):
             simulator.attach("box")
-
-
-@pytest.mark.parametrize("mode", ["kinematic", "positions", "interpolated"])
-@pytest.mark.parametrize(
-    "other",
-    [
-        {"root": "recover"},
-        {"self_contact": True},
-        {"strength": "human"},
-        {"internal_forces": True},
-        {"joint_damping": 1.0},
-    ],
-    ids=lambda other: next(iter(other)),
-)
-def test_senseless_settings(mode, other):
-    with pytest.raises(InputError, match=next(iter(other))):
-        from_options({"mode": mode, **other})
-    assert MODES[mode].paper().drive == MODES[mode]().drive
-
-
-@pytest.mark.parametrize("mode", ["kinematic", "positions", "interpolated", "engine_kinematic"])
-def test_not_in_somebody_elses_world(body, mode):
-    import mujoco
-
-    spec = mujoco.MjSpec()
-    human = hp.attach(spec, body)
-    model = spec.compile()
-    with pytest.raises(InputError, match="a person is driven"):
-        human.bind(model, mujoco.MjData(model), settings=MODES[mode]())
 
 
 def test_a_start_in_a_wall_is_no_news(body):

@@ -263,7 +263,7 @@ def test_a_ray_and_a_velocity_find_it(body):
         (lambda s: s.attach("lift"), "moves along its trajectory"),
         (lambda s: s.attach("door"), "'door' is articulated"),
         (lambda s: s.attach("door/leaf"), "'door/leaf' is articulated"),
-        (lambda s: s.release("stick"), "nobody holds 'stick'. Held: cup"),
+        (lambda s: s.release("stick"), "'stick' is not held. Held: cup"),
         (lambda s: s.release("cu"), "release: there is no object called 'cu'"),
         (lambda s: s.release("door"), "'door' is articulated"),
         (lambda s: s.apply_impulse("cup", (0, 0, 1)), "left_wrist of 'person' holds 'cup'"),
@@ -292,5 +292,5 @@ def test_what_is_wrong_is_said_and_changes_nothing(body, do, says):
     assert simulator.get_state().numbers == state.numbers
     empty = Simulator(scene, body=[])
     empty.reset([])
-    with pytest.raises(InputError, match="nobody is there"):
+    with pytest.raises(InputError, match="there are no people"):
         empty.attach("stick")

@@ -71,7 +71,7 @@ class Torque(Ablation):
 
 
 def _refuse(settings: Settings, reasons: Mapping[str, str]) -> None:
-    """Refuse fields that are not the default: name -> why the baseline has no such thing."""
+    """Refuse fields that are not the default: name -> why the baseline has none."""
     for name, why in reasons.items():
         found, only = getattr(settings, name), getattr(Settings, name)
         if found != only:

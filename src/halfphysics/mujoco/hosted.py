@@ -1,4 +1,4 @@
-"""A person in somebody else's world: their MuJoCo model, their actuators, our person.
+"""A person in a MuJoCo world of another program: its model, its actuators, our person.
 
 `attach` adds the person to a `mujoco.MjSpec`; `Human.bind` makes a `Control` whose `step` replaces
 `mujoco.mj_step`. MuJoCo's own step gives everything that is not the person the velocity that it
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: The drive needs steps as short as this [s] (METHOD: "The drive").
+#: The drive needs steps as short as this [s] (docs/physics.md, "The drive").
 LONGEST_STEP = 1.0 / 240.0
 #: MuJoCo's own choice of a sparse Jacobian begins at so many degrees of freedom.
 SPARSE = 60
@@ -108,18 +108,7 @@ class Control:
     def __init__(self, human: Human, model: Any, data: Any, settings: Settings) -> None:
         from halfphysics import _native
 
-        if not isinstance(settings, Settings):
-            raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
-        if settings.self_contact:
-            raise InputError(
-                "bind: Settings.self_contact is True; a person in a MuJoCo world of one's own has "
-                "no contact with itself yet. Leave it False, or use halfphysics.Simulator"
-            )
-        if settings.drive.poses or settings.drive.follow is not None:
-            raise InputError(
-                f"bind: found the baseline {type(settings).__name__}; in a MuJoCo world of one's "
-                "own a person is driven. Expected other settings, or use halfphysics.Simulator"
-            )
+        _check_settings(settings)
         at = addresses(model, human.prefix)
         _check_masses(model, human, at.body)
         self._model, self._data, self._human = model, data, human
@@ -264,7 +253,7 @@ class Control:
         stepper.substep_hosted(
             k, h, qpos, qvel, np.array(data.qvel), np.array(self._model.dof_damping)
         )
-        # What nobody touched has made MuJoCo's own step, to the last bit.
+        # A tree that no contact touched has made MuJoCo's own step, to the last bit.
         pushed = stepper.disturbed()[self._model.body_rootid] != 0.0
         if (pushed & ~self._mine).any():
             pushed &= ~self._mine
@@ -364,6 +353,22 @@ class Control:
         friction[-1, :-1] = friction[:-1, -1] = each
         ignore[-1, :-1] = ignore[:-1, -1] = 0.0  # the rest is MuJoCo's
         self._stepper.set_pairings(friction, np.zeros((n, n)), ignore)
+
+
+def _check_settings(settings: Settings) -> None:
+    """Refuse what a hosted person does not have."""
+    if not isinstance(settings, Settings):
+        raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
+    if settings.self_contact:
+        raise InputError(
+            "bind: Settings.self_contact is True; a person in a MuJoCo world of one's own has "
+            "no contact with itself yet. Leave it False, or use halfphysics.Simulator"
+        )
+    if settings.drive.poses or settings.drive.follow is not None:
+        raise InputError(
+            f"bind: found the baseline {type(settings).__name__}; in a MuJoCo world of one's "
+            "own a person is driven. Expected other settings, or use halfphysics.Simulator"
+        )
 
 
 def _check_masses(model: Any, human: Human, body: NDArray[np.int64]) -> None:

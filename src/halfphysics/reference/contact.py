@@ -118,7 +118,7 @@ def solve_contacts(
 
 def _polished(A: Array, b: Array, friction: Array, p: Array) -> Array:
     """Newton's method from p on w_n = 0 and, where it sticks, w_t = 0, where it slips
-    p_t |w_t| = -mu p_n w_t; who carries nothing or sticks stays so. Least change of p."""
+    p_t |w_t| = -mu p_n w_t; a contact without load or that sticks stays so. Least change of p."""
     p = p.copy()
     carries = p[:, 0] > 0.0
     p[~carries] = 0.0

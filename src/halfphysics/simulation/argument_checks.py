@@ -56,7 +56,7 @@ def checked_people(
 
     Args:
         motion: The motion of one person, or of several.
-        body: One for everybody, or one per person; None: `Body.default()` for all.
+        body: One for all people, or one per person; None: `Body.default()` for all.
         allow_mismatch: Accept a body of another gender or model than the motion says.
 
     Raises:

@@ -1,4 +1,4 @@
-"""A short text that differs where people or things do: which states fit which simulator."""
+"""A short text that differs where people or items do: it says which states fit a simulator."""
 
 from __future__ import annotations
 

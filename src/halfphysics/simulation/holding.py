@@ -119,7 +119,7 @@ def with_held(world: World, name: str, part: str, person: int) -> Mapping[str, H
     if isinstance(person, bool) or not isinstance(person, int | np.integer):
         raise InputError(f"{what}: person: found {shown(person)}, expected an index")
     if not 0 <= person < count:
-        expected = f"0 to {count - 1}" if count else "none: nobody is there"
+        expected = f"0 to {count - 1}" if count else "none: there are no people"
         raise InputError(f"{what}: person: found {person}, expected {expected}")
     qpos, joint = world.stepper.qpos(), JOINT_NAMES.index(part)
     position, turn = part_pose(world.people[person], joint, qpos)
@@ -141,7 +141,7 @@ def without_held(world: World, name: str) -> Mapping[str, Hold]:
     if name not in {place.name for place in world.objects}:
         raise InputError(f"release: {_stranger(world, name)}")
     held = ", ".join(world.held) or "nothing"
-    raise InputError(f"release: nobody holds {name!r}. Held: {held}")
+    raise InputError(f"release: {name!r} is not held. Held: {held}")
 
 
 def not_free(world: World, what: str, name: str) -> InputError:

@@ -108,7 +108,7 @@ def rebuilt(
 ) -> World:
     """The same people and what is in both scenes, as they are now, in another scene.
 
-    `held`: who holds what from now on; None: as before.
+    `held`: name of an object -> how it is held from now on; None: as before.
     """
     if held is None:
         held = {name: hold for name, hold in world.held.items() if name in scene.objects}
@@ -117,7 +117,7 @@ def rebuilt(
         return new
     was, qpos, qvel = world.stepper.qpos(), np.zeros(new.nq), np.zeros(new.nv)
     new.place_objects(qpos, qvel)
-    # What is held by another, or by nobody any more, is new: what it rested on is asked again.
+    # An object whose hold changes is new to the core: its contacts are found again.
     other = {n for n in scene.objects if world.held.get(n) != held.get(n)}
     bodies = {world.model.body(i).name: i for i in range(world.model.nbody)}
     bodies = {name: i for name, i in bodies.items() if name.removeprefix("object/") not in other}
@@ -134,10 +134,10 @@ def rebuilt(
         qpos[at : at + 3] = position + rot.rotate(quat, place.com)
         qpos[at + 3 : at + 7] = quat
     new.stepper.reset(qpos, qvel)
-    movers = {key: i for i, key in enumerate(_movers(world)) if key[0] not in other}
-    mover = [movers.get(key, -1) for key in _movers(new)]
+    shapes = {key: i for i, key in enumerate(_shapes(world)) if key[0] not in other}
+    shape = [shapes.get(key, -1) for key in _shapes(new)]
     new.stepper.adopt(
-        world.stepper, np.array(body, dtype=np.int32), np.array(mover, dtype=np.int32)
+        world.stepper, np.array(body, dtype=np.int32), np.array(shape, dtype=np.int32)
     )
     for place in let_go:
         set_velocity(new, place.name, *velocity(world, place.name))
@@ -158,7 +158,7 @@ def removable(world: World, name: str) -> None:
     _found(world, "remove_object", name)
 
 
-def _movers(world: World) -> list[tuple[str, int, int]]:
+def _shapes(world: World) -> list[tuple[str, int, int]]:
     """What tells the core's shapes apart: name, part, and which of several."""
     seen: Counter[tuple[str, int]] = Counter()
     keys = []

@@ -50,7 +50,7 @@ def simulate(
         scene: Statics and objects; None: an empty one.
         body: The person's body, or one per person; None: `Body.default()` for all.
         settings: See `Settings`.
-        stiffness: Firmness instead of `Settings.stiffness`, for everybody or in a list one a
+        stiffness: Firmness instead of `Settings.stiffness`, for all people or in a list one a
             person: a number or numbers by joint group, or over time (T,) for all joints or
             (T, 55). Row t is that of the way to frame t, as if `Simulator.set_stiffness` were
             called before that step.

@@ -110,7 +110,7 @@ class Simulator:
 
         Args:
             value: A number, numbers by joint group or joint (those not named: 1), or (55,).
-            person: Index of the one person whose joints are meant; None: everybody's.
+            person: Index of the one person whose joints are meant; None: of all people.
 
         Raises:
             InputError: Before `reset`; a joint that does not exist, a number below 0.
@@ -144,7 +144,7 @@ class Simulator:
         if not isinstance(state, State) or state.signature != self.world.signature:
             raise InputError(
                 "set_state: the state is of another simulator; expected one with the same people "
-                f"and things: {', '.join(self.names)}"
+                f"and items: {', '.join(self.names)}"
             )
         world = self.world
         if state.held != world.held:
@@ -235,7 +235,7 @@ class Simulator:
         Args:
             name: Of an object.
             part: Name of a joint; `"right_wrist"` is the right hand.
-            person: Index of who holds it.
+            person: Index of the person that holds it.
 
         Raises:
             InputError: Before `reset`; another name, part or person; something held already, on a
@@ -249,7 +249,7 @@ class Simulator:
         """Let go of what `attach` tied: a free object again, with the velocity that it has.
 
         Raises:
-            InputError: Before `reset`, another name, or something that nobody holds.
+            InputError: Before `reset`, another name, or an object that is not held.
         """
         self._must_run("release")
         held = holding.without_held(self.world, name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,9 +69,26 @@ def follow(world: World, motions: Sequence[Motion], done: Callable[[int], Any]) 
         rows.append(recorder.rows())
         frames.append(np.full(len(rows[-1]), t))
         done(1)
-    whole = np.concatenate(qpos)
-    at_frames = whole[::substeps] if every else whole
-    columns, row = contact_rows(engine, np.concatenate(rows))
+    contacts = _Rows(np.concatenate(rows), np.concatenate(frames))
+    return _result(world, engine, motions, np.concatenate(qpos), contacts)
+
+
+class _Rows(NamedTuple):
+    """Rows of contacts (n, 12), and the frame of each (n,)."""
+
+    rows: Array
+    frame: NDArray[np.int64]
+
+
+def _result(
+    world: World, engine: EngineModel, motions: Sequence[Motion], qpos: Array, contacts: _Rows
+) -> Result:
+    """The result of coordinates at the frames, or at all substeps (., nq)."""
+    settings, count, dt = world.settings, len(motions[0]), 1.0 / motions[0].fps
+    substeps, mocap = settings.substeps_for(dt), isinstance(settings, EngineKinematic)
+    every = settings.record == "substeps"
+    at_frames = qpos[::substeps] if every else qpos
+    columns, row = contact_rows(engine, contacts.rows)
     result = Result(
         people=tuple(
             PersonResult(
@@ -88,11 +105,11 @@ def follow(world: World, motions: Sequence[Motion], done: Callable[[int], Any]) 
         joints=engine.joints(at_frames),
         scene=world.scene,
         names=world.names,
-        contacts=Contacts(frame=np.concatenate(frames)[row], **vars(columns)),
+        contacts=Contacts(frame=contacts.frame[row], **vars(columns)),
         clearance=np.full(count, np.inf),
         lost_time=np.zeros(count),
         settings=settings,
-        substeps=_substeps(engine, motions, whole, substeps, mocap) if every else None,
+        substeps=_substeps(engine, motions, qpos, substeps, mocap) if every else None,
     )
     return replace(result, clearance=clearances(result)[0].min(axis=(0, 2)))
 
@@ -112,7 +129,8 @@ def _check_stable(data: Any, settings: Settings, t: int, dt: float) -> None:
 def by_velocity(
     engine: EngineModel, data: Any, motions: Sequence[Motion], substeps: int, dt: float
 ) -> Callable[[int, Watch | None], Any]:
-    """Put people where their motions start; what takes them to frame t, given t and who watches."""
+    """Put people where their motions start; the function that takes them to frame t, given t and an
+    observer."""
     targets = np.tile(engine.model.qpos0, (len(motions[0]), 1))
     for person, motion in zip(engine.people, motions, strict=True):
         own = slice(person.qpos, person.qpos + person.count)

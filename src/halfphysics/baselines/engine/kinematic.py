@@ -1,4 +1,4 @@
-"""A motion played in plain MuJoCo by mocap bodies: set where they are to be, whatever is there.
+"""A motion played in plain MuJoCo by mocap bodies: set where they are to be, through obstacles too.
 
 The pose is interpolated and set before every step: the root along straight lines, joints by SLERP,
 at the end of the step, so that objects answer to where the person will be and not to where they
@@ -31,7 +31,7 @@ class MocapDrive:
         model: A `mujoco.MjModel`.
         data: Its `mujoco.MjData`.
         mocap: Mocap ids of the people's parts (people, 55).
-        people: Who they are.
+        people: Their names and bodies.
         motions: What they do.
         substeps: MuJoCo steps per frame.
     """

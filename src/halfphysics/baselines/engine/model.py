@@ -29,7 +29,7 @@ Ints = NDArray[np.int64]
 #: Bits of `contype` that are left for telling people apart.
 _MOST_PEOPLE = 30
 
-_NAMED = 5  # this many things are named
+_NAMED = 5  # this many names are given
 
 
 class EngineModel:
@@ -38,12 +38,12 @@ class EngineModel:
     Attributes:
         model: The `mujoco.MjModel`.
         names: As those of the world.
-        people: Their places in the model's coordinates; of mocap people nothing but who they are.
+        people: Their places in the model's coordinates; of mocap people only names and bodies.
         mocap: Mocap ids of the people's parts (people, 55); empty where they are trees of joints.
         moving: (mocap id, thing) of everything on a given trajectory.
         static_name, shape_name: Of every geom the index into `names` (ngeom,).
         shape_part: Of every geom the joint's index (ngeom,), -1 where it is no person's.
-        rank: Of every geom 0 where it is a person's, 1 a thing's that moves, 2 a static's (ngeom,).
+        rank: Of every geom 0 for a person, 1 for an item that moves, 2 for a static (ngeom,).
     """
 
     def __init__(self, world: World, timestep: float, *, mocap: bool) -> None:
@@ -57,7 +57,7 @@ class EngineModel:
         spec = mujoco.MjSpec()
         prefixes = [f"{person.name}/" for person in world.people]
         for i, (prefix, body) in enumerate(zip(prefixes, world.bodies, strict=True)):
-            # One bit for things, one per person; who comes later meets those before.
+            # One bit for items, one per person; a person meets those that were added before.
             mine, theirs = 1 | 2 << i, sum(2 << j for j in range(i))
             add = add_person_mocap if mocap else add_person
             add(spec, body.variant, prefix, contype=mine, conaffinity=theirs)
@@ -155,7 +155,7 @@ class EngineModel:
 
 
 def _warn_of_unheeded(scene: Scene) -> None:
-    """One warning of each kind of thing that MuJoCo's defaults do not know."""
+    """One warning of each kind of property that MuJoCo's defaults do not know."""
     items: list[Any] = [*scene.statics.values(), *scene.objects.values()]
     items += scene.articulated.values()
     bouncy = [item.name for item in items if item.restitution > 0.0]

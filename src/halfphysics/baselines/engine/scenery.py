@@ -40,7 +40,7 @@ def add_scene(
     """Add a scene to a `mujoco.MjSpec` that has its people already.
 
     Every pair has the friction that the scene says. By itself MuJoCo would take the larger of
-    two: a thing has the friction that it has with a person, the more slippery of two the higher
+    two: an item has the friction that it has with a person, the more slippery of two the higher
     priority, and what that leaves wrong becomes an explicit pair. All else of contact is
     MuJoCo's default; it knows no restitution.
 
@@ -78,7 +78,7 @@ class _Scenery:
     def __init__(self, spec: Any, scene: Scene, people: Sequence[str]) -> None:
         self.owner: dict[str, str] = {}
         self._spec, self._scene, self._people = spec, scene, people
-        # Of a thing of the scene: its geoms and bodies.
+        # Of an item of the scene: its geoms and bodies.
         self._geoms: dict[str, list[str]] = {}
         self._bodies: dict[str, list[str]] = {}
         names = [*scene.statics, *scene.objects, *scene.articulated]

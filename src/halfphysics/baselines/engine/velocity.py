@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 class Watch(Protocol):
-    """Who is told of every substep."""
+    """An observer that is told of every substep."""
 
     def before(self, substep: int) -> None: ...
     def after(self, substep: int) -> None: ...

@@ -42,7 +42,7 @@ class Recorder:
         self._pairs: dict[tuple[int, int], list[Array]] = {}
 
     def before(self, substep: int) -> None:
-        """Things on a trajectory are where they will be at the end of the substep."""
+        """Puts objects on a trajectory where they will be at the end of the substep."""
         self._steps += 1
         for place, item in self._engine.moving:
             position, quaternion = item.at(self._steps * self._h)
@@ -64,10 +64,10 @@ class Recorder:
             sign = 1.0
             if (rank[second], name[second], second) > (rank[first], name[first], first):
                 sign = -1.0
-            mover, other = (second, first) if sign > 0.0 else (first, second)
+            subject, other = (second, first) if sign > 0.0 else (first, second)
             impulse = sign * self._h * (self._force[:3] @ axes[i])
             weight = self._h * self._force[0]
-            self._add((mover, other), impulse, at[i], sign * axes[i, 0], weight)
+            self._add((subject, other), impulse, at[i], sign * axes[i, 0], weight)
 
     def _add(
         self, pair: tuple[int, int], impulse: Array, position: Array, normal: Array, weight: float
@@ -85,9 +85,9 @@ class Recorder:
     def rows(self) -> Array:
         """The frame's contacts as `contact_rows` reads them (n, 12)."""
         rows = []
-        for (mover, other), sums in self._pairs.items():
+        for (subject, other), sums in self._pairs.items():
             stands = self._engine.rank[other] == 2
-            place = (mover, other, -1) if stands else (mover, -1, other)
+            place = (subject, other, -1) if stands else (subject, -1, other)
             for row in sums:
                 normal = row[3:6] / np.linalg.norm(row[3:6])
                 rows.append(np.concatenate([place, row[:3] / row[9], normal, row[6:9]]))

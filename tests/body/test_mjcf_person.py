@@ -248,6 +248,7 @@ def test_joints_without_skin_compile_and_step(body: Body) -> None:
     assert not any(w.number for w in data.warning)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_any_shape_compiles(seed: int) -> None:
     """Corners of the cube of shapes, all ten components at -3 or 3 at once."""

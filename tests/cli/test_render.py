@@ -38,6 +38,7 @@ def run(*arguments):
 SMALL = ("--size", "96x64", "--samples", "1")
 
 
+@pytest.mark.slow
 def test_the_suffix_says_what_is_written(source, tmp_path, capsys):
     pytest.importorskip("imageio_ffmpeg")
     for name, kind in (

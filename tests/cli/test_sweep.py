@@ -193,6 +193,7 @@ def stores_plan(path):
     return Plan.load(path)
 
 
+@pytest.mark.slow
 @needs_proc
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
 def test_stopped_it_says_how_to_go_on_and_leaves_nobody_behind(plan, tmp_path, sign):

@@ -108,6 +108,7 @@ def test_without_coacd_the_hull_touches_and_the_way_out_is_said(monkeypatch):
     assert len(thing.pieces) == 1
 
 
+@pytest.mark.slow
 def test_pieces_are_kept_by_content_and_made_again_where_broken(tmp_path, monkeypatch):
     pytest.importorskip("coacd")
     monkeypatch.setenv("HALFPHYSICS_CACHE", str(tmp_path))
@@ -154,6 +155,7 @@ def test_a_cache_that_cannot_be_written_is_said(tmp_path, monkeypatch):
     assert len(thing.pieces) == 2
 
 
+@pytest.mark.slow
 def test_a_ring_falls_over_a_peg_without_touching_it():
     pytest.importorskip("coacd")
     scene = Scene()

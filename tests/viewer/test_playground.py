@@ -182,6 +182,7 @@ def test_an_impossible_value_is_said_in_the_page_and_taken_back(playground, valu
     until(lambda: not panel.trouble.visible)
 
 
+@pytest.mark.slow
 def test_another_scenario_is_another_stage_with_its_own_controls(playground):
     old = playground.stage
     moved(playground.panel.player.place, "meet")
@@ -224,6 +225,7 @@ def test_the_number_of_controls_and_nodes_does_not_grow(playground):
     assert count() == before
 
 
+@pytest.mark.slow
 def test_anything_from_any_thread_at_any_time(playground):
     session, panel = playground.session, playground.panel
     stop = threading.Event()
@@ -301,6 +303,7 @@ def test_without_blocking_it_is_a_context_that_cleans_up(capfd):
     until(lambda: not [t for t in set(threading.enumerate()) - before if t.is_alive()], 20.0)
 
 
+@pytest.mark.slow
 def test_it_says_where_it_is_and_ends_with_ctrl_c():
     code = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
     code += "from halfphysics.cli import main; sys.exit(main(sys.argv[1:]))"

@@ -59,6 +59,7 @@ def start(*arguments):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_it_serves_says_where_and_ends_with_ctrl_c(files):
     with socket.socket() as busy:
         busy.bind(("127.0.0.1", 0))
@@ -87,6 +88,7 @@ def test_it_serves_says_where_and_ends_with_ctrl_c(files):
             fetched(f"http://127.0.0.1:{taken}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -183,6 +183,7 @@ def test_up_to_eight_joints_a_vertex(tmp_path):
     assert {"JOINTS_0", "JOINTS_1"} <= set(file.json["meshes"][0]["primitives"][0]["attributes"])
 
 
+@pytest.mark.slow
 def test_pose_blend_shapes_are_morph_targets(tmp_path):
     motion, body = violent(40), many_handed(4, posedirs=5e-3)
     hp.export(motion, tmp_path / "shapes.glb", body=body)

@@ -111,7 +111,10 @@ def _places(
 def _fill(
     core: Any, model: Any, scene: Scene, settings: Settings, names: Names, places: _Places
 ) -> ShapeTable:
-    """Everything that the core reads, in the order in which it has to come."""
+    """Give the core its model, shapes, pairs, settings and trajectories.
+
+    The order matters: `finish` makes the drives of the people, which limits of strength belong to.
+    """
     core.set_model(**model_arrays(model))
     core.set_joint_forces(**joint_arrays(model))
     shapes = add_shapes(core, model, scene, settings, names, places.people, places.links)

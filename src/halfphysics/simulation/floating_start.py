@@ -1,4 +1,4 @@
-"""Starts in mid-air: whose clip has its floor elsewhere than the scene."""
+"""Starts in mid-air: detects clips with another floor height than the scene."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from halfphysics.motion.pose import Pose
     from halfphysics.scene.scene import Scene
 
-#: What is no farther above something [m] is as good as on it: shoes, noise, another stature.
+#: Largest gap to a surface that still counts as standing on it [m]: shoes, noise, another stature.
 FLOATING = 0.05
 #: Parts that people stand, sit, kneel, lie and lean on.
 _PARTS = tuple(
@@ -27,7 +27,9 @@ _DOWN = (0.0, 0.0, -1.0)
 
 
 def floating(body: Body, pose: Pose, scene: Scene) -> tuple[float, str] | None:
-    """How far above what a person hangs in the air [m]; None: on something, or above nothing.
+    """Height of the person over the nearest surface below [m], and the name of that surface.
+
+    None: the person is supported, or nothing is below.
 
     Rays go down from the lowest skin vertex of each part that could bear a person.
     """

@@ -84,7 +84,7 @@ class Frame:
         people = self._world.people
         if not len(self._torques):
             return tuple(np.zeros((N_JOINTS, 3)) for _ in people)
-        return tuple(self._world.torques(self._torques))
+        return tuple(self._world.torques_from_core(self._torques))
 
     @property
     def torque(self) -> Array:

@@ -12,15 +12,16 @@ from halfphysics.errors import HalfPhysicsWarning
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
-#: Less lost time than this raises no warning: `Result.lost_time` and `Result.summary` tell it [s].
-WORTH_A_WORD = 0.05
-_NAMED = 5  # this many names are given
+#: Lost time from which on there is a warning [s]; `Result.lost_time` has every loss.
+WARN_FROM = 0.05
+#: The warning lists at most so many names.
+_NAMED = 5
 
 
 def warn_of_lost_time(result: Result, stacklevel: int) -> None:
     """One warning that says when time was lost, how much, and between which names."""
     lost = result.lost_time
-    if lost.sum() < WORTH_A_WORD:
+    if lost.sum() < WARN_FROM:
         return
     frames = np.flatnonzero(lost)
     contacts = result.contacts
@@ -35,10 +36,10 @@ def warn_of_lost_time(result: Result, stacklevel: int) -> None:
     more = f" and {len(order) - _NAMED} more" if len(order) > _NAMED else ""
     first, last = frames[0] / result.fps, frames[-1] / result.fps
     warnings.warn(
-        f"no room from {first:.2f} to {last:.2f} s (frames {frames[0]} to {frames[-1]}): what was "
-        f"asked cannot be, and {lost.sum():.2g} s were lost"
+        f"no room from {first:.2f} to {last:.2f} s (frames {frames[0]} to {frames[-1]}): the "
+        f"reference could not be followed, and {lost.sum():.2g} s were lost"
         + (f" against {between}{more}" if between else "")
-        + ". What moves as told waits there and is late from then on; leave more room, or see "
+        + ". Kinematic objects wait there and are late from then on; leave more room, or see "
         "Result.lost_time for the frames",
         HalfPhysicsWarning,
         stacklevel=stacklevel + 1,

@@ -80,7 +80,7 @@ def record(
     qpos[0], clearance[0] = core.qpos(), core.clearance()
     lost_time, numbers = np.zeros(count), np.zeros((count, len(DIAGNOSTICS)))
     torque = np.zeros((count, len(world.people), N_JOINTS, 3))
-    balls = np.zeros((0, 0)) if firmness is None else world.firmness(firmness)
+    balls = np.zeros((0, 0)) if firmness is None else world.stiffness_to_core(firmness)
     substeps = [qpos[:1].copy()]
     contacts, inside = _Collected(12), _Collected(4)
     start = core.inside()
@@ -97,7 +97,9 @@ def record(
         )
         frames = np.arange(at, at + len(got["qpos"]))
         qpos[frames], clearance[frames] = got["qpos"], got["clearance"]
-        torque[frames[got["torque_frames"].astype(np.int64)]] = world.torques(got["torques"])
+        torque[frames[got["torque_frames"].astype(np.int64)]] = world.torques_from_core(
+            got["torques"]
+        )
         lost_time[frames], numbers[frames] = got["lost_time"], got["diagnostics"]
         substeps.append(got["substeps"])
         contacts.add(got["touches"], np.repeat(frames, got["touch_count"].astype(np.int64)))

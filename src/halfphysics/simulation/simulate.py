@@ -90,9 +90,9 @@ def follow(
         progress: As of `simulate`.
     """
     with _progress(len(motions[0]) - 1, progress) as bar:
-        instead = world.settings.drive.follow
-        if instead is not None:
-            return cast("Result", instead(world, motions, stiffness, bar.update))
+        other_engine = world.settings.drive.follow  # a baseline that another engine runs
+        if other_engine is not None:
+            return cast("Result", other_engine(world, motions, stiffness, bar.update))
         world.reset([motion[0] for motion in motions])
         warn_of_start(world, motions)
         run = record(world, motions, stiffness, bar.update)

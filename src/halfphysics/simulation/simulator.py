@@ -123,7 +123,7 @@ class Simulator:
             raise InputError(f"set_stiffness: found person {person}, expected 0 to {people - 1}")
         chosen = slice(None) if person is None else person
         self._firmness[chosen] = firmness
-        self.world.stepper.set_stiffness(self.world.firmness(self._firmness))
+        self.world.stepper.set_stiffness(self.world.stiffness_to_core(self._firmness))
 
     def get_state(self) -> State:
         """Everything the simulation remembers: continue from it with `set_state`, bit for bit."""
@@ -155,7 +155,7 @@ class Simulator:
             raise InputError(f"set_state: {error}; expected one that get_state gave") from None
         self.world = world
         self._axes = state.axes
-        self._firmness = self.world.firmness_of(self.world.stepper.stiffness())
+        self._firmness = self.world.stiffness_from_core(self.world.stepper.stiffness())
         self._started = True
 
     def velocity(self, name: str) -> tuple[Array, Array]:

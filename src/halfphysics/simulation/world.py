@@ -93,7 +93,7 @@ class World:
     def reset(self, poses: Sequence[Pose]) -> None:
         """Put the people at `poses` and objects at their start; the core forgets all else."""
         self.stepper.reset(*self.start(poses))
-        self.stepper.set_stiffness(self.firmness(np.tile(self.stiffness, (len(poses), 1))))
+        self.stepper.set_stiffness(self.stiffness_to_core(np.tile(self.stiffness, (len(poses), 1))))
 
     def start(self, poses: Sequence[Pose]) -> tuple[Array, Array]:
         """Coordinates (nq,) and velocities (nv,) with people at `poses`, objects at their start."""
@@ -132,16 +132,16 @@ class World:
             axis=1,
         )
 
-    def firmness(self, stiffness: Array) -> Array:
-        """Firmness (..., people, 55) as the core takes it (..., balls)."""
+    def stiffness_to_core(self, stiffness: Array) -> Array:
+        """Stiffness (..., people, 55) in the order of the core (..., balls)."""
         return coordinates.joints_to_core(self.people, stiffness)
 
-    def firmness_of(self, balls: Array) -> Array:
-        """The reverse of `firmness`: (people, 55)."""
-        return self.torques(np.repeat(balls[:, None], 3, axis=1))[..., 0]
+    def stiffness_from_core(self, balls: Array) -> Array:
+        """The reverse of `stiffness_to_core`: (people, 55)."""
+        return self.torques_from_core(np.repeat(balls[:, None], 3, axis=1))[..., 0]
 
-    def torques(self, balls: Array) -> Array:
-        """Torques (..., people, 55, 3) [N m] of what the core gives (..., balls, 3)."""
+    def torques_from_core(self, balls: Array) -> Array:
+        """Torques (..., people, 55, 3) [N m] from those of the core (..., balls, 3)."""
         return coordinates.joints_from_core(self.people, balls)
 
 

@@ -69,16 +69,17 @@ struct Contact {
   Endpoint a, b;
   Vec3 n, t, s;
   Vec3 position, at_a, at_b;
-  // The points whose gap counts: on the surfaces, or what those are round about.
+  // Material points between which the gap is measured: surface points, or the core points of
+  // rounded shapes.
   Material gap_a, gap_b;
-  double closing =
-      0;  // what the gap loses as a displaced shape comes out of what it started in [m]
+  // Amount by which the gap shrinks because a displaced shape returns from its displacement [m].
+  double closing = 0;
   Vec3 rim;  // on a disc: direction from its centre, unit; else zero
   double dist = 0;  // gap at the start of the substep [m]
   double target = 0;  // smallest gap allowed at its end [m]
   double shift = 0;  // correction of the linear prediction [m]: gap_end = dist + h v_n - shift
-  // Half of how its way curves [m/s^2]; of that what is along the surface counts: way_t = h v_t + h^2
-  // curve_t. (A gap is measured.)
+  // Half of the point's relative acceleration along its path [m/s^2]. Its tangential part counts:
+  // displacement_t = h v_t + h^2 curve_t; the gap itself is measured at the end pose.
   Vec3 curve;
   double friction = 0, restitution = 0;
   double bounce = -1e300;  // v_n demanded by restitution [m/s], second pass
@@ -98,7 +99,7 @@ class ContactSolver {
                     double tolerance, int max_sweeps, double mass = 0);
 
  private:
-  // What is moved: at one pose, its inertia factored.
+  // The model at one pose, its inertia factored.
   struct System {
     const Model& m;
     const Kinematics& k;

@@ -13,7 +13,7 @@
 //   3. resists contacts less where a joint exerts more: M^ - M becomes theta (M^ - M) theta with
 //      theta_j <= 1, and the substep is solved again, round by round (give_in()).
 // Joints that are too weak for rule 2 in free motion give way like dry friction (held_load.h).
-// reference_strength.py has the rules in plain numpy.
+// src/halfphysics/reference/strength.py has the rules in plain numpy.
 #pragma once
 #include <vector>
 

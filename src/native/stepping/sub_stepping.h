@@ -1,9 +1,9 @@
-// Sub-stepping: what a substep becomes that cannot be made whole (docs/physics.md, "The substep",
-// 8).
+// Sub-stepping: splits a step that verification rejects into shorter ones (docs/physics.md, "The
+// substep", 8).
 //
-// A step whose end pose is violated is shortened, island by island: by bisection, the largest share
-// of it at whose end every gap is at least ContactCandidate::hard, half of what was asked, and no
-// shape is beyond the reach of its planes. The rest of it is made in pieces, at most twelve, one
+// A step with violations at its end pose is shortened, island by island: bisection finds the largest
+// share of it after which every gap is at least ContactCandidate::hard (half of the smaller of its
+// starting gap and 0.1 mm, see gap_targets.h) and no shape is beyond the reach of its planes. The rest of it is made in pieces, at most twelve, one
 // island after the other, while all others stand where they have arrived. Velocities are kept; a
 // step of which less than a quarter is possible is not begun but tried at a quarter of its length.
 // Time that is left after that is lost.

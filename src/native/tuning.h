@@ -582,7 +582,7 @@ namespace hp::tuning::labels {
 // Distances of a skin's vertices to a thing are known this much farther than the reach that is asked
 // for [m], where points of the thing look for faces: a face may be in reach though its corners are
 // not. Faces with longer edges than this are looked at one by one; the result does not depend on it.
-constexpr double kBeyondReach = 0.1;
+constexpr double kPointSearchMargin = 0.1;
 
 // The same without such points: what may be missed by rounding [m].
 constexpr double kReachRounding = 1e-6;

@@ -113,7 +113,7 @@ class NearSearch {
     at_.resize(q_.skin.n);
     far_.resize(q_.skin.n);
     most_ = q_.reach + q_.off;
-    limit_ = q_.points ? most_ + tune::kBeyondReach : q_.reach + tune::kReachRounding;
+    limit_ = q_.points ? most_ + tune::kPointSearchMargin : q_.reach + tune::kReachRounding;
     if (!q_.points) return;
     best_.assign(q_.points->points().size(), Best{});
     // Faces by the group of their first corner: those of what is far are not looked at one by one.

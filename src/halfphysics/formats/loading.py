@@ -1,4 +1,4 @@
-"""The motion, body and scene that somebody asked for: what a command line and a sweep share."""
+"""Loading of the motion, body and scene of a command line or a sweep, from their options."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 _HANDS = list(skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS)
 # More than three turns about one axis is no joint; degrees taken for radians are.
 _DEGREES = 20.0
-# How far along an axis the trunk points, on the average, of who stands along it or across.
+# Mean component of the trunk's direction along an axis, for a person upright along it or across it.
 _UPRIGHT, _ACROSS = 0.8, 0.3
 _AXIS = {"y": 1, "z": 2}
 

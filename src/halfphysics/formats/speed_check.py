@@ -11,14 +11,14 @@ from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
 
 Array = NDArray[np.float64]
 
-#: Fastest that somebody gets about [m/s]: a sprinter's best.
+#: Highest speed of a person [m/s]: that of a sprinter.
 ROOT_SPEED = 12.0
 #: Fastest that a joint moves [m/s]: a sprinter's foot on its way forward, most throws and kicks.
 JOINT_SPEED = 20.0
 
 #: The joints that are looked at: fingers, jaw and eyes go where hand and head go.
 _JOINTS = 22
-# How far the farthest of these joints can be from each of them, whoever it is [m].
+# Largest distance of each joint from the farthest of these joints, for any person [m].
 _REACH = np.zeros(_JOINTS)
 _REACH[[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]] = 1.3, 1.2, 1.2, 1.3, 0.7, 0.7, 1.2, 0.3, 0.3, 1.1
 _REACH[[12, 13, 14, 16, 17, 18, 19]] = 0.3, 0.9, 0.9, 0.8, 0.8, 0.4, 0.4

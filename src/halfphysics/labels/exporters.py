@@ -75,9 +75,9 @@ def omomo(
     from scipy.spatial import cKDTree
 
     labels.check(person, item)
-    who = labels.result.people[person]
+    owner = labels.result.people[person]
     hands = [JOINT_INDEX["left_index1"], JOINT_INDEX["right_index1"]]
-    joints = who.body.joints(who.motion)[:, hands]
+    joints = owner.body.joints(owner.motion)[:, hands]
     position, turn = _frames(labels, item)
     local = np.einsum("tij,thi->thj", turn, joints - position[:, None])
     within = number(threshold, "threshold", least=0.0, unit="m")

@@ -137,12 +137,12 @@ class ContactLabels:
 
     def object_ids(self, person: int = 0, item: int = 0) -> Ids:
         """Ids (T, Vo) of an object's vertices: the id of the part that they touch."""
-        who = self.people[person]
+        owner = self.people[person]
         count = len(self.objects[item].vertices) if self.objects else 0
         ids = np.zeros((len(self), count), dtype=np.int8)
         if self.objects:
-            rows = who.object_near[item]
-            ids[rows.frame, rows.vertex] = who.vertex_part[rows.nearest] + 1
+            rows = owner.object_near[item]
+            ids[rows.frame, rows.vertex] = owner.vertex_part[rows.nearest] + 1
         return ids
 
     def skin_near(self, within: float, person: int = 0, item: int = 0) -> Near:
@@ -182,22 +182,22 @@ class ContactLabels:
         for k, item in enumerate(self.objects):
             found[_key("object_vertices", item.name, k)] = item.vertices.astype(np.float32)
             found[_key("object_faces", item.name, k)] = item.faces
-        for i, who in enumerate(self.people):
+        for i, owner in enumerate(self.people):
             mine: dict[str, NDArray[Any]] = {}
             for k, name in enumerate([o.name for o in self.objects] or [""]):
-                mine[_key("body", name, k)] = who.body(k)
+                mine[_key("body", name, k)] = owner.body(k)
                 mine[_key("object", name, k)] = self.object_ids(i, k)
             if scene:
-                mine["scene"] = who.scene
+                mine["scene"] = owner.scene
             mine |= {
-                "human_parts": who.human_parts,
-                "scene_parts": who.scene_parts,
-                "people_parts": who.people_parts,
-                "hands_feet": who.hands_feet,
-                "force": who.force.astype(np.float32),
-                "force_objects": who.force_objects.astype(np.float32),
+                "human_parts": owner.human_parts,
+                "scene_parts": owner.scene_parts,
+                "people_parts": owner.people_parts,
+                "hands_feet": owner.hands_feet,
+                "force": owner.force.astype(np.float32),
+                "force_objects": owner.force_objects.astype(np.float32),
             }
-            found |= {key if i == 0 else f"{who.name}/{key}": mine[key] for key in mine}
+            found |= {key if i == 0 else f"{owner.name}/{key}": mine[key] for key in mine}
         found |= {f"contacts/{key}": value for key, value in self.contacts.arrays().items()}
         return found
 
@@ -217,8 +217,8 @@ class ContactLabels:
         """Vertices near each other, of the skin alone or of `both`; cached."""
         self.check(person, item)
         if number(within, "within", least=0.0, unit="m") <= self.threshold_m:
-            who = self.people[person]
-            return who.body_near[item], who.object_near[item]
+            owner = self.people[person]
+            return owner.body_near[item], owner.object_near[item]
         if within > self.reach:
             raise InputError(
                 f"within: found {within:g} m, expected at most {self.reach:g} m. Ask for more when "
@@ -228,7 +228,7 @@ class ContactLabels:
             result = self.result
             solids = {one.name: one for one in item_solids(result.scene, result.objects)}
             targets = [Target(solids[o.name], within, o if both else None) for o in self.objects]
-            people = [near(who.body, who.motion, targets) for who in result.people]
+            people = [near(owner.body, owner.motion, targets) for owner in result.people]
             self._found[within, both] = people
         return self._found[within, both][person][item]
 

@@ -75,10 +75,10 @@ def deviation(result: Result, person: int = 0, *, settle: float = SETTLE) -> Int
     check_result(result)
     settle = number(settle, "settle", least=0.0, unit="s")
     free = result.free_frames(person, settle)
-    who = result.people[person]
-    local = 1000.0 * who.joint_errors()[0]
-    angle = np.rad2deg(rot.angles(who.reference.rotations, who.motion.rotations))
-    shift = who.motion.translation - who.reference.translation
+    simulated = result.people[person]
+    local = 1000.0 * simulated.joint_errors()[0]
+    angle = np.rad2deg(rot.angles(simulated.reference.rotations, simulated.motion.rotations))
+    shift = simulated.motion.translation - simulated.reference.translation
     root = 1000.0 * np.linalg.norm(shift, axis=-1)
 
     def over(frames: NDArray[np.bool_]) -> Deviation:

@@ -60,15 +60,15 @@ class Poses:
         # Group the rows by pair: a person or (with a larger index) an object, and an item.
         subject, first = contacts.subject[rows], len(self.result.names)
         mine = np.where(subject >= 0, subject, first + contacts.person[rows])
-        for who, other in {*zip(mine[item].tolist(), contacts.other[rows[item]], strict=True)}:
-            some = np.flatnonzero(item & (mine == who) & (contacts.other[rows] == other))
+        for side, other in {*zip(mine[item].tolist(), contacts.other[rows[item]], strict=True)}:
+            some = np.flatnonzero(item & (mine == side) & (contacts.other[rows] == other))
             name = self.result.names[other]
-            if who < first:
-                found[some] = self._between(self.result.names[who], name, at[some])
+            if side < first:
+                found[some] = self._between(self.result.names[side], name, at[some])
                 continue
             found[some] = part_gaps(
-                self.result.people[who - first].body,
-                self.motions[who - first],
+                self.result.people[side - first].body,
+                self.motions[side - first],
                 self._is_skin,
                 self._gap_item(name),
                 None if name in self._statics else self.tracks[name],
@@ -148,11 +148,11 @@ class Poses:
             out.append(skinning.kinematics(motion.rotations[frames], root, body.rest_joints))
         return out
 
-    def _person(self, skins: list[Any], k: int, who: int, part: int) -> list[ConvexCollider]:
+    def _person(self, skins: list[Any], k: int, side: int, part: int) -> list[ConvexCollider]:
         """The hulls of a person's part in the k-th of some frames."""
-        body = self.result.people[who].body
+        body = self.result.people[side].body
         if not self._is_skin:
-            positions, quaternions = skins[who]
+            positions, quaternions = skins[side]
             vertices = body.variant.parts[part].vertices
             placed = rot.rotate(quaternions[k, part], vertices) + positions[k, part]
             return [_hull(placed)] if len(vertices) else []
@@ -161,7 +161,7 @@ class Poses:
             hulls.vertex[hulls.first[h] : hulls.first[h + 1]]
             for h in np.flatnonzero(hulls.part == part)
         ]
-        return [_hull(skins[who][k][piece]) for piece in pieces]
+        return [_hull(skins[side][k][piece]) for piece in pieces]
 
     def _colliders(self, name: str) -> list[ConvexCollider]:
         """The convex pieces of an object or a link, in its frame."""

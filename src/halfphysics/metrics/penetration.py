@@ -94,8 +94,8 @@ def penetration(
             own = _depth(its, vertices, part, int(threads))
             by_name[name][part] = 1000.0 * own.max(axis=1)
             np.maximum(depth, own, out=depth)
-        for name, (their, who) in others.items():
-            own = _skin_depth(vertices, skin(their, who, part), who.faces, int(threads))
+        for name, (their, shaped) in others.items():
+            own = _skin_depth(vertices, skin(their, shaped, part), shaped.faces, int(threads))
             by_name[name][part] = 1000.0 * own.max(axis=1)
             np.maximum(depth, own, out=depth)
         inside = depth > 0.0

@@ -1,4 +1,4 @@
-"""A strip of pictures that tells the story of a result."""
+"""Contact sheet: key frames of a result as one picture."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ _PAPER, _INK, _SOFT_INK = (250, 250, 251), (40, 44, 52), (110, 116, 126)
 def key_frames(result: Result, count: int) -> list[int]:
     """Up to `count` frames that tell the story, ascending.
 
-    First and last frame; the first contact of every pair of things (planes left out: feet are on
-    the floor all the time); the frame where body and ghost are furthest apart; the rest fills
-    the largest gaps.
+    First and last frame; the first contact of every pair (planes left out: feet are on the floor
+    all the time); the frame where body and ghost are furthest apart; the rest fills the largest
+    gaps.
 
     Args:
         result: The story.
@@ -97,7 +97,7 @@ def _strength(contacts: Any) -> NDArray[np.float64]:
 
 
 def caption(result: Result, frame: int) -> tuple[str, str]:
-    """Two short lines: the time, and what touches what (strongest first, planes left out)."""
+    """Two short lines: the time, and the pairs in contact (strongest first, planes left out)."""
     from halfphysics.geometry.shapes import Plane
 
     time = f"frame {frame}   {frame / result.fps:.2f} s"
@@ -132,20 +132,20 @@ def save_contact_sheet(
     threads: int = 1,
     views: Sequence[Camera] | None = None,
 ) -> Path:
-    """Writes a PNG of key frames: body solid, ghost (what was asked for) translucent blue.
+    """Writes a PNG of key frames: body solid, ghost (the reference) translucent blue.
 
-    One direction of view is chosen for all pictures so that body and ghost show apart and little
-    stands in the way; a wall that still hides the story is drawn as glass.
+    One direction of view is chosen for all pictures so that body and ghost appear apart and few
+    items hide them; a wall that still hides the story is drawn as glass.
 
     Args:
-        result: What to show.
+        result: The result to show.
         path: The PNG to write; whole or not at all.
         frames: Frames to show, negative ones from the end; None picks two rows of key frames.
         columns: Pictures per row.
         size: Width and height of one picture [pixels].
         samples: Anti-aliasing, samples x samples points per pixel, 1 to 4.
         threads: Worker threads; the picture does not depend on it.
-        views: Where each frame is seen from; None chooses, as said above.
+        views: Camera of each frame; None chooses as above.
 
     Returns:
         The path written.
@@ -173,7 +173,7 @@ def contact_sheet_png(
     colors: int = 128,
     views: Sequence[Camera] | None = None,
 ) -> bytes:
-    """The same strip as the bytes of a PNG with a palette: a third of the size, to be embedded.
+    """The contact sheet as bytes of a PNG with a palette, a third of the size, to be embedded.
 
     Args:
         result, frames, columns, size, samples, views: As of `save_contact_sheet`.

@@ -1,7 +1,7 @@
-"""What a result looks like: the meshes of one frame, shared by the pictures and the page.
+"""The meshes of a result at a frame, with colours, for pictures and for the page.
 
-The person as simulated is solid, the person as asked for is a translucent ghost; things that
-move have accent colours, things that do not are pale.
+The simulated person is solid, the reference is a translucent ghost; moving items have accent
+colours, static ones are pale.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ FLOOR: tuple[Color, Color] = ((0.92, 0.925, 0.93), (0.845, 0.855, 0.87))
 GHOST_ALPHA = 0.40
 FAINT_ALPHA = 0.22
 
-# A static thing this tall or wide [m] is part of the building, anything smaller is furniture.
+# A static item this tall or wide [m] is part of the building, a smaller one is furniture.
 _WALL_HEIGHT, _WALL_WIDTH = 1.9, 3.0
 # Room around the story that a plane is drawn for [m]; it dissolves over the outer part.
 _PLANE_MARGIN = 7.0
@@ -68,13 +68,13 @@ def _crease(shape: Any) -> float:
 
 
 class StaticColors:
-    """Colours of what stands around: the building pale, each piece of furniture its own."""
+    """Colours of static items: the building pale, each piece of furniture its own."""
 
     def __init__(self) -> None:
         self._pieces: dict[str, Color] = {}
 
     def of(self, name: str, size: Array) -> Color:
-        """Of a thing that is `size` (3,) [m] along the world's axes."""
+        """The colour of an item of `size` (3,) [m] along the world's axes."""
         if size[2] >= _WALL_HEIGHT or max(size[:2]) >= _WALL_WIDTH:
             return WALL
         piece = name.split("_")[0]  # "table" and "table_leg_1" are of one piece of furniture
@@ -126,7 +126,7 @@ def _plane_surface(static: Any, middle: Array, radius: float) -> Surface:
         color=FLOOR[0] if level else WALL,
         checker=FLOOR[1] if level else None,
         checker_size=0.5,
-        cull="back",  # from below or behind, a plane does not hide the story
+        cull="back",  # a plane is not drawn from below or behind, where it would hide the story
         casts=False,
         rim=0.0,
         fade=(radius + 1.0, reach) if level else None,
@@ -193,7 +193,7 @@ class Drawing:
         items = {}
         for k, (name, item) in enumerate(self.result.scene.objects.items()):
             track = self.result.objects[name]
-            # Drawn as given, not as the hull that touches.
+            # Drawn as given, not as the convex hull that collides.
             vertices, faces = item.mesh() if item.visual is None else item.visual.triangles()
             items[f"object/{name}"] = Item(
                 surface=Surface(
@@ -235,7 +235,7 @@ class Drawing:
         return int(frame) % total
 
     def skin(self, index: int, ghost: bool) -> Surface:
-        """How person `index`, or its ghost, is drawn; vertices are the body's rest vertices."""
+        """The surface of person `index`, or its ghost; vertices are the body's rest vertices."""
         person: PersonResult = self.result.people[index]
         body = person.body
         if ghost:
@@ -267,7 +267,7 @@ class Drawing:
         return surfaces
 
     def still(self, faint: Collection[str] = ()) -> dict[str, Surface]:
-        """What never moves, world frame; the names in `faint` as thin glass."""
+        """Static items, world frame; the names in `faint` as thin glass."""
         out = {}
         for name, item in self.statics.items():
             surface = item.at(0)
@@ -283,7 +283,7 @@ class Drawing:
 
         Args:
             frame: Index, 0 to T-1.
-            ghost: With the motion as asked for.
+            ghost: Include the reference motion.
             faint: Names of statics to draw as thin glass, because they hide the story.
         """
         return self.still(faint) | self.story(frame, ghost=ghost)

@@ -1,4 +1,4 @@
-"""Where to look from: a camera that sees the story and not the back of a wall."""
+"""Choice of a camera direction from which the story is visible and not hidden by a wall."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ from halfphysics.render.result_meshes import Drawing
 Array = NDArray[np.float64]
 
 FOV = 32.0
-# Directions tried: all round, at two heights above the horizon [degrees].
+# Directions that are compared: all round, at two heights above the horizon [degrees].
 _AZIMUTHS = 16
 _ELEVATIONS = (16.0, 28.0)
 # A three-quarter view: this far from face to face [degrees].
 _THREE_QUARTER = 50.0
-# Small pictures are enough to count what is hidden.
+# Small pictures are enough to count hidden pixels.
 _PROBE = (96, 72)
-# Frames looked at when choosing one direction for all.
+# Number of frames that are evaluated to choose one direction for all.
 _PROBE_FRAMES = 5
 #: An object further from every person than this [m] does not pull the camera back.
 NEAR = 1.6
-# A static thing that hides more than this share of the story is drawn as glass.
+# A static item that hides more than this share of the story is drawn as glass.
 _HIDES = 0.02
 # Weights of what makes a view good: nothing hidden, seen from the front, across the correction.
 _OPEN, _FRONT, _ACROSS = 2.0, 0.3, 0.3
-# A view with this much of the story in the open is as good as any: what hides becomes glass.
+# Views with more than this share of the story visible are equal: hiding items become glass.
 _ENOUGH = 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sight:
-    """What a camera sees of the story.
+    """Visibility of the story from a camera.
 
     Attributes:
-        share: Part of the story's picture that no static thing hides, 0 to 1.
-        hiding: Name of a static thing -> the part of the story that it hides.
+        share: Share of the story's picture that no static item hides, 0 to 1.
+        hiding: Name of a static item -> the share of the story that it hides.
     """
 
     share: float
@@ -48,7 +48,7 @@ class Sight:
 
 
 def look_at(surfaces: Mapping[str, Surface], camera: Camera, size: tuple[int, int]) -> Sight:
-    """Counts, pixel by pixel, how much of the story is hidden and by what.
+    """Count, pixel by pixel, how much of the story is hidden and by which items.
 
     Args:
         surfaces: Everything at a frame (`Drawing.surfaces`); names `static/...` may hide.
@@ -57,7 +57,7 @@ def look_at(surfaces: Mapping[str, Surface], camera: Camera, size: tuple[int, in
     """
     statics = {n: s for n, s in surfaces.items() if n.startswith("static/")}
     story = [s for n, s in surfaces.items() if n not in statics]
-    # The story has nearly all triangles: it is drawn once, and what stands apart from it.
+    # The story has nearly all triangles: it is drawn only once, the statics separately.
     alone, behind = visible(story, camera, size)
     nearest, depth = visible(list(statics.values()), camera, size)
     shown = alone >= 0
@@ -77,7 +77,7 @@ def subject(drawing: Drawing, frame: int, story: Mapping[str, Surface]) -> Array
     """World points (N, 3) that belong in the picture: people, ghosts and objects near them."""
     people = [s.vertices for n, s in story.items() if not n.startswith("object/")]
     points = list(people)
-    # Corners of a coarse box are enough to measure how near a thing is.
+    # The corners of a coarse box are enough to measure how near an item is.
     low = np.array([p.min(axis=0) for p in people])
     high = np.array([p.max(axis=0) for p in people])
     for name, item in drawing.objects.items():
@@ -97,8 +97,8 @@ def spread(total: int, count: int) -> list[int]:
 def choose_direction(drawing: Drawing, frames: Sequence[int], size: tuple[int, int]) -> Array:
     """Unit world direction from the story to the camera, one for all frames.
 
-    Best is where nothing stands in the way, where the person is seen three-quarter from the
-    front, and across the line between the body and its ghost, so that they show apart.
+    The best direction has no item in the way, shows the person three-quarter from the front,
+    and is across the line between the body and its ghost, so that they appear apart.
     """
     picked = [frames[k] for k in spread(len(frames), _PROBE_FRAMES)]
     scenes = [drawing.surfaces(f) for f in picked]
@@ -179,11 +179,11 @@ def cameras(
 
 
 def glass(surfaces: Mapping[str, Surface], camera: Camera, size: tuple[int, int]) -> set[str]:
-    """Names of the static things that stand before the story and should be seen through."""
+    """Names of the static items that hide the story and should be drawn as glass."""
     probe = (2 * _PROBE[0], max(1, round(2 * _PROBE[0] * size[1] / size[0])))
     faint: set[str] = set()
     scene = dict(surfaces)
-    # What is behind the first wall hides as well: look again without those already found.
+    # Items behind the first wall hide the story as well: search again without those found.
     for _ in range(len(surfaces)):
         hiding = look_at(scene, camera, probe).hiding
         found = {name for name, share in hiding.items() if share > _HIDES}

@@ -48,12 +48,12 @@ def export(
     body: Body | None = None,
     fps: float | None = None,
 ) -> None:
-    """Write an animated scene for other programs; the suffix says which kind.
+    """Write an animated scene for other programs; the suffix selects the format.
 
     Args:
-        what: A `Result` (as simulated), a `Sequence` or a `Motion` (as asked for).
-        path: Where to. The file appears whole or not at all.
-        body: Whose motion it is, where `what` does not say; None: the default body.
+        what: A `Result` (simulated), a `Sequence` or a `Motion` (reference).
+        path: The file; it appears whole or not at all.
+        body: The body, if `what` has none; None: the default body.
         fps: Frame rate to write; None: that of the motion.
 
     Raises:

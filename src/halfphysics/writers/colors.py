@@ -1,4 +1,4 @@
-"""Colours of a take's people and things, as the pictures and the page have them."""
+"""Colours of a take's people and props, the same as in pictures and on the page."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def actors_coloured(actors: Iterable[Actor]) -> Iterator[tuple[Actor, Color]]:
 
 
 def props_coloured(props: Iterable[Prop]) -> Iterator[tuple[Prop, Color]]:
-    """Each thing with its colour (sRGB): what moves has accents, what stands is pale."""
+    """Each prop with its colour (sRGB): moving ones have accents, static ones are pale."""
     moving, statics = 0, StaticColors()
     for prop in props:
         if prop.moves:

@@ -1,4 +1,4 @@
-"""Pose blend shapes as few shapes as a take needs, for formats that can animate shapes.
+"""Pose blend shapes reduced to the few shapes that a take needs, for formats with morph targets.
 
 SMPL models add B vec(R_local - I) to the skin at rest: 486 columns B of V x 3 numbers, 60 MB. A
 take uses few directions of that space: with the features F (T, 486) of its frames, the singular
@@ -16,7 +16,7 @@ from halfphysics.base import rotations as rot
 
 Array = NDArray[np.float64]
 
-#: Farthest that a vertex at rest may be from where all the shapes would put it [m].
+#: Largest error of a vertex at rest compared with all the shapes [m].
 TOLERANCE = 5e-6
 
 

@@ -1,9 +1,9 @@
 """glTF 2.0, binary (.glb) or as text (.gltf): skinned people and rigid things, animated.
 
 One scene, y-up: the node "world" turns it from z-up. Below it stand every person's 55 joints,
-as nodes named as `JOINT_NAMES`, and the things; the skins stand beside it, for glTF ignores the
-places of nodes that carry a skin. The first frame is also what the nodes hold, so that a channel
-that never changes is left out, and a program that plays nothing shows the first frame.
+as nodes named as `JOINT_NAMES`, and the props; the skins are beside it, because glTF ignores the
+poses of nodes that carry a skin. The nodes hold the first frame, so that a constant channel is left
+out, and a program without animation shows the first frame.
 
 The skinning of glTF is that of SMPL without pose blend shapes; where a body has them, they are
 morph targets (`correctives`), which act before the skinning, as they must.
@@ -36,7 +36,7 @@ from halfphysics.writers.take import Actor, Prop, Take
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 
-#: Most joints that a vertex hangs on in the file; the rest's weights go to these.
+#: Largest number of joints of a vertex in the file; the weights of others are added to these.
 MOST_INFLUENCES = 8
 
 _Y_UP = [-float(np.sqrt(0.5)), 0.0, 0.0, float(np.sqrt(0.5))]  # -90 degrees about x, xyzw
@@ -98,11 +98,11 @@ class _Builder:
         self.samplers: list[dict[str, Any]] = []
         self.fps = take.fps
         self.times = (np.arange(take.frames) / take.fps).astype(np.float32)
-        self._time: int | None = None  # accessor of `times`, once somebody moves
+        self._time: int | None = None  # accessor of `times`, once a channel is animated
         self._of_body: dict[int, tuple[dict[str, int], int, int]] = {}
 
     def document(self) -> tuple[dict[str, Any], bytes]:
-        """What goes into the file."""
+        """The JSON of the file."""
         document: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": f"halfphysics {__version__}"},
             "scene": 0,
@@ -129,7 +129,7 @@ class _Builder:
     # -- people --------------------------------------------------------------------------------
 
     def add_actor(self, actor: Actor, color: Color) -> None:
-        """A person: joints, a skinned mesh, and how they move."""
+        """Add a person: joints, a skinned mesh and their animation."""
         person, first = self._add_skeleton(actor)
         attributes, indices, bind = self._skin_of(actor.body)
         self.skins.append(
@@ -210,7 +210,7 @@ class _Builder:
     # -- things --------------------------------------------------------------------------------
 
     def add_prop(self, prop: Prop, color: Color) -> None:
-        """A thing: its mesh, sharp where it bends, and how it moves."""
+        """Add a prop: its mesh, with sharp edges, and its animation."""
         turns = rot.continuous(rot.normalize(prop.quaternion))
         node: dict[str, Any] = {"name": prop.name}
         node["translation"] = _numbers(prop.position[0])

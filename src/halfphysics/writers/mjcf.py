@@ -1,9 +1,9 @@
 """MJCF with keyframes: the people's 55 parts, the objects, the room; stock MuJoCo opens it.
 
-One file, meshes in it. Bodies are called as in the scene, those of people "NAME/JOINT". Keyframe k
-is frame k: `qpos`, `qvel` (the way to the frame after) and, of what moves as it is told, the pose
-of the mocap body. What touches is convex in MuJoCo: the pieces of objects (group 3 where a mesh
-stands for them) and convex statics; other meshes are drawn.
+One file that contains the meshes. Bodies are named as in the scene, those of people "NAME/JOINT".
+Keyframe k is frame k: `qpos`, `qvel` (towards the next frame) and, for kinematic objects, the pose
+of the mocap body. Collision geometry is convex in MuJoCo: the pieces of objects (group 3 if a mesh
+is drawn instead) and convex statics; other meshes are only drawn.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def write(take: Take, path: Path) -> None:
         InputError: MuJoCo cannot compile it.
 
     Warns:
-        HalfPhysicsWarning: Statics that are not convex: they are drawn and do not touch.
+        HalfPhysicsWarning: Statics that are not convex: they are drawn and do not collide.
     """
     root = _model(take, path)
     model = _compiled(root, path)
@@ -114,7 +114,7 @@ def _body(parent: Element, name: str, position: Array, quaternion: Array) -> Ele
 
 
 def _called(name: str) -> str:
-    """MuJoCo keeps one name for itself."""
+    """The name of a body; MuJoCo reserves one name."""
     return "world/" if name == "world" else name
 
 
@@ -182,7 +182,7 @@ def _is_recorded(take: Take, item: Articulated) -> bool:
 
 
 def _excluded(contact: Element, take: Take) -> None:
-    """Pairs that do not touch: as the scene says, and links of one articulated object."""
+    """Pairs that do not collide: those that the scene ignores, and links of one object."""
     scene = take.scene
     bodies = {name: [_called(name)] for name in (*scene.statics, *scene.objects)}
     pairs = list(scene.ignored_pairs)

@@ -1,4 +1,4 @@
-"""A take: people and things over time, as the writers of animated scenes need them."""
+"""A take: people and props over time, the input of the writers of animated scenes."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Actor:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prop:
-    """A thing: a mesh (V, 3), (F, 3) in its own frame [m] and that frame's pose over time.
+    """A prop: a mesh (V, 3), (F, 3) in its own frame [m] and that frame's pose over time.
 
     `position` (T, 3) [m] and `quaternion` (T, 4) in the z-up world; one row where it never moves.
     """
@@ -57,13 +57,13 @@ class Prop:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Take:
-    """All that an animated scene holds: `frames` of them, `fps` to the second.
+    """An animated scene: people and props over `frames` frames, `fps` per second.
 
-    `scene` is what the props are of (by their names), `joints` the values of the joints of its
-    articulated objects as in `Result.joints`, empty where they are not known.
+    `scene` is the scene of the props (by their names), `joints` the values of the joints of its
+    articulated objects as in `Result.joints`, empty if they are unknown.
 
     Raises:
-        InputError: Somebody or something has another number of frames, or another rate.
+        InputError: A person or a prop has another number of frames or another rate.
     """
 
     actors: tuple[Actor, ...]
@@ -91,11 +91,11 @@ class Take:
 
 
 def take_of(what: Exportable, body: Body | None = None, *, fps: float | None = None) -> Take:
-    """The take of a result (as simulated), a sequence or a motion (as asked).
+    """The take of a result (simulated), a sequence or a motion (reference).
 
     Args:
         what: A `Result`, `Sequence` or `Motion`.
-        body: Whose motion it is, where `what` does not say; None: the default body.
+        body: The body, if `what` has none; None: the default body.
         fps: Frame rate of the take; None: that of the motion.
 
     Raises:
@@ -140,7 +140,7 @@ def _middle(actors: tuple[Actor, ...]) -> Array:
 
 
 def _props(scene: Scene, tracks: Mapping[str, ObjectTrack], middle: Array) -> tuple[Prop, ...]:
-    """`middle`: where planes, which have no end, are drawn around."""
+    """The props; `middle` is the point around which planes, which are infinite, are drawn."""
     from halfphysics.geometry.shapes import Plane
 
     props = []
@@ -212,7 +212,7 @@ def resampled(take: Take, fps: float) -> Take:
         if values.ndim == 1:
             joints[name] = (1.0 - weight) * a + weight * b
             continue
-        # Of a free joint the place, of free and ball joints the turn.
+        # The position of a free joint, the rotation of free and ball joints.
         place = (1.0 - w) * a[:, :-4] + w * b[:, :-4]
         joints[name] = np.hstack([place, rot.slerp(a[:, -4:], b[:, -4:], weight)])
     return replace(take, actors=actors, props=props, fps=float(fps), frames=frames, joints=joints)

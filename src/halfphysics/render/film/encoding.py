@@ -89,7 +89,7 @@ def ffmpeg(suffix: str) -> str:
 
 @contextlib.contextmanager
 def encoder(path: Path, suffix: str, size: tuple[int, int], fps: float) -> Iterator[Write]:
-    """Something to give the pictures to, in order; the film is whole when the block ends.
+    """A sink for the pictures, in order; the film is complete when the block ends.
 
     Args:
         path: The file to write, as it is: make it atomic outside.

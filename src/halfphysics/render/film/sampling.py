@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Someone:
-    """What is drawn of a person: the body, what it did and what was asked for."""
+class DrawnPerson:
+    """A person as drawn: the body, the simulated motion and the reference."""
 
     body: Body
     motion: Motion
@@ -33,9 +33,9 @@ class Someone:
 
 @dataclass(frozen=True, kw_only=True)
 class Sampled:
-    """What is drawn of a result, at other times than its frames."""
+    """A result as drawn, at other times than its frames."""
 
-    people: tuple[Someone, ...]
+    people: tuple[DrawnPerson, ...]
     objects: Mapping[str, ObjectTrack]
     scene: Scene
 
@@ -61,7 +61,7 @@ def sampled(result: Result, frames: Array) -> Sampled:
 
     return Sampled(
         people=tuple(
-            Someone(
+            DrawnPerson(
                 body=person.body,
                 motion=_motion(person.motion, low, high, weight),
                 reference=_motion(person.reference, low, high, weight),

@@ -1,4 +1,4 @@
-"""Where the camera of a film stands in every frame."""
+"""Camera positions and directions of a film, frame by frame."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 _SKIN = 0.14
 # Room around the story: a sixth.
 _MARGIN = 1.16
-# A following camera smooths its way, and more so its distance, over these times [s].
+# Time constants over which a following camera smooths its position and its distance [s].
 _SMOOTH, _SMOOTH_DISTANCE = 0.45, 0.8
 # A turning camera turns this fast [degrees/s], this far above the horizon [degrees].
 _TURN, _TURN_HEIGHT = 24.0, 14.0
@@ -26,9 +26,9 @@ _TURN, _TURN_HEIGHT = 24.0, 14.0
 _SIDE_HEIGHT, _TOP_HEIGHT = 10.0, 74.0
 # Turned about the vertical from the way that the person faces [degrees].
 _SIDES = {"front": 0.0, "left": 90.0, "back": 180.0, "right": -90.0}
-# With the whole story in view a person shall still be this part of the picture's height.
+# Smallest share of the picture's height for a person, with the whole story in view.
 _LARGE_ENOUGH = 0.45
-# Frames in which is looked for what hides the story.
+# Number of frames in which hiding statics are searched.
 _LOOKS = 8
 
 
@@ -37,7 +37,7 @@ class Story:
 
     Attributes:
         people: World positions of all joints in every frame (T, N, 3) [m].
-        boxes: Corners of each object (T, 8, 3) [m] and in which frames it is near somebody (T,).
+        boxes: Corners of each object (T, 8, 3) [m] and when it is near a person (T,).
     """
 
     def __init__(self, drawings: Sequence[Drawing], ghost: bool) -> None:
@@ -77,7 +77,7 @@ class Story:
 
 
 def _box(item: Item, people: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Corners of an object's bounding box over time, and when it is near somebody."""
+    """Corners of an object's bounding box over time, and when it is near a person."""
     low, high = item.surface.vertices.min(axis=0), item.surface.vertices.max(axis=0)
     local = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     local = low + local * (high - low)
@@ -193,7 +193,7 @@ def _largest(values: Array, reach: int) -> Array:
 
 
 def hiding(drawing: Drawing, cameras: Sequence[Camera], size: tuple[int, int]) -> set[str]:
-    """Names of the statics that stand before the story at some time: to be seen through.
+    """Names of the statics that hide the story at some time: they are drawn as glass.
 
     Of furniture in pieces ("table", "table_leg_1") all of them.
     """

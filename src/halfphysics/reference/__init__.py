@@ -1,1 +1,0 @@
-"""The substep in plain numpy: slow, readable, and equal to the native core."""

@@ -157,7 +157,7 @@ def test_skin_and_parts_are_told_apart():
     who, scene = clips.body(), sofa.boxes()
     motion = sofa.sitting(who, floor=0.0)[20:50]
     skin, parts = (
-        follow(simulator, [motion])
+        follow(simulator.world, [motion])
         for simulator in simulators(who, Settings(substeps=8), motion.fps, scene)
     )
     judge = SkinJudge(who, scene)

@@ -52,6 +52,7 @@ def whole(body, motion, frame, mesh):
     return bool(met), coal.distance(skin, here, other, here, asked, found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["box", "mesh", "turned mesh"])
 def test_a_wall_is_met_when_it_is_reached(body, motion, kind):
     """What glides into a wall meets it from the frame on at which its first vertex is over it."""
@@ -110,6 +111,7 @@ def test_a_needle_between_the_vertices_is_found(body, motion):
     assert verify.verify(one, body, scene).intersecting >= 1
 
 
+@pytest.mark.slow
 def test_cells_leave_out_nothing_that_meets(body, motion):
     """Many small and large triangles at random: as if all of the skin were asked."""
     rng = np.random.default_rng(3)

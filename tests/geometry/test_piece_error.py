@@ -125,6 +125,7 @@ def test_the_error_of_a_wine_glass_by_other_means():
     assert error.volume_percent == pytest.approx(more, rel=0.01, abs=COUNTED)
 
 
+@pytest.mark.slow
 def test_what_coacd_makes_of_a_thin_cup_is_said_truly():
     pytest.importorskip("coacd")
     rng = np.random.default_rng(0)

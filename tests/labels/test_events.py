@@ -361,6 +361,7 @@ def test_a_slip_in_the_shake_is_how_far_the_suitcase_sank_in_the_hands():
     assert sum(slip.distance for slip in shaken) == pytest.approx(sunk, rel=0.15)
 
 
+@pytest.mark.slow
 def test_a_glass_that_is_let_go_is_dropped():
     """The paper's Figure 5b: the table has gone."""
     found = events(played("place_glass"))
@@ -374,12 +375,14 @@ def test_a_glass_that_is_let_go_is_dropped():
     assert drop.speed == pytest.approx(np.sqrt(2.0 * G * drop.height), rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_glass_that_is_set_down_is_placed():
     found = events(played("place_glass", table=True))
     assert [hold.ending for hold in found.holds] == ["placed"]
     assert (found.drops, found.slips) == ((), ())
 
 
+@pytest.mark.slow
 def test_a_grasped_glass_is_held_through_everything_until_the_hand_opens():
     found = events(played("grasp_glass"))
     (hold,) = found.holds

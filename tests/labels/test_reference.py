@@ -85,6 +85,7 @@ def test_distances_of_solids_are_those_of_another_library(name):
     np.testing.assert_allclose(item.distance(points), distance, rtol=0, atol=ROUNDING)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reach", [0.002, 0.03])
 def test_the_core_finds_what_plain_numpy_finds(reach):
     body, motion = _arm(), _wavy(2)

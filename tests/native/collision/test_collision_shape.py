@@ -43,6 +43,7 @@ def random_pose(seed: int) -> hp.Pose:
     return hp.Pose(rng.normal(size=3), 0.5 * rng.standard_normal((55, 3)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bent", [False, True])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_corners_are_the_skins_vertices(bent: bool, seed: int) -> None:

@@ -37,6 +37,7 @@ def poses_of(simulator, count):
     return np.array([simulator.world.start([pose])[0] for pose in motion])
 
 
+@pytest.mark.slow
 def test_pieces_are_those_of_the_core(simulator):
     (pieces,) = pieces_of(simulator)
     poses = poses_of(simulator, 4)
@@ -61,6 +62,7 @@ def test_boxes_are_around_the_corners(simulator):
             np.testing.assert_array_equal(at.high[t, i], at.points(i, t).max(axis=0))
 
 
+@pytest.mark.slow
 def test_ways_lead_from_pose_to_pose_and_are_no_longer_than_is_said(simulator):
     (pieces,) = pieces_of(simulator)
     at = pieces.at(poses_of(simulator, 12)[::2])

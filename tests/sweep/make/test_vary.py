@@ -110,6 +110,7 @@ def starts_inside(ready):
     return simulator.reset([motion[0] for motion in ready.motions]).inside
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "thing", "options"), SCALED)
 def test_scaled_things_start_clear(name, thing, options):
     shop = workshop()
@@ -333,6 +334,7 @@ def test_what_is_kept_stays_little(walk, tmp_path):
     assert sum(len(one) for one in kept) < 60
 
 
+@pytest.mark.slow
 def test_memory_is_flat(walk):
     shop = workshop(grounded=True)
 

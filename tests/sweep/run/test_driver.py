@@ -163,6 +163,7 @@ def test_all_slots_are_busy_to_the_end(variants, seconds):
     assert engine.busy / engine.now > 1.9
 
 
+@pytest.mark.slow
 def test_many_slots_get_longer_tasks():
     """One driver answers two thousand cores."""
     outputs = Outputs(800_000, per_shard=4000)

@@ -215,6 +215,7 @@ def test_a_shard_whose_file_is_gone_is_not_done(plan, undisturbed, tmp_path, suf
     assert tree(tmp_path / "out") == undisturbed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["files", "inputs", "sums", "failures"])
 def test_a_record_that_somebody_edited_does_not_count(plan, undisturbed, tmp_path, key):
     run(tmp_path / "out", plan)

@@ -29,6 +29,7 @@ COVERED_BY = {
     "halfphysics/base/reader_warnings.py": "formats/amass/test_fields.py",
     "halfphysics/base/torch_file.py": "base/test_stored_objects.py",
     "halfphysics/baselines/engine/*.py": "baselines/engine/test_engine.py",
+    "halfphysics/baselines/reference.py": "native/stepping/test_baselines.py",
     "halfphysics/body/model_paths.py": "body/test_model_files.py",
     "halfphysics/bench/*.py": "bench/test_bench.py",
     "halfphysics/body/shape_space.py": "body/test_body.py body/test_model_files.py",
@@ -81,6 +82,8 @@ COVERED_BY = {
     "halfphysics/motion/skeleton.py": "body/test_body.py assets/test_body.py",
     "halfphysics/motion/smplx_names.py": "motion/test_motion.py",
     "halfphysics/mujoco/geoms.py": "mujoco/test_hosted.py",
+    "halfphysics/reference/contact.py": "reference/test_step.py native/contact/test_coulomb.py",
+    "halfphysics/reference/strength.py": "reference/test_step.py native/stepping/test_strength.py",
     "halfphysics/render/film/*.py": "render/film/test_film.py",
     "halfphysics/results/*.py": "results/test_result.py formats/results/test_result_file.py",
     "halfphysics/scenarios/acting/*.py": (
@@ -125,8 +128,8 @@ COVERED_BY = {
     "halfphysics/writers/gltf_buffer.py": "writers/test_gltf.py",
     "halfphysics/writers/mjcf_geoms.py": "writers/test_mjcf.py",
     "halfphysics/writers/take.py": "writers/test_gltf.py writers/test_usd.py",
-    "native/tuning.h": "support/references/test_step.py",
-    "native/bindings/*": "native/test_person.cpp support/references/test_step.py",
+    "native/tuning.h": "reference/test_step.py",
+    "native/bindings/*": "native/test_person.cpp reference/test_step.py",
     "native/bindings/render.cpp": "render/test_rasterizer.py",
     "native/bindings/skinning.cpp": "body/test_skinning.py",
     "native/collision/*": (
@@ -145,7 +148,7 @@ COVERED_BY = {
     ),
     "native/render/*": "render/test_rasterizer.py",
     "native/stepping/*": (
-        "support/references/test_step.py native/test_person.cpp simulation/test_simulator.py"
+        "reference/test_step.py native/test_person.cpp simulation/test_simulator.py"
     ),
     "native/stepping/baselines/*": "native/stepping/test_baselines.py baselines/test_forced.py",
     "native/stepping/contact_cache.*": "simulation/test_stacks.py",

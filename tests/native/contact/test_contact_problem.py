@@ -13,13 +13,13 @@ from scipy.optimize import nnls
 from halfphysics import _native
 from halfphysics.body.body import Body
 from halfphysics.geometry.shapes import Box, Plane
+from halfphysics.reference import step as reference
+from halfphysics.reference.contact import contact_residual
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
 from support.judges.person_hulls import CONTACTS
 from support.people import along_x
-from support.references import step as reference
-from support.references.contact import contact_residual
 
 #: Of a substep of 1/240 s, as the stepper asks for it [m/s]; and the sweeps it allows.
 TOLERANCE = 1e-6 * 240

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from halfphysics import _native
-from support.references import contact as reference_contact
+from halfphysics.reference import contact as reference_contact
 
 #: Of the velocities that come in, and of those that the impulse makes (rounding: A may lose six
 #: digits).

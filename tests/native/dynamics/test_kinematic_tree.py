@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from halfphysics import _native
+from halfphysics.reference import step as reference
 from halfphysics.simulation.compiled_model import model_arrays
-from support.references import step as reference
 
 # Everything the trees know: free, ball, hinge (two on one body) and slide joints, offsets, turned
 # frames and inertias, branches, armature, two trees.

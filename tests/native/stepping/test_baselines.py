@@ -11,11 +11,11 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.baselines import Ablation, Torque, from_options, options_of
+from halfphysics.baselines import reference as reference_ablations
 from halfphysics.errors import InputError
+from halfphysics.reference import step as reference
 from halfphysics.simulation.simulator import Simulator
 from support.people import along_x, t_pose, violent
-from support.references import baselines as reference_ablations
-from support.references import step as reference
 
 #: What is left is the conditioning of M (fingers of grams on 60 kg), as in reference/test_step.py.
 VELOCITY = 1e-9

@@ -11,12 +11,12 @@ from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Plane, Sphere
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.reference import step as reference
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
 from halfphysics.simulation.simulator import Simulator
 from support.kicks import before_the_foot, swing
-from support.references import step as reference
 
 RATES = (30.0, 60.0, 120.0)
 DRIVES = {"time constant": 0.02, "algorithm 1": None}

@@ -1,4 +1,4 @@
-"""`Ablation` and `Torque` in plain numpy, beside the drive of `support.references.step`; see
+"""`Ablation` and `Torque` in plain numpy, beside the drive of `halfphysics.reference.step`; see
 docs/physics.md, "Baselines"."""
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
-from support.references import step as reference
+from halfphysics.reference import step as reference
 
 Array = NDArray[np.float64]
 

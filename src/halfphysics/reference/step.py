@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.skeleton import PARENTS
+from halfphysics.reference.contact import contact_residual, solve_contacts
+from halfphysics.reference.strength import Yielding, pull_within
 from halfphysics.settings import Settings
-from support.references.contact import contact_residual, solve_contacts
-from support.references.strength import Yielding, pull_within
 
 Array = NDArray[np.float64]
 

@@ -8,12 +8,12 @@ import pytest
 from halfphysics.body.body import Body
 from halfphysics.body.strength import limits_of
 from halfphysics.geometry.shapes import Box, Plane, Sphere
+from halfphysics.reference import step as reference
+from halfphysics.reference.contact import contact_residual
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
 from support.people import along_x, violent
-from support.references import step as reference
-from support.references.contact import contact_residual
 
 DRIVES = {"time constant": 0.02, "algorithm 1": None}
 #: Both stop far below this; what is left is the conditioning of M (fingers of grams on 60 kg).

@@ -1,0 +1,1 @@
+"""The substep in plain numpy: slow, readable, and equal to the native core."""

@@ -9,6 +9,37 @@ import numpy
 from numpy.typing import NDArray
 
 
+class tuning:
+    """Constants of the core that Python shares: see tuning.h."""
+
+    least_clearance: float = 2e-05
+
+    root_recovery_time: float = 0.3
+
+    untouched_resistance: float = 100.0
+
+    fastest_internal_spin: float = 100.0
+
+    velocity_rounding: float = 1e-09
+
+    pull_share: float = 0.97
+
+    resist_share: float = 0.9
+
+    resist_rounds: int = 6
+
+    yield_tolerance: float = 0.02
+
+    fastest_yield: float = 130.0
+
+    yield_rounds: int = 60
+
+    yield_over_relaxation: float = 1.5
+
+    least_yield_rate: float = 0.001
+
+    rigid_resistance: float = 10000000000.0
+
 class MeshTree:
     def __init__(
         self,

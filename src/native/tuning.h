@@ -169,7 +169,9 @@ constexpr double kDeeperShare = 0.3;
 constexpr double kOverlapRounding = 1e-7;
 // A step that would end nearer than half of kLeastGap (or of the distance it starts from) is shortened;
 // under the first of these it may only wear the gap away as slowly as solving is exact, under the
-// second not at all [m].
+// second not at all [m]. The first is also the least clearance that Python gives the core: the solver
+// is exact to about 1e-6 m, and with less a part would sometimes be inside a mesh, which does not hold
+// it from there on.
 constexpr double kWearFloor = 2e-5, kLastFloor = 5e-6;
 
 // Verification

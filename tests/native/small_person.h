@@ -9,7 +9,7 @@ namespace small_person {
 
 constexpr int bodies = 4;  // without the world
 constexpr int numbers =
-    7 + 3 * 4;  // of a pose: the root's position and quaternion, then ball joints
+    7 + 3 * 4;                   // of a pose: the root's position and quaternion, then ball joints
 constexpr double radius = 0.07;  // of all capsules [m]
 
 enum Name { floor_name, person_name, names };
@@ -17,8 +17,8 @@ enum Name { floor_name, person_name, names };
 struct Bone {
   int parent;
   hp::Vec3 offset;  // of its joint in the parent's frame [m]
-  hp::Vec3 end;  // the capsule goes from the joint to here; own frame [m]
-  double mass;  // [kg]
+  hp::Vec3 end;     // the capsule goes from the joint to here; own frame [m]
+  double mass;      // [kg]
 };
 
 inline std::vector<Bone> bones() {

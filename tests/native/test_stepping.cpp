@@ -59,7 +59,8 @@ void a_gentle_return_ends_at_the_motion_or_after_its_time() {
   const hp::Drive& d = s.system.drives[0];
   const std::vector<double> pose = small_person::pose(0, 1);
   std::vector<double> bent = pose;
-  hp::store4(&bent[d.balls()[1].qpos], hp::exp_quat({0.5, 0, 0}) * hp::load4(&pose[d.balls()[1].qpos]));
+  hp::store4(&bent[d.balls()[1].qpos],
+             hp::exp_quat({0.5, 0, 0}) * hp::load4(&pose[d.balls()[1].qpos]));
   hp::GentleReturn back;
   CHECK(!back.active());
   back.start(d, 0.7, s.system.joint_reach);
@@ -116,7 +117,8 @@ void islands_are_what_candidates_connect() {
     c.shape = a, c.other_shape = b;
     return c;
   };
-  const std::vector<hp::ContactCandidate> candidates = {between(0, 1), between(1, 2), between(2, 3)};
+  const std::vector<hp::ContactCandidate> candidates = {between(0, 1), between(1, 2),
+                                                        between(2, 3)};
   hp::Islands islands;
   islands.find(system, candidates);
   CHECK(islands.of_tree(1) == islands.of_tree(2));

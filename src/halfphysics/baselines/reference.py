@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics._native import tuning
 from halfphysics.base import rotations as rot
 from halfphysics.reference import step as reference
 
 Array = NDArray[np.float64]
 
 #: Internal forces turn no joint faster than this, or than it was [rad/s].
-FASTEST = 100.0
+FASTEST = tuning.fastest_internal_spin
 
 
 def bias(model: Any, qpos: Array, qvel: Array) -> Array:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics._native import tuning
 from halfphysics.base import rotations as rot
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.skeleton import PARENTS
@@ -25,7 +26,7 @@ from halfphysics.settings import Settings
 Array = NDArray[np.float64]
 
 #: Joints that nothing touches, nor what hangs on them, are held by their firmness so many times.
-HELD = 100.0
+HELD = tuning.untouched_resistance
 FREE, BALL, SLIDE, HINGE = range(4)  # joint types, numbered as MuJoCo does
 
 
@@ -192,7 +193,7 @@ class ReferenceDrive:
         self.previous, self.target = self.target, target
         root = (target[:3] - self.previous[:3]) / dt
         if s.root == "recover":
-            u = (1.0 - np.exp(-dt / 0.3)) * (self.previous[:3] - q[:3]) / dt
+            u = (1.0 - np.exp(-dt / tuning.root_recovery_time)) * (self.previous[:3] - q[:3]) / dt
             root = root + u * min(1.0, s.root_speed / max(float(np.linalg.norm(u)), 1e-300))
         self.v_ref = np.concatenate([root, turns(self.previous, target).ravel() / dt])
         if s.drive_time is None:

@@ -11,19 +11,23 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics._native import tuning
+
 Array = NDArray[np.float64]
 
 #: Smaller changes of velocity [m/s, rad/s] and impulses [N s, N m s] are rounding.
-REST = 1e-9
+REST = tuning.velocity_rounding
 #: Share of what it can that a drive pulls with by itself: the rest is for what holds the body.
-PULL = 0.97
+PULL = tuning.pull_share
 #: Joints that give in are to exert this share of what they can; after so many rounds they do not
 #: resist at all.
-AIM, ROUNDS = 0.9, 6
+AIM, ROUNDS = tuning.resist_share, tuning.resist_rounds
 #: What gives way exerts its limit to this share, turns no faster [rad/s], and is solved for in so
 #: many rounds, over-relaxed; what does not, creeps [rad/s], and what has no limit resists like so
 #: much inertia [kg m^2].
-SHARE, FASTEST, WAYS, STRIDE, CREEP, HOLD = 0.02, 130.0, 60, 1.5, 1e-3, 1e10
+SHARE, FASTEST, WAYS = tuning.yield_tolerance, tuning.fastest_yield, tuning.yield_rounds
+STRIDE, CREEP = tuning.yield_over_relaxation, tuning.least_yield_rate
+HOLD = tuning.rigid_resistance
 
 
 def sizes(x: Array) -> Array:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics._native import tuning
 from halfphysics.body.strength import limits_of
 
 if TYPE_CHECKING:
@@ -16,9 +17,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Least clearance that the core is given [m]. The contact solver is exact to about 1e-6 m; with as
-#: small a clearance a part would sometimes be inside a mesh, which does not hold it from there on.
-LEAST_CLEARANCE = 2e-5
+#: Least clearance that the core is given [m].
+LEAST_CLEARANCE = tuning.least_clearance
 
 
 def set_settings(core: Any, settings: Settings, gravity: Array) -> None:

@@ -3,6 +3,7 @@
 
 NB_MODULE(_native, m) {
   m.doc() = "Native core of halfphysics.";
+  bind_tuning(m);
   bind_physics(m);
   bind_skinning(m);
   bind_triangle_tree(m);

@@ -12,6 +12,7 @@ template <typename... Shape>
 using i32 = nb::ndarray<const int, nb::c_contig, nb::device::cpu, Shape...>;
 
 void bind_physics(nb::module_& m);
+void bind_tuning(nb::module_& m);
 void bind_skinning(nb::module_& m);
 void bind_triangle_tree(nb::module_& m);
 void bind_touching(nb::module_& m);

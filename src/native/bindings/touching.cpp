@@ -85,14 +85,9 @@ nb::tuple near_rows(
   return nb::make_tuple(rows(std::move(of_skin), false), rows(std::move(of_points), true));
 }
 
-}  // namespace
-
-void bind_touching(nb::module_& m) {
-  nb::class_<PointGrid>(m, "PointGrid", "Points (n, 3) to find near triangles.")
-      .def("__init__",
-           [](PointGrid* self, Rows3 points) { new (self) PointGrid(vectors(points)); });
-  nb::class_<TouchingThing>(m, "TouchingThing", "Shapes that touch, in their thing's frame.")
-      .def(nb::init<>())
+// The methods that add a shape: turn and position are in the thing's frame.
+void add_shapes(nb::class_<TouchingThing>& thing) {
+  thing
       .def("add_plane",
            [](TouchingThing& t, f64<nb::shape<3, 3>> turn, Doubles position, Doubles normal,
               double offset) {
@@ -138,7 +133,19 @@ void bind_touching(nb::module_& m) {
             }
             t.shapes.push_back(std::move(s));
           },
-          nb::keep_alive<1, 4>())
+          nb::keep_alive<1, 4>());
+}
+
+}  // namespace
+
+void bind_touching(nb::module_& m) {
+  nb::class_<PointGrid>(m, "PointGrid", "Points (n, 3) to find near triangles.")
+      .def("__init__",
+           [](PointGrid* self, Rows3 points) { new (self) PointGrid(vectors(points)); });
+  nb::class_<TouchingThing> thing(m, "TouchingThing", "Shapes that touch, in their thing's frame.");
+  thing.def(nb::init<>());
+  add_shapes(thing);
+  thing
       .def("distance",
            [](const TouchingThing& t, Rows3 points) {
              std::vector<double> out(points.shape(0));

@@ -34,10 +34,10 @@
 namespace hp {
 
 struct SolveReport {
-  int sweeps = 0;  // block sweeps and Newton steps
-  int points = 0;  // contacts that took part
-  double residual = 0;  // largest violation, friction's included [m/s]
-  double normal = 0;  // largest violation of w_n, p_n >= 0 and p_n w_n = 0 [m/s]
+  int sweeps = 0;        // block sweeps and Newton steps
+  int points = 0;        // contacts that took part
+  double residual = 0;   // largest violation, friction's included [m/s]
+  double normal = 0;     // largest violation of w_n, p_n >= 0 and p_n w_n = 0 [m/s]
   bool crushed = false;  // a body on a track leaves others no room: given up
 };
 
@@ -71,7 +71,7 @@ class ContactProblem {
   // How far a solve has come.
   struct Progress {
     double goal = 0;  // residual to reach [m/s]
-    int done = 0;  // sweeps and steps
+    int done = 0;     // sweeps and steps
     int most = 0;
     double least = 1e300;  // residual so far, of best_
     bool goes_on(double residual) const { return done < most && residual >= goal; }
@@ -103,7 +103,7 @@ class ContactProblem {
   std::vector<LocalContact> local_;
   std::vector<Group> groups_;
   size_t group_count_ = 0;
-  std::vector<double> best_;  // the impulses with the least residual so far
+  std::vector<double> best_;       // the impulses with the least residual so far
   std::vector<double> old_, own_;  // of a group: impulses before, and velocities
   // Of a Newton step or of pivoting: the contacts that take part, the equations, where it started.
   std::vector<int> set_;

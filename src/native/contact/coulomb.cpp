@@ -16,8 +16,8 @@ double polynomial(const double* f, int degree, double t) {
 
 // Roots in [-1, 1] of f[0] + f[1] t + ...: between those of its derivative it is monotone.
 int polynomial_roots(const double* f, int degree, double* roots) {
-  if (degree == 0) return 0;
-  double derivative[4], turns[4];
+  if (degree <= 0) return 0;
+  double derivative[4] = {}, turns[4] = {};
   for (int i = 0; i < degree; i++) derivative[i] = (i + 1) * f[i + 1];
   const int n = polynomial_roots(derivative, degree - 1, turns);
   turns[n] = 1;
@@ -82,7 +82,7 @@ LocalContact::Slip LocalContact::slip(Vec3 r, double c, double s) const {
 
 // All directions, where Newton's method did not find the one. With c, s = (1 - t^2, 2 t)/(1 + t^2)
 // f is a polynomial of degree 4 in t; |t| <= 1 is half the circle, and -c, -s the other half. Of
-// several roots, the one with the smallest impulse; of none whose slip friction opposes (rounding
+// several roots, the one with the smallest impulse; where friction opposes the slip of none (rounding
 // at the cone's edge), the one that slips least.
 bool LocalContact::search(Vec3 r, double rounding, double& best_c, double& best_s) const {
   const double* a = A.m;

@@ -1,4 +1,19 @@
 // One Coulomb contact on its own, solved exactly.
+//
+// With p the impulse [N s] and w = r + A p the relative velocity [m/s] of the contact, each (n, t, s),
+// A its 3 x 3 block of the Delassus operator [1/kg] and r what all other contacts leave it, the answer
+// obeys
+//     0 <= p_n,  w_n >= 0,  p_n w_n = 0,  |p_t| <= mu p_n,  and where it slips p_t = -mu p_n w_t/|w_t|.
+// There are three cases:
+//     it lifts off   r_n >= 0: p = 0;
+//     it sticks      p = -A^-1 r, where that lies in the cone |p_t| <= mu p_n;
+//     it slips       p = p_n (1, mu d) with a unit vector d = (c, s). From w_n = 0
+//                        p_n = -r_n / N(d),   N(d) = A_nn + mu (A_nt c + A_ns s),
+//                    and d must be parallel to the slip, against it: f(d) = d x (N w_t) = 0.
+// f is a smooth function of the angle of d. Newton's method from the direction of the last answer
+// usually finds its root. Near jamming (the normal gives way to friction, N near 0) several roots may
+// lie close together; then all are isolated, as those of a polynomial of degree 4 in the tangent of
+// half the angle, and the one with the smallest impulse is taken.
 #pragma once
 #include <cmath>
 
@@ -6,8 +21,6 @@
 
 namespace hp {
 
-// With w = r + A p the velocity of the contact and p its impulse, each (n, t, s):
-// 0 <= p_n, w_n >= 0, p_n w_n = 0, |p_t| <= mu p_n, and where it slips p_t = -mu p_n w_t/|w_t|.
 struct LocalContact {
   Mat3 A, inverse;
   double mu = 0;

@@ -83,9 +83,9 @@ struct Contact {
   Vec3 curve;
   double friction = 0, restitution = 0;
   double bounce = -1e300;  // v_n demanded by restitution [m/s], second pass
-  Vec3 impulse;  // world [N s], on a; the warm start on entry
-  int pair = 0;  // index of the candidate it came from
-  int64_t key = 0;  // identity from substep to substep
+  Vec3 impulse;            // world [N s], on a; the warm start on entry
+  int pair = 0;            // index of the candidate it came from
+  int64_t key = 0;         // identity from substep to substep
   int feature = 0;
 };
 
@@ -156,8 +156,8 @@ class ContactSolver {
   ContactProblem problem_;
   std::vector<Row> rows_;
   std::vector<int> dof_, slot_;  // slot_: where a dof is in the row under way, -1: nowhere
-  std::vector<double> bend_;  // nv x 3, zero between uses
-  std::vector<double> y_;  // three per entry of dof_, and a zero
+  std::vector<double> bend_;     // nv x 3, zero between uses
+  std::vector<double> y_;        // three per entry of dof_, and a zero
   std::vector<double> scatter_;  // nv x 4, zero between uses
   std::vector<Waiting> worst_;
 };

@@ -1,5 +1,11 @@
-// Trees that are neither a person nor one free body, such as doors, drawers and robot arms: what moves
-// them without contact, and how far their joints go.
+// Articulated objects: trees that are neither a person nor one free body, such as doors, drawers and
+// robot arms. What moves them without contact, and the limits of their joints.
+//
+// With c the Coriolis, centrifugal and gravity forces (recursive Newton-Euler, Featherstone 2008, ch.
+// 5), D the damping and K the stiffness of joints, the velocity without contact is
+//     (M + h D + h^2 K) (v* - v) = h (tau_spring - D v - h K v - c),
+// which is implicit in springs and damping: any stiffness is stable (docs/physics.md, "Articulated
+// objects"). A limit of a joint is a contact without friction that moves with one dof.
 #pragma once
 #include <vector>
 
@@ -10,10 +16,10 @@ namespace hp {
 
 // What acts in joints, in the order of Model. Empty lists: nothing does.
 struct JointForces {
-  std::vector<double> damping;  // per dof
-  std::vector<double> stiffness;  // per joint
-  std::vector<double> spring;  // per coordinate: where the springs rest
-  std::vector<char> limited;  // per joint, of hinges and slides
+  std::vector<double> damping;       // per dof
+  std::vector<double> stiffness;     // per joint
+  std::vector<double> spring;        // per coordinate: where the springs rest
+  std::vector<char> limited;         // per joint, of hinges and slides
   std::vector<double> lower, upper;  // per joint
 };
 
@@ -28,22 +34,22 @@ class Articulations {
  public:
   JointForces joints;
 
-  // `others`: per body, whether the tree that hangs on it is somebody else's to move.
+  // `others`: per body, whether its tree is not an articulated object.
   void finish(const Model& m, const std::vector<char>& others);
-  // Does any of them take part?
+  // Is any of them active?
   bool any(const Model& m, const std::vector<char>& active) const;
   const std::vector<int>& dofs() const { return dofs_; }
   // Damping and springs act with the velocity at the end of the step: h D + h^2 K joins the inertia.
   void added_inertia(const Model& m, const std::vector<char>& active, double h,
                      std::vector<double>& extra) const;
-  // h times the force on the dofs of those who take part, into `out`; the others' stay.
+  // h times the force on the dofs of the active trees, into `out`; the other dofs stay as they are.
   void impulse(const Model& m, const Kinematics& k, const std::vector<char>& active, Vec3 gravity,
                const double* qpos, const double* qvel, double h, double* out);
   // A row for either end of every joint that has ends, in the form of a contact that moves with one dof
   // and has no friction: `dist` is how far it still goes.
   void limits(const Model& m, const std::vector<char>& active, const double* qpos,
               std::vector<Contact>& out) const;
-  // The largest turn [rad/s] of any joint that takes part.
+  // The largest speed of any joint of an active tree [rad/s].
   double fastest(const Model& m, const std::vector<char>& active, const double* qvel) const;
 
  private:

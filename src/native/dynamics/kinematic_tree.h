@@ -29,13 +29,13 @@ struct Model {
   std::vector<double> armature;
 
   // Derived by finish():
-  std::vector<int> root;  // per body: the body of its tree that hangs on the world
-  std::vector<int> last_dof;  // per body: last dof that moves it, -1: fixed
-  std::vector<double> carried;  // per body: mass of it and all that hangs on it [kg]
-  std::vector<int> dof_body;  // per dof
+  std::vector<int> root;                 // per body: the body of its tree that hangs on the world
+  std::vector<int> last_dof;             // per body: last dof that moves it, -1: fixed
+  std::vector<double> carried;           // per body: mass of it and all that hangs on it [kg]
+  std::vector<int> dof_body;             // per dof
   std::vector<int> row_start, row_size;  // per dof: its chain of ancestors, itself last
-  std::vector<int> chain;  // dof indices of all rows, one after the other
-  std::vector<char> plain_ball;  // per body: one ball joint at its origin, no turn at rest
+  std::vector<int> chain;                // dof indices of all rows, one after the other
+  std::vector<char> plain_ball;          // per body: one ball joint at its origin, no turn at rest
   // Per body: its velocity is given, whatever touches it (stepping/kinematic_bodies.h).
   std::vector<char> held;
   // The last dof by which contacts move a body, -1: none.
@@ -85,7 +85,7 @@ void integrate(const Model& m, double* qpos, const double* qvel, double t,
 
 // The joint-space inertia matrix and its factor M = L^T D L, stored along the chains of dofs.
 struct Inertia {
-  std::vector<double> M;  // rows as Model::chain, without scaling
+  std::vector<double> M;                 // rows as Model::chain, without scaling
   std::vector<double> L, inv_D, root_D;  // factor of the matrix given to factor(); root_D = D^-1/2
 
   // With `active` (per body) only of those trees: whatever is solved for, the others stay at zero.
@@ -97,15 +97,15 @@ struct Inertia {
   // those, as if the others could not move.
   void factor(const Model& m, const std::vector<double>& scale, const std::vector<double>& extra,
               const char* active = nullptr, const char* free = nullptr);
-  void solve(const Model& m, double* x) const;  // x <- matrix^-1 x
+  void solve(const Model& m, double* x) const;            // x <- matrix^-1 x
   void half_solve_back(const Model& m, double* x) const;  // x <- L^-1 x, the last half of solve()
   // out = M x on the dofs of bodies `first` to `last`, which are a tree.
   void multiply(const Model& m, int first, int last, const double* x, double* out) const;
 
   struct Composite {
     double mass = 0;
-    Vec3 moment;  // mass times centre of mass, about the reference point
-    double I[6] = {0, 0, 0, 0, 0, 0};  // xx yy zz xy xz yz about the reference point
+    Vec3 moment;                            // mass times centre of mass, about the reference point
+    double I[6] = {0, 0, 0, 0, 0, 0};       // xx yy zz xy xz yz about the reference point
     Twist operator*(const Twist& s) const;  // momentum under a motion: angular, linear
   };
   static Composite of_body(const Model& m, const Kinematics& k, int body);  // of it alone

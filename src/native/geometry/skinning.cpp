@@ -56,9 +56,9 @@ struct Block {
   // Numbers of a transform: four columns of three, each with one to spare.
   static constexpr size_t affine_size = 16;
   size_t start = 0, frames = 0;
-  std::vector<double> affine;     // frames x joints x columns of R | x - x_root - R j
-  std::vector<double> features;   // turned joints x 9 x lanes
-  std::vector<int> turned;        // column of each turned joint in posedirs
+  std::vector<double> affine;    // frames x joints x columns of R | x - x_root - R j
+  std::vector<double> features;  // turned joints x 9 x lanes
+  std::vector<int> turned;       // column of each turned joint in posedirs
   int lanes = 1;
 };
 
@@ -136,7 +136,8 @@ struct Lanes4 {
 // overlap. The order of the sums is the same for every V and Count, and so are the bits.
 template <typename V, int Count>
 HP_INLINE void blend(const SkinnedMesh& s, const Block& b, size_t vertex, double* offset) {
-  constexpr int lanes = Count * int(sizeof(V) / sizeof(double));
+  constexpr int width = int(sizeof(V) / sizeof(double));  // NOLINT(bugprone-sizeof-expression)
+  constexpr int lanes = Count * width;
   V sum[3][Count] = {};
   const double* rows = s.posedirs + vertex * 3 * s.n_features;
   const double* feature = b.features.data();
@@ -147,7 +148,7 @@ HP_INLINE void blend(const SkinnedMesh& s, const Block& b, size_t vertex, double
       for (int k = 0; k < SkinnedMesh::joint_features; ++k) {
         for (int l = 0; l < Count; ++l) {
           V f;
-          std::memcpy(&f, feature + k * lanes + l * int(sizeof(V) / sizeof(double)), sizeof(V));
+          std::memcpy(&f, feature + k * lanes + l * width, sizeof(V));
           part[l] += row[k] * f;
         }
       }
@@ -300,7 +301,7 @@ void skin(const SkinnedMesh& s, const JointPoses& poses, int threads, double* ou
     std::vector<std::thread> pool;
     try {
       for (size_t w = 1; w < workers; ++w) pool.emplace_back(work);
-    } catch (const std::system_error&) {
+    } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch)
       // The system gives no more threads: those that run, and this one, do all the work.
     }
     work();

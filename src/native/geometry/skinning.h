@@ -20,11 +20,11 @@ struct SkinnedMesh {
   // Features of one joint in the pose blend shapes: the entries of its rotation matrix.
   static constexpr int joint_features = 9;
 
-  const double *rest, *joints;     // vertices and joints at rest, 3 each [m]
-  const double* weights;           // sparse, vertex by vertex
-  const double* posedirs;          // (vertices, 3, n_features), null: no pose blend shapes
-  const int *first, *joint;        // where each vertex' weights start, and their joints
-  const int* subset;               // the vertices that come out, null: all
+  const double *rest, *joints;  // vertices and joints at rest, 3 each [m]
+  const double* weights;        // sparse, vertex by vertex
+  const double* posedirs;       // (vertices, 3, n_features), null: no pose blend shapes
+  const int *first, *joint;     // where each vertex' weights start, and their joints
+  const int* subset;            // the vertices that come out, null: all
   size_t n_joints, n_out, n_features;
   // Groups of the vertices that come out: where each starts, and in which frames it is wanted
   // (frames, n_groups). Null: all are.

@@ -242,10 +242,10 @@ class NearSearch {
 
   const NearQuery& q_;
   NearRows &of_skin_, &of_points_;
-  double most_, limit_;  // how far corners of near faces may be, and distances are known [m]
-  std::vector<Vec3> at_;  // vertices in the thing's frame
-  std::vector<double> far_;  // their distances from the thing [m]
-  std::vector<Best> best_;  // per point
+  double most_, limit_;       // how far corners of near faces may be, and distances are known [m]
+  std::vector<Vec3> at_;      // vertices in the thing's frame
+  std::vector<double> far_;   // their distances from the thing [m]
+  std::vector<Best> best_;    // per point
   std::vector<int> touched_;  // points that have one
   std::vector<std::pair<double, int>> near_;
   std::vector<std::vector<int>> of_group_;

@@ -18,7 +18,7 @@ struct TouchingShape {
   Vec3 size;
   double offset = 0;
   const triangles::Tree* tree = nullptr;  // of hulls and surfaces
-  std::vector<Vec3> normals;  // of a hull's faces, outward
+  std::vector<Vec3> normals;              // of a hull's faces, outward
   std::vector<double> offsets;
 
   // Lowers `least` (n) to the distances of points in the thing's frame, those that are under it; what is
@@ -76,7 +76,7 @@ struct NearRows {
 struct PosedSkin {
   const double* x;
   int frames, n;
-  const int* first;  // where each group starts (groups + 1)
+  const int* first;            // where each group starts (groups + 1)
   const unsigned char* close;  // which groups may be near in which frame (t, groups)
   int groups;
 };
@@ -93,9 +93,9 @@ struct NearQuery {
   const TouchingThing& thing;
   const PosedSkin& skin;
   const Placing& placing;
-  double reach;  // [m]
+  double reach;             // [m]
   const PointGrid* points;  // on the thing; null: not asked
-  double off;  // no point is farther than this outside of the thing [m]
+  double off;               // no point is farther than this outside of the thing [m]
   const int* faces;
   int n_faces;
 };

@@ -35,21 +35,21 @@ inline double clamp01(double t) { return t < 0 ? 0 : t > 1 ? 1 : t; }
 
 // How one mesh looks. Colours are linear light, 0 to 1.
 struct Style {
-  Vec color, checker;  // checker: second colour of a chequered surface
-  double alpha;  // < 1: drawn as one translucent layer
-  double rim;  // opaque: light added at grazing angles; translucent: alpha added
-  double checker_size;  // [m], 0: plain
-  double bias;  // a translucent layer shows only where it is nearer by this [m]
+  Vec color, checker;         // checker: second colour of a chequered surface
+  double alpha;               // < 1: drawn as one translucent layer
+  double rim;                 // opaque: light added at grazing angles; translucent: alpha added
+  double checker_size;        // [m], 0: plain
+  double bias;                // a translucent layer shows only where it is nearer by this [m]
   double fade_from, fade_to;  // dissolves into the background at these distances from `focus`
-  double crease;  // cosine of the angle beyond which an edge stays sharp
-  int cull;  // 0 none, 1 drops back faces, 2 drops front faces
-  bool casts, receives;  // shadows
+  double crease;              // cosine of the angle beyond which an edge stays sharp
+  int cull;                   // 0 none, 1 drops back faces, 2 drops front faces
+  bool casts, receives;       // shadows
 };
 
 struct Camera {
   Vec right, down, forward, position;
   double fx, fy, cx, cy, near;  // [px], [m]
-  int width, height, samples;  // samples x samples per pixel
+  int width, height, samples;   // samples x samples per pixel
   Vec to_camera(Vec p) const {
     const Vec d = p - position;
     return {dot(d, right), dot(d, down), dot(d, forward)};

@@ -12,9 +12,9 @@ struct Light {
 };
 
 struct Look {
-  Vec top, bottom;      // background, linear
-  Vec sky, ground;      // ambient light from above and below
-  Vec focus;            // centre of fading floors (world)
+  Vec top, bottom;  // background, linear
+  Vec sky, ground;  // ambient light from above and below
+  Vec focus;        // centre of fading floors (world)
   std::vector<Light> lights;
 };
 

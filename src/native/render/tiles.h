@@ -13,7 +13,8 @@ struct Encoder {
   std::vector<unsigned char> table;
   Encoder();
   unsigned char operator()(double x) const {
-    return table[static_cast<int>(clamp01(x) * hp::tuning::render::kEncoderSteps + 0.5)];
+    const double step = clamp01(x) * hp::tuning::render::kEncoderSteps;
+    return table[static_cast<int>(step + 0.5)];  // NOLINT(bugprone-incorrect-roundings)
   }
 };
 

@@ -225,8 +225,8 @@ auto coulomb_contact(Square A, double mu, Rows3 r, Rows3 old) {
 }
 
 // Distance of two convex shapes; normals (may be empty) decide the way out of an overlap.
-auto convex_distance(Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b, Rows3 normals_b, double rb,
-                     Doubles rim_b) {
+auto convex_distance(Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b, Rows3 normals_b,
+                     double rb, Doubles rim_b) {
   Convex A = convex(a, ra, rim_a, vectors(normals_a)), B = convex(b, rb, rim_b, vectors(normals_b));
   PosedShape pa, pb;
   pa.place(A, {}, {});
@@ -240,7 +240,8 @@ auto convex_distance(Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b
 }
 
 // Planes (normal, offset, distance, triangle) between a convex shape and triangles.
-auto triangle_planes(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim, double reach) {
+auto triangle_planes(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
+                     double reach) {
   TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
   Convex A = convex(hull, radius, rim);
   PosedShape p;

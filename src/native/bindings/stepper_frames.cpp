@@ -21,8 +21,8 @@ auto frame(Stepper& s, Doubles targets, double dt, int n, bool record) {
 
 // What a run of frames is told to Python by.
 struct Recording {
-  std::vector<double> torques, torque_frames, qpos, poses, clearance, lost, touches, touch_count, numbers,
-      inside, inside_count;
+  std::vector<double> torques, torque_frames, qpos, poses, clearance, lost, touches, touch_count,
+      numbers, inside, inside_count;
   size_t done = 0;
 
   void add(Stepper& s) {
@@ -61,12 +61,14 @@ struct Recording {
 
 // As many frames as fit into `seconds` of wall time, one at least. `stiffness`: firmness of every
 // frame (frames, balls), or (0, 0) to leave it.
-nb::dict run(Stepper& s, Square targets, double dt, int n, bool record, double seconds, Square stiffness) {
+nb::dict run(Stepper& s, Square targets, double dt, int n, bool record, double seconds,
+             Square stiffness) {
   const int want = target_count(s);
   need((int)targets.shape(1) == want && targets.shape(0) > 0, "run: bad shape of targets");
   const size_t balls = stiffness.shape(0) ? stiffness.shape(1) : 0;
-  need(balls == 0 || (stiffness.shape(0) == targets.shape(0) && (int)balls == s.system.ball_count()),
-       "run: bad shape of stiffness");
+  need(
+      balls == 0 || (stiffness.shape(0) == targets.shape(0) && (int)balls == s.system.ball_count()),
+      "run: bad shape of stiffness");
   Recording recording;
   {
     nb::gil_scoped_release release;
@@ -86,8 +88,9 @@ nb::dict run(Stepper& s, Square targets, double dt, int n, bool record, double s
 void substep_hosted(Stepper& s, int k, double h, Doubles qpos, Doubles qvel, Doubles v_free,
                     Doubles damping) {
   const size_t nq = s.system.model.nq, nv = s.system.model.nv;
-  need(qpos.shape(0) == nq && qvel.shape(0) == nv && v_free.shape(0) == nv && damping.shape(0) == nv,
-       "substep_hosted: bad length of qpos, qvel, v_free or damping");
+  need(
+      qpos.shape(0) == nq && qvel.shape(0) == nv && v_free.shape(0) == nv && damping.shape(0) == nv,
+      "substep_hosted: bad length of qpos, qvel, v_free or damping");
   nb::gil_scoped_release release;
   s.substep_hosted(k, h, qpos.data(), qvel.data(), v_free.data(), damping.data());
 }
@@ -118,10 +121,8 @@ void bind_stepper_frames(StepperClass& stepper) {
            })
       .def("substep_hosted", &substep_hosted)
       .def("end_hosted", &Stepper::end_hosted)
-      .def("adopt",
-           [](Stepper& s, Stepper& old, Ints body, Ints shape) {
-             s.adopt(old, list<int>(body), list<int>(shape));
-           })
+      .def("adopt", [](Stepper& s, Stepper& old, Ints body,
+                       Ints shape) { s.adopt(old, list<int>(body), list<int>(shape)); })
       .def("save", [](Stepper& s) { return array(s.save()); })
       .def("load", [](Stepper& s, Doubles state) { s.load(list<double>(state)); });
 }

@@ -21,7 +21,8 @@ void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out) {
 
 void inside_rows(const World& world, std::vector<double>& out) {
   for (const InitialOverlap& in : world.depenetration.overlaps())
-    out.insert(out.end(), {(double)in.shape, (double)in.other_static, (double)in.other_shape, in.depth()});
+    out.insert(out.end(),
+               {(double)in.shape, (double)in.other_static, (double)in.other_shape, in.depth()});
 }
 
 }  // namespace hp
@@ -86,7 +87,8 @@ void bind_stepper_results(StepperClass& stepper) {
   stepper.def("qpos", [](Stepper& s) { return array(s.qpos()); })
       .def("qvel", [](Stepper& s) { return array(s.qvel()); })
       .def("clearance", &clearance)
-      .def("clearances", &clearances, nb::arg("qpos"), nb::arg("range"), nb::arg("nearest") = nb::none())
+      .def("clearances", &clearances, nb::arg("qpos"), nb::arg("range"),
+           nb::arg("nearest") = nb::none())
       .def("pair_gaps", &pair_gaps)
       .def("touches",
            [](Stepper& s) {

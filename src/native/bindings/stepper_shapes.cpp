@@ -21,8 +21,8 @@ void set_slack(Stepper& s, double slack) {
 }
 
 // bend: (vertices, 3, features), or of no vertices: no pose blend shapes. Returns the skin's index.
-int add_skin(Stepper& s, Ints body, Ints parent, Rows3 joint, Rows3 rest, Ints first, Ints at, Doubles weight,
-             f64<nb::ndim<3>> bend) {
+int add_skin(Stepper& s, Ints body, Ints parent, Rows3 joint, Rows3 rest, Ints first, Ints at,
+             Doubles weight, f64<nb::ndim<3>> bend) {
   auto skin = std::make_shared<Skin>();
   skin->body = list<int>(body), skin->parent = list<int>(parent);
   skin->joint = vectors(joint), skin->rest = vectors(rest);
@@ -37,8 +37,8 @@ int add_skin(Stepper& s, Ints body, Ints parent, Rows3 joint, Rows3 rest, Ints f
     skin->dof.push_back(s.system.model.dof_first[b]);
   }
   for (int j : skin->weight_joint) need(j >= 0 && (size_t)j < joints, "add_skin: no such joint");
-  need(bend.shape(0) == 0 || (bend.shape(0) == n && bend.shape(1) == 3 &&
-                              bend.shape(2) == (size_t)skin->features()),
+  need(bend.shape(0) == 0 ||
+           (bend.shape(0) == n && bend.shape(1) == 3 && bend.shape(2) == (size_t)skin->features()),
        "add_skin: bend has the wrong shape");
   skin->pose_blend.assign(bend.data(), bend.data() + bend.size());
   s.system.skins.push_back(std::move(skin));
@@ -109,8 +109,7 @@ void set_self_pairs(Stepper& s, Square pairs) {
 }  // namespace
 
 void bind_stepper_shapes(StepperClass& stepper) {
-  stepper
-      .def("add_shape", &add_shape)
+  stepper.def("add_shape", &add_shape)
       .def("set_slack", &set_slack)
       .def("add_skin", &add_skin)
       .def("add_skin_shape", &add_skin_shape)

@@ -7,10 +7,10 @@ using namespace nb::literals;
 namespace {
 
 // The arrays of an MjModel, under its names for them where it has one.
-void set_model(Stepper& s, Ints parent, Ints jnt_first, Ints jnt_count, Ints dof_first, Ints dof_count,
-               Rows3 pos, Rows4 quat, Rows3 ipos, Rows4 iquat, Doubles mass, Rows3 inertia, Ints jnt_type,
-               Ints jnt_qpos, Ints jnt_dof, Ints jnt_body, Rows3 jnt_pos, Rows3 jnt_axis, Doubles qpos0,
-               Doubles armature) {
+void set_model(Stepper& s, Ints parent, Ints jnt_first, Ints jnt_count, Ints dof_first,
+               Ints dof_count, Rows3 pos, Rows4 quat, Rows3 ipos, Rows4 iquat, Doubles mass,
+               Rows3 inertia, Ints jnt_type, Ints jnt_qpos, Ints jnt_dof, Ints jnt_body,
+               Rows3 jnt_pos, Rows3 jnt_axis, Doubles qpos0, Doubles armature) {
   Model& m = s.system.model;
   m = {};
   m.nbody = (int)parent.shape(0);
@@ -122,14 +122,15 @@ void set_stiffness(Stepper& s, const double* lambda) {
 
 void bind_stepper_system(StepperClass& stepper) {
   stepper
-      .def("set_model", &set_model, nb::kw_only(), "parent"_a, "jnt_first"_a, "jnt_count"_a, "dof_first"_a,
-           "dof_count"_a, "pos"_a, "quat"_a, "ipos"_a, "iquat"_a, "mass"_a, "inertia"_a, "jnt_type"_a,
-           "jnt_qpos"_a, "jnt_dof"_a, "jnt_body"_a, "jnt_pos"_a, "jnt_axis"_a, "qpos0"_a, "armature"_a)
-      .def("set_joint_forces", &set_joint_forces, nb::kw_only(), "damping"_a, "stiffness"_a, "spring"_a,
-           "limited"_a, "range"_a)
+      .def("set_model", &set_model, nb::kw_only(), "parent"_a, "jnt_first"_a, "jnt_count"_a,
+           "dof_first"_a, "dof_count"_a, "pos"_a, "quat"_a, "ipos"_a, "iquat"_a, "mass"_a,
+           "inertia"_a, "jnt_type"_a, "jnt_qpos"_a, "jnt_dof"_a, "jnt_body"_a, "jnt_pos"_a,
+           "jnt_axis"_a, "qpos0"_a, "armature"_a)
+      .def("set_joint_forces", &set_joint_forces, nb::kw_only(), "damping"_a, "stiffness"_a,
+           "spring"_a, "limited"_a, "range"_a)
       // See DriveSettings.
-      .def("set_drive", &set_drive, nb::kw_only(), "time_constant"_a, "recovery_rate"_a, "recover_root"_a,
-           "root_speed"_a)
+      .def("set_drive", &set_drive, nb::kw_only(), "time_constant"_a, "recovery_rate"_a,
+           "recover_root"_a, "root_speed"_a)
       // See ContactSettings and System.
       .def("set_contact", &set_contact, nb::kw_only(), "clearance"_a, "clearance_range"_a,
            "depenetration_speed"_a, "tolerance"_a, "max_sweeps"_a, "gravity"_a)
@@ -154,5 +155,6 @@ void bind_stepper_system(StepperClass& stepper) {
            })
       .def("set_strength", &set_strength)
       .def("person_qpos", [](Stepper& s, int p) { return s.system.drives.at(p).first_qpos(); })
-      .def("person_qpos_count", [](Stepper& s, int p) { return s.system.drives.at(p).qpos_count(); });
+      .def("person_qpos_count",
+           [](Stepper& s, int p) { return s.system.drives.at(p).qpos_count(); });
 }

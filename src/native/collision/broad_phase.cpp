@@ -146,8 +146,7 @@ void BroadPhase::measure_static(Poses& p, BroadPhasePair& e, double r) const {
     e.axis = s.n;
     e.dist = s.dist;
     e.planes.clear();
-    if (norm2(s.n) > 0)
-      e.planes.push_back({s.n, S.posed.highest(s.n), s.dist, -1, s.dist < 0});
+    if (norm2(s.n) > 0) e.planes.push_back({s.n, S.posed.highest(s.n), s.dist, -1, s.dist < 0});
   } else {
     if (!S.tree->planes(a, r, e.planes)) e.planes_reach = 0;
     e.dist = r;
@@ -159,7 +158,8 @@ void BroadPhase::measure_static(Poses& p, BroadPhasePair& e, double r) const {
 
 void BroadPhase::save_travel(std::vector<double>& out) const {
   out.push_back(listed_once_ ? 1 : 0);
-  for (const auto* v : {&travelled_, &listed_, &range_}) out.insert(out.end(), v->begin(), v->end());
+  for (const auto* v : {&travelled_, &listed_, &range_})
+    out.insert(out.end(), v->begin(), v->end());
   if (world_.self_contact()) out.insert(out.end(), inner_.begin(), inner_.end());
 }
 
@@ -178,9 +178,9 @@ const double* BroadPhase::load_travel(const double* in) {
 void BroadPhase::save_pairs(std::vector<double>& out) const {
   out.push_back((double)pairs_.size());
   for (const BroadPhasePair& e : pairs_) {
-    out.insert(out.end(), {(double)e.shape, (double)e.other_static, (double)e.other_shape, e.dist,
-                           e.travelled, e.planes_reach, e.axis.x, e.axis.y, e.axis.z,
-                           (double)e.planes.size()});
+    out.insert(out.end(),
+               {(double)e.shape, (double)e.other_static, (double)e.other_shape, e.dist, e.travelled,
+                e.planes_reach, e.axis.x, e.axis.y, e.axis.z, (double)e.planes.size()});
     out.push_back(e.hint.n);
     for (int k = 0; k < 3; k++) out.insert(out.end(), {(double)e.hint.a[k], (double)e.hint.b[k]});
     for (const Plane& q : e.planes)

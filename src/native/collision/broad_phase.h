@@ -78,7 +78,8 @@ class BroadPhase {
   }
   struct Bounds;
   Bounds bounds(const Model& m, const Poses& p) const;
-  void list_statics(const Model& m, const Bounds& b, int shape, const std::vector<InitialOverlap>& overlaps);
+  void list_statics(const Model& m, const Bounds& b, int shape,
+                    const std::vector<InitialOverlap>& overlaps);
   void list_shapes(const Model& m, const Bounds& b, int shape);
   void add(int shape, int other_static, int other_shape, bool own);
 

@@ -24,7 +24,8 @@ double distance_below(const CollisionWorld& world, Poses& p, int i, const Boundi
   box.add(sphere.center);
   box.grow(sphere.radius + std::max(best, 0.0));
   if (S.kind == Static::Kind::Hull)
-    return box.meets(S.posed.box) ? separate(world.place(p, i), S.posed, std::max(best, 0.0)).dist : kFar;
+    return box.meets(S.posed.box) ? separate(world.place(p, i), S.posed, std::max(best, 0.0)).dist
+                                  : kFar;
   return box.meets(S.tree->box())
              ? S.tree->distance(world.place(p, i), std::max(best, tune::kLeastRange), near)
              : kFar;
@@ -55,7 +56,8 @@ double smallest_clearance(const CollisionWorld& world, const BroadPhase& broad_p
   return best < range ? best : kFar;
 }
 
-void shape_clearances(const CollisionWorld& world, Poses& p, double range, double* dist, int* nearest) {
+void shape_clearances(const CollisionWorld& world, Poses& p, double range, double* dist,
+                      int* nearest) {
   for (int i = 0; i < (int)world.shapes.size(); i++) {
     const CollisionShape& M = world.shapes[i];
     dist[i] = std::numeric_limits<double>::quiet_NaN();

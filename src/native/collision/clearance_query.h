@@ -11,6 +11,7 @@ double smallest_clearance(const CollisionWorld& world, const BroadPhase& broad_p
 
 // The same of every shape, and the static that is nearest (-1: none within `range`); NaN for
 // objects. Measures all pairs: slower, but at any poses.
-void shape_clearances(const CollisionWorld& world, Poses& p, double range, double* dist, int* nearest);
+void shape_clearances(const CollisionWorld& world, Poses& p, double range, double* dist,
+                      int* nearest);
 
 }  // namespace hp

@@ -20,11 +20,11 @@ namespace hp {
 // Static geometry: a half-space, a convex hull, or any soup of triangles.
 struct Static {
   enum class Kind { HalfSpace, Hull, Mesh } kind = Kind::HalfSpace;
-  int name = 0;       // index into the names of material pairs
-  Vec3 n;             // the half-space is n.x <= offset
+  int name = 0;  // index into the names of material pairs
+  Vec3 n;        // the half-space is n.x <= offset
   double offset = 0;
-  Convex hull;        // in the world frame
-  PosedShape posed;   // of `hull`
+  Convex hull;       // in the world frame
+  PosedShape posed;  // of `hull`
   std::shared_ptr<const TriangleTree> tree;
 };
 
@@ -70,8 +70,7 @@ struct CollisionWorld {
   bool takes_part(const BroadPhasePair& e) const;
   // Whether a person meets an object or another person.
   bool handles(const ContactCandidate& c) const {
-    return c.other_shape >= 0 &&
-           (shapes[c.shape].person >= 0 || shapes[c.other_shape].person >= 0);
+    return c.other_shape >= 0 && (shapes[c.shape].person >= 0 || shapes[c.other_shape].person >= 0);
   }
   // Two shapes of one person that overlap at the start of the substep.
   bool overlaps_itself(const ContactCandidate& c) const {

@@ -30,9 +30,9 @@ struct BroadPhasePair {
 
   int shape = 0;
   int other_static = -1, other_shape = -1;
-  bool own = false;         // two of one person: distances are travelled in the root's frame
-  double dist = kUnknown;   // lower bound when last measured [m]
-  double travelled = 0;     // what the two had travelled by then [m]
+  bool own = false;        // two of one person: distances are travelled in the root's frame
+  double dist = kUnknown;  // lower bound when last measured [m]
+  double travelled = 0;    // what the two had travelled by then [m]
   // All geometry of the other within `planes_reach` of the shape lies behind these planes.
   std::vector<Plane> planes;
   double planes_reach = 0;
@@ -44,13 +44,13 @@ struct BroadPhasePair {
 struct ContactCandidate {
   int shape = 0;
   int other_static = -1, other_shape = -1;
-  Vec3 n;             // unit, from the other to the shape
-  double offset = 0;  // static: the other lies in n.x <= offset
-  double dist = 0;    // at the start of the substep; negative: overlap along n [m]
-  double target = 0;  // distance demanded at its end [m]
-  double hard = 0;    // distance under which the step is shortened [m]
-  int triangle = -1;  // of a mesh
-  Hint hint;          // of two shapes at the start
+  Vec3 n;                 // unit, from the other to the shape
+  double offset = 0;      // static: the other lies in n.x <= offset
+  double dist = 0;        // at the start of the substep; negative: overlap along n [m]
+  double target = 0;      // distance demanded at its end [m]
+  double hard = 0;        // distance under which the step is shortened [m]
+  int triangle = -1;      // of a mesh
+  Hint hint;              // of two shapes at the start
   bool forgiven = false;  // the plane may be crossed: the shape meets nothing behind it
   bool searched = false;  // candidates that its plane had hidden have been added
   // A shape that overlapped at the start of the simulation is held clear where it would be after a

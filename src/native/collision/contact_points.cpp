@@ -27,9 +27,18 @@ struct Generator {
   int already = 0;       // points that the candidate has
 
   Generator(const CollisionWorld& world, const std::vector<CachedContact>& cached, Poses& start,
-            Poses& end, const ContactCandidate& c, int index, int pass, std::vector<Contact>& contacts)
-      : world(world), cached(cached), start(start), end(end), c(c), index(index), pass(pass),
-        contacts(contacts), shape(world.shapes[c.shape]), a0(world.place(start, c.shape)) {
+            Poses& end, const ContactCandidate& c, int index, int pass,
+            std::vector<Contact>& contacts)
+      : world(world),
+        cached(cached),
+        start(start),
+        end(end),
+        c(c),
+        index(index),
+        pass(pass),
+        contacts(contacts),
+        shape(world.shapes[c.shape]),
+        a0(world.place(start, c.shape)) {
     for (const Contact& k : contacts) already += k.pair == index;
   }
 
@@ -80,8 +89,8 @@ void Generator::make(Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature, double 
   k.at_a = xa, k.at_b = xb;
   k.a = endpoint(c.shape, xa, xa + (a0.reach(n) + back) * n, feature, k.gap_a);
   if (c.other_shape >= 0)
-    k.b = endpoint(c.other_shape, xb,
-                   xb - (world.place(start, c.other_shape).reach(n) + back) * n, feature, k.gap_b);
+    k.b = endpoint(c.other_shape, xb, xb - (world.place(start, c.other_shape).reach(n) + back) * n,
+                   feature, k.gap_b);
   const int other =
       c.other_static >= 0 ? world.statics[c.other_static].name : world.shapes[c.other_shape].name;
   const Pairing& pair = world.pairing(shape.name, other);
@@ -211,12 +220,14 @@ void Generator::add_displaced() {
   const Vec3 shift = already == 0 ? c.from : c.shift();
   const Separation s = separate(displaced(world.place(at, c.shape), shift),
                                 world.place(at, c.other_shape), 1e300, true, c.n);
-  const bool settle =
-      already > 0 && (pass > tune::kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < tune::kSameSide);
+  const bool settle = already > 0 && (pass > tune::kTurningPasses || s.dist <= 0 ||
+                                      dot(s.n, c.n) < tune::kSameSide);
   const Vec3 n = settle ? c.n : s.n;
   const Vec3 xa = start_of(c.shape, at, s.pa - shift), xb = start_of(c.other_shape, at, s.pb);
   for (const Contact& k : contacts)
-    if (k.pair == index && norm2(k.at_a - xa) < tune::kSamePoint2 && dot(k.n, n) > tune::kSamePassNormal) return;
+    if (k.pair == index && norm2(k.at_a - xa) < tune::kSamePoint2 &&
+        dot(k.n, n) > tune::kSamePassNormal)
+      return;
   make(n, dot(n, xa + c.from - xb), xa, xa, 5 + already);
   contacts.back().gap_b =
       start.material(world.shapes[c.other_shape], world.place(start, c.other_shape), xb);
@@ -278,11 +289,12 @@ void Generator::add_at_end() {
   int same = -1;
   for (size_t i = 0; i < contacts.size(); i++) {
     const Contact& k = contacts[i];
-    if (k.pair == index &&
-        (round || (norm2(k.at_a - xa) < tune::kSamePoint2 && norm2(k.at_b - xb) < tune::kSamePoint2)))
+    if (k.pair == index && (round || (norm2(k.at_a - xa) < tune::kSamePoint2 &&
+                                      norm2(k.at_b - xb) < tune::kSamePoint2)))
       same = (int)i;
   }
-  if (same >= 0 && settle && dot(contacts[same].n, s.n) > 1 - 1e-9) return;  // only its shift is missing
+  if (same >= 0 && settle && dot(contacts[same].n, s.n) > 1 - 1e-9)
+    return;  // only its shift is missing
   if (same < 0 && already == tune::kMostPoints) return;
   const int feature = same >= 0 ? contacts[same].feature : 5 + already;
   if (settle)

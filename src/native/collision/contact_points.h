@@ -40,8 +40,8 @@ class ContactPoints {
   // they are likely to have them again. True if there are any. (Contacts with static geometry are
   // not recalled: the points that would end deepest are better. Nor are contacts between objects:
   // points between two that nothing presses together would give a pile energy.)
-  bool recall(const std::vector<CachedContact>& cached, const std::vector<ContactCandidate>& candidates,
-              std::vector<char>& out) const;
+  bool recall(const std::vector<CachedContact>& cached,
+              const std::vector<ContactCandidate>& candidates, std::vector<char>& out) const;
   // The gap of a contact's own points at the end pose [m].
   double gap_at(Poses& start, Poses& end, const Contact& c) const;
 

@@ -32,7 +32,8 @@ Obstacle Depenetration::obstacle(Poses& start, int other_static, int other_shape
 void Depenetration::begin(const Model& m, Poses& start, const std::vector<PairId>& pairs) {
   auto root_of = [&](const PairId& o) { return m.root[world_.shapes[o.shape].body]; };
   auto same = [&](const PairId& a, const PairId& b) {
-    return a.other_static == b.other_static && a.other_shape == b.other_shape && root_of(a) == root_of(b);
+    return a.other_static == b.other_static && a.other_shape == b.other_shape &&
+           root_of(a) == root_of(b);
   };
   for (size_t first = 0; first < pairs.size(); first++) {
     const PairId& pair = pairs[first];
@@ -52,7 +53,8 @@ void Depenetration::begin(const Model& m, Poses& start, const std::vector<PairId
 void Depenetration::add_group(Poses& start, const Obstacle& o, const OverlapGroup& group,
                               const Exit& exit) {
   for (int i : group.shapes) {
-    if (is_overlapping(overlaps_, i, o.other_static, o.other_shape)) continue;  // it has another exit already
+    if (is_overlapping(overlaps_, i, o.other_static, o.other_shape))
+      continue;  // it has another exit already
     InitialOverlap in;
     in.shape = i, in.other_static = o.other_static, in.other_shape = o.other_shape;
     in.exit = exit.displacement;
@@ -89,8 +91,8 @@ void Depenetration::find_planes(const PosedShape& a, const Obstacle& o, BroadPha
   }
 }
 
-void Depenetration::add_candidates(Poses& start, BroadPhasePair& e, InitialOverlap& in, double reach, double h,
-                                   std::vector<ContactCandidate>& out) {
+void Depenetration::add_candidates(Poses& start, BroadPhasePair& e, InitialOverlap& in,
+                                   double reach, double h, std::vector<ContactCandidate>& out) {
   in.next_progress = in.progress;
   e.dist = BroadPhasePair::kUnknown;
   e.planes_reach = 0;
@@ -124,16 +126,17 @@ void Depenetration::add_candidates(Poses& start, BroadPhasePair& e, InitialOverl
 }
 
 bool Depenetration::reroute(const Model& m, Poses& start) {
-  const auto stuck = std::find_if(overlaps_.begin(), overlaps_.end(),
-                                  [](const InitialOverlap& in) { return in.stuck >= tune::kStuckPatience; });
+  const auto stuck = std::find_if(overlaps_.begin(), overlaps_.end(), [](const InitialOverlap& in) {
+    return in.stuck >= tune::kStuckPatience;
+  });
   if (stuck == overlaps_.end()) return false;
   const InitialOverlap first = *stuck;
   std::vector<InitialOverlap> kept;
   std::vector<PairId> again;  // its whole group
   std::vector<InitialOverlap> before = overlaps_;
   for (const InitialOverlap& in : overlaps_) {
-    const bool same = in.other_static == first.other_static && in.other_shape == first.other_shape &&
-                      norm2(in.exit - first.exit) == 0;
+    const bool same = in.other_static == first.other_static &&
+                      in.other_shape == first.other_shape && norm2(in.exit - first.exit) == 0;
     if (same)
       again.push_back({in.shape, in.other_static, in.other_shape});
     else
@@ -154,7 +157,8 @@ void Depenetration::advance(const std::vector<double>& share) {
   for (InitialOverlap& in : overlaps_) {
     const int b = world_.shapes[in.shape].body;
     if (!world_.active[b]) continue;
-    const double got = in.next_progress - in.progress, slow = tune::kSlowProgress * norm(in.exit) * got;
+    const double got = in.next_progress - in.progress,
+                 slow = tune::kSlowProgress * norm(in.exit) * got;
     in.stuck = in.no_exit || slow >= in.asked ? 0 : in.stuck + 1;
     in.progress += (share.empty() ? 1 : std::max(0.0, share[b])) * (in.next_progress - in.progress);
     in.next_progress = in.progress;
@@ -174,8 +178,8 @@ void Depenetration::save(std::vector<double>& out) const {
 const double* Depenetration::load(const double* in) {
   overlaps_.clear();
   for (int n = (int)*in++; n > 0; n--, in += 9)
-    overlaps_.push_back({(int)in[0], (int)in[1], (int)in[2], load3(in + 3), in[6], in[6], in[7] != 0, 0,
-                       (int)in[8]});
+    overlaps_.push_back({(int)in[0], (int)in[1], (int)in[2], load3(in + 3), in[6], in[6],
+                         in[7] != 0, 0, (int)in[8]});
   growth = *in++;
   return in;
 }

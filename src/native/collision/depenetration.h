@@ -23,7 +23,8 @@ namespace hp {
 
 class Depenetration {
  public:
-  Depenetration(const CollisionWorld& world, GapTargets& targets) : world_(world), targets_(targets) {}
+  Depenetration(const CollisionWorld& world, GapTargets& targets)
+      : world_(world), targets_(targets) {}
 
   // Pairs that are not clear yet.
   const std::vector<InitialOverlap>& overlaps() const { return overlaps_; }

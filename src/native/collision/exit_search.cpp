@@ -8,7 +8,12 @@ namespace tune = tuning::collision;
 
 ExitSearch::ExitSearch(const CollisionWorld& world, const Model& m, Poses& start, const Obstacle& o,
                        const OverlapGroup& group, Vec3 avoid)
-    : world_(world), model_(m), start_(start), obstacle_(o), group_(group), avoid_(avoid),
+    : world_(world),
+      model_(m),
+      start_(start),
+      obstacle_(o),
+      group_(group),
+      avoid_(avoid),
       person_(world.shapes[group.shapes[0]].person >= 0) {
   if (person_) find_free_shapes();
   find_directions();
@@ -26,7 +31,8 @@ void ExitSearch::find_free_shapes() {
       const PosedShape& a = world_.place(start_, i);
       Box3 near = a.box;
       near.grow(tune::kFarthestExit);
-      if (other.meets(near) && other.clear(displaced(a, {}), tune::kRestingOverlap)) free_.push_back({i, other});
+      if (other.meets(near) && other.clear(displaced(a, {}), tune::kRestingOverlap))
+        free_.push_back({i, other});
     }
 }
 
@@ -62,7 +68,8 @@ bool ExitSearch::fits(Vec3 shift) {
   const std::vector<int>& shapes = group_.shapes;
   for (size_t k = 0; k < shapes.size(); k++) {
     const size_t i = (last_blocked_ + k) % shapes.size();
-    if (obstacle_.clear(displaced(world_.place(start_, shapes[i]), shift), tune::kExitClearance)) continue;
+    if (obstacle_.clear(displaced(world_.place(start_, shapes[i]), shift), tune::kExitClearance))
+      continue;
     last_blocked_ = i;
     return false;
   }
@@ -108,7 +115,8 @@ void ExitSearch::search(Exit& best) {
   for (Vec3 w : directions_) {
     if (dot(w, avoid_) > tune::kOtherDirection) continue;
     double bad = 0, good = -1;
-    for (double t = tune::kExitStride; t < best.length + tune::kExitStride && good < 0; t += tune::kExitStride)
+    for (double t = tune::kExitStride; t < best.length + tune::kExitStride && good < 0;
+         t += tune::kExitStride)
       (fits(t * w) ? good : bad) = t;
     if (good < 0 || bad >= best.length) continue;
     for (int k = 0; k < tune::kExitBisections; k++) {

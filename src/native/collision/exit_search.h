@@ -49,8 +49,8 @@ class ExitSearch {
   std::vector<Vec3> directions_;
   // Shapes that carry the group or belong to it, and the statics that they are clear of.
   std::vector<std::pair<int, Obstacle>> free_;
-  size_t last_blocked_ = 0;   // the shape of the group that did not fit last is tried first
-  bool others_too_ = true;    // other statics count
+  size_t last_blocked_ = 0;  // the shape of the group that did not fit last is tried first
+  bool others_too_ = true;   // other statics count
 };
 
 }  // namespace hp

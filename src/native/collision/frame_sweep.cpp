@@ -44,8 +44,9 @@ bool FrameSweep::meets_static(BroadPhasePair& e) {
 bool FrameSweep::meets_shape(BroadPhasePair& e) {
   const double r = sweep.travel[e.shape] + sweep.travel[e.other_shape] + clear;
   if (broad_phase.far(e, r)) return false;
-  broad_phase.measured(
-      e, separate(world.place(start, e.shape), world.place(start, e.other_shape), r + tune::kListMargin).dist);
+  broad_phase.measured(e, separate(world.place(start, e.shape), world.place(start, e.other_shape),
+                                   r + tune::kListMargin)
+                              .dist);
   return e.dist <= r;
 }
 
@@ -65,7 +66,8 @@ bool FrameSweep::meets_itself(BroadPhasePair& e) {
     }
     if (apart > bulge) {
       const Vec3 then = end.kin.xmat[root] * mul_t(start.kin.xmat[root], n);
-      if (world.place(end, e.shape).lowest(then) - world.place(end, e.other_shape).highest(then) > bulge)
+      if (world.place(end, e.shape).lowest(then) - world.place(end, e.other_shape).highest(then) >
+          bulge)
         return false;
     }
   }
@@ -101,14 +103,15 @@ bool FrameSweep::swept_hulls_meet(const BroadPhasePair& e, Vec3 guess, double ma
 }  // namespace
 
 void mark_busy_trees(const CollisionWorld& world, BroadPhase& broad_phase,
-                     const std::vector<InitialOverlap>& overlaps, const Model& m, Poses& start, Poses& end,
-                     const Sweep& sweep, std::vector<char>& busy) {
+                     const std::vector<InitialOverlap>& overlaps, const Model& m, Poses& start,
+                     Poses& end, const Sweep& sweep, std::vector<char>& busy) {
   const std::vector<CollisionShape>& shapes = world.shapes;
   for (const InitialOverlap& in : overlaps) {
     busy[m.root[shapes[in.shape].body]] = 1;
     if (in.other_shape >= 0) busy[m.root[shapes[in.other_shape].body]] = 1;
   }
-  FrameSweep frame{world, broad_phase, m, start, end, sweep, world.settings.clearance + tune::kRounding};
+  FrameSweep frame{
+      world, broad_phase, m, start, end, sweep, world.settings.clearance + tune::kRounding};
   for (BroadPhasePair& e : broad_phase.pairs()) {
     const int mine = m.root[shapes[e.shape].body];
     if (e.other_shape < 0) {

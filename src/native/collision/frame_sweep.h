@@ -20,7 +20,7 @@ namespace hp {
 
 // Marks in `busy` (per body) the roots of trees that are not proved to stay clear.
 void mark_busy_trees(const CollisionWorld& world, BroadPhase& broad_phase,
-                     const std::vector<InitialOverlap>& overlaps, const Model& m, Poses& start, Poses& end,
-                     const Sweep& sweep, std::vector<char>& busy);
+                     const std::vector<InitialOverlap>& overlaps, const Model& m, Poses& start,
+                     Poses& end, const Sweep& sweep, std::vector<char>& busy);
 
 }  // namespace hp

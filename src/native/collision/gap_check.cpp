@@ -87,8 +87,8 @@ bool GapCheck::swept_clear(const ContactCandidate& c, Poses& start, Poses& end) 
            tz[3] = {v[0].z, v[1].z, v[2].z};
     return gjk(swept.support(), Support{{tx, ty, tz, 3}}, c.n, pa, pb, margin) > margin;
   }
-  const PosedShape& b =
-      c.other_static >= 0 ? world_.statics[c.other_static].posed : world_.place(start, c.other_shape);
+  const PosedShape& b = c.other_static >= 0 ? world_.statics[c.other_static].posed
+                                            : world_.place(start, c.other_shape);
   margin += b.hull->radius;
   if (c.other_shape < 0 || !world_.shapes[c.other_shape].skin)
     return gjk(swept.support(), b.support(), c.n, pa, pb, margin) > margin;
@@ -96,7 +96,8 @@ bool GapCheck::swept_clear(const ContactCandidate& c, Poses& start, Poses& end) 
   // hull.
   const Points q0 = b.points(), q1 = world_.place(end, c.other_shape).points();
   SweptPoints other(q0.n);
-  for (int i = 0; i < q0.n; i++) other.set(i, q0.at(i)), other.set(q0.n + i, back * q1.at(i) + shift);
+  for (int i = 0; i < q0.n; i++)
+    other.set(i, q0.at(i)), other.set(q0.n + i, back * q1.at(i) + shift);
   margin += bulge(c.other_shape, start, end, back);
   return gjk(swept.support(), other.support(), c.n, pa, pb, margin) > margin;
 }
@@ -126,9 +127,11 @@ bool GapCheck::swept_mesh_clear(const ContactCandidate& c, Poses& start, Poses& 
     }
   swept.center = 0.5 * (a0.center + c.from + a1.center + c.shift());
   swept.box = {};
-  for (Vec3 p : {a0.box.lo + c.from, a0.box.hi + c.from, a1.box.lo + c.shift(), a1.box.hi + c.shift()})
+  for (Vec3 p :
+       {a0.box.lo + c.from, a0.box.hi + c.from, a1.box.lo + c.shift(), a1.box.hi + c.shift()})
     swept.box.add(p);
-  const double margin = bulge(c.shape, start, end, {}) + a0.hull->radius + world_.settings.clearance;
+  const double margin =
+      bulge(c.shape, start, end, {}) + a0.hull->radius + world_.settings.clearance;
   return world_.statics[c.other_static].tree->distance(swept, margin) >= margin;
 }
 

@@ -29,7 +29,8 @@ void GapTargets::set(ContactCandidate& c, double h) {
     c.target = c.dist + std::min(forced_.pace_of(c) * settings.depenetration_speed * h, -c.dist);
   if (c.dist <= 0) {
     const bool own = c.other_shape >= 0 && world_.may_touch_itself(c.shape, c.other_shape);
-    c.hard = c.dist - (own ? tune::kDeeperShare * settings.depenetration_speed * h : tune::kOverlapRounding);
+    c.hard = c.dist -
+             (own ? tune::kDeeperShare * settings.depenetration_speed * h : tune::kOverlapRounding);
     return;
   }
   c.hard = 0.5 * std::min(c.dist, tune::kLeastGap);

@@ -9,8 +9,8 @@ namespace hp {
 
 struct InitialOverlap {
   int shape = 0, other_static = -1, other_shape = -1;  // one of the two
-  Vec3 exit;                 // displaced by this the shape is clear, and on the right side [m]
-  double progress = 0;       // the shape is held clear displaced by (1 - progress) exit; 1: it is out
+  Vec3 exit;            // displaced by this the shape is clear, and on the right side [m]
+  double progress = 0;  // the shape is held clear displaced by (1 - progress) exit; 1: it is out
   double next_progress = 0;  // what `progress` will be at the end of the substep
   bool no_exit = false;      // none was found: no contact holds the pair until it is clear
   double asked = 0;          // how far it should come in the substep [m]
@@ -19,7 +19,8 @@ struct InitialOverlap {
 };
 
 // Is this pair among those that overlapped?
-inline bool is_overlapping(const std::vector<InitialOverlap>& all, int shape, int other_static, int other_shape) {
+inline bool is_overlapping(const std::vector<InitialOverlap>& all, int shape, int other_static,
+                           int other_shape) {
   for (const InitialOverlap& in : all)
     if (in.shape == shape && in.other_static == other_static && in.other_shape == other_shape)
       return true;

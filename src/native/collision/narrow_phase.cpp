@@ -36,8 +36,8 @@ void NarrowPhase::gather(const Model& m, Poses& start, const std::vector<double>
   }
 }
 
-void NarrowPhase::add_half_space(const PosedShape& a, BroadPhasePair& e, ContactCandidate& c, double r,
-                                 double h, std::vector<ContactCandidate>& out) {
+void NarrowPhase::add_half_space(const PosedShape& a, BroadPhasePair& e, ContactCandidate& c,
+                                 double r, double h, std::vector<ContactCandidate>& out) {
   const Static& S = world_.statics[e.other_static];
   c.n = S.n;
   c.offset = S.offset;
@@ -50,7 +50,8 @@ void NarrowPhase::add_half_space(const PosedShape& a, BroadPhasePair& e, Contact
 
 // Two people that started overlapping: do they still? If not, the pair is an ordinary one from now
 // on.
-bool NarrowPhase::passing_through(const PosedShape& a, const PosedShape& b, const ContactCandidate& c) {
+bool NarrowPhase::passing_through(const PosedShape& a, const PosedShape& b,
+                                  const ContactCandidate& c) {
   const PairState* state = states_.find(c);
   if (!state || !state->through) return false;
   Vec3 pa, pb;
@@ -103,8 +104,9 @@ void NarrowPhase::add_shapes(const Model& m, Poses& start, const PosedShape& a, 
   out.push_back(c);
 }
 
-void NarrowPhase::add_static(Poses& start, const PosedShape& a, BroadPhasePair& e, ContactCandidate& c,
-                             double r, double h, std::vector<ContactCandidate>& out) {
+void NarrowPhase::add_static(Poses& start, const PosedShape& a, BroadPhasePair& e,
+                             ContactCandidate& c, double r, double h,
+                             std::vector<ContactCandidate>& out) {
   if (broad_phase_.behind_planes(e, a, r)) return;
   // A pair that was near will be measured again in the next substep anyhow; one that was not is
   // measured a little farther, so that its bound lasts.

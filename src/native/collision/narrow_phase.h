@@ -30,8 +30,13 @@ class NarrowPhase {
   NarrowPhase(const CollisionWorld& world, BroadPhase& broad_phase, PairStates& states,
               GapTargets& targets, Depenetration& depenetration, PrescribedExits& forced,
               const SelfDepenetration& self)
-      : world_(world), broad_phase_(broad_phase), states_(states), targets_(targets),
-        depenetration_(depenetration), forced_(forced), self_(self) {}
+      : world_(world),
+        broad_phase_(broad_phase),
+        states_(states),
+        targets_(targets),
+        depenetration_(depenetration),
+        forced_(forced),
+        self_(self) {}
 
   // The candidates of all listed pairs within `reach[shape]` of each other, for a substep of h.
   void gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
@@ -42,12 +47,12 @@ class NarrowPhase {
 
  private:
   // Of one pair, within a distance of r; `c` names the pair.
-  void add_half_space(const PosedShape& a, BroadPhasePair& e, ContactCandidate& c, double r, double h,
-                      std::vector<ContactCandidate>& out);
+  void add_half_space(const PosedShape& a, BroadPhasePair& e, ContactCandidate& c, double r,
+                      double h, std::vector<ContactCandidate>& out);
   void add_shapes(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
                   ContactCandidate& c, double r, double h, std::vector<ContactCandidate>& out);
-  void add_static(Poses& start, const PosedShape& a, BroadPhasePair& e, ContactCandidate& c, double r,
-                  double h, std::vector<ContactCandidate>& out);
+  void add_static(Poses& start, const PosedShape& a, BroadPhasePair& e, ContactCandidate& c,
+                  double r, double h, std::vector<ContactCandidate>& out);
   bool passing_through(const PosedShape& a, const PosedShape& b, const ContactCandidate& c);
   void fix_exit(const PosedShape& a, const PosedShape& b, const Mat3& frame, ContactCandidate& c);
 

@@ -6,7 +6,7 @@ namespace hp {
 
 struct Obstacle {
   int other_static = -1, other_shape = -1, name = 0;
-  const Static* fixed = nullptr;        // one of the two
+  const Static* fixed = nullptr;  // one of the two
   const PosedShape* object = nullptr;
 
   static Obstacle of_static(const CollisionWorld& world, int other_static);

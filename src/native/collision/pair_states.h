@@ -12,13 +12,15 @@
 namespace hp {
 
 struct PairState {
-  double clearance = 0;  // the pair's own, where it started nearer than ContactSettings::clearance [m]
+  double clearance =
+      0;  // the pair's own, where it started nearer than ContactSettings::clearance [m]
   bool overlapping = false;  // the two overlap and leave along `exit`
   // Unit direction in which the shape leaves; fixed in the world or, of two shapes of one person,
   // in the frame of SelfDepenetration::reference_body().
   Vec3 exit;
-  bool through = false;  // two people that start overlapping pass through each other until they are apart
-  bool kept = false;     // hulls overlap where their surfaces are clear: the overlap may stay
+  bool through =
+      false;  // two people that start overlapping pass through each other until they are apart
+  bool kept = false;  // hulls overlap where their surfaces are clear: the overlap may stay
 };
 
 class PairStates {
@@ -31,7 +33,9 @@ class PairStates {
   }
   // The state of a pair, a new one if there is none.
   template <typename Pair>
-  PairState& operator[](const Pair& c) { return states_[pair_key(c)]; }
+  PairState& operator[](const Pair& c) {
+    return states_[pair_key(c)];
+  }
   PairState& add(const ContactCandidate& c, const PairState& state) {
     return states_.insert({pair_key(c), state}).first->second;
   }

@@ -112,7 +112,8 @@ BoundingSphere Poses::bounding_sphere(const CollisionShape& m) const {
   return {center, m.hull.bound + m.weighted_bound(away)};
 }
 
-const BoundingSphere& Poses::cached_bounding_sphere(const std::vector<CollisionShape>& shapes, int i) {
+const BoundingSphere& Poses::cached_bounding_sphere(const std::vector<CollisionShape>& shapes,
+                                                    int i) {
   if (spheres_.empty()) spheres_.assign(shapes.size(), {{}, -1});
   if (spheres_[i].radius < 0) spheres_[i] = bounding_sphere(shapes[i]);
   return spheres_[i];
@@ -130,7 +131,8 @@ Material Poses::material(const CollisionShape& m, const PosedShape& at, Vec3 x) 
     for (int e = 0; e < 9; e++) turn.m[e] += s[k].weight * kin.xmat[m.skin->body[s[k].joint]].m[e];
   // The blend of two joints that twist a vertex against each other by half a turn is singular.
   const double volume = dot(turn.col(0), cross(turn.col(1), turn.col(2)));
-  return {v, volume > tune::kSingularBlend ? solve3(turn, x - p.at(v)) : mul_t(kin.xmat[m.body], x - p.at(v))};
+  return {v, volume > tune::kSingularBlend ? solve3(turn, x - p.at(v))
+                                           : mul_t(kin.xmat[m.body], x - p.at(v))};
 }
 
 Vec3 Poses::position(const CollisionShape& m, const PosedShape& at, const Material& point) const {
@@ -139,12 +141,12 @@ Vec3 Poses::position(const CollisionShape& m, const PosedShape& at, const Materi
   if (norm2(point.local) == 0) return x;
   JointWeight s[Endpoint::kMost];
   const int n = joint_weights(*m.skin, m.vertex[point.vertex], s);
-  for (int k = 0; k < n; k++)
-    x += s[k].weight * (kin.xmat[m.skin->body[s[k].joint]] * point.local);
+  for (int k = 0; k < n; k++) x += s[k].weight * (kin.xmat[m.skin->body[s[k].joint]] * point.local);
   return x;
 }
 
-Endpoint Poses::endpoint(const CollisionShape& m, const PosedShape& at, const Material& point) const {
+Endpoint Poses::endpoint(const CollisionShape& m, const PosedShape& at,
+                         const Material& point) const {
   if (point.vertex < 0) return Endpoint::rigid(m.body, position(m, at, point));
   Endpoint e;
   const Skin& s = *m.skin;
@@ -179,12 +181,15 @@ std::shared_ptr<const std::vector<Endpoint::Bend>> Poses::blend_rates(const Coll
       Vec3 rate;  // at rest
       for (int c = 0; c < 3; c++) {
         const double* row = &s.pose_blend[((size_t)m.vertex[vertex] * 3 + c) * f + 9 * (j - 1)];
-        for (int r = 0; r < 3; r++)  // R [e]x: columns `next` and `last` are R's last and minus its next
-          rate[c] += row[3 * r + next] * local.m[3 * r + last] - row[3 * r + last] * local.m[3 * r + next];
+        for (int r = 0; r < 3;
+             r++)  // R [e]x: columns `next` and `last` are R's last and minus its next
+          rate[c] +=
+              row[3 * r + next] * local.m[3 * r + last] - row[3 * r + last] * local.m[3 * r + next];
       }
       Vec3 world;
       for (int k = 0; k < e.count; k++) world += e.weight[k] * (kin.xmat[e.body[k]] * rate);
-      if (norm2(world) > tune::kNoBlendRate * tune::kNoBlendRate) bends->push_back({s.dof[j] + axis, world});
+      if (norm2(world) > tune::kNoBlendRate * tune::kNoBlendRate)
+        bends->push_back({s.dof[j] + axis, world});
     }
   }
   return bends;

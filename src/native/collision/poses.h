@@ -55,7 +55,8 @@ struct Poses {
   void place_skin(const CollisionShape& m, PosedShape& out);
   const std::vector<double>& features(const Skin& s);
   std::shared_ptr<const std::vector<Endpoint::Bend>> blend_rates(const CollisionShape& m,
-                                                                 const Endpoint& e, int vertex) const;
+                                                                 const Endpoint& e,
+                                                                 int vertex) const;
 
   std::vector<BlendFeatures> features_;
   std::vector<BoundingSphere> spheres_;  // a negative radius: not yet

@@ -12,8 +12,8 @@ void PrescribedExits::forget() {
   states_.erase_if([&](const PairId& c) { return world_.shapes[c.shape].person >= 0; });
 }
 
-std::vector<PrescribedExits::Pair> PrescribedExits::overlaps(Poses& start,
-                                                     const std::vector<BroadPhasePair>& pairs) const {
+std::vector<PrescribedExits::Pair> PrescribedExits::overlaps(
+    Poses& start, const std::vector<BroadPhasePair>& pairs) const {
   std::vector<Pair> found;
   for (const BroadPhasePair& e : pairs) {
     if (e.other_shape < 0 || world_.shapes[e.shape].person < 0 || !world_.takes_part(e)) continue;
@@ -26,7 +26,7 @@ std::vector<PrescribedExits::Pair> PrescribedExits::overlaps(Poses& start,
 
 // All pairs of the first one's object whose shapes are connected with its shape in the skeleton.
 void PrescribedExits::take_group(const Model& m, std::vector<Pair>& all, size_t first,
-                             std::vector<size_t>& group) const {
+                                 std::vector<size_t>& group) const {
   auto body = [&](int shape) { return world_.shapes[shape].body; };
   auto neighbours = [&](int a, int b) { return a == b || m.parent[a] == b || m.parent[b] == a; };
   group.assign(1, first);
@@ -43,7 +43,7 @@ void PrescribedExits::take_group(const Model& m, std::vector<Pair>& all, size_t 
 }
 
 Vec3 PrescribedExits::least_deep_direction(Poses& start, const std::vector<Pair>& all,
-                                       const std::vector<size_t>& group) const {
+                                           const std::vector<size_t>& group) const {
   std::vector<Vec3> directions;
   for (size_t i : group) {
     const PosedShape &a = world_.place(start, all[i].shape), &b = world_.place(start, all[i].other);
@@ -59,7 +59,8 @@ Vec3 PrescribedExits::least_deep_direction(Poses& start, const std::vector<Pair>
   for (Vec3 n : directions) {
     double dist = 0;
     for (size_t i : group) {
-      const PosedShape &a = world_.place(start, all[i].shape), &b = world_.place(start, all[i].other);
+      const PosedShape &a = world_.place(start, all[i].shape),
+                       &b = world_.place(start, all[i].other);
       dist = std::min(dist, separate_along(a, b, n).dist);
       if (dist <= least) break;
     }
@@ -68,7 +69,8 @@ Vec3 PrescribedExits::least_deep_direction(Poses& start, const std::vector<Pair>
   return best;
 }
 
-void PrescribedExits::update(const Model& m, Poses& start, const std::vector<BroadPhasePair>& pairs) {
+void PrescribedExits::update(const Model& m, Poses& start,
+                             const std::vector<BroadPhasePair>& pairs) {
   if (known_) return;
   known_ = true;
   std::vector<Pair> all = overlaps(start, pairs);

@@ -18,7 +18,8 @@ namespace hp {
 
 class PrescribedExits {
  public:
-  PrescribedExits(const CollisionWorld& world, PairStates& states) : world_(world), states_(states) {}
+  PrescribedExits(const CollisionWorld& world, PairStates& states)
+      : world_(world), states_(states) {}
 
   // Per body: the speed at which an object leaves people in the next substep, as a share of the
   // depenetration speed.
@@ -43,7 +44,8 @@ class PrescribedExits {
     int shape, other, group;
   };
   std::vector<Pair> overlaps(Poses& start, const std::vector<BroadPhasePair>& pairs) const;
-  void take_group(const Model& m, std::vector<Pair>& all, size_t first, std::vector<size_t>& group) const;
+  void take_group(const Model& m, std::vector<Pair>& all, size_t first,
+                  std::vector<size_t>& group) const;
   Vec3 least_deep_direction(Poses& start, const std::vector<Pair>& all,
                             const std::vector<size_t>& group) const;
 

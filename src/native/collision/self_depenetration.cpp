@@ -28,7 +28,8 @@ void SelfDepenetration::update(const Model& m, Poses& start) {
 std::vector<SelfDepenetration::Pair> SelfDepenetration::overlapping(const Model& m) {
   std::vector<Pair> all;
   states_.for_each([&](const PairId& c, PairState& state) {
-    if (!state.overlapping || c.other_shape < 0 || !world_.may_touch_itself(c.shape, c.other_shape)) return;
+    if (!state.overlapping || c.other_shape < 0 || !world_.may_touch_itself(c.shape, c.other_shape))
+      return;
     all.push_back({&state, c.shape, c.other_shape, reference_body(m, c), (int)all.size(), 1});
   });
   return all;

@@ -17,7 +17,8 @@ namespace hp {
 
 class SelfDepenetration {
  public:
-  SelfDepenetration(const CollisionWorld& world, PairStates& states) : world_(world), states_(states) {}
+  SelfDepenetration(const CollisionWorld& world, PairStates& states)
+      : world_(world), states_(states) {}
 
   // Of two bodies of one person the one that carries more mass: the pair's exit turns with it.
   // `c`: anything that names a pair.
@@ -46,8 +47,8 @@ class SelfDepenetration {
 
   const CollisionWorld& world_;
   PairStates& states_;
-  int waited_ = 0;         // substeps since progress was last measured
-  double depth_ = 1e300;   // sum of depths along the exits then [m]
+  int waited_ = 0;        // substeps since progress was last measured
+  double depth_ = 1e300;  // sum of depths along the exits then [m]
 };
 
 }  // namespace hp

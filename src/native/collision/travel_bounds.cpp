@@ -29,7 +29,8 @@ void local_changes(const Skin& s, const Kinematics& from, const Kinematics& to,
 void travel_bounds(const std::vector<CollisionShape>& shapes, const Poses& from, const Poses& to,
                    const std::vector<char>& active, std::vector<double>& travel) {
   const int bodies = (int)from.kin.xpos.size();
-  static thread_local std::vector<double> turn, step;  // per body: rotation chord; origin's displacement
+  static thread_local std::vector<double> turn,
+      step;  // per body: rotation chord; origin's displacement
   turn.resize(bodies), step.resize(bodies);
   for (int b = 1; b < bodies; b++) {
     if (!active[b]) continue;
@@ -59,13 +60,14 @@ void travel_bounds(const std::vector<CollisionShape>& shapes, const Poses& from,
       known = m.skin.get();
       local_changes(*known, from.kin, to.kin, change);
     }
-    for (const CollisionShape::BlendBound& e : m.blend_bounds) travel[i] += e.gain * change[e.joint];
+    for (const CollisionShape::BlendBound& e : m.blend_bounds)
+      travel[i] += e.gain * change[e.joint];
   }
 }
 
 void travel_bounds_in_root_frame(const std::vector<CollisionShape>& shapes, const Model& m,
-                                 const Poses& from, const Poses& to, const std::vector<char>& active,
-                                 std::vector<double>& travel) {
+                                 const Poses& from, const Poses& to,
+                                 const std::vector<char>& active, std::vector<double>& travel) {
   static thread_local Poses local[2];
   const Poses* poses[2] = {&from, &to};
   for (int k = 0; k < 2; k++) {

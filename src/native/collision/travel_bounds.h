@@ -18,7 +18,7 @@ void travel_bounds(const std::vector<CollisionShape>& shapes, const Poses& from,
 // The same as seen from the root of each shape's tree. Distances between hulls of one person depend
 // on the pose alone, not on where the person is: only this travel counts between them.
 void travel_bounds_in_root_frame(const std::vector<CollisionShape>& shapes, const Model& m,
-                                 const Poses& from, const Poses& to, const std::vector<char>& active,
-                                 std::vector<double>& travel);
+                                 const Poses& from, const Poses& to,
+                                 const std::vector<char>& active, std::vector<double>& travel);
 
 }  // namespace hp

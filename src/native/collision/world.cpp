@@ -15,7 +15,8 @@ std::vector<PairId> World::initial_overlaps(Poses& start) {
     bool overlap = false;
     if (e.other_shape >= 0) {
       if (shapes[e.shape].person < 0 || shapes[e.other_shape].person >= 0) continue;
-      overlap = separate(place(start, e.shape), place(start, e.other_shape)).dist < -tune::kRestingOverlap;
+      overlap = separate(place(start, e.shape), place(start, e.other_shape)).dist <
+                -tune::kRestingOverlap;
     } else {
       broad_phase.measure_static(start, e, settings.clearance);
       if (statics[e.other_static].kind == Static::Kind::Mesh)

@@ -44,14 +44,15 @@ class World : public CollisionWorld {
   BroadPhase broad_phase{*this};
   Depenetration depenetration{*this, targets};
   SelfDepenetration self_depenetration{*this, pair_states};
-  NarrowPhase narrow_phase{*this,   broad_phase,   pair_states,  targets,
+  NarrowPhase narrow_phase{*this,         broad_phase,      pair_states,       targets,
                            depenetration, prescribed_exits, self_depenetration};
   ContactPoints contact_points{*this};
   GapCheck gap_check{*this};
 
   // No point of a shape travels farther between two poses than `way`, seen from the shape's root
   // body [m]; empty without self-contact.
-  void inner_travel(const Model& m, const Poses& from, const Poses& to, std::vector<double>& way) const {
+  void inner_travel(const Model& m, const Poses& from, const Poses& to,
+                    std::vector<double>& way) const {
     way.clear();
     if (self_contact()) travel_bounds_in_root_frame(shapes, m, from, to, active, way);
   }

@@ -74,10 +74,10 @@ struct Contact {
   Material gap_a, gap_b;
   // Amount by which the gap shrinks because a displaced shape returns from its displacement [m].
   double closing = 0;
-  Vec3 rim;  // on a disc: direction from its centre, unit; else zero
-  double dist = 0;  // gap at the start of the substep [m]
+  Vec3 rim;           // on a disc: direction from its centre, unit; else zero
+  double dist = 0;    // gap at the start of the substep [m]
   double target = 0;  // smallest gap allowed at its end [m]
-  double shift = 0;  // correction of the linear prediction [m]: gap_end = dist + h v_n - shift
+  double shift = 0;   // correction of the linear prediction [m]: gap_end = dist + h v_n - shift
   // Half of the point's relative acceleration along its path [m/s^2]. Its tangential part counts:
   // displacement_t = h v_t + h^2 curve_t; the gap itself is measured at the end pose.
   Vec3 curve;

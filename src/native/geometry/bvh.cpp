@@ -166,7 +166,8 @@ struct TriangleTree::PlaneSearch {
   }
   bool node_settled(const Entry& e) {
     const Box3& box = tree.nodes_[e.id].box;
-    return settled(e, [&](const Plane& p) { return highest(box, p.n) <= p.offset + tune::kBoxBehind; });
+    return settled(
+        e, [&](const Plane& p) { return highest(box, p.n) <= p.offset + tune::kBoxBehind; });
   }
   bool triangle_settled(const Entry& e, const Vec3 v[3]) {
     return settled(e, [&](const Plane& p) { return behind(p, v, tune::kTriangleBehind); });
@@ -290,7 +291,8 @@ struct TriangleTree::DistanceSearch {
   void measure(int t, const Vec3 v[3]) {
     Plane p = plane_to(a, v, t, std::max(best, 0.0));
     best = std::min(best, p.dist);
-    if (!p.overlaps && norm2(p.n) > 0 && s.measured.size() < tune::kMostCullers) s.measured.push_back(p);
+    if (!p.overlaps && norm2(p.n) > 0 && s.measured.size() < tune::kMostCullers)
+      s.measured.push_back(p);
   }
   void push(int id) {
     const Box3& box = tree.nodes_[id].box;
@@ -333,7 +335,8 @@ struct TriangleTree::DistanceSearch {
   }
 };
 
-double TriangleTree::distance(const PosedShape& a, double range, const std::vector<Plane>& near) const {
+double TriangleTree::distance(const PosedShape& a, double range,
+                              const std::vector<Plane>& near) const {
   static thread_local DistanceSearch::Scratch scratch;
   return DistanceSearch{*this, a, range, scratch}.run(near);
 }
@@ -343,7 +346,8 @@ double TriangleTree::winding(Vec3 p) const {
   for (size_t t = 0; t < corner_.size(); t += 3) {
     const Vec3 a = corner_[t] - p, b = corner_[t + 1] - p, c = corner_[t + 2] - p;
     const double x = norm(a), y = norm(b), z = norm(c);
-    sum += std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
+    sum +=
+        std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
   }
   return sum / (2 * M_PI);
 }

@@ -46,9 +46,7 @@ struct Splitter {
   const double lo, scale;  // of bins
   static constexpr int kBins = tune::kSahBins;
 
-  int bin(const Item& i) const {
-    return std::min(kBins - 1, (int)(scale * (i.centre(axis) - lo)));
-  }
+  int bin(const Item& i) const { return std::min(kBins - 1, (int)(scale * (i.centre(axis) - lo))); }
 
   int in_halves() {
     std::sort(items.begin() + first, items.begin() + last, [&](const Item& a, const Item& b) {

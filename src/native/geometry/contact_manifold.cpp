@@ -16,7 +16,9 @@ struct FacePoint {
   double u, v, height;
 };
 
-double cross2(FacePoint o, FacePoint a, FacePoint b) { return (a.u - o.u) * (b.v - o.v) - (a.v - o.v) * (b.u - o.u); }
+double cross2(FacePoint o, FacePoint a, FacePoint b) {
+  return (a.u - o.u) * (b.v - o.v) - (a.v - o.v) * (b.u - o.u);
+}
 
 // Vertices within tol of the face nearest along -n, projected on the plane, as a convex polygon
 // in counter-clockwise order (monotone chain). A disc that is wholly that near gives eight points

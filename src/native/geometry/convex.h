@@ -51,7 +51,8 @@ struct Support {
 // A convex shape in the frame of its body.
 struct Convex {
   std::vector<Vec3> vertices;
-  std::vector<Vec3> normals;  // outward normals of faces: directions that are tried where shapes overlap
+  std::vector<Vec3>
+      normals;  // outward normals of faces: directions that are tried where shapes overlap
   double radius = 0;
   Vec3 axis{0, 0, 1};  // of the disc
   double rim = 0;      // the disc's radius; 0: none

@@ -28,7 +28,7 @@ struct Hint {
 // overlap. If it exceeds `beyond`, a lower bound greater than that, and then pa - pb is the unit
 // direction, from b to a, that proves it. `guess`: a direction from b to a; `hint`, if any, is read
 // and updated.
-double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond = 1e300,
-           Hint* hint = nullptr);
+double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb,
+           double beyond = 1e300, Hint* hint = nullptr);
 
 }  // namespace hp

@@ -60,8 +60,8 @@ struct BestDirection {
 
 }  // namespace
 
-Separation separate(const PosedShape& a, const PosedShape& b, double beyond, bool way_out, Vec3 guess,
-                    Hint* hint) {
+Separation separate(const PosedShape& a, const PosedShape& b, double beyond, bool way_out,
+                    Vec3 guess, Hint* hint) {
   double round = a.hull->radius + b.hull->radius;
   Vec3 pa, pb;
   if (norm2(guess) == 0) guess = a.center - b.center;

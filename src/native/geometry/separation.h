@@ -24,8 +24,8 @@ struct Separation {
 // Up to a distance of `beyond`; farther, dist is a lower bound that exceeds it and only n is set
 // besides. Without `way_out` no direction is sought for an overlap: dist is -1e300. A `guess` of n
 // and a `hint` of the same two shapes save time.
-Separation separate(const PosedShape& a, const PosedShape& b, double beyond = 1e300, bool way_out = true,
-                    Vec3 guess = {}, Hint* hint = nullptr);
+Separation separate(const PosedShape& a, const PosedShape& b, double beyond = 1e300,
+                    bool way_out = true, Vec3 guess = {}, Hint* hint = nullptr);
 
 // The same along a given direction: dist = min over a of n.x - max over b of n.x.
 Separation separate_along(const PosedShape& a, const PosedShape& b, Vec3 n);

@@ -24,8 +24,8 @@ inline double axis(Vec v, int k) { return k == 0 ? v.x : (k == 1 ? v.y : v.z); }
 
 struct Triangle {
   Vec a, b, c;
-  int face;        // index in the caller's list
-  bool sliver;     // no usable normal: its closest point is sought on its edges
+  int face;     // index in the caller's list
+  bool sliver;  // no usable normal: its closest point is sought on its edges
 };
 
 // Half the solid angle of a triangle seen from the origin (Van Oosterom and Strackee 1983).

@@ -18,10 +18,10 @@ constexpr double kFourPi = 12.566370614359172954;
 struct Cluster {
   Vec centre;
   double remainder;
-  double change[2];      // over d^3 and d^4: bounds of how fast the expansion changes as q moves
-  Vec dipole;            // integral of n dA, over 4 pi
-  double diagonal[3];    // integral of (x - p)_i n_i dA, over 4 pi
-  double mixed[3];       // xy, yz, zx: integral of (x - p)_i n_j + (x - p)_j n_i dA, over 4 pi
+  double change[2];    // over d^3 and d^4: bounds of how fast the expansion changes as q moves
+  Vec dipole;          // integral of n dA, over 4 pi
+  double diagonal[3];  // integral of (x - p)_i n_i dA, over 4 pi
+  double mixed[3];     // xy, yz, zx: integral of (x - p)_i n_j + (x - p)_j n_i dA, over 4 pi
 };
 
 // The expansion, r from q to the centre; 1 / |r|^2 and 1 / |r|^3.

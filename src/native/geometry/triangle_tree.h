@@ -21,12 +21,12 @@ namespace triangles {
 
 namespace tune = hp::tuning::geometry;
 
-constexpr int kStack = 128;    // median splits: depth is at most log2(triangles) + 1
-constexpr double kUnknown = 100.0;    // an error that exceeds any winding number
+constexpr int kStack = 128;         // median splits: depth is at most log2(triangles) + 1
+constexpr double kUnknown = 100.0;  // an error that exceeds any winding number
 
 struct Node {
-  int left;            // index of the left child (the right one follows it), -1 in a leaf
-  int first, count;    // its triangles
+  int left;          // index of the left child (the right one follows it), -1 in a leaf
+  int first, count;  // its triangles
 };
 
 class Tree {
@@ -115,7 +115,8 @@ class Tree {
   int decide(Vec q, double rho, double threshold, int steps) const {
     Open heap[tune::kMostOpened + 1];
     int size = 0;
-    double value = 0.0, off = 0.0;  // at the centre, and a bound of the difference anywhere in the ball
+    double value = 0.0,
+           off = 0.0;  // at the centre, and a bound of the difference anywhere in the ball
     auto less = [](const Open& a, const Open& b) { return a.off < b.off; };
     auto add = [&](int index) {
       const Open open = seen(index, q, rho);
@@ -141,7 +142,8 @@ class Tree {
   // `exceeds` of the n points order[i] with one threshold: tell(order[i], answer). Where one answer
   // holds for a whole ball, its points get it at once. `order` is changed.
   template <typename Point, typename Tell>
-  void exceeds_all(const Point& point, int* order, int n, double threshold, const Tell& tell) const {
+  void exceeds_all(const Point& point, int* order, int n, double threshold,
+                   const Tell& tell) const {
     if (n <= tune::kFewPoints) {
       for (int i = 0; i < n; ++i) tell(order[i], exceeds(point(order[i]), threshold));
       return;
@@ -160,9 +162,10 @@ class Tree {
       for (int i = 0; i < n; ++i) tell(order[i], known == 1);
       return;
     }
-    const int k = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2)
-                                       : (extent.y >= extent.z ? 1 : 2);
-    std::sort(order, order + n, [&](int a, int b) { return axis(point(a), k) < axis(point(b), k); });
+    const int k =
+        extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2) : (extent.y >= extent.z ? 1 : 2);
+    std::sort(order, order + n,
+              [&](int a, int b) { return axis(point(a), k) < axis(point(b), k); });
     for (int i = 0; i < tune::kPointParts; ++i) {
       const int first = n * i / tune::kPointParts, end = n * (i + 1) / tune::kPointParts;
       exceeds_all(point, order + first, end - first, threshold, tell);
@@ -214,8 +217,7 @@ class Tree {
     auto ask = [&](int i) {
       const Vec q = closest_on_triangle(p, triangles_[i]);
       const double d2 = dot(p - q, p - q);
-      if (d2 < best2 ||
-          (d2 == best2 && (best < 0 || triangles_[i].face < triangles_[best].face))) {
+      if (d2 < best2 || (d2 == best2 && (best < 0 || triangles_[i].face < triangles_[best].face))) {
         best2 = d2;
         best = i;
         point = q;
@@ -263,8 +265,9 @@ class Tree {
     const double length = norm(r), d = std::sqrt(slab_distance2(slabs_[index], q)) - rho;
     if (d > 0.0) {
       const double inv = 1.0 / d, inv3 = inv * inv * inv, inv4 = inv3 * inv;
-      const double off = c.remainder * inv4 +
-                         rho * (c.change[0] * inv3 + (c.change[1] + 4.0 * c.remainder * inv) * inv4);
+      const double off =
+          c.remainder * inv4 +
+          rho * (c.change[0] * inv3 + (c.change[1] + 4.0 * c.remainder * inv) * inv4);
       if (node.left >= 0 || off < 1e-3) {
         const double inv2 = 1.0 / (length * length);
         return {off, far_field(c, r, inv2, inv2 / length), node.left >= 0 ? index : -1};
@@ -308,8 +311,8 @@ class Tree {
     if (winding_) clusters_[node] = describe(&triangles_[first], count, box);
     if (count <= tune::kPointLeaf) return;
     const Vec extent = middle.hi - middle.lo;
-    const int k = extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2)
-                                       : (extent.y >= extent.z ? 1 : 2);
+    const int k =
+        extent.x >= extent.y ? (extent.x >= extent.z ? 0 : 2) : (extent.y >= extent.z ? 1 : 2);
     const int half = count / 2;
     const auto begin = triangles_.begin() + first;
     std::nth_element(begin, begin + half, begin + count, [k](const Triangle& s, const Triangle& t) {
@@ -327,11 +330,11 @@ class Tree {
     build(left + 1, first + half, count - half);
   }
 
-  std::vector<Triangle> triangles_;    // in the tree's order
+  std::vector<Triangle> triangles_;  // in the tree's order
   std::vector<Node> nodes_;
   std::vector<Box> boxes_;
   std::vector<Slab> slabs_;
-  std::vector<Cluster> clusters_;    // empty unless winding_
+  std::vector<Cluster> clusters_;  // empty unless winding_
   bool winding_;
 };
 

@@ -45,7 +45,8 @@ void ContactCache::drop_active(const System& system) {
   }
 }
 
-void ContactCache::keep(const System& system, State& state, const ContactCandidate& k, const Contact& c) {
+void ContactCache::keep(const System& system, State& state, const ContactCandidate& k,
+                        const Contact& c) {
   const World& world = system.world;
   auto material = [&](int shape, Vec3 x) -> Material {
     if (world.shapes[shape].skin && k.other_static >= 0) return c.gap_a;  // a vertex

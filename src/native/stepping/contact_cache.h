@@ -23,8 +23,8 @@ class ContactCache {
   // An attempt at a step begins: no impulse is used yet.
   void begin_attempt();
   // Gives a new contact the impulse [N s] that is remembered of it; false if there is none.
-  bool warm_start(const System& system, State& state, const std::vector<ContactCandidate>& candidates,
-                  Contact& c);
+  bool warm_start(const System& system, State& state,
+                  const std::vector<ContactCandidate>& candidates, Contact& c);
   // Forgets impulses between trees that `forget` (per root body) marks.
   void forget(const System& system, const std::vector<char>& forget);
 
@@ -33,7 +33,8 @@ class ContactCache {
   // date.
   void drop_active(const System& system);
   // Keeps a contact that carries an impulse for the next substep.
-  void keep(const System& system, State& state, const ContactCandidate& candidate, const Contact& c);
+  void keep(const System& system, State& state, const ContactCandidate& candidate,
+            const Contact& c);
   void end_substep() { contacts_.swap(next_); }
 
   void save(std::vector<double>& out) const;

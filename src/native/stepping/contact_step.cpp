@@ -74,7 +74,8 @@ void ContactStep::find_candidates(double h, bool first) {
   untouched_.begin(system_, data_.step.resistance, data_.inertia);
   attempt.solved = 0;
   attempt.tolerance = world.settings.tolerance;
-  world.broad_phase.update(system_.model, data_.state.pose, attempt.reach, world.depenetration.overlaps());
+  world.broad_phase.update(system_.model, data_.state.pose, attempt.reach,
+                           world.depenetration.overlaps());
   world.narrow_phase.gather(system_.model, data_.state.pose, attempt.reach, h, attempt.candidates);
   if (first) kinematic_.give_up_clearance(system_, data_);
   relax(system_, attempt);
@@ -121,8 +122,8 @@ void ContactStep::add_contacts(double h, int pass) {
   const size_t old = attempt.contacts.size();
   for (size_t i = 0; i < attempt.candidates.size(); i++)
     if (attempt.violated[i])
-      system_.world.contact_points.add(data_.cache.contacts(), start, end, attempt.candidates[i], (int)i, pass,
-                                 attempt.contacts);
+      system_.world.contact_points.add(data_.cache.contacts(), start, end, attempt.candidates[i],
+                                       (int)i, pass, attempt.contacts);
   for (size_t i = 0; i < attempt.contacts.size(); i++) {
     Contact& c = attempt.contacts[i];
     if (pass > 0) correct_prediction(c, h);
@@ -146,7 +147,7 @@ void ContactStep::drop_idle() {
 // Bodies are not pushed apart faster than kMostCorrectionSpeed for its sake.
 void ContactStep::correct_prediction(Contact& c, double h) {
   const Model& model = system_.model;
-  const Poses &start = data_.state.pose;
+  const Poses& start = data_.state.pose;
   const World& world = system_.world;
   const bool object = !system_.is_person(world.shapes[data_.attempt.candidates[c.pair].shape].body);
   const double most = object ? tune::kMostObjectCorrectionSpeed : tune::kMostCorrectionSpeed;

@@ -12,7 +12,8 @@ void State::update_pose(System& system) {
   pose_known = true;
 }
 
-void Step::move(const System& system, const State& state, const std::vector<double>& vel, double h) {
+void Step::move(const System& system, const State& state, const std::vector<double>& vel,
+                double h) {
   const char* active = system.world.active.data();
   end_qpos = state.qpos;
   integrate(system.model, end_qpos.data(), vel.data(), h, active);
@@ -34,7 +35,8 @@ void FrameResult::add(const ContactCandidate& candidate, const Contact& contact)
         dot(o.normal, contact.n) > tuning::stepping::kSameNormal * norm(o.normal))
       t = &o;
   if (!t) {
-    touches.push_back({candidate.shape, candidate.other_static, candidate.other_shape, {}, {}, {}, 0});
+    touches.push_back(
+        {candidate.shape, candidate.other_static, candidate.other_shape, {}, {}, {}, 0});
     t = &touches.back();
   }
   const double p = dot(contact.impulse, contact.n);
@@ -48,7 +50,8 @@ void Data::finish(const System& system) {
   const Model& m = system.model;
   state.qpos.assign(m.nq, 0);
   state.exit_path.assign(m.nbody, 0);
-  for (auto* v : {&state.qvel, &step.v_free, &step.v, &step.spin, &step.joint_pull}) v->assign(m.nv, 0);
+  for (auto* v : {&state.qvel, &step.v_free, &step.v, &step.spin, &step.joint_pull})
+    v->assign(m.nv, 0);
   step.pushed.assign(m.nbody, 0);
   step.resistance.finish(m, system.drives.size());
   inertia.finish(m);
@@ -56,8 +59,8 @@ void Data::finish(const System& system) {
   step.end.kin.resize(m);
 }
 
-double approach(const Model& m, const Kinematics& k, const Contact& c, const std::vector<Twist>& twists,
-                const std::vector<double>& v) {
+double approach(const Model& m, const Kinematics& k, const Contact& c,
+                const std::vector<Twist>& twists, const std::vector<double>& v) {
   return dot(c.n, endpoint_velocity(m, k, twists, v.data(), c.a) -
                       endpoint_velocity(m, k, twists, v.data(), c.b));
 }

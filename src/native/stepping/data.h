@@ -25,7 +25,7 @@ struct State {
 
 // One substep, or a piece of it. Velocities are of mid-substep: qpos moves by them.
 struct Step {
-  double length = 0;        // of the whole substep [s]
+  double length = 0;  // of the whole substep [s]
   // How long gravity has acted in v_free since the pose that a step starts from [s].
   double gravity_time = 0;
   std::vector<double> v_free;      // v*: velocity without contact
@@ -119,7 +119,7 @@ struct Data {
 };
 
 // Normal component of the relative velocity at a contact [m/s].
-double approach(const Model& m, const Kinematics& k, const Contact& c, const std::vector<Twist>& twists,
-                const std::vector<double>& v);
+double approach(const Model& m, const Kinematics& k, const Contact& c,
+                const std::vector<Twist>& twists, const std::vector<double>& v);
 
 }  // namespace hp

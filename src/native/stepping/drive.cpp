@@ -37,7 +37,8 @@ bool Drive::settled(const DriveSettings& s, const double* qpos) const {
       if (std::fabs(e) > tune::kSettledSpeed) return false;
   for (const Ball& b : balls()) {
     const Quat turn = conjugate(motion.before(b)) * load4(qpos + first_qpos() + b.qpos);
-    if (norm2(Vec3{turn.x, turn.y, turn.z}) > tune::kSettledAngle * tune::kSettledAngle) return false;
+    if (norm2(Vec3{turn.x, turn.y, turn.z}) > tune::kSettledAngle * tune::kSettledAngle)
+      return false;
   }
   return true;
 }
@@ -87,7 +88,8 @@ void Drive::added_inertia(const DriveSettings& s, double h, const Model& m, cons
     const int d = ball_dof(i);
     double mean = 0;
     for (int c = 0; c < 3; c++) mean += inertia.diagonal(m, d + c) / 3;
-    for (int c = 0; c < 3; c++) extra[d + c] = (s.torque() ? s.torque_firmness(h) : stiffness_[i]) * mean;
+    for (int c = 0; c < 3; c++)
+      extra[d + c] = (s.torque() ? s.torque_firmness(h) : stiffness_[i]) * mean;
   }
 }
 
@@ -97,8 +99,8 @@ double Drive::scale(const DriveSettings& s, double h) const {
   return 1 + 2 * r + r * r;
 }
 
-bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double* qpos, const double* qvel,
-                          double* v_free, double* deviation) const {
+bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double* qpos,
+                          const double* qvel, double* v_free, double* deviation) const {
   const double* q = qpos + first_qpos();
   double* v = v_free + first_dof();
   if (s.time_constant > 0) {
@@ -111,7 +113,8 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
 }
 
 // v* with a time constant.
-void Drive::spring_velocity(const DriveSettings& s, int k, double h, const double* q, double* v) const {
+void Drive::spring_velocity(const DriveSettings& s, int k, double h, const double* q,
+                            double* v) const {
   const double tau = s.time_constant, sc = scale(s, h), limit = 2 * s.recovery_rate * tau;
   for (int i = 0; i < 3; i++) v[i] = v_ref_[i] + deviation_[i] / sc;
   for (int i = 0; i < ball_count(); i++) {
@@ -125,12 +128,14 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
 }
 
 // eps - h v of PJSC.
-bool Drive::restored_deviation(int k, double h, const double* q, const double* v, double* out) const {
+bool Drive::restored_deviation(int k, double h, const double* q, const double* v,
+                               double* out) const {
   bool any = false;
   for (int i = 1; i < ball_count(); i++) {
     if (stiffness_[i] == 0) continue;
     const Ball& b = balls()[i];
-    const Quat expected = load4(&q_start_[b.qpos]) * exp_quat(((k + 1) * h) * load3(&v_drive_[b.dof]));
+    const Quat expected =
+        load4(&q_start_[b.qpos]) * exp_quat(((k + 1) * h) * load3(&v_drive_[b.dof]));
     Vec3 way = h * load3(v + b.dof), turn = log_quat(conjugate(load4(q + b.qpos)) * expected);
     // About a half turn rounding decides which way round the log goes; it is the way it turns.
     const double angle = norm(turn);
@@ -149,7 +154,9 @@ void Drive::end_substep(const double* qvel, double h, const std::vector<char>& p
   for (int i = 0; i < dof_count(); i++) deviation_[i] = qvel[first_dof() + i] - v_ref_[i];
 }
 
-void Drive::set_stiffness(const double* lambda) { stiffness_.assign(lambda, lambda + ball_count()); }
+void Drive::set_stiffness(const double* lambda) {
+  stiffness_.assign(lambda, lambda + ball_count());
+}
 
 void Drive::unhindered(double* v) const {
   for (int i = 0; i < dof_count(); i++) v[first_dof() + i] = v_ref_[i] + deviation_[i];
@@ -157,17 +164,21 @@ void Drive::unhindered(double* v) const {
 
 void Drive::deviation_change(const double* qvel, double* change) const {
   const int first = first_dof();
-  for (int i = 0; i < dof_count(); i++) change[first + i] = qvel[first + i] - v_ref_[i] - deviation_[i];
+  for (int i = 0; i < dof_count(); i++)
+    change[first + i] = qvel[first + i] - v_ref_[i] - deviation_[i];
 }
 
 void Drive::reference(double* v) const { std::copy(v_ref_.begin(), v_ref_.end(), v + first_dof()); }
 
-void Drive::reference_change(double* a) const { std::copy(gain_.begin(), gain_.end(), a + first_dof()); }
+void Drive::reference_change(double* a) const {
+  std::copy(gain_.begin(), gain_.end(), a + first_dof());
+}
 
 void Drive::save(std::vector<double>& out) const {
   for (const auto* v : {&motion.target(), &v_ref_, &deviation_, &stiffness_, &lately_})
     out.insert(out.end(), v->begin(), v->end());
-  out.insert(out.end(), {(exact_ ? 1.0 : 0.0) + (motion.fresh() ? 2.0 : 0.0), gentle_return.left()});
+  out.insert(out.end(),
+             {(exact_ ? 1.0 : 0.0) + (motion.fresh() ? 2.0 : 0.0), gentle_return.left()});
 }
 
 const double* Drive::load(const double* in) {

@@ -75,8 +75,8 @@ class Drive : public PersonDofs {
   // the deviation eps - h v that PJSC restores (Algorithm 1 with lambda > 0; zero at the root and
   // wherever the motion is free). True if any is not zero: then the caller adds
   // M^^-1 (lambda I / h) deviation.
-  bool free_velocity(const DriveSettings& s, int k, double h, const double* qpos, const double* qvel,
-                     double* v_free, double* deviation) const;
+  bool free_velocity(const DriveSettings& s, int k, double h, const double* qpos,
+                     const double* qvel, double* v_free, double* deviation) const;
   // After the solve: keeps the deviation of velocity. `pushed`: per body, contacts have pushed it.
   void end_substep(const double* qvel, double h, const std::vector<char>& pushed);
 
@@ -100,7 +100,9 @@ class Drive : public PersonDofs {
   bool lately(int ball) const { return lately_[ball] > 0; }
 
   bool gentle() const { return gentle_return.active(); }
-  void go_gently(double speed, const std::vector<double>& reach) { gentle_return.start(*this, speed, reach); }
+  void go_gently(double speed, const std::vector<double>& reach) {
+    gentle_return.start(*this, speed, reach);
+  }
 
   // Everything that outlives a frame.
   void save(std::vector<double>& out) const;

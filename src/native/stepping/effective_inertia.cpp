@@ -52,7 +52,8 @@ void EffectiveInertia::compose(const System& system, State& state) {
   inertia_.compose(system.model, state.pose.kin, active);
 }
 
-void EffectiveInertia::multiply(const System& system, const Drive& d, const double* x, double* out) const {
+void EffectiveInertia::multiply(const System& system, const Drive& d, const double* x,
+                                double* out) const {
   const Model& m = system.model;
   inertia_.multiply(m, d.body(0), m.dof_body[d.first_dof() + d.dof_count() - 1], x, out);
 }

@@ -22,11 +22,11 @@ struct Step;
 
 // How joints resist contacts in this substep, beside what the drive's settings say.
 struct JointResistance {
-  std::vector<int> rounds;     // per drive: rounds in which joints gave in; 0: no `share`
-  std::vector<double> share;   // per dof: theta in [0, 1]; M^ - M becomes theta (M^ - M) theta
-  std::vector<char> touched;   // per body: contacts push it or what hangs on it, or did
-  std::vector<char> holds;     // per drive: joints that nothing touches are held
-  std::vector<double> damping; // per dof, of a host's joints [N s/m, N m s]; empty: no host
+  std::vector<int> rounds;      // per drive: rounds in which joints gave in; 0: no `share`
+  std::vector<double> share;    // per dof: theta in [0, 1]; M^ - M becomes theta (M^ - M) theta
+  std::vector<char> touched;    // per body: contacts push it or what hangs on it, or did
+  std::vector<char> holds;      // per drive: joints that nothing touches are held
+  std::vector<double> damping;  // per dof, of a host's joints [N s/m, N m s]; empty: no host
 
   void finish(const Model& m, size_t drives);
   // A substep begins: without contact every joint counts as touched, and all holds are on.

@@ -87,8 +87,8 @@ void start_exits(System& system, State& state) {
 void end_gentle_frame(System& system, const State& state) {
   for (Drive& d : system.drives)
     if (d.gentle())
-      d.gentle_return.end_frame(d, comes_out(system, d), d.motion.frame_length(), d.motion.target().data(),
-                                state.qpos.data());
+      d.gentle_return.end_frame(d, comes_out(system, d), d.motion.frame_length(),
+                                d.motion.target().data(), state.qpos.data());
 }
 
 }  // namespace hp

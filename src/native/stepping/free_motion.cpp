@@ -13,8 +13,8 @@ void FreeMotion::drive(System& system, Data& data, InternalForces& internal, int
   bool any = false;
   for (const Drive& d : system.drives)
     if (system.active(d))
-      any |= d.free_velocity(settings, k, h, state.qpos.data(), state.qvel.data(), step.v_free.data(),
-                             impulse_.data());
+      any |= d.free_velocity(settings, k, h, state.qpos.data(), state.qvel.data(),
+                             step.v_free.data(), impulse_.data());
   const bool trees = system.articulations.any(model, world.active);
   const bool own = settings.own_forces();
   if (!any && !trees && !own) return;
@@ -22,8 +22,8 @@ void FreeMotion::drive(System& system, Data& data, InternalForces& internal, int
   const std::vector<double>& added = data.inertia.drive_part();
   for (int i = 0; i < model.nv; i++) impulse_[i] *= added[i] / h;
   if (trees)
-    system.articulations.impulse(model, state.pose.kin, world.active, system.gravity, state.qpos.data(),
-                                 state.qvel.data(), h, impulse_.data());
+    system.articulations.impulse(model, state.pose.kin, world.active, system.gravity,
+                                 state.qpos.data(), state.qvel.data(), h, impulse_.data());
   if (own) internal.add_impulses(system, state, step, h, impulse_);
   data.inertia.solve(model, impulse_.data());
   if (settings.internal_forces) internal.limit(system, step, impulse_);

@@ -57,7 +57,8 @@ void FreePaths::find(System& system, Data& data, double dt) {
   for (const Drive& d : system.drives) sweep(system, d, dt);
   world.active.assign(model.nbody, 1);
   world.broad_phase.update(model, start, sweep_.travel, world.depenetration.overlaps());
-  mark_busy_trees(world, world.broad_phase, world.depenetration.overlaps(), model, start, end, sweep_, busy_);
+  mark_busy_trees(world, world.broad_phase, world.depenetration.overlaps(), model, start, end,
+                  sweep_, busy_);
 }
 
 // Busy trees are assumed not to get much farther than they would by themselves.
@@ -136,7 +137,8 @@ void FreePaths::sweep(const System& system, const Drive& d, double dt) {
 bool FreePaths::strayed(const System& system) {
   bool strayed = false;
   for (size_t i = 0; i < system.world.shapes.size(); i++)
-    strayed |= busy_[system.tree((int)i)] && system.world.broad_phase.travelled((int)i) > assumed_[i];
+    strayed |=
+        busy_[system.tree((int)i)] && system.world.broad_phase.travelled((int)i) > assumed_[i];
   return strayed;
 }
 

@@ -45,14 +45,14 @@ class FreePaths {
   void sweep(const System& system, const Drive& d, double dt);
   void count(const Model& m);
 
-  std::vector<char> settled_;        // per person: it is where the motion has it
-  std::vector<char> busy_;           // per body
+  std::vector<char> settled_;  // per person: it is where the motion has it
+  std::vector<char> busy_;     // per body
   bool any_busy_ = false, any_free_ = false;
   std::vector<double> start_qpos_, end_qpos_;
-  Poses followed_;                   // the pose at the start of the frame, for free trees
+  Poses followed_;  // the pose at the start of the frame, for free trees
   Sweep sweep_;
-  std::vector<double> assumed_;      // per shape: how far it may have travelled at most [m]
-  std::vector<double> angular_;      // per ball joint of a person: bound of its speed [rad/s]
+  std::vector<double> assumed_;  // per shape: how far it may have travelled at most [m]
+  std::vector<double> angular_;  // per ball joint of a person: bound of its speed [rad/s]
   std::vector<double> spin_, turn_, acceleration_;  // per body: W, B and A
   std::vector<double> way_;
   std::vector<Twist> twists_;

@@ -14,15 +14,16 @@ void GentleReturn::start(const PersonDofs& dofs, double speed, const std::vector
     rate_.push_back(speed / std::max(reach[b.body], tune::kLeastJointReach));
 }
 
-void GentleReturn::end_frame(const PersonDofs& dofs, bool comes_out, double dt, const double* target,
-                             const double* qpos) {
+void GentleReturn::end_frame(const PersonDofs& dofs, bool comes_out, double dt,
+                             const double* target, const double* qpos) {
   if (comes_out) {
     left_ = tune::kReturnTime;
     return;
   }
   left_ = std::max(0.0, left_ - dt);
   for (const PersonDofs::Ball& b : dofs.balls())
-    if (norm(rotation_between(target + b.qpos, qpos + dofs.first_qpos() + b.qpos)) > tune::kReturnAngle)
+    if (norm(rotation_between(target + b.qpos, qpos + dofs.first_qpos() + b.qpos)) >
+        tune::kReturnAngle)
       return;
   left_ = 0;
 }

@@ -20,7 +20,8 @@ class GentleReturn {
   void restore(double left) { left_ = left; }
   // A frame of length dt has ended at `qpos`. The return lasts as long as the person comes out of
   // something, and then until the joints are at `target`.
-  void end_frame(const PersonDofs& dofs, bool comes_out, double dt, const double* target, const double* qpos);
+  void end_frame(const PersonDofs& dofs, bool comes_out, double dt, const double* target,
+                 const double* qpos);
 
  private:
   double left_ = 0;

@@ -43,8 +43,8 @@ void HeldLoad::find(const System& system, const State& state, double h) {
     const bool follows = most < tune::kVelocityRounding;
     std::vector<int> bodies;
     for (int b = root; b < model.nbody && model.root[b] == root; b++) bodies.push_back(b);
-    bias_forces(model, state.pose.kin, follows ? asked.data() : still.data(), system.gravity, bodies,
-                load_.data(), change.data(), &massive);
+    bias_forces(model, state.pose.kin, follows ? asked.data() : still.data(), system.gravity,
+                bodies, load_.data(), change.data(), &massive);
     if (follows) continue;
     add_drift(system, state, d, h, now, now, 1);
     // Following the motion costs the person nothing.
@@ -58,7 +58,8 @@ void HeldLoad::find(const System& system, const State& state, double h) {
 // joints let it: energy does not grow. The joints' velocities alone, or their Coriolis forces taken
 // at one pose, would gain some, and heavy objects run away.
 void HeldLoad::add_drift(const System& system, const State& state, const Drive& d, double h,
-                         const std::vector<double>& held, const std::vector<double>& own, double sign) {
+                         const std::vector<double>& held, const std::vector<double>& own,
+                         double sign) {
   const Model& model = system.model;
   const Kinematics& after = state.pose.kin;
   const char* active = system.world.active.data();
@@ -83,7 +84,8 @@ void HeldLoad::add_drift(const System& system, const State& state, const Drive& 
     const Momentum p = momentum_of(model, before, twists[0], b),
                    now = momentum_of(model, after, twists[1], b);
     const Vec3 push = (sign / h) * (now.linear - p.linear);
-    force[b] = {(sign / h) * (now.angular - p.angular) + cross(now.centre - after.reference(model, b), push),
+    force[b] = {(sign / h) * (now.angular - p.angular) +
+                    cross(now.centre - after.reference(model, b), push),
                 push};
     last = b;
   }
@@ -115,7 +117,8 @@ std::vector<double> yield(const System& system, const Inertia& inertia, const Dr
   body.M = inertia.M;
   for (int round = 0; round < tune::kYieldRounds; round++) {
     for (int k = 0; k < count; k++)
-      std::fill_n(&resistance[d.limit_dof(k)], 3, std::min(tune::kRigidResistance, may[k] / rate[k]));
+      std::fill_n(&resistance[d.limit_dof(k)], 3,
+                  std::min(tune::kRigidResistance, may[k] / rate[k]));
     body.factor(model, whole, resistance, system.world.active.data());
     y.assign(model.nv, 0);
     for (int i = first; i < end; i++) y[i] = -need[i];
@@ -127,7 +130,8 @@ std::vector<double> yield(const System& system, const Inertia& inertia, const Dr
           (rate[k] == tune::kLeastYieldRate && share <= 1))
         continue;
       good &= std::fabs(share - 1) <= tune::kYieldTolerance;
-      rate[k] = std::max(tune::kLeastYieldRate, rate[k] * std::pow(share, tune::kYieldOverRelaxation));
+      rate[k] =
+          std::max(tune::kLeastYieldRate, rate[k] * std::pow(share, tune::kYieldOverRelaxation));
     }
     if (good) break;
   }

@@ -30,15 +30,17 @@ Hosting::Change Hosting::take_pose(const System& system, State& state, const dou
     const int first = model.jnt_qpos[j], count = qpos_width(model.jnt_type[j]);
     for (int i = first; i < first + count; i++) {
       if (qpos[i] != state.qpos[i] && change == Change::None) change = Change::Rounding;
-      if (std::fabs(qpos[i] - state.qpos[i]) > tuning::stepping::kPlacedByHost) change = Change::Placed;
+      if (std::fabs(qpos[i] - state.qpos[i]) > tuning::stepping::kPlacedByHost)
+        change = Change::Placed;
       state.qpos[i] = qpos[i];
     }
   }
   return change;
 }
 
-void Hosting::substep(System& system, Data& data, Substep& substep, int k, double h, const double* qpos,
-                      const double* qvel, const double* v_free, const double* damping) {
+void Hosting::substep(System& system, Data& data, Substep& substep, int k, double h,
+                      const double* qpos, const double* qvel, const double* v_free,
+                      const double* damping) {
   const Model& model = system.model;
   State& state = data.state;
   const Change change = take_pose(system, state, qpos);

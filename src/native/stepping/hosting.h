@@ -22,7 +22,7 @@ class Hosting {
   enum class Change { None, Rounding, Placed };
   Change take_pose(const System& system, State& state, const double* qpos) const;
 
-  std::vector<char> settled_;        // per person: it was where the motion has it
+  std::vector<char> settled_;       // per person: it was where the motion has it
   std::vector<double> start_qpos_;  // of the frame
 };
 

@@ -23,7 +23,8 @@ void PathCurvature::begin(const System& system, const State& state) {
   acceleration_.clear();
 }
 
-void PathCurvature::bend(const System& system, const State& state, const Attempt& attempt, Contact& c) {
+void PathCurvature::bend(const System& system, const State& state, const Attempt& attempt,
+                         Contact& c) {
   const Model& model = system.model;
   const Kinematics& kin = state.pose.kin;
   auto body = [&](int shape) { return shape < 0 ? 0 : system.world.shapes[shape].body; };

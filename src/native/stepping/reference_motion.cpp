@@ -14,7 +14,8 @@ void ReferenceMotion::reset(const double* target) {
   velocity_known_ = older_asked_ = true;
 }
 
-void ReferenceMotion::aim(const DriveSettings& s, const double* target, double dt, const double* qpos) {
+void ReferenceMotion::aim(const DriveSettings& s, const double* target, double dt,
+                          const double* qpos) {
   first_ = fresh_, fresh_ = false;
   older_asked_ = velocity_known_;
   older_dt_ = dt_, older_root_ = root_velocity_;
@@ -62,8 +63,8 @@ void ReferenceMotion::put(double share, double* qpos) const {
   }
 }
 
-void ReferenceMotion::difference(const std::vector<double>& from, const std::vector<double>& to, double dt,
-                                 Vec3 root, double* v) const {
+void ReferenceMotion::difference(const std::vector<double>& from, const std::vector<double>& to,
+                                 double dt, Vec3 root, double* v) const {
   store3(v, root);
   for (const PersonDofs::Ball& b : dofs_.balls())
     store3(v + b.dof, (1 / dt) * rotation_between(&from[b.qpos], &to[b.qpos]));

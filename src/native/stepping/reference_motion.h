@@ -51,8 +51,8 @@ class ReferenceMotion {
   void restore(const double* target, bool fresh);
 
  private:
-  void difference(const std::vector<double>& from, const std::vector<double>& to, double dt, Vec3 root,
-                  double* v) const;
+  void difference(const std::vector<double>& from, const std::vector<double>& to, double dt,
+                  Vec3 root, double* v) const;
 
   PersonDofs dofs_;
   std::vector<double> target_, previous_;  // qpos of the person

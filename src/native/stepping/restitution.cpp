@@ -28,7 +28,8 @@ bool demand_rebounds(const System& system, Data& data, double h) {
     const double arriving = approach(model, kin, c, arrived, before);
     if (arriving > -tuning::stepping::kBounceSpeed) continue;
     const double turned = approach(model, kin, c, spun, step.spin);
-    const double pull = std::max(0.0, arriving - turned - approach(model, kin, c, free, step.v_free));
+    const double pull =
+        std::max(0.0, arriving - turned - approach(model, kin, c, free, step.v_free));
     const double height = 2 * pull * std::max(0.0, c.dist - c.target) / h;
     const double met = arriving - 0.5 * pull;
     const double back = c.restitution * c.restitution * (met * met + height) - height;

@@ -84,12 +84,13 @@ bool SelfResponse::solve(const System& system, Data& data, ContactSolver& solver
     free_.assign(model.nv, 0);
     for (const Contact& c : own_) {
       const ContactCandidate& k = attempt.candidates[c.pair];
-      make_room(model, system.world.shapes[k.shape].body, system.world.shapes[k.other_shape].body, whole);
+      make_room(model, system.world.shapes[k.shape].body, system.world.shapes[k.other_shape].body,
+                whole);
     }
     inertia_.factor(model, data.inertia.scale(), resist, touches_.data(), free_.data());
     const SolveReport r =
-        solver.solve(model, data.state.pose.kin, inertia_, h, data.step.v_free.data(), v_.data(), own_,
-                     attempt.tolerance / h, system.world.settings.max_sweeps);
+        solver.solve(model, data.state.pose.kin, inertia_, h, data.step.v_free.data(), v_.data(),
+                     own_, attempt.tolerance / h, system.world.settings.max_sweeps);
     data.result.diagnostics.sweeps += r.sweeps;
     if (met(system, data.state, h)) return true;
   }
@@ -99,7 +100,8 @@ bool SelfResponse::solve(const System& system, Data& data, ContactSolver& solver
 namespace {
 
 // f += J^T p.
-void add_impulse(const Model& model, const Kinematics& kin, const Contact& c, std::vector<double>& f) {
+void add_impulse(const Model& model, const Kinematics& kin, const Contact& c,
+                 std::vector<double>& f) {
   for (int side = 0; side < 2; side++) {
     const Endpoint& e = side == 0 ? c.a : c.b;
     const Vec3 p = side == 0 ? c.impulse : -c.impulse;

@@ -39,8 +39,8 @@ class SelfResponse {
   std::vector<double> resistance(const System& system, const Data& data) const;
   bool met(const System& system, const State& state, double h);
 
-  std::vector<char> free_;       // per dof: it gives way
-  Inertia inertia_;              // of the free dofs
+  std::vector<char> free_;  // per dof: it gives way
+  Inertia inertia_;         // of the free dofs
   std::vector<Contact> own_;
   std::vector<char> touches_;    // per body: of people in contact with themselves
   std::vector<double> v_;        // v'

@@ -29,7 +29,8 @@ bool wake_touched(System& system, Data& data) {
     more = false;
     for (int i = 0; i < n; i++)
       for (int j = 0; j < n && world.asleep[system.tree(i)]; j++) {
-        if (!woken[system.tree(j)] || world.pairing(world.shapes[i].name, world.shapes[j].name).ignore)
+        if (!woken[system.tree(j)] ||
+            world.pairing(world.shapes[i].name, world.shapes[j].name).ignore)
           continue;
         if (separate(world.place(pose, i), world.place(pose, j), range).dist >= range) continue;
         wake(i);

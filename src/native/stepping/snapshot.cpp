@@ -79,7 +79,8 @@ void Snapshot::adopt_drives(const Snapshot& old) {
   }
 }
 
-void Snapshot::adopt(const Snapshot& old, const std::vector<int>& body, const std::vector<int>& shape) {
+void Snapshot::adopt(const Snapshot& old, const std::vector<int>& body,
+                     const std::vector<int>& shape) {
   if ((int)body.size() != system.model.nbody || shape.size() != system.world.shapes.size() ||
       system.drives.size() != old.system.drives.size())
     throw std::invalid_argument("adopt: not the same people");

@@ -13,8 +13,12 @@ namespace hp {
 
 class StepAttempts {
  public:
-  StepAttempts(System& system, Data& data, const KinematicBodies& kinematic, PrescribedPoses& prescribed)
-      : system_(system), data_(data), prescribed_(prescribed), contact_step_(system, data, kinematic) {}
+  StepAttempts(System& system, Data& data, const KinematicBodies& kinematic,
+               PrescribedPoses& prescribed)
+      : system_(system),
+        data_(data),
+        prescribed_(prescribed),
+        contact_step_(system, data, kinematic) {}
   // A step of length h [s] from the present pose; the answer is in data.step and data.attempt.
   void run(double h);
 

@@ -98,12 +98,13 @@ void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
   for (int k = 0; k < n; k++) {
     const int parts = substep_.parts(dt / n);
     for (int i = 0; i < parts; i++) substep_.run(k * parts + i, dt / n / parts);
-    if (poses && !probe.keep_pieces) poses->insert(poses->end(), state.qpos.begin(), state.qpos.end());
+    if (poses && !probe.keep_pieces)
+      poses->insert(poses->end(), state.qpos.begin(), state.qpos.end());
   }
 }
 
-void Stepper::substep_hosted(int k, double h, const double* qpos, const double* qvel, const double* v_free,
-                             const double* damping) {
+void Stepper::substep_hosted(int k, double h, const double* qpos, const double* qvel,
+                             const double* v_free, const double* damping) {
   hosting_.substep(system, data_, substep_, k, h, qpos, qvel, v_free, damping);
 }
 
@@ -137,7 +138,8 @@ bool Stepper::torques(std::vector<double>& out) const {
 double Stepper::clearance() {
   data_.state.update_pose(system);
   const World& world = system.world;
-  double smallest = smallest_clearance(world, world.broad_phase, data_.state.pose, system.clearance_range);
+  double smallest =
+      smallest_clearance(world, world.broad_phase, data_.state.pose, system.clearance_range);
   // A part inside a mesh may be far from all of its triangles.
   for (const InitialOverlap& in : world.depenetration.overlaps())
     if (in.other_static >= 0 && world.shapes[in.shape].person >= 0)
@@ -145,7 +147,8 @@ double Stepper::clearance() {
   return smallest;
 }
 
-void Stepper::clearances(const double* qpos, size_t poses, double range, double* dist, int* nearest) const {
+void Stepper::clearances(const double* qpos, size_t poses, double range, double* dist,
+                         int* nearest) const {
   Poses p;  // of its own: the simulation does not change
   p.kin.resize(system.model);
   const size_t n = system.world.shapes.size();

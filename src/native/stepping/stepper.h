@@ -41,7 +41,9 @@ class Stepper {
   // With `poses`, the pose after every substep is appended to it.
   void frame(const double* targets, double dt, int n, std::vector<double>* poses = nullptr);
   // Another engine's frame (hosting.h).
-  void begin_hosted(const double* targets, double dt) { hosting_.begin(system, data_, targets, dt); }
+  void begin_hosted(const double* targets, double dt) {
+    hosting_.begin(system, data_, targets, dt);
+  }
   void substep_hosted(int k, double h, const double* qpos, const double* qvel, const double* v_free,
                       const double* damping);
   void end_hosted() { hosting_.end(system, data_); }

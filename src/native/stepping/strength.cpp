@@ -27,7 +27,8 @@ double largest(const Drive& d, const double* x) {
 // Cuts what the drive exerts to what its joints can; true if any exceeded that.
 bool cut(const Drive& d, double h, double* impulse) {
   bool any = false;
-  for (int k = 0; k <= d.ball_count(); k++) any |= cap(d, k, tune::kPullShare * h * d.limits[k], impulse);
+  for (int k = 0; k <= d.ball_count(); k++)
+    any |= cap(d, k, tune::kPullShare * h * d.limits[k], impulse);
   return any;
 }
 
@@ -75,8 +76,8 @@ void StrengthLimits::limit(const System& system, Data& data, double h) {
 
 // out = theta (M^ - M) theta x: what the drive adds to the inertia of the joints, less where they
 // give in.
-void StrengthLimits::added(const System& system, const Data& data, const Drive& d, double h, const double* x,
-                           double* out) {
+void StrengthLimits::added(const System& system, const Data& data, const Drive& d, double h,
+                           const double* x, double* out) {
   const std::vector<double>& share = data.step.resistance.share;
   const int first = d.first_dof(), end = first + d.dof_count();
   const double s = d.scale(system.drive_settings, h);
@@ -89,8 +90,8 @@ void StrengthLimits::added(const System& system, const Data& data, const Drive& 
 // The impulse that a drive exerts in a substep that ends with the velocities v, into exerted_;
 // false if it is none. Leaves v - v* in pushed_.
 bool StrengthLimits::exertion(const System& system, Data& data, const HeldLoad& load,
-                              const InternalForces& internal, size_t person, const std::vector<double>& v,
-                              double h) {
+                              const InternalForces& internal, size_t person,
+                              const std::vector<double>& v, double h) {
   const Drive& d = system.drives[person];
   const int first = d.first_dof(), end = first + d.dof_count();
   d.deviation_change(v.data(), change_.data());
@@ -118,8 +119,8 @@ bool StrengthLimits::exertion(const System& system, Data& data, const HeldLoad& 
 
 // Reduces theta of the joints that exceed their strength; true if there are any. The pull
 // M (v* - v_ref - e) and what is held are within the limits: the rest is what may resist.
-bool StrengthLimits::share_out(const System& system, Data& data, const HeldLoad& load, size_t person,
-                               double h) {
+bool StrengthLimits::share_out(const System& system, Data& data, const HeldLoad& load,
+                               size_t person, double h) {
   const Drive& d = system.drives[person];
   JointResistance& resistance = data.step.resistance;
   const int first = d.first_dof(), end = first + d.dof_count();
@@ -137,7 +138,8 @@ bool StrengthLimits::share_out(const System& system, Data& data, const HeldLoad&
     const Vec3 pull = load3(&change_[at]), all = load3(&exerted_[at]);
     if (norm(all) <= most + tune::kImpulseRounding) continue;
     over = true;
-    const double room = std::max(0.0, tune::kResistShare * most - norm(pull)), more = norm(all - pull);
+    const double room = std::max(0.0, tune::kResistShare * most - norm(pull)),
+                 more = norm(all - pull);
     for (int c = 0; c < 3 && more > room; c++) resistance.share[at + c] *= room / more;
   }
   return over;
@@ -150,7 +152,8 @@ bool StrengthLimits::give_in(System& system, Data& data, const HeldLoad& load,
   bool any = false;
   for (size_t p = 0; p < system.drives.size(); p++) {
     const Drive& d = system.drives[p];
-    if (d.limits.empty() || r.rounds[p] > tune::kResistRounds || !system.active(d) || d.gentle()) continue;
+    if (d.limits.empty() || r.rounds[p] > tune::kResistRounds || !system.active(d) || d.gentle())
+      continue;
     if (!exertion(system, data, load, internal, p, data.step.v, h)) continue;
     if (largest(d, pushed_.data()) == 0) continue;  // no contact acts on it
     const int first = d.first_dof(), count = d.dof_count();
@@ -172,8 +175,8 @@ bool StrengthLimits::give_in(System& system, Data& data, const HeldLoad& load,
   return any;
 }
 
-void StrengthLimits::tally(System& system, Data& data, const HeldLoad& load, const InternalForces& internal,
-                           double h) {
+void StrengthLimits::tally(System& system, Data& data, const HeldLoad& load,
+                           const InternalForces& internal, double h) {
   for (size_t p = 0; p < system.drives.size(); p++) {
     Drive& d = system.drives[p];
     if (system.active(d) && exertion(system, data, load, internal, p, data.state.qvel, h))

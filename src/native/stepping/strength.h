@@ -33,21 +33,25 @@ class StrengthLimits {
   // Rule 3, after an attempt: true if a joint exceeded its strength. Then the step is to be tried
   // again with the resistance that this leaves. Where six rounds do not end it, or the step would
   // have to be shortened, the pull alone is left.
-  bool give_in(System& system, Data& data, const HeldLoad& load, const InternalForces& internal, double h);
+  bool give_in(System& system, Data& data, const HeldLoad& load, const InternalForces& internal,
+               double h);
   // Adds what the drives exerted in a substep that has ended with state.qvel to their frame's sum.
-  void tally(System& system, Data& data, const HeldLoad& load, const InternalForces& internal, double h);
+  void tally(System& system, Data& data, const HeldLoad& load, const InternalForces& internal,
+             double h);
 
  private:
-  bool exertion(const System& system, Data& data, const HeldLoad& load, const InternalForces& internal,
-                size_t person, const std::vector<double>& v, double h);
+  bool exertion(const System& system, Data& data, const HeldLoad& load,
+                const InternalForces& internal, size_t person, const std::vector<double>& v,
+                double h);
   bool share_out(const System& system, Data& data, const HeldLoad& load, size_t person, double h);
-  void added(const System& system, const Data& data, const Drive& d, double h, const double* x, double* out);
+  void added(const System& system, const Data& data, const Drive& d, double h, const double* x,
+             double* out);
 
   std::vector<double> v_star_;
-  std::vector<double> exerted_;           // impulse of the drives, per dof [N s, N m s]
-  std::vector<double> change_, pushed_;   // scratch, per dof
-  std::vector<double> stiff_;             // X before joints give in, per dof
-  std::vector<double> softer_;            // scratch of added()
+  std::vector<double> exerted_;          // impulse of the drives, per dof [N s, N m s]
+  std::vector<double> change_, pushed_;  // scratch, per dof
+  std::vector<double> stiff_;            // X before joints give in, per dof
+  std::vector<double> softer_;           // scratch of added()
 };
 
 }  // namespace hp

@@ -66,7 +66,8 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
   const Model& model = system_.model;
   if (!share.empty()) {
     moved_.resize(model.nv);
-    for (int i = 0; i < model.nv; i++) moved_[i] = step.v[i] * std::max(0.0, share[model.dof_body[i]]);
+    for (int i = 0; i < model.nv; i++)
+      moved_[i] = step.v[i] * std::max(0.0, share[model.dof_body[i]]);
     step.move(system_, state, moved_, h);
   }
   record(share);
@@ -140,8 +141,8 @@ double SubStepping::catch_up(double h, double left, bool begun) {
 }
 
 // One island is active; all other trees stand where they are.
-void SubStepping::activate(int island, const std::vector<int>& islands, const std::vector<char>& all,
-                           const std::vector<char>& stood) {
+void SubStepping::activate(int island, const std::vector<int>& islands,
+                           const std::vector<char>& all, const std::vector<char>& stood) {
   World& world = system_.world;
   for (int b = 1; b < system_.model.nbody; b++) {
     world.active[b] = all[b] && islands[system_.model.root[b]] == island;

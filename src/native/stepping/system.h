@@ -57,7 +57,8 @@ struct System {
   int ball_count() const;
   // Upper bound of the speed of all points of a shape at the pose `k` and the bodies' velocities
   // `t` [m/s].
-  double speed_bound(const Kinematics& k, const CollisionShape& shape, const std::vector<Twist>& t) const;
+  double speed_bound(const Kinematics& k, const CollisionShape& shape,
+                     const std::vector<Twist>& t) const;
 
  private:
   void find_objects();

@@ -10,8 +10,8 @@ void UntouchedJoints::begin(const System& system, JointResistance& resistance,
   inertia.refactor();
 }
 
-bool UntouchedJoints::release(const System& system, const Attempt& attempt, JointResistance& resistance,
-                              EffectiveInertia& inertia) {
+bool UntouchedJoints::release(const System& system, const Attempt& attempt,
+                              JointResistance& resistance, EffectiveInertia& inertia) {
   if (system.drive_settings.time_constant == 0) return false;
   const Model& model = system.model;
   const std::vector<double>& added = inertia.drive_part();

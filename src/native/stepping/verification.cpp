@@ -19,7 +19,8 @@ double allowed(const System& system, const Attempt& attempt, const ContactCandid
                               (c.target - c.dist));
   double slack = miss;
   // Nor need objects that separate from a person whose pose is prescribed.
-  if (world.forced && c.dist < 0 && world.handles(c)) slack += tune::kGapSlack * (c.target - c.dist);
+  if (world.forced && c.dist < 0 && world.handles(c))
+    slack += tune::kGapSlack * (c.target - c.dist);
   if (c.target > 0) slack += tune::kGapSlack * c.target;
   // A kinematic body, which nothing stops, must not wear a gap away either.
   auto held = [&](int shape) { return shape >= 0 && system.model.held[world.shapes[shape].body]; };
@@ -52,8 +53,8 @@ bool Verification::check(System& system, Data& data, double h, int pass) {
   bool good = true;
   // Where there is a first solve anyhow, candidates between a person and an object are checked
   // after it, not before it too.
-  const bool begins =
-      pass == 0 && system.world.contact_points.recall(data.cache.contacts(), attempt.candidates, recalled_);
+  const bool begins = pass == 0 && system.world.contact_points.recall(
+                                       data.cache.contacts(), attempt.candidates, recalled_);
   for (size_t i = 0; i < attempt.candidates.size(); i++) {  // forgiven planes add to them
     if (begins && system.world.handles(attempt.candidates[i])) {
       attempt.violated.push_back(recalled_[i]);
@@ -78,7 +79,8 @@ void Verification::find_overdue(const System& system, Data& data) const {
   Attempt& attempt = data.attempt;
   for (const Contact& c : attempt.contacts)
     if (attempt.violated[c.pair] && system.is_object(attempt.candidates[c.pair])) {
-      const double miss = c.target - system.world.contact_points.gap_at(data.state.pose, data.step.end, c);
+      const double miss =
+          c.target - system.world.contact_points.gap_at(data.state.pose, data.step.end, c);
       if (miss > tune::kObjectSettling * system.world.settings.clearance)
         attempt.overdue = std::max(attempt.overdue, miss);
     }
@@ -98,7 +100,8 @@ bool give_way(const System& system, Data& data) {
   bool any = false;
   for (size_t i = 0; i < attempt.candidates.size(); i++) {
     const int b = data.islands.of(system, attempt.candidates[i]);
-    if (i < attempt.violated.size() && attempt.violated[i] && !attempt.relaxed[b]) now[b] = 1, any = true;
+    if (i < attempt.violated.size() && attempt.violated[i] && !attempt.relaxed[b])
+      now[b] = 1, any = true;
   }
   if (!any) return false;
   for (int b = 1; b < nbody; b++)
@@ -114,7 +117,8 @@ void relax(const System& system, Attempt& attempt) {
         (c.other_shape < 0 || !relaxed[system.tree(c.other_shape)]))
       continue;
     if (system.self_overlap(c)) continue;
-    c.target = std::min(c.target, c.dist >= 0 ? std::min(c.dist, tuning::collision::kLeastGap) : c.dist);
+    c.target =
+        std::min(c.target, c.dist >= 0 ? std::min(c.dist, tuning::collision::kLeastGap) : c.dist);
     if (c.target >= 0 && c.target < tune::kNarrowGap)
       attempt.tolerance = tune::kNarrowTolerance * system.world.settings.tolerance;
   }

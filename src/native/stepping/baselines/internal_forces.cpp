@@ -5,8 +5,8 @@
 
 namespace hp {
 
-void InternalForces::add_impulses(const System& system, const State& state, const Step& step, double h,
-                                  std::vector<double>& impulse) {
+void InternalForces::add_impulses(const System& system, const State& state, const Step& step,
+                                  double h, std::vector<double>& impulse) {
   const Model& model = system.model;
   const DriveSettings& settings = system.drive_settings;
   impulse_.assign(model.nv, 0);
@@ -25,7 +25,8 @@ void InternalForces::add_impulses(const System& system, const State& state, cons
   }
 }
 
-void InternalForces::limit(const System& system, const Step& step, std::vector<double>& change) const {
+void InternalForces::limit(const System& system, const Step& step,
+                           std::vector<double>& change) const {
   for (const Drive& d : system.drives)
     for (int i = 0; i < d.ball_count() && system.active(d); i++) {
       const int at = d.ball_dof(i);
@@ -40,7 +41,8 @@ void InternalForces::discount(const System& system, const Drive& d, const double
                               double* impulse) const {
   const int first = d.first_dof();
   for (int i = first; i < first + d.dof_count(); i++)
-    impulse[i] -= impulse_[i] - (i < first + 6 ? 0 : h * system.drive_settings.joint_damping * v[i]);
+    impulse[i] -=
+        impulse_[i] - (i < first + 6 ? 0 : h * system.drive_settings.joint_damping * v[i]);
 }
 
 }  // namespace hp

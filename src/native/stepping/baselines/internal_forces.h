@@ -27,7 +27,8 @@ class InternalForces {
   void limit(const System& system, const Step& step, std::vector<double>& change) const;
   // Takes the impulses of these forces, in a substep that ended with the velocities `v`, off
   // `impulse`.
-  void discount(const System& system, const Drive& d, const double* v, double h, double* impulse) const;
+  void discount(const System& system, const Drive& d, const double* v, double h,
+                double* impulse) const;
 
  private:
   std::vector<double> impulse_;  // -h c, per dof

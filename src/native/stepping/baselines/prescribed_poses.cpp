@@ -44,8 +44,8 @@ void PrescribedPoses::put_people(System& system, Data& data, double share) {
   stand_aside(system);
 }
 
-void PrescribedPoses::frame(System& system, Data& data, Substep& substep, const double* targets, double dt,
-                            int n, std::vector<double>* poses) {
+void PrescribedPoses::frame(System& system, Data& data, Substep& substep, const double* targets,
+                            double dt, int n, std::vector<double>* poses) {
   State& state = data.state;
   data.result.clear(system.model.nbody);
   state.update_pose(system);
@@ -117,8 +117,9 @@ bool PrescribedPoses::soften(System& system, Data& data, int body, int tries) {
   if (world.prescribed_exits.squeezed[body]) pace = 0;
   const double pushed = world.settings.depenetration_speed;
   const double speed = fastest(system, kin, body, twists_);
-  const double most = std::max(tuning::collision::kThrownFactor * pushed,
-                               tune::kThrownAcross * std::hypot(fastest(system, kin, body, free_), pushed));
+  const double most =
+      std::max(tuning::collision::kThrownFactor * pushed,
+               tune::kThrownAcross * std::hypot(fastest(system, kin, body, free_), pushed));
   const bool room = data.attempt.good && !data.attempt.relaxed[system.model.root[body]];
   if (speed <= most && (room || pace == 0)) return false;
   if (pace == 0) {

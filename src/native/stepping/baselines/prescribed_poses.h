@@ -45,7 +45,8 @@ class PrescribedPoses {
   void stand_aside(System& system) const;
   void put_people(System& system, Data& data, double share);
   void gain_pace(World& world, double h);
-  double fastest(const System& system, const Kinematics& k, int body, const std::vector<Twist>& twists) const;
+  double fastest(const System& system, const Kinematics& k, int body,
+                 const std::vector<Twist>& twists) const;
   bool soften(System& system, Data& data, int body, int tries);
   void jam(System& system, Step& step, int tree);
 

@@ -17,8 +17,8 @@ double DriveSettings::torque_firmness(double h) const {
   return wh * (wh + 2 * torque_damping);
 }
 
-bool Drive::torque_deviation(const DriveSettings& s, double h, const double* qpos, const double* qvel,
-                             double* deviation) const {
+bool Drive::torque_deviation(const DriveSettings& s, double h, const double* qpos,
+                             const double* qvel, double* deviation) const {
   const double wh = s.torque_frequency * h, share = wh / (wh + 2 * s.torque_damping);
   for (size_t i = 1; i < (size_t)ball_count(); i++) {
     const Ball& b = balls()[i];

@@ -24,10 +24,11 @@ LAYERS = {
     "scene": "errors base motion geometry body",
     "results": "errors base motion body settings scene",
     "simulation": "errors base motion geometry body settings scene results _native",
-    "reference": "base motion settings",
+    "reference": "base motion settings _native",
     "metrics": "errors base motion geometry body scene results simulation _native",
     "baselines": (
-        "errors base motion geometry body settings scene results simulation reference metrics"
+        "errors base motion geometry body settings scene results simulation reference metrics "
+        "_native"
     ),
     "formats": (
         "errors base motion geometry body settings scene results simulation baselines __version__"

@@ -128,7 +128,6 @@ COVERED_BY = {
     "halfphysics/writers/gltf_buffer.py": "writers/test_gltf.py",
     "halfphysics/writers/mjcf_geoms.py": "writers/test_mjcf.py",
     "halfphysics/writers/take.py": "writers/test_gltf.py writers/test_usd.py",
-    "native/tuning.h": "reference/test_step.py",
     "native/bindings/*": "native/test_person.cpp reference/test_step.py",
     "native/bindings/render.cpp": "render/test_rasterizer.py",
     "native/bindings/skinning.cpp": "body/test_skinning.py",

@@ -27,6 +27,14 @@ TUNING = "src/native/tuning.h"
 REASONS: dict[tuple[str, str], str] = {
     ("src/native/dynamics/kinematic_tree.h", "Model"): "the arrays of a model, as MuJoCo has them",
     ("src/native/tuning.h", ""): "one file for all constants, each with its reason",
+    ("src/native/collision/clearance_query.cpp", "kFar"): "infinity, not a choice",
+    ("src/native/collision/collision_shape.cpp", "kBlock"): "the width of a vector loop",
+    ("src/native/geometry/triangle_cluster.h", "kFourPi"): "mathematics",
+    ("src/native/geometry/triangle_tree.h", "kUnknown"): "a mark, not a choice",
+    ("src/native/geometry/triangle_tree.h", "kStack"): "the size of a buffer, from the depth bound",
+    ("tests/evidence/test_evidence.py", ""): "one file of tests for one file of code",
+    ("tools/bake_body.py", "bake"): "run by hand, in an environment of its own, once per body",
+    ("tools/joint_regressor.py", "fit"): "run by hand, in an environment of its own, once per body",
 }
 
 

@@ -12,8 +12,8 @@
 //
 // Names are unique in the whole file, so that a name has one meaning. Code names the section: as
 // `tuning::contact::kNewtonSteps`, or `tune::kNewtonSteps` after `namespace tune = tuning::contact;`.
-// Python reads those that it shares from `halfphysics._native.tuning` (bindings/tuning.cpp): it never
-// repeats a number.
+// Python reads those that it shares from `halfphysics._native.tuning` (bindings/tuning.cpp) instead
+// of repeating the number.
 #pragma once
 #include <cstddef>
 

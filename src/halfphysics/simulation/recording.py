@@ -97,9 +97,8 @@ def record(
         )
         frames = np.arange(at, at + len(got["qpos"]))
         qpos[frames], clearance[frames] = got["qpos"], got["clearance"]
-        torque[frames[got["torque_frames"].astype(np.int64)]] = world.torques_from_core(
-            got["torques"]
-        )
+        exerted = frames[got["torque_frames"].astype(np.int64)]
+        torque[exerted] = world.torques_from_core(got["torques"])
         lost_time[frames], numbers[frames] = got["lost_time"], got["diagnostics"]
         substeps.append(got["substeps"])
         contacts.add(got["touches"], np.repeat(frames, got["touch_count"].astype(np.int64)))

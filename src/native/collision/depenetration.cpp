@@ -157,9 +157,9 @@ void Depenetration::advance(const std::vector<double>& share) {
   for (InitialOverlap& in : overlaps_) {
     const int b = world_.shapes[in.shape].body;
     if (!world_.active[b]) continue;
-    const double got = in.next_progress - in.progress,
-                 slow = tune::kSlowProgress * norm(in.exit) * got;
-    in.stuck = in.no_exit || slow >= in.asked ? 0 : in.stuck + 1;
+    const double gained = in.next_progress - in.progress;
+    const bool progressed = tune::kSlowProgress * norm(in.exit) * gained >= in.asked;
+    in.stuck = in.no_exit || progressed ? 0 : in.stuck + 1;
     in.progress += (share.empty() ? 1 : std::max(0.0, share[b])) * (in.next_progress - in.progress);
     in.next_progress = in.progress;
   }

@@ -311,14 +311,14 @@ def test_a_run_changes_nothing_for_the_next():
     heavy = scenario("kick_ball", factors={"object.ball.mass": 5.0})
     light = scenario("kick_ball", factors={"object.ball.mass": 0.1})
     first = shop.run(shop.make(heavy))
-    simulator = shop._simulator
+    world = shop._world
     shop.run(shop.make(light))
-    assert shop._simulator is simulator  # its world was used again
+    assert shop._world is world  # it was used again
     assert same(shop.run(shop.make(heavy)), first)
     assert same(workshop().run(shop.make(heavy)), first)
     stronger = scenario("kick_ball", factors={"settings.strength": "human"})
     shop.run(shop.make(stronger))
-    assert shop._simulator is not simulator
+    assert shop._world is not world
 
 
 def test_what_is_kept_stays_little(walk, tmp_path):

@@ -11,7 +11,7 @@ import pytest
 
 from support.paths import ROOT
 
-# The time limits of hypothesis are off: how busy a machine is says nothing about the code.
+# The time limits of hypothesis are off: the machine's load says nothing about the code.
 hypothesis.settings.register_profile(
     "any machine", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
 )
@@ -20,7 +20,7 @@ hypothesis.settings.load_profile("any machine")
 
 @pytest.fixture(scope="session", autouse=True)
 def kept_pieces(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """The cache of decomposed meshes is a folder of this run, not the one in the home folder."""
+    """The cache of decomposed meshes is in a folder of this run, not in the home folder."""
     os.environ["HALFPHYSICS_CACHE"] = str(tmp_path_factory.mktemp("cache"))
 
 
@@ -35,7 +35,7 @@ def shared_data() -> Path:
 
 
 def pytest_terminal_summary(terminalreporter) -> None:
-    """Print what the fuzzer has seen, if HALFPHYSICS_FUZZ is set."""
+    """Print the fuzzer's counts, if HALFPHYSICS_FUZZ is set."""
     fuzzing = sys.modules.get("support.fuzzing")
     if fuzzing is not None and fuzzing.SECONDS > 0.0 and fuzzing.seen:
         terminalreporter.section("fuzzed")

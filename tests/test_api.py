@@ -24,7 +24,7 @@ SETTINGS = (
     "threads record"
 )
 
-# What is called from outside: name -> parameters, * before keyword-only ones.
+# The public callables: name -> parameters, * before keyword-only ones.
 PARAMETERS = {
     "Motion": "translation rotations fps betas gender model axes origin",
     "Motion.load": "path fps up hands model * gender frames clip assets",
@@ -159,7 +159,7 @@ def test_every_setting_has_a_default_and_a_line_of_meaning():
 
 
 def test_the_function_is_not_hidden_by_a_module():
-    """Whatever is imported first, `hp.simulate` is the function."""
+    """After any order of imports, `hp.simulate` is the function."""
     code = (
         "import halfphysics.simulation.simulate, halfphysics.simulation.simulator\n"
         "import halfphysics.results.result\n"

@@ -1,4 +1,4 @@
-"""What the documents and the comments refer to exists."""
+"""References in the documents and the comments are to existing files."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-#: A source or a document in backquotes, with as much of its path as tells it apart.
+#: A source or a document in backquotes, with enough of its path to identify it.
 FILE = re.compile(r"`([\w./-]+\.(?:py|cpp|h|md))`")
 #: A document named in a comment, or a link from one document to another.
 DOCUMENT = re.compile(r"\bdocs/[\w-]+\.md\b")
@@ -54,7 +54,7 @@ def test_documents_that_a_source_names_exist():
     for file in tracked():
         if not file.endswith((".py", ".cpp", ".h", ".md", ".toml", ".sh")):
             continue
-        if file == "CHANGELOG.md":  # names what there was at the time
+        if file == "CHANGELOG.md":  # names files of earlier versions
             continue
         text = (ROOT / file).read_text(encoding="utf-8")
         gone = {name for name in DOCUMENT.findall(text) if not (ROOT / name).is_file()}

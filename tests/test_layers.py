@@ -1,4 +1,4 @@
-"""Imports run one way: the folders of the package and of the native core, and what each may use."""
+"""Imports run one way: folders of the package and of the native core, and allowed imports."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import pytest
 
 from support.imports import Import, cycles, imports, includes, modules
 
-#: Extensions and the version, which lie at the root and import nothing.
+#: Extensions and the version, which are at the root and import nothing.
 ROOT_NAMES = {"_native", "_render", "__version__"}
 
-#: Folder (or module at the root) -> what it may import. Each may name only those above it.
+#: Folder (or module at the root) -> its allowed imports. Each may name only those above it.
 LAYERS = {
     "errors": "",
     "base": "errors",
@@ -54,7 +54,7 @@ LAYERS = {
 }
 
 #: Folder -> its subfolders -> the other subfolders that each may import, of those above it. The
-#: modules beside them are held only to have no cycle.
+#: modules beside them need only be free of cycles.
 SUBFOLDERS = {
     "baselines": {"engine": ""},
     "formats": {"amass": "", "bvh": "", "datasets": "", "results": "amass"},
@@ -107,7 +107,7 @@ def folder(module: str) -> str:
 
 
 def check_order(table: dict[str, str], outside: set[str] = frozenset()) -> None:
-    """What each line names is above it."""
+    """Every line names only those above it."""
     above = set(outside)
     for name, may in table.items():
         assert set(may.split()) <= above, f"{name} may import what is below it"
@@ -133,7 +133,7 @@ def test_every_folder_is_listed():
 
 @pytest.mark.parametrize("layer", LAYERS)
 def test_a_folder_imports_what_it_may(layer):
-    """And all that it may: the table says what is, not what was."""
+    """Every allowed import exists: the table is up to date."""
     used = {
         folder(arrow.target)
         for arrow in imports()
@@ -155,7 +155,7 @@ def test_a_subfolder_imports_what_it_may(layer):
 
 
 def test_what_runs_back_is_named_and_late():
-    """Every exception is still there, and none runs when its module is imported."""
+    """Every exception still exists, and none runs when its module is imported."""
     kinds = defaultdict(set)
     for arrow in imports():
         kinds[arrow.source, arrow.target].add(arrow.kind)

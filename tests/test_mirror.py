@@ -15,7 +15,7 @@ OTHERS = {
     "support": "tests of what the tests share",
     "tools": "mirrors tools/ at the root",
 }
-#: Test files at the root of tests: of the package as a whole.
+#: Test files at the root of tests: about the package as a whole.
 WHOLE = {"test_api.py", "test_docs.py", "test_layers.py", "test_mirror.py"}
 
 
@@ -41,7 +41,7 @@ def test_every_source_file_has_tests():
 
 
 def test_every_line_of_the_list_is_needed():
-    """By a source file that has no tests of its name."""
+    """Each is listed for a source file that has no tests of its name."""
     needed = {line for source in sources() if not own_test(source) for line in lines(source)}
     assert set(COVERED_BY) - needed == set()
 

@@ -1,4 +1,4 @@
-"""Up axes of files: rotations, with up where it belongs."""
+"""Up axes of files: each rotation takes the file's up axis to z."""
 
 from __future__ import annotations
 

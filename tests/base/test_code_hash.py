@@ -1,4 +1,4 @@
-"""Which program this is: a hash of all that decides numbers, and of nothing else."""
+"""The hash of the program: it covers every file that affects numbers, and no other."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from halfphysics.base.code_hash import code_hash
 
 
 def hash_of(folder):
-    """What `program` gives for a copy of the package, in a process of its own."""
+    """The result of `program` for a copy of the package, in its own process."""
     code = "import halfphysics.base.code_hash as p; print(p.__file__, p.code_hash())"
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -28,7 +28,7 @@ def hash_of(folder):
 
 
 def test_any_change_of_the_code_is_another_program(tmp_path):
-    """Not: where it lies, when it was written, what compiling left beside it."""
+    """The hash ignores the folder, the modification times and compiled leftovers."""
     here = Path(halfphysics.__file__).parent
     there = tmp_path / "halfphysics"
     shutil.copytree(here, there, ignore=shutil.ignore_patterns("__pycache__"))
@@ -41,5 +41,5 @@ def test_any_change_of_the_code_is_another_program(tmp_path):
     assert hash_of(tmp_path) != code_hash()
     module.write_bytes(code)
     native = there / Path(find_spec("halfphysics._native").origin).name
-    native.write_bytes(native.read_bytes() + b"\0")  # still what it was to who loads it
+    native.write_bytes(native.read_bytes() + b"\0")  # the loader still reads the same extension
     assert hash_of(tmp_path) != code_hash()

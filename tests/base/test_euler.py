@@ -1,4 +1,4 @@
-"""Angles about the axes: exact as rotations everywhere, and continuous."""
+"""Euler angles: exact as rotations everywhere, and continuous."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.euler import from_angles, smoothest, to_angles
 
 ORDERS = list(itertools.permutations(range(3)))
-# Within this cosine of gimbal lock the first angle is kept: so far it may be off.
+# Within this cosine of gimbal lock the first angle is kept: its error is at most this.
 EXACT = 2e-10
 
 
@@ -46,7 +46,7 @@ def test_there_and_back_with_every_nearness_to_the_lock(axes):
 
 @pytest.mark.parametrize("axes", ORDERS)
 def test_smooth_angles_come_back_as_they_were(axes):
-    """Beyond whole turns and through the lock, where both triples give the same rotation."""
+    """Beyond whole turns and through gimbal lock, where both triples give the same rotation."""
     t = np.linspace(0.0, 1.0, 500)[:, None]
     angles = np.stack([9.0 * t, 7.0 * np.sin(3.0 * t), -8.0 * t + 0.3], axis=-1)
     assert np.abs(angles[..., 1]).max() > 3.0
@@ -62,7 +62,7 @@ def test_what_starts_or_stays_locked_does_not_jump():
 
 
 def test_the_order_with_the_smoothest_angles():
-    """Each of six joints swings past the lock of another order; the still one keeps the usual."""
+    """Each of six joints passes the lock of another order; the still joint keeps the usual one."""
     t = np.linspace(0.0, 1.0, 400)
     turns = np.zeros((400, 7, 4))
     turns[:, 6, 0] = 1.0

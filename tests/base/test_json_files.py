@@ -1,4 +1,4 @@
-"""Small JSON files: one text for one value, whole or not at all, read with care."""
+"""Small JSON files: one text for one value, written atomically, read with checks."""
 
 from __future__ import annotations
 

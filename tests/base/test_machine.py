@@ -1,4 +1,4 @@
-"""What this machine lets us use: cores and memory, of it and of the groups we are in."""
+"""Cores and memory that this process may use: limits of the machine and of its control groups."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_what_the_machine_lets_us_use():
     total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     assert 64 * MIB < machine.memory() <= total
     before = machine.resident()
-    # New pages, whatever has been freed before.
+    # New pages, not memory that was freed before.
     with mmap.mmap(-1, 64 * MIB) as held:
         for at in range(0, len(held), mmap.PAGESIZE):
             held[at] = 1
@@ -30,7 +30,7 @@ def test_what_the_machine_lets_us_use():
 
 @linux
 def test_limits_of_control_groups(tmp_path, monkeypatch):
-    """Of all groups around us the tightest counts."""
+    """The tightest limit of all enclosing control groups counts."""
     own = Path("/proc/self/cgroup").read_text().splitlines()
     path = next((line.removeprefix("0::/") for line in own if line.startswith("0::/")), "")
     monkeypatch.setattr(machine, "_GROUPS", tmp_path)

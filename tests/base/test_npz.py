@@ -1,4 +1,4 @@
-"""Archives and arrays whose headers lie: one message each, whatever is behind them."""
+"""Archives and arrays with false headers: each gives one message, for any data behind them."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_bytes_changed_anywhere(tmp_path, kind):
     said = []
     for trial in range(120):
         damaged = bytearray(content)
-        first = 0 if trial % 2 else content.find(b"PK\x01\x02")  # else among the names
+        first = 0 if trial % 2 else content.find(b"PK\x01\x02")  # else in the directory
         for place in rng.integers(first, len(damaged), 2):
             damaged[place] = rng.integers(256)
         path.write_bytes(damaged)

@@ -1,4 +1,4 @@
-"""Archives in memory: what numpy reads, the same bytes each time, small and quick."""
+"""Archives in memory: readable by numpy, the same bytes each time, small and fast."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_numpy_and_zipfile_read_it(arrays):
         assert archive.testzip() is None
         assert archive.namelist() == [f"{name}.npy" for name in arrays]
         for name, array in arrays.items():
-            # Header and all as numpy writes them.
+            # Equal to numpy's bytes, header included.
             whole = io.BytesIO()
             np.save(whole, array)
             assert archive.read(f"{name}.npy") == whole.getvalue()
@@ -62,7 +62,7 @@ def test_other_orders_of_memory():
 
 
 def test_the_same_bytes_whatever_went_before(monkeypatch):
-    """What was packed before is not packed again, and no other for that."""
+    """An array that was packed before is not packed again, and is not confused with another."""
     rng = np.random.default_rng(0)
     faces = rng.integers(0, 50, (9000, 3)).astype(np.int32)
     vertices = np.repeat(rng.normal(size=(50, 3)), 60, axis=0)

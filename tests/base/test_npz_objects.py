@@ -1,4 +1,4 @@
-"""Archives with pickled members: data comes out, damage and hostile content are refused."""
+"""Archives with pickled members: data is read, damage and hostile content are refused."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_objects_and_arrays_come_out_as_they_went_in(tmp_path):
 
 
 def damaged(path, key):
-    """The compressed bytes of a member replaced by zeros."""
+    """The compressed bytes of a member, replaced by zeros."""
     whole = bytearray(path.read_bytes())
     at = whole.index(f"{key}.npy".encode()) + 60
     whole[at : at + 40] = bytes(40)

@@ -1,4 +1,4 @@
-"""Pickles of strangers: data comes out, anything else is refused and nothing runs."""
+"""Untrusted pickles: data is read, anything else is refused and nothing runs."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def test_hostile_pickles_are_refused_and_do_nothing(name: str, tmp_path: Path) -
 
 
 def test_hostile_pickle_would_have_run(tmp_path: Path) -> None:
-    """The plain unpickler does run it: the test above can fail."""
+    """The plain unpickler does run the payload: the test above can fail."""
     marker = tmp_path / "ran"
     pickle.loads(_hostile(marker)["posix.system"])
     assert marker.exists()

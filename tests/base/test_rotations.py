@@ -10,7 +10,7 @@ from halfphysics.base import rotations as rot
 
 #: Rounding of a handful of products of numbers near one.
 ROUNDING = 1e-14
-#: Angles [rad] at which series, signs or square roots change: none, tiny, half turns, whole turns.
+#: Angles [rad] where series, signs or square roots change: zero, tiny, half turns, whole turns.
 ANGLES = [0.0, 1e-300, 1e-9, 1e-3, 1.0, np.pi - 1e-7, np.pi, 4.0, 2 * np.pi - 1e-3]
 
 
@@ -54,7 +54,7 @@ def test_products_inverses_and_turned_vectors():
 
 @pytest.mark.parametrize("angle", ANGLES)
 def test_matrices_of_any_angle_come_back(angle):
-    """Near half turns w is 0: the largest component decides, whichever it is."""
+    """Near half turns w is 0: the largest component decides the sign."""
     vectors = np.concatenate([np.eye(3), drawn(4, 60)])
     vectors *= angle / np.linalg.norm(vectors, axis=-1, keepdims=True)
     matrices = Rotation.from_rotvec(vectors).as_matrix()

@@ -1,4 +1,4 @@
-"""Stored objects: joblib dumps, numpy files of objects, torch files; never anything that runs."""
+"""Stored objects: joblib dumps, numpy object files, torch files; no code in them runs."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def test_lz4_is_named(tmp_path):
         stored.read(path)
 
 
-# -- numpy files of objects, and what runs -----------------------------------------------------
+# -- numpy files of objects, and code that would run ------------------------------------------
 
 
 def test_object_arrays(tmp_path):
@@ -184,7 +184,7 @@ def test_nothing_is_run(tmp_path, kind):
 def test_pickles_within_pickles_end(tmp_path):
     inner: object = Wrapper(np.array([1], dtype=object))
     body = joblib_dump({"x": inner})
-    # A wrapper of objects whose own pickle is the next wrapper, and so on.
+    # Each wrapper's pickle holds the next wrapper.
     head = body[: body.index(pickle.BUILD) + 1]
     path = tmp_path / "deep.p"
     path.write_bytes(head * 50)

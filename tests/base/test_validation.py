@@ -1,4 +1,4 @@
-"""Single values: what passes, what is refused and what the message says."""
+"""Checks of single values: accepted values, refused values and messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Worker processes: a death costs one item, memory is bounded, nobody is left behind."""
+"""Worker processes: a death costs one item, memory is bounded, no process is left behind."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_memory_is_bounded():
 
 def test_processes_that_never_begin_are_an_error(monkeypatch, capfd):
     with Pool(os.fspath, 2) as pool:
-        # As in a script without a guard: the process ends before it reads what to do.
+        # As in a script without a guard: the process ends before it reads its first order.
         monkeypatch.setattr(workers, "_serve", sys.exit)
         pool.submit("a")
         with pytest.raises(StartError, match="__main__"):
@@ -129,7 +129,7 @@ def test_nobody_is_left_behind(tmp_path, sign):
     while (not log.exists() or len(log.read_text().split()) < 5) and time.monotonic() < deadline:
         time.sleep(0.02)
     if sign == signal.SIGINT:
-        os.killpg(process.pid, sign)  # as a terminal does
+        os.killpg(process.pid, sign)  # as a terminal sends it
     else:
         process.send_signal(sign)
     errors = process.communicate(timeout=10.0)[1].decode()

@@ -1,4 +1,4 @@
-"""Poses that are set: the motion comes out as it went in, through walls and blind to mass."""
+"""Prescribed poses: the motion is unchanged, passes through walls and ignores mass."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ ALL = pytest.mark.parametrize(
 PUSHING = pytest.mark.parametrize(
     "settings", [POSITIONS, INTERPOLATED, FINE], ids=["P", "I", "fine"]
 )
-#: Nothing that leaves people at depenetration_speed is thrown faster than so many times that.
+#: No object that leaves people at depenetration_speed is faster than this multiple of it.
 THROWN = 3.0
 
 
@@ -59,20 +59,20 @@ def track(result, name):
 
 
 def speeds(result, name):
-    """Of an object's origin from frame to frame [m/s]."""
+    """Speed of an object's origin from frame to frame [m/s]."""
     way = np.linalg.norm(np.diff(result.objects[name].position, axis=0), axis=1)
     return way * result.fps
 
 
 def alone(scene, motion, substeps=None):
-    """Poses of the objects at a motion's frames where nobody is: name -> (7,), for every frame."""
+    """Poses of the objects at a motion's frames without people: name -> (7,), for every frame."""
     simulator = Simulator(scene, body=[], settings=Settings(substeps=substeps), fps=motion.fps)
     frames = [simulator.reset([])] + [simulator.step([]) for _ in range(len(motion) - 1)]
     return [{name: np.hstack(pose) for name, pose in f.objects.items()} for f in frames]
 
 
 def walled(wall=True, thickness=0.01):
-    """A wall across the way, a ball in front of it, one that falls behind it, a box far away."""
+    """A wall across the way, a ball in front of it, a falling ball behind it, a box far away."""
     scene = Scene()
     scene.add_static("floor", Plane(), position=(0.0, 0.0, SOLES))
     if wall:
@@ -91,9 +91,9 @@ def test_nobody_is_stopped(body, settings, contact):
     result = simulate(motion, walled(), body=body, settings=settings)
     assert same(result.motion, motion)
     assert result.clearance.min() < -0.005  # in the wall
-    assert result.clearance[-1] > 0.0  # and through
+    assert result.clearance[-1] > 0.0  # and past it
     assert not len(result.contacts[(result.contacts.person == 0) & (result.contacts.other < 2)])
-    # What is measured is the distance of that pose, whoever got there.
+    # The clearance is the distance of that pose, in every mode.
     start = Simulator(walled(), body=body, settings=Settings(contact=contact)).reset(motion[0])
     assert result.clearance[0] == start.clearance
     assert (result.people[0].torque == 0.0).all()
@@ -103,7 +103,7 @@ def test_nobody_is_stopped(body, settings, contact):
 
 @pytest.mark.parametrize("contact", ["skin", "parts"])
 def test_kinematic_people_touch_nothing(body, contact):
-    """Objects live among themselves, as if nobody were there: bit for bit."""
+    """Objects touch only each other, as without people: bit for bit."""
     motion = violent(40)
     settings = dataclasses.replace(KINEMATIC, contact=contact)
     scene = walled()
@@ -113,12 +113,12 @@ def test_kinematic_people_touch_nothing(body, contact):
     expected = alone(scene, motion)
     for name in scene.objects:
         assert np.array_equal(track(result, name), [f[name] for f in expected]), name
-    assert track(result, "falls")[-1, 2] < 0.0  # there is gravity
+    assert track(result, "falls")[-1, 2] < 0.0  # gravity acts
 
 
 @PUSHING
 def test_what_is_not_touched_rests(body, settings):
-    """As it does where nobody is: bit for bit."""
+    """As without people: bit for bit."""
     scene, motion = walled(), along_x(1.0, 40, start=-0.5)
     result = simulate(motion, scene, body=body, settings=settings)
     box = track(result, "box")
@@ -128,7 +128,7 @@ def test_what_is_not_touched_rests(body, settings):
 
 
 def kicked(body, mass, **settings):
-    """Fastest speed of a weightless ball after a kick that stays out [m/s]."""
+    """Fastest speed of a weightless ball after a kick that ends outside it [m/s]."""
     scene = before_the_foot(body, mass, radius=0.11, ahead=0.39, height=0.2)
     motion = swing(body, 30.0, back=False)
     return speeds(simulate(motion, scene, body=body, settings=from_options(settings)), "ball").max()
@@ -195,18 +195,18 @@ def test_what_interpolated_means(body, substeps):
         expected = rot.multiply(quats[t], rot.exp(share[:, None, None] * turn))
         found = rot.exp(recorded.rotations[rows])
         away = rot.log(rot.multiply(rot.conjugate(expected), found))
-        # Half turns from a frame to the next may be made either way round.
+        # Half turns between frames may take either way round.
         short = np.linalg.norm(turn, axis=-1) < np.pi - 1e-6
         assert short.mean() > 0.9
         np.testing.assert_allclose(away[:, short], 0.0, atol=1e-9)
-    # Objects are recorded at the substeps, too; the last of a frame is the frame.
+    # Objects are also recorded at the substeps; the last of a frame is the frame.
     assert np.array_equal(
         result.substeps.objects["falls"].position[::n], result.objects["falls"].position
     )
 
 
 def test_positions_jump(body, tmp_path):
-    """Once a frame, however far: the pose stands in all substeps of the frame."""
+    """Once per frame, at any distance: the pose holds in all substeps of the frame."""
     motion = along_x(20.0, 6, start=-2.0)
     settings = dataclasses.replace(POSITIONS, record="substeps")
     result = simulate(motion, walled(), body=body, settings=settings)
@@ -224,7 +224,7 @@ def test_positions_jump(body, tmp_path):
 
 @ALL
 def test_a_state_is_all(body, settings):
-    """In the middle of it all; frame by frame is what `simulate` does."""
+    """A state in the middle of contacts; stepping frame by frame equals `simulate`."""
     motion, scene = swing(body, 30.0), before_the_foot(body, 0.5)
     simulator = Simulator(scene, body=body, settings=settings, fps=motion.fps)
     result = simulate(motion, scene, body=body, settings=settings)
@@ -248,7 +248,7 @@ def test_a_state_is_all(body, settings):
 @PUSHING
 @pytest.mark.parametrize("contact", ["skin", "parts"])
 def test_nothing_is_thrown(body, settings, contact):
-    """Wild limbs among weightless things: pushed by many hulls at once, none flies off."""
+    """Wild limbs among weightless objects: many hulls push at once, none flies off."""
     rng = np.random.default_rng(5)
     scene = Scene(gravity=0.0)
     shapes = [Sphere(0.1), Box((0.2, 0.2, 0.2)), Box((0.6, 0.05, 0.4)), Box((0.1, 1.0, 0.1))]
@@ -269,14 +269,14 @@ def test_nothing_is_thrown(body, settings, contact):
     for name in scene.objects:
         assert np.isfinite(track(result, name)).all()
         touched += speeds(result, name).max() > 0.1
-        # It may leave several times, each adding as much.
+        # It may leave several times, each adding the full speed.
         assert speeds(result, name).max() < 4.0 * THROWN * settings.depenetration_speed, name
     assert touched == len(scene.objects)
 
 
 @PUSHING
 def test_what_is_squeezed(body, settings):
-    """A ball between somebody who glides at 0.5 m/s and a wall: pushed, jammed, left behind."""
+    """A ball between a wall and a person gliding at 0.5 m/s: pushed, jammed, left behind."""
     scene = Scene()
     scene.add_static("floor", Plane(), position=(0.0, 0.0, SOLES))
     scene.add_static("wall", Box((0.2, 4.0, 4.0)), position=(0.6, 0.0, 0.0))
@@ -286,7 +286,7 @@ def test_what_is_squeezed(body, settings):
     assert same(result.motion, motion)
     ball = result.objects["ball"].position
     assert speeds(result, "ball").max() < 4.0 * settings.depenetration_speed
-    # The wall keeps it out, and so does the floor.
+    # The wall and the floor keep the ball out.
     assert ball[:, 0].max() < 0.5 - 0.15 + 1e-4
     assert ball[:, 2].min() > SOLES + 0.15 - 1e-4
     found = metrics.penetration(result.motion, body, scene, objects=result.objects, threads=2)
@@ -329,7 +329,7 @@ def test_a_door_is_opened(body, settings):
 
 @ALL
 def test_trajectories_and_sleepers(body, settings):
-    """What is on a trajectory and who is set pass each other; what sleeps wakes when pushed."""
+    """Kinematic objects and prescribed people pass each other; a pushed sleeper wakes."""
     path = np.array([[1.0, MIDDLE, 0.0], [-1.0, MIDDLE, 0.0]])
     scene = Scene(gravity=0.0)
     scene.add_moving("cart", Box((0.4, 0.4, 0.4)), path, fps=1.0)
@@ -375,7 +375,7 @@ def test_nothing_is_held(body):
 
 
 def test_a_start_in_a_wall_is_no_news(body):
-    """There is nothing that would push anybody out, and nothing is promised."""
+    """No contact would push a person out, so no promise is broken."""
     import warnings
 
     with warnings.catch_warnings():

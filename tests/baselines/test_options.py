@@ -1,4 +1,4 @@
-"""Flat options of the command line, sweeps and result files, and the settings that they make."""
+"""Flat options of the command line, sweeps and result files, and the resulting settings."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_half_physics_is_plain_settings():
 
 
 def test_options_of_torques_count_with_torques_alone():
-    """Files from before baselines had settings of their own always have them."""
+    """Files from before the baselines had own settings always contain them."""
     assert from_options({"torque_frequency": 50.0}) == hp.Settings()
     assert from_options({"mode": "torque", "torque_frequency": 50.0}) == Torque(frequency=50.0)
 

@@ -1,4 +1,4 @@
-"""Settings of the baselines refuse what they do not have."""
+"""Settings of the baselines refuse options of other modes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`halfphysics bench`: it runs, its records are complete, and the peer does the work we do."""
+"""`halfphysics bench`: it runs, its records are complete, and the peer does the same work."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def clip(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def measured(clip, tmp_path_factory):
-    """What one quick run of all cases writes."""
+    """The files that one quick run of all cases writes."""
     out = tmp_path_factory.mktemp("bench") / "bench.json"
     arguments = ["bench", "--quick", "--repeats", "1", "--motion", str(clip), "--json", str(out)]
     assert main(arguments) == 0
@@ -81,7 +81,7 @@ def test_all_cases_leave_complete_records(measured):
     assert set(SETTINGS) == set(bench.CASES)
     for case, count in SETTINGS.items():
         records = [r for r in measured["records"] if r["case"] == case]
-        # The clip given doubles the cases that play clips.
+        # The given clip doubles the cases that play clips.
         assert len(records) == count * (2 if case in ("free", "live", "stepper") else 1)
         assert len({r["setting"] for r in records}) == len(records)
         for record in records:
@@ -128,7 +128,7 @@ def test_sweeps_make_all_samples_and_their_parts_are_the_whole(measured):
     }
     parts = {k: r["ours"][0] for k, r in records.items() if r["case"] == "sweep-parts"}
     whole = 1.0 / records["3 variants, one process; peer: simulate alone"]["ours"][0]
-    # Reading the clip, once, is in the whole only.
+    # Reading the clip, once, counts only toward the total.
     assert 0.2 * whole < sum(parts.values()) < 1.5 * whole
 
 
@@ -153,7 +153,7 @@ def test_what_presses_touches_and_does_not_go_in(measured):
 
 
 def test_skin_and_parts_are_told_apart():
-    """Each side's own hulls are what is clear: the skin over rigid parts meets what stands."""
+    """Each side keeps its own hulls clear: the skin over rigid parts touches static geometry."""
     who, scene = clips.body(), sofa.boxes()
     motion = sofa.sitting(who, floor=0.0)[20:50]
     skin, parts = (
@@ -163,7 +163,7 @@ def test_skin_and_parts_are_told_apart():
     judge = SkinJudge(who, scene)
     assert judge.judge_result(skin, every=5, coal_every=5).clear
     assert not judge.judge_result(parts, every=5, coal_every=5).clear
-    # The measure in the table can say no.
+    # The measure in the table can fail.
     assert inside(who, scene, skin.motion, skin.objects) == 0.0
     assert inside(who, scene, motion, {}) > 1.0
 
@@ -197,7 +197,7 @@ def test_suitcase_and_glass_are_lifted_and_stay_in_the_hands(measured):
 
 
 def test_slip_is_measured_where_the_hand_has_the_thing():
-    """A hand that turns with its thing does not slip; one that leaves it does."""
+    """An object that turns with the hand does not slip; one that leaves the hand does."""
     turn = rot.exp(np.linspace([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 5))
     arm = np.array([0.1, 0.0, 0.0])
     hand = np.linspace([0.0, 0.0, 0.0], [0.0, 0.3, 0.0], 5)
@@ -222,7 +222,7 @@ def test_grasp_begins_clear_and_ends_in_the_air():
     assert "box" in names
     assert "stand" not in names
     assert grasp.held_by_both(result) == 1.0
-    # A box that nobody touches: the measure can say no.
+    # A box without contact: the measure can fail.
     away = play.motion.with_frames(
         play.motion.translation - np.array([2.0, 0.0, 0.0]), play.motion.rotations
     )
@@ -240,7 +240,7 @@ def test_the_room_is_closed_and_its_pieces_are_convex(triangles):
         vertices, faces = room.rounded_box(piece, 0.1)
         mesh = Mesh(vertices, faces)
         assert mesh.closed
-        # The sides between rounded edges are flat or bulge: the hull adds nothing but chords.
+        # The sides between rounded edges are flat or bulge: the hull adds only chords.
         assert mesh.volume == pytest.approx(mesh.hull.volume, rel=2e-3)
         assert mesh.volume > 0.0
         low, high = vertices.min(axis=0), vertices.max(axis=0)
@@ -262,7 +262,7 @@ def test_what_stands_off_is_a_metre_off():
     ids=lambda shape: type(shape).__name__,
 )
 def test_the_peer_has_the_scene_where_ours_has_it(shape):
-    """The smallest distance to a turned thing is what our own core says."""
+    """The smallest distance to a rotated object equals our own core's."""
     import mujoco
 
     who = clips.body()
@@ -279,7 +279,7 @@ def test_the_peer_has_the_scene_where_ours_has_it(shape):
     qpos = peer.coordinates(motion.translation, motion.rotations, motion.axes)
     data.qpos[:] = qpos[0]
     mujoco.mj_kinematics(model, data)
-    it = 0  # geoms are numbered by body, and the world is the first
+    it = 0  # geoms are numbered by body, and the world comes first
     assert model.geom_bodyid[it] == 0
     if isinstance(shape, Plane):
         normal, points = data.geom_xmat[it].reshape(3, 3)[:, 2], who.vertices(motion)[0]
@@ -366,7 +366,7 @@ def test_one_table_per_case(clip, capsys):
     assert "free: " not in out
     assert "ours [frames/s]" in out
     assert "ours/parts" in out
-    assert "ours/peer" not in out  # neither has one
+    assert "ours/peer" not in out  # neither run has a peer
 
 
 def test_mistakes(tmp_path, capsys):

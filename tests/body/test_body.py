@@ -1,4 +1,4 @@
-"""Body: what its joints and vertices are, checked in closed form."""
+"""Body: its joints and vertices, checked in closed form."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def test_axes_turn_a_file_about_the_world_origin(licensed: Body) -> None:
         licensed.rest_joints[0] @ axes.T + z_up.translation,
         rtol=0, atol=ROUNDING,
     )  # fmt: skip
-    # Any turn, of a single pose, and of something that has no axes at all.
+    # Any turn, of a single pose, and of a motion without axes.
     axes = rot.rotvec_to_matrix(rng.normal(size=3))
     pose = Pose(np.ones(3), np.zeros((55, 3)), axes)
     np.testing.assert_allclose(

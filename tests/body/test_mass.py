@@ -86,14 +86,14 @@ def test_dense_rays_agree_with_sparse_ones() -> None:
 
 
 def test_a_finger_tip_is_solid() -> None:
-    # Two rays across at the pitch, six where dense: still a centre to 0.1 mm.
+    # Two rays across at the coarse pitch, six at the dense one: the centre is exact to 0.1 mm.
     vertices, faces = sphere(1.0)
     vertices = vertices * [0.02, 0.006, 0.006] + [0.7, 0.1, 0.0]
     solid = solid_parts(vertices, faces, np.zeros(len(vertices), dtype=int), 1, [0])
     volume, centre, inertia = solid_moments(vertices, faces)
     assert solid.total == pytest.approx(volume, rel=1e-12)
     np.testing.assert_allclose(solid.centroid[0], centre, atol=1e-4)
-    # Six rays across are good for 4 %; samples taken for boxes twice too big would add 14 %.
+    # Six rays across are accurate to 4 %; samples of boxes twice too big would add 14 %.
     assert solid.moment[0, 0, 0] == pytest.approx(inertia[0, 0], rel=0.05)
     np.testing.assert_allclose(solid.moment[0], inertia, atol=0.01 * np.trace(inertia))
 
@@ -141,7 +141,7 @@ def test_a_closed_surface_is_returned_as_it_is() -> None:
 
 
 def test_pieces_keep_to_themselves() -> None:
-    """An eye in its socket takes nothing of the head around it, and an inner shell holds none."""
+    """An eye in its socket removes nothing from the head around it; an inner shell has no mass."""
     head, eye = sphere(0.1), sphere(0.012, 12)
     shell = (sphere(0.03, 12)[0], sphere(0.03, 12)[1][:, ::-1])
     vertices, faces = together(head, (eye[0] + [0.05, 0, 0], eye[1]), shell)

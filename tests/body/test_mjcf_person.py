@@ -1,4 +1,4 @@
-"""The parts in MuJoCo: where joints are, what they weigh, and that stock MuJoCo runs them."""
+"""The parts in MuJoCo: their joints and masses, and that standard MuJoCo runs them."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def model(text: str) -> mujoco.MjModel:
 
 
 def forward(rest: Array, position: Array, local: Array) -> tuple[Array, Array]:
-    """World positions (55, 3) and matrices (55, 3, 3) of joints, as SMPL-X has them."""
+    """World positions (55, 3) and matrices (55, 3, 3) of joints, by SMPL-X's rules."""
     turns = rotations.to_matrix(local)
     places, frames = np.empty((N_JOINTS, 3)), np.empty((N_JOINTS, 3, 3))
     places[0], frames[0] = position, turns[0]
@@ -88,7 +88,7 @@ def test_joints_are_where_the_body_has_them(
 @settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 2**31))
 def test_velocities_are_of_the_joints_named(seed: int, model: mujoco.MjModel) -> None:
-    """A velocity at a joint's dof turns that joint and what hangs on it, in its own axes."""
+    """A velocity at a joint's dof turns that joint and its subtree, in its own axes."""
     rng = np.random.default_rng(seed)
     at, data = addresses(model), mujoco.MjData(model)
     local = rotations.exp(rng.normal(size=(N_JOINTS, 3)))
@@ -144,7 +144,7 @@ def test_stock_mujoco_steps_it(model: mujoco.MjModel, variant: Variant) -> None:
         mujoco.mj_step(model, data)
     mujoco.mj_forward(model, data)
     assert not any(w.number for w in data.warning)
-    # Nothing but gravity: half g t^2 after 0.5 s, and one step's worth of Euler.
+    # Gravity alone: half g t^2 after 0.5 s, and one step's error of Euler.
     fallen = 0.5 * 9.81 * data.time * (data.time + model.opt.timestep)
     assert start - com_height() == pytest.approx(fallen, rel=1e-4)
 
@@ -193,7 +193,7 @@ def test_two_people_by_prefix(variant: Variant) -> None:
 
 
 def test_bodies_are_numbered_depth_first(model: mujoco.MjModel) -> None:
-    """Why `addresses` exists: MuJoCo's order is not the order of the joint names."""
+    """The reason for `addresses`: MuJoCo's order is not the order of the joint names."""
     at = addresses(model)
     assert [model.body(int(i)).name for i in at.body] == list(JOINT_NAMES)
     assert list(at.body) != sorted(at.body)

@@ -1,4 +1,4 @@
-"""Model files of SMPL-X, SMPL-H and SMPL, made up and written in their layouts."""
+"""Synthetic model files of SMPL-X, SMPL-H and SMPL, written in their layouts."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_every_layout_skins_as_its_own_equations_say(
     if suffix == "npz":
         write_npz(path, content)
     else:
-        # As the makers' pickles are: sparse regressor, chumpy arrays.
+        # As in the original pickles: sparse regressor, chumpy arrays.
         content = {
             **content,
             "J_regressor": sp.csc_matrix(content["J_regressor"]),
@@ -114,7 +114,7 @@ def test_betas_of_any_length(model: str, columns: int, shape: int, tmp_path: Pat
     np.testing.assert_array_equal(more.rest_vertices, body.rest_vertices)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        Body.load(path, betas=[*betas[:shape], 0.0, 0.0])  # nothing is lost: no warning
+        Body.load(path, betas=[*betas[:shape], 0.0, 0.0])  # no shape component is lost: no warning
 
 
 @pytest.mark.parametrize(
@@ -181,7 +181,7 @@ def test_template_replaces_the_mean(tmp_path: Path) -> None:
     ply, obj = tmp_path / "s1.ply", tmp_path / "s1.obj"
     mesh.export(ply)
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in template.astype(float)]
-    # Texture seams: a corner of its own for every triangle.
+    # Texture seams: every triangle has its own corners.
     seams = [f"vt {i} 0" for i in range(6)] + ["vn 0 0 1"]
     corners = [
         f"f {a + 1}/{i % 6 + 1}/1 {b + 1}/1/1 {c + 1}/2/1"
@@ -378,7 +378,7 @@ def test_npz_made_of_a_pickles_dict(tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"field 'J_regressor'.*unsafe"):
         Body.load(write_npz(tmp_path / "c.npz", hidden))
     assert not (tmp_path / "ran").exists()
-    # An object in a field that is not needed is not even looked at.
+    # An object in an unused field is not read.
     hidden = {**content, "part2num": np.array(Hostile(), dtype=object)}
     np.testing.assert_array_equal(
         Body.load(write_npz(tmp_path / "d.npz", hidden)).rest_joints, plain.rest_joints

@@ -1,4 +1,4 @@
-"""Hulls of points, plenty, few, flat or none."""
+"""Hulls of many, few, flat or no points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The 55 rigid parts of the default body, of its shapes, and of stranger skins."""
+"""The 55 rigid parts of the default body, of its shapes, and of unusual skins."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def skin(body: Any, **changes: Any) -> SimpleNamespace:
 
 
 def check(variant: Variant) -> None:
-    """What holds for the variant of any body."""
+    """Properties of the variant of any body."""
     assert tuple(part.name for part in variant.parts) == JOINT_NAMES
     assert [part.index for part in variant.parts] == list(range(N_JOINTS))
     for part in variant.parts:
@@ -101,7 +101,7 @@ def test_offsets_lead_back_to_the_joints(body: Body, variant: Variant) -> None:
 
 
 def test_whole_body_has_the_moments_of_the_skin(body: Body, variant: Variant) -> None:
-    """The parts together against the exact integrals over the triangles."""
+    """The sum of the parts against the exact integrals over the triangles."""
     volume, centre, inertia = solid_moments(body.rest_vertices, body.faces)
     assert variant.volume == pytest.approx(volume, rel=1e-9)
     assert variant.mass == pytest.approx(volume * DENSITY, rel=1e-3)
@@ -125,7 +125,7 @@ def test_segments_beside_de_leva(variant: Variant) -> None:
         assert low < got[name] < high, name
     sides = {name: 1 if name in ("head + neck", "trunk") else 2 for name in SEGMENTS}
     assert sum(sides[n] * got[n] for n in SEGMENTS) == pytest.approx(100.0, abs=1e-6)
-    # Where the planes at hip and shoulder lie matters no more once both their sides are summed.
+    # The planes at hip and shoulder have no effect once both their sides are summed.
     together = got["trunk"] + 2.0 * (got["thigh"] + got["upper arm"])
     assert together == pytest.approx(77.2, abs=1.5)  # men 77.20, women 77.23
 
@@ -181,7 +181,7 @@ def test_same_body_same_bytes(body: Body, variant: Variant) -> None:
 
 
 def test_joints_without_skin_are_empty_and_light(body: Body, variant: Variant) -> None:
-    """As of SMPL: no fingers, jaw or eyes; their skin is the wrist's and the head's."""
+    """SMPL has no fingers, jaw or eyes; their skin belongs to the wrist and the head."""
     weights = np.array(body.weights, dtype=np.float64)
     joints = np.array(body.rest_joints)
     for i in range(N_JOINTS - 1, 21, -1):

@@ -1,4 +1,4 @@
-"""Hulls of the skin: whole faces, the same every time, any topology, tight where things touch."""
+"""Hulls of the skin: whole faces, reproducible, any topology, tight where contacts occur."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from support.judges import hull_gap
 
 #: Skinned coordinates of order 1 m and hull planes through them: 1e-15, with room.
 ROUNDING = 1e-12
-#: Visible gap at first contact [m]: what 1 mm of clearance leaves of 1.5 and 6 mm.
+#: Visible gap at first contact [m]: 1.5 and 6 mm, less 1 mm of clearance.
 MEDIAN, P95 = 0.5e-3, 5e-3
 
 
@@ -43,7 +43,7 @@ def loaded(request, tmp_path_factory) -> Body:
 
 
 def check(hulls: SkinHulls, faces: np.ndarray, weights: np.ndarray) -> None:
-    """Everything that is promised of the sets of a skin."""
+    """All guaranteed properties of a skin's vertex sets."""
     sets = hull_gap.split(hulls) if len(hulls.part) else []
     assert len(hulls.part) + 1 == len(hulls.first)
     assert hulls.first[0] == 0
@@ -79,7 +79,7 @@ def test_of_every_model(loaded):
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**31), st.integers(0, 60), st.integers(3, 40), st.integers(0, 4))
 def test_of_any_topology(seed, count, vertices, kind):
-    """Few faces or none, degenerate and repeated ones, flat skins, single points and joints."""
+    """Few or no faces, degenerate and repeated ones, flat skins, single points and joints."""
     rng = np.random.default_rng(seed)
     faces = rng.integers(0, vertices, (count, 3))
     weights = rng.random((vertices, N_JOINTS)) ** 8
@@ -124,7 +124,7 @@ def test_the_same_for_all_shapes():
 @pytest.mark.slow
 @pytest.mark.parametrize("threads", ["1", "4"])
 def test_cut_beforehand_is_cut_now(body, threads):
-    """What is in the package, byte by byte, whatever the threads: else run tools/cut_body.py."""
+    """The packaged cut, byte by byte, for any number of threads: else run tools/cut_body.py."""
     code = (
         "import hashlib; from halfphysics import Body; "
         "from halfphysics.body.skin_hulls import bake; "
@@ -146,7 +146,7 @@ def test_cut_beforehand_is_cut_now(body, threads):
 
 @pytest.mark.parametrize("noise", [1e-14, 1e-10])
 def test_rounding_does_not_choose_a_cut(body, noise):
-    """A body's sides mirror each other, and other machines add up in another order."""
+    """A body's sides mirror each other, and other machines sum in another order."""
     faces, rest = body.faces.astype(np.int64), body.mean_vertices
     moved = rest + noise * np.random.default_rng(0).normal(size=rest.shape)
     cut = cut_faces(faces, body.weights, moved, body.mean_joints)
@@ -154,7 +154,7 @@ def test_rounding_does_not_choose_a_cut(body, noise):
 
 
 def test_another_skin_is_cut_anew(body):
-    """What was cut beforehand is for that skin only."""
+    """The precomputed cut is for that skin only."""
     faces = body.faces[:-1]
     hulls = skin_hulls(faces, body.weights, body.mean_vertices, body.mean_joints)
     check(hulls, faces, body.weights)
@@ -180,7 +180,7 @@ def any_pose(rng) -> Pose:
 
 
 def outside(hull: ConvexHull, points: np.ndarray) -> np.ndarray:
-    """Distance [m] of points (n, 3) over the hull's highest plane; negative inside."""
+    """Distance [m] of points (n, 3) above the hull's highest plane; negative inside."""
     normals, offsets = hull.equations[:, :3], hull.equations[:, 3]
     return (points @ normals.T + offsets).max(axis=1)
 
@@ -206,7 +206,7 @@ def test_hulls_hold_all_skin_at_any_pose(body, which, seed):
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 2**31), st.sampled_from([0.0, 1e-4, 1e-3]))
 def test_left_out_vertices_are_inside_at_every_pose(seed, size):
-    """One cloud of points that few weights share, with pose blend shapes as strong as `size`."""
+    """A cloud of points with a few shared weights, and pose blend shapes as strong as `size`."""
     rng = np.random.default_rng(seed)
     vertices = 120
     rest = rng.normal(scale=0.1, size=(vertices, 3))
@@ -240,13 +240,13 @@ def test_left_out_vertices_are_inside_at_every_pose(seed, size):
 
 
 def test_many_vertices_are_left_out(body):
-    """Feet and head are mostly rigid: what is inside them is not looked at in every contact."""
+    """Feet and head are mostly rigid: contacts skip the vertices inside them."""
     assert len(body.skin_corners.vertex) < 0.8 * len(body.skin_hulls.vertex)
     np.testing.assert_array_equal(body.skin_corners.part, body.skin_hulls.part)
 
 
 def within(found: hull_gap.Gaps) -> tuple[float, float]:
-    """The worse of pole and edge: median and 95th percentile [m]."""
+    """The larger of pole and edge: median and 95th percentile [m]."""
     gaps = [found.gap[found.pole == kind] for kind in (True, False)]
     assert min(map(len, gaps)) > 100
     assert min(g.min() for g in gaps) > -ROUNDING, "skin that sticks out of the hulls"
@@ -274,7 +274,7 @@ def test_the_gap_that_is_seen_in_motions(body, shared_data):
 
 @pytest.mark.slow
 def test_the_gap_of_another_shape(body):
-    """The cut is the mean shape's: it fits others nearly as well."""
+    """The cut is the mean shape's: it fits other shapes nearly as well."""
     poses = list(hull_gap.bends().values())
     for betas in np.array([[3.0, 0.0], [-3.0, 0.0], [0.0, 3.0], [0.0, -3.0]]):
         other = Body.default(betas)
@@ -285,7 +285,7 @@ def test_the_gap_of_another_shape(body):
 
 @pytest.mark.slow
 def test_the_gap_of_a_body_without_fingers_and_face(body):
-    """As SMPL has it: each hand is one part, and so is the head."""
+    """As in SMPL: each hand is one part, and so is the head."""
     weights = body.weights.copy()
     for joint, gone in ((20, LEFT_HAND_JOINTS), (21, RIGHT_HAND_JOINTS), (15, FACE_JOINTS)):
         weights[:, joint] += weights[:, gone].sum(axis=1)

@@ -1,4 +1,4 @@
-"""The native skinning against its numpy reference, and its promises on bytes."""
+"""The native skinning against its numpy reference, and its guarantees on bytes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def make_rotations(frames: int = FRAMES, seed: int = 1) -> np.ndarray:
     rng = np.random.default_rng(seed)
     turns = rng.normal(size=(frames, 55, 3))
     turns[:, 30:40] = 0.0  # joints that never turn
-    turns[1:, 4] = 0.0  # one that turns in the first frame only
+    turns[1:, 4] = 0.0  # one joint that turns in the first frame only
     turns[0, 5] *= 1e-9
     turns[0, 6] *= 40.0  # many turns
     turns[0, 7] = [np.pi, 0.0, 0.0]
@@ -118,7 +118,7 @@ def test_same_bytes_for_any_threads_batch_and_subset(skin: skinning.Skin) -> Non
 
 
 def test_translation_passes_through(skin: skinning.Skin) -> None:
-    """Far from the origin the skin keeps its form: nothing is blended but turns."""
+    """Far from the origin the skin keeps its form: translation does not enter the blending."""
     turns = make_rotations(3)
     near = skinning.kinematics(turns, np.zeros((3, 3)), skin.rest_joints)
     far = skinning.kinematics(turns, np.full((3, 3), 4096.0), skin.rest_joints)

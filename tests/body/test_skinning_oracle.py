@@ -16,7 +16,7 @@ from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
 
 SAMPLES, BATCH = 100, 10
 
-# What is asked for of a reader as it is: its skinning runs in double precision, its joint regressor
+# The unmodified reader: its skinning runs in double precision, its joint regressor
 # in single, and an error in a joint adds up along the limb.
 AS_SHIPPED = 1e-6
 SINGLE_PRECISION_JOINTS = 2e-7  # two or three roundings of a coordinate of a metre
@@ -33,7 +33,7 @@ def model_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     count = len(fields["v_template"])
     directions = np.zeros((count, 3, 400), dtype=np.float32)
     directions[:, :, :10] = fields["shapedirs"][:, :, :10]
-    directions[:, :, 300:310] = 0.01  # expressions: must not be taken for shape
+    directions[:, :, 300:310] = 0.01  # expressions: must not be read as shape
     posedirs = rng.standard_normal((count, 3, 486), dtype=np.float32)
     posedirs *= 0.003
     path = tmp_path_factory.mktemp("models") / "SMPLX_NEUTRAL.npz"
@@ -48,7 +48,7 @@ def model_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
         posedirs=posedirs,
         hands_meanl=np.zeros(45),
         hands_meanr=np.zeros(45),
-        # A pickled dict, as in the real file: the oracle needs it, we must not.
+        # A pickled dict, as in the real file: the oracle needs it, our reader must not.
         joint2num=np.array({name: i for i, name in enumerate(JOINT_NAMES)}, dtype=object),
     )
     return path
@@ -56,7 +56,7 @@ def model_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Samples:
-    """Random people in random poses, and what the oracle takes of them."""
+    """Random people in random poses, and the oracle's inputs for them."""
 
     rotations: np.ndarray
     translation: np.ndarray
@@ -119,6 +119,6 @@ def test_vertices_and_joints_equal_body_models(
             np.testing.assert_allclose(
                 rot.to_matrix(quaternions), frames[i, :, :3, :3], rtol=0, atol=tolerance
             )
-    # The pose blend shapes are in it: without them vertices would be off by millimetres.
+    # The pose blend shapes are included: without them vertices would differ by millimetres.
     bare = dataclasses.replace(body, posedirs=None)
     assert np.abs(bare.vertices(pose) - vertices[-1]).max() > 1e-3

@@ -2,11 +2,10 @@
 
     PYTHONPATH=tests python -m campaigns.clear [--contact skin] [--data DATA] --log rows.jsonl
                            [--seconds 600] [--shard 0/2] [--only room] [--case ID] [--summary]
-
-Judged are the pieces that the core keeps clear (`clear_judge`): hulls of the skin, or the rigid
-parts; `campaigns.skin` judges the skin itself in the same throws and rooms. Cases come in a fixed
-shuffled order, so any part of the campaign is a fair sample; what the log has is not run again.
-`PYTHONPATH` chooses the build that is judged.
+The judge checks the pieces that the core keeps clear (`clear_judge`): hulls of the skin, or
+the rigid parts; `campaigns.skin` judges the skin itself in the same throws and rooms. Cases have
+a fixed shuffled order, so any part of the campaign is a fair sample; logged cases are not
+run again. `PYTHONPATH` chooses the build that is judged.
 """
 
 from __future__ import annotations
@@ -44,14 +43,14 @@ THROW_STEPS = tuple(
 )
 CLIP_STEPS = tuple(product((30.0, 60.0, 120.0), (1, 4, 8, 16)))
 CLIP_SPEEDS = (1.0, 2.0, 4.0)
-#: Of the time, and of the steps (N >= 8, joints up to 5 m/s), of a clip.
+#: Limits for a clip, relative to the time and to the steps (N >= 8, joints up to 5 m/s).
 LOST, SHORTENED = 0.005, 0.01
 
 
 @dataclass(frozen=True)
 class Case:
     """One run. `what`: pose or clip; `where`: obstacle or seed of the room; `speed`: of the root
-    [m/s], or how many times as fast as the clip."""
+    [m/s], or a factor on the clip's speed."""
 
     kind: str
     what: str
@@ -99,7 +98,7 @@ def room_cases(data):
 
 @cache
 def all_cases(data):
-    """Shuffled; throws and rooms take turns, so that any beginning has as many of both."""
+    """Shuffled; throws and rooms alternate, so that any beginning has as many of both."""
     kinds = [throw_cases(), room_cases(data) if data is not None else []]
     ranked = [(rank, case) for cases in kinds for rank, case in enumerate(sorted(cases, key=_seed))]
     return [case for rank, case in sorted(ranked, key=lambda r: (r[0], r[1].kind))]
@@ -118,7 +117,7 @@ def clips(data):
         if path.suffix not in (".npz", ".bvh"):
             continue
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", HalfPhysicsWarning)  # what BVH joints were matched
+            warnings.simplefilter("ignore", HalfPhysicsWarning)  # matched BVH joints
             motion = Motion.load(path)
         found[path.stem] = motion.grounded(_body(), z=0.002)
     return found
@@ -151,7 +150,7 @@ def run(case, data=None, contact="skin"):
         record="substeps",
     )
     simulator = Simulator(scene, body=_body(), settings=settings, fps=case.fps)
-    simulator.world.stepper.keep_pieces(True)  # the judge sees whatever is committed
+    simulator.world.stepper.keep_pieces(True)  # the judge sees every committed pose
     begin = time.perf_counter()
     simulator.reset(motion[0])
     frames = [simulator.step(motion[t]) for t in range(1, len(motion))]
@@ -191,7 +190,7 @@ def _mm(x):
 
 
 def not_clear(row):
-    """Where a row breaks the promise that nothing passes through: texts, none if it does not."""
+    """Texts for each violation of "nothing passes through"; none if there is none."""
     if row["ok"]:
         return []
     gap = "no" if row["gap_mm"] is None else f"{row['gap_mm']:.4f}"
@@ -202,7 +201,7 @@ def not_clear(row):
 
 
 def held_back(row):
-    """Where a clip is held back more than it may be: time lost, steps shortened."""
+    """Texts for a clip held back more than allowed: time lost, steps shortened."""
     out = []
     if row["kind"] == "room":
         if row["lost"] > LOST:
@@ -254,7 +253,7 @@ def read(log):
 
 
 def campaign(cases, data, log, contact="skin", seconds=np.inf, run=run):
-    """Runs what the log has not; appends to it; all its rows of these cases.
+    """Runs the cases missing in the log and appends them; returns all rows of these cases.
 
     run: (case, data, contact) -> row with at least "id" and "contact".
     """
@@ -278,7 +277,7 @@ def campaign(cases, data, log, contact="skin", seconds=np.inf, run=run):
 
 
 def options_of(doc, log, **more):
-    """A parser for a campaign's command line; `more`: options of its own, with their keywords."""
+    """A parser for a campaign's command line; `more`: additional options, with their keywords."""
     p = argparse.ArgumentParser(description=doc.splitlines()[0])
     p.add_argument("--contact", choices=CONTACTS, default="skin")
     p.add_argument("--data", type=Path, default=os.environ.get("HALFPHYSICS_TEST_DATA"))
@@ -296,9 +295,9 @@ def options_of(doc, log, **more):
 
 
 def rows_of(options, cases, run):
-    """Runs what was asked for of the cases and says what came of it; the cases and their rows.
+    """Runs the requested cases and prints the results; returns the cases and their rows.
 
-    With `--case` that one's row is printed, and there are none.
+    With `--case` it prints that case's row and returns no rows.
     """
     if options.case:
         case = next(c for c in cases if c.id == options.case)
@@ -312,7 +311,7 @@ def rows_of(options, cases, run):
 
 
 def complain(rows, complaints):
-    """A line for everything that is wrong."""
+    """One line per complaint."""
     for row in rows:
         for text in complaints(row):
             print(f"{row['id']}: {text}")

@@ -5,8 +5,8 @@
         [--kinds posture,throw,room] [--summary]
 
 Postures (`postures`) come in all kinds of furniture, settings and seeds; throws and rooms are the
-cases of `campaigns.clear`. One row of numbers each; every committed pose is judged. Cases come in a
-fixed shuffled order, so any part of the campaign is a fair sample; what the log has is not run
+cases of `campaigns.clear`. One row of numbers each; every committed pose is judged. Cases have a
+fixed shuffled order, so any part of the campaign is a fair sample; logged cases are not run
 again. `PYTHONPATH` chooses the build that is judged.
 """
 
@@ -33,15 +33,15 @@ from support.postures.postures import build, cases
 STEPS = ((30.0, 1), (30.0, 8), (60.0, 4), (120.0, 1), (120.0, 2))
 STIFFNESS = (0.0, 1.0, 10.0)
 DRIVES = (None, 0.02)
-#: How many times as fast as written.
+#: Factors on the written speed.
 PACES = (1.0, 3.0)
-#: All skin vertices stay this far at the default clearance, sitting and grasping [m].
+#: Minimum distance of all skin vertices at the default clearance, sitting and grasping [m].
 SEATED = 0.0006
 
 
 @dataclass(frozen=True)
 class Case:
-    """A posture among furniture of a kind, with settings; the seed says whose (`WHO`) too."""
+    """A posture among furniture of a kind, with settings; the seed also selects the body."""
 
     name: str
     kind: str = "primitives"
@@ -66,7 +66,7 @@ class Case:
 
 
 def posture_cases(seeds=1):
-    """All of them, with seeds 0 to `seeds` - 1."""
+    """All postures, with seeds 0 to `seeds` - 1."""
     return [
         Case(name, kind, fps, n, stiffness, drive, pace, seed)
         for name, kind, (fps, n), stiffness, drive, pace, seed in product(
@@ -90,7 +90,7 @@ def all_cases(data, seeds=1, kinds=("posture", "throw", "room")):
 
 
 def contacts():
-    """What `Settings.contact` takes in this build."""
+    """The values of `Settings.contact` in this build."""
     out = []
     for contact in ("parts", "skin"):
         try:
@@ -101,7 +101,7 @@ def contacts():
     return tuple(out)
 
 
-#: Whose skin: seeds take turns. Betas of three, made-up pose blend shapes.
+#: Bodies: seeds take turns. Three betas each, synthetic pose blend shapes.
 WHO = ("default", *(f"beta{k}{sign}" for k in range(10) for sign in "+-"), "blend")
 
 
@@ -121,7 +121,7 @@ def body_of(who="default"):
 
 
 def _started_inside(case, settings, pressing, verdict):
-    """A row of a case that proves nothing: the skin is inside at the start, the parts are not."""
+    """A row of a case without evidence: the skin is inside at the start, the parts are not."""
     return {
         "id": case.id,
         "group": "posture" if pressing else case.kind,
@@ -132,7 +132,7 @@ def _started_inside(case, settings, pressing, verdict):
 
 
 def _set_up(case, data, body):
-    """Motion, scene, and what must press (none: nothing need)."""
+    """Motion, scene, and the parts that must press (none: no part must)."""
     if isinstance(case, Case):
         made = build(case.name, body, case.kind, case.fps, case.seed, pace=case.pace)
         return made.motion, made.scene, True
@@ -157,7 +157,7 @@ def run(case, data=None, contact="skin", body=None, **changes):
         return _started_inside(case, settings, pressing, first)
     begin = time.perf_counter()
     simulator = Simulator(scene, body=body, settings=settings, fps=case.fps)
-    simulator.world.stepper.keep_pieces(True)  # the judge sees whatever is committed
+    simulator.world.stepper.keep_pieces(True)  # the judge sees every committed pose
     made = time.perf_counter() - begin
     simulator.reset(motion[0])
     begin = time.perf_counter()
@@ -232,7 +232,7 @@ def first_contact(case, contact="skin", body=None):
 
 
 def complaints(row):
-    """Where a row breaks a promise: texts, none if it does not."""
+    """Texts for each broken guarantee of a row; none if there is none."""
     out = []
     if row.get("skipped"):
         return [f"starts inside: {row['start_mm']} mm"] if row["group"] == "posture" else []
@@ -289,7 +289,7 @@ def summary(rows):
     return "\n".join(lines)
 
 
-#: Of `campaigns.clear`, with this way of judging.
+#: The campaign of `campaigns.clear`, with this judge.
 campaign = partial(clear_campaign.campaign, run=run)
 
 

@@ -3,8 +3,8 @@
     PYTHONPATH=tests python -m campaigns.starts [--seconds 600] [--log starts.jsonl] [--only KIND]
         [--shard 0/2] [--seed 0] [--contact skin] [--data DATA] [--case KIND-SEED] [--summary]
 
-Kinds take turns, so any part of the campaign is a fair sample; what the log has is not run again.
-`--seed` starts the seeds elsewhere: choose one that was not used before. `PYTHONPATH` chooses the
+Kinds take turns, so any part of the campaign is a fair sample; logged cases are not run again.
+`--seed` sets the first seed: choose one that was not used before. `PYTHONPATH` chooses the
 build that is judged.
 """
 
@@ -30,17 +30,17 @@ from support.starts.objects_judge import ObjectJudge
 from support.starts.solids import EXACT
 
 KINDS = (*starts.KINDS, *starts_things.KINDS)
-#: Out: so many of the cases of a kind within `SOON`, and all within `LATEST` [s].
+#: Out: this share of a kind's cases within `SOON`, and all within `LATEST` [s].
 SHARE, SOON, LATEST = 0.95, 0.5, 1.0
-#: A vertex gets no faster than in the motion by more than this [m/s]; the same for things.
+#: A vertex exceeds its speed in the motion by no more than this [m/s]; the same for objects.
 FASTER = 1.0
-#: Joints that nothing holds [rad].
+#: Tolerance of unblocked joints [rad].
 FREE = np.deg2rad(1.0)
-#: What the motion keeps inside stays this near to the surface [m].
+#: A vertex that the motion keeps inside stays this near to the surface [m].
 NEAR = 0.002
-#: The slowest run that is no standstill [frames/s], and how long one is waited for [s].
+#: The slowest run that still progresses [frames/s], and the longest wait for one [s].
 RATE, PATIENCE = 5.0, 5.0
-#: Of the time.
+#: Largest lost share of the time.
 LOST = 0.005
 
 
@@ -118,7 +118,7 @@ def _number(x):
 
 
 def complaints(row):
-    """Where a row breaks what is promised, but for the share that is out within `SOON`."""
+    """Broken guarantees of a row, except the share that is out within `SOON`."""
     out = []
     if row["out"] is None or row["out"] > LATEST:
         out.append("stays inside" if row["out"] is None else f"out after {row['out']:.2f} s")

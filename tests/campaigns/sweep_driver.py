@@ -29,24 +29,24 @@ from halfphysics.sweep.run.work import Done, Task
 from halfphysics.sweep.store.store import Store
 from support.sweeps.simulated_cluster import CORES, Cluster, SimulatedEngine
 
-#: A sweep is cut into so many equal parts, to see whether the last costs what the first did.
+#: A sweep is cut into this many equal parts, to compare the last part's cost with the first's.
 PARTS = 8
 
 
 @dataclass(frozen=True, kw_only=True)
 class Costs:
-    """What a sweep costs its driver.
+    """The driver's costs of a sweep.
 
     Times are processor time [s] of the driver alone, without the simulation of the cluster.
 
     Attributes:
         cluster: The simulated cluster.
-        variants, batches, shards: Of the sweep.
-        tasks, deaths, failures: What happened.
+        variants, batches, shards: Their numbers in the sweep.
+        tasks, deaths, failures: Their numbers.
         begin: To list the inputs and open the folder.
         parts: To drive each of `PARTS` equal parts of the sweep.
         finish: To write manifest, data card and failures.
-        step: The most that the driver ever took to answer.
+        step: The driver's longest time to answer.
         memory: Growth of the process [bytes], the simulated cluster included.
         manifest, records: Sizes of the manifest and of all records of shards [bytes].
         makespan: How long the sweep would take if the driver took no time [s].
@@ -72,12 +72,12 @@ class Costs:
 
     @property
     def driving(self) -> float:
-        """Seconds of the driver in all."""
+        """Total seconds of the driver."""
         return self.begin + sum(self.parts) + self.finish
 
     @property
     def growth(self) -> float:
-        """What the driver took for the second half of the sweep, over the first."""
+        """The driver's time for the second half of the sweep, over the first."""
         half = len(self.parts) // 2
         return sum(self.parts[half:]) / max(sum(self.parts[:half]), 1e-9)
 
@@ -111,12 +111,12 @@ def measure(plan: Plan, cluster: Cluster, folder: Path | None = None) -> Costs:
 
     Args:
         plan: The sweep; its inputs are listed but not read.
-        cluster: What the machines do.
+        cluster: The behaviour of the machines.
         folder: Where records and manifest are written, missing or empty; None: a temporary one.
 
     Raises:
-        InputError: There is something in the folder.
-        FileError: It cannot be written.
+        InputError: The folder is not empty.
+        FileError: The folder is not writable.
     """
     with ExitStack() as stack:
         if folder is None:
@@ -160,7 +160,7 @@ def measure(plan: Plan, cluster: Cluster, folder: Path | None = None) -> Costs:
 
 
 class _Watch:
-    """Looks at the driver's time whenever another part of the sweep is done."""
+    """Records the driver's time whenever another part of the sweep is done."""
 
     def __init__(self, engine: SimulatedEngine) -> None:
         self.deaths = 0
@@ -194,7 +194,7 @@ class _Watch:
 
 
 def main() -> None:
-    """Measure the sweep of a plan file and print what it costs."""
+    """Measure the sweep of a plan file and print its costs."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("plan", type=Path, help="the plan of the sweep; its inputs are only listed")
     parser.add_argument("--machines", type=int, default=1000, help="machines of the cluster")

@@ -1,9 +1,9 @@
-"""Nothing passes through: people thrown at things, and real clips through furnished rooms.
+"""Nothing passes through: people thrown at obstacles, and real clips through furnished rooms.
 
-Every committed substep is judged from outside (`clear_judge`): the hulls of the skin, or the rigid
-parts, are clear of everything, and on the side of the first pose. A sample runs always;
+Every committed substep is judged independently (`clear_judge`): the hulls of the skin, or the rigid
+parts, are clear of all items, and on the side of the first pose. A sample runs always;
 `HALFPHYSICS_CLEAR=all` runs the whole campaign (`k/n`: every n-th case from k on), which keeps its
-rows in `HALFPHYSICS_CLEAR_LOG` (out/clear.jsonl) and goes on where it was stopped.
+rows in `HALFPHYSICS_CLEAR_LOG` (out/clear.jsonl) and continues where it was stopped.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ pytest.importorskip("coal")
 
 WANTED = os.environ.get("HALFPHYSICS_CLEAR", "")
 LOG = Path(os.environ.get("HALFPHYSICS_CLEAR_LOG", ROOT / "out" / "clear.jsonl"))
-#: Of the steps of all throws at up to 5 m/s and N >= 8.
+#: Relative to the steps of all throws at up to 5 m/s and N >= 8.
 SHORTENED = 0.01
 
 
-#: Places in the list of clips, and what is kept clear.
+#: Places in the list of clips, and their collision shape.
 EVERY_CLIP = pytest.mark.parametrize(
     "clip_rows",
     [(k, contact) for k in range(10) for contact in CONTACTS],
@@ -46,7 +46,7 @@ EVERY_CLIP = pytest.mark.parametrize(
 
 @pytest.fixture(scope="module")
 def rows_of(tmp_path_factory):
-    """Rows of all these cases, or of a few that are quick; run once."""
+    """Rows of all these cases, or of a few quick ones; run once."""
     known = {}
 
     def rows_of(name, contact, cases, data, few):

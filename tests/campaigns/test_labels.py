@@ -1,6 +1,6 @@
 """Contact labels of every scenario against geometry, judged by other libraries.
 
-A few vertices of each are asked of; `campaigns/labels.py` asks of many, and measures.
+It checks a few vertices of each; `campaigns/labels.py` checks many, and measures.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from support.judges.labels_judge import ROUNDING, judge
 
 pytestmark = pytest.mark.slow
 
-#: Where the long ones end here: all that is touched is touched by then.
+#: Last frames of the long ones here: all contacts occur before.
 END = {
     "climb_onto_bed": 100,
     "fly_with_ball": 80,
@@ -34,7 +34,7 @@ def test_labels_agree_with_geometry_and_no_impulse_is_without(name):
     result = hp.simulate(motions, told.scene, body=bodies, settings=told.settings)
     labels = contact_labels(result)
     verdict = judge(result, labels, most=15)
-    if name != "reach_past_monitor":  # whose story is that nothing is touched
+    if name != "reach_past_monitor":  # in this scenario no contact occurs
         assert verdict.impulses > 0
         assert verdict.vertices + verdict.points + (len(result.people) > 1) > 0
     assert verdict.farthest <= result.settings.clearance + 1e-3 + ROUNDING

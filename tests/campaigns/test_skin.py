@@ -1,4 +1,4 @@
-"""Skin that is pressed into furniture stays out of it: judged by `skin_judge`, from clear starts.
+"""Skin pressed into furniture stays outside: judged by `skin_judge`, from clear starts.
 
 A sample of `postures`, throws and rooms runs always. `HALFPHYSICS_SKIN=all` (or `k/n`: every n-th
 case from k on) runs `campaigns.skin` instead, its rows in `HALFPHYSICS_SKIN_LOG` (out/skin.jsonl),
@@ -42,10 +42,10 @@ LOG = Path(os.environ.get("HALFPHYSICS_SKIN_LOG", ROOT / "out" / "skin.jsonl"))
 needs_skin = pytest.mark.skipif(
     "skin" not in contacts(), reason="Settings(contact='skin') is not in this build"
 )
-#: A case asks for something: its target is at least this deep [m], between rods 8 mm thick.
+#: A case is demanding: its target is at least this deep [m], between rods 8 mm thick.
 TRIVIAL = 0.002
 
-#: Of every way of pressing one, in turn among furniture of every kind, with every setting.
+#: One of every way of pressing, in turn among furniture of every kind, with every setting.
 SAMPLE = (
     Case("sit_chair", "meshes"),
     Case("sit_back", "primitives", drive=None),
@@ -74,7 +74,7 @@ SAMPLE = (
     Case("neck-board", "sheets", pace=3.0),
     Case("hip_crease-edge30", "primitives", 30.0, 4, seed=len(WHO) - 1),
 )
-#: What they press against has a plane side where they do.
+#: The furniture is plane where they press.
 FLAT = [
     c
     for c in SAMPLE
@@ -84,7 +84,7 @@ FLAT = [
 TOUCHING = 0.002
 #: Median and 95 % of the distance at first contact [m], with 1 mm of clearance.
 VISIBLE = (0.0015, 0.006)
-#: Algorithm 1 closes a hand around a plate with what it takes: there the clearance gives way.
+#: Algorithm 1 closes a hand around a plate with its full torque: there the clearance is reduced.
 SITTING = [c for c in SAMPLE if c.name.startswith(("sit", "grip")) and c.drive is not None]
 
 
@@ -98,7 +98,7 @@ def ids(some):
     return [c.id.removeprefix("posture-") for c in some]
 
 
-# -- the cases are what they say -------------------------------------------------------------
+# -- the cases match their names -------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -132,7 +132,7 @@ def test_a_case_starts_clear_and_asks_for_something(case):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_furniture_of_every_kind_is_in_the_same_place(kind):
-    """The last pose is cut by all of them; sheets have no inside to be deep in."""
+    """All of them cut the last pose; sheets have no inside and so no depth."""
     body = body_of()
     for name in ("sit_chair", "knee-edge90", "hip_table_corner"):
         made = build(name, body, kind)
@@ -148,7 +148,7 @@ def test_furniture_of_every_kind_is_in_the_same_place(kind):
 
 @pytest.mark.slow
 def test_what_rigid_parts_leave_inside_is_found():
-    """The judge is not content with anything: a knee that is bent is not in its parts."""
+    """The judge is not too lenient: a bent knee is outside its parts' hulls."""
     row = row_of(Case("knee_chair", "primitives"), "parts")
     assert row["depth_mm"] > 5.0
     assert row["metric_mm"] > 5.0
@@ -178,7 +178,7 @@ def test_sitting_and_grasping_keep_the_distance(case):
 @needs_skin
 @pytest.mark.parametrize("case", FLAT, ids=ids(FLAT))
 def test_flat_things_are_touched(case):
-    """Hulls of the skin touch a plane with the skin itself: nothing is held off."""
+    """Hulls of the skin touch a plane with the skin itself: no gap remains."""
     assert row_of(case, "skin")["gap_mm"] <= 1e3 * TOUCHING
 
 
@@ -192,7 +192,7 @@ def test_no_time_is_lost(case):
 @needs_skin
 @pytest.mark.parametrize(("tool", "every"), [("pole2cm", 1), ("edge90", 3)])
 def test_the_visible_gap_is_small(tool, every):
-    """Where hulls bridge the hollows of the skin, what is thin does not get to it."""
+    """Hulls bridge the hollows of the skin; thin objects do not reach it there."""
     gaps = [
         first_contact(Case(f"{place}-{tool}", fps=60.0, substeps=4))
         for place in list(PLACES)[::every]

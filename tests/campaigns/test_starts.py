@@ -1,7 +1,7 @@
-"""People who start inside something come out: steadily, soon, and with the rest undisturbed.
+"""People who start inside an obstacle come out: steadily, soon, and without disturbing the rest.
 
 A few cases of each kind run always; `HALFPHYSICS_STARTS=n` runs n of each, from
-`HALFPHYSICS_STARTS_SEED` on. The judge is tested on runs made up by hand.
+`HALFPHYSICS_STARTS_SEED` on. The judge is tested on synthetic runs.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from support.starts.meshes import union_mesh
 from support.starts.solids import EXACT, Hulls, box, ground
 
 MANY = int(os.environ.get("HALFPHYSICS_STARTS", "1"))
-#: Seeds that nothing was tuned on.
+#: Seeds not used for tuning.
 SEED = int(os.environ.get("HALFPHYSICS_STARTS_SEED", "1000"))
 
 
@@ -64,7 +64,7 @@ def test_cases_start_as_deep_as_they_say(kind):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", starts.KINDS)
 def test_cases_stand_in_the_scene_where_the_judge_looks(kind):
-    """The middle of every solid is inside a static; of a sheet, all corners are in its face."""
+    """The centre of every solid is inside a static; all corners of a sheet are in its face."""
     for seed in range(2):
         start = starts.build(Case(kind, seed), "parts")
         for solid in start.solids:
@@ -115,7 +115,7 @@ def _standing(frames):
 
 
 def _made_up(heights, solids, turn=None):
-    """The verdict on feet in the floor whose lowest point goes through `heights` (S + 1,) [m]."""
+    """The verdict on feet in the floor whose lowest point moves through `heights` (S + 1,) [m]."""
     frames = (len(heights) - 1) // 8
     motion = _standing(frames + 1)
     settings = Settings(record="substeps")
@@ -178,7 +178,7 @@ def test_the_judge_knows_who_never_leaves():
 
 
 def test_depths_by_coal_are_those_of_the_minkowski_difference():
-    """EPA against the plain definition: the least distance of the origin from a face of B - A."""
+    """EPA against the plain definition: the least distance of the origin to a face of B - A."""
     from scipy.spatial import ConvexHull
 
     posed = _parts().at(_standing(2))
@@ -197,7 +197,7 @@ def test_depths_by_coal_are_those_of_the_minkowski_difference():
         plain = -ConvexHull(difference).equations[:, 3].max()
         assert depth == pytest.approx(max(0.0, plain), abs=1e-7), middle
         looked += depth > EXACT
-        # Moved out by the way out it is clear, and a hair less is not.
+        # Moved out by the separating vector it is clear; slightly less is not.
         for side in range(6):
             n = solid.normals[side]
             way = posed.way_out(int(h), 0, solid, n)
@@ -208,7 +208,7 @@ def test_depths_by_coal_are_those_of_the_minkowski_difference():
 
 
 def test_through_a_thin_wall_it_is_the_near_side_that_counts():
-    """A wall through both hands of a T-pose: what is beyond belongs to the group."""
+    """A wall through both hands of a T-pose: parts beyond it belong to the group."""
     posed = _parts().at(_standing(2))
     wrist = posed.joints[0, J["left_wrist"]]
     x = np.sign(wrist - posed.joints[0, 0])

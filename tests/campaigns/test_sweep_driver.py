@@ -1,4 +1,4 @@
-"""The driver of a sweep on a simulated cluster: it loses nothing, at a flat cost per variant."""
+"""The driver of a sweep on a simulated cluster: it loses no variant, at a flat cost per variant."""
 
 from __future__ import annotations
 
@@ -51,14 +51,14 @@ def test_the_same_seed_is_the_same_sweep():
 
 
 def test_wild_machines_lose_nothing_but_what_fails(tmp_path):
-    """Killing variants are found and named, whatever dies beside them."""
+    """Killing variants are found and named, whichever others die beside them."""
     wild = replace(CALM, failing=0.01, killing=0.002, dying=0.02, straggling=0.02)
     found = measure(plan_of(5000), wild, tmp_path)
     card = json.loads((tmp_path / "card.json").read_text())
     assert card["samples"] + card["failed"] == 5000
     assert found.failures == card["failed"]
     assert 20 < found.failures < 110  # 60 expected, standard deviation 8
-    assert found.deaths > 2 * 5  # each that kills does so in a group, in its batch, and alone
+    assert found.deaths > 2 * 5  # each killing one does so in a group, in its batch, and alone
     failures = (tmp_path / "failures.jsonl").read_text().splitlines()
     assert len({json.loads(line)["number"] for line in failures}) == found.failures
 
@@ -71,11 +71,11 @@ def test_conditions_of_the_plan_leave_variants_out(tmp_path):
 
 
 def test_ten_times_the_sweep_is_ten_times_the_work():
-    """Of the driver's time and of its memory; tasks of one batch of four are many."""
+    """For the driver's time and its memory; tasks of one batch of four are many."""
     cluster = Cluster(machines=20, cores=8, seconds=1.0)
     small, large = (measure(plan_of(variants, 1000), cluster) for variants in (10_000, 100_000))
     assert large.tasks > 9 * small.tasks
-    # What is the same for every sweep is in the small one's time; measured 8 to 10.
+    # The small sweep's time includes the fixed costs; measured 8 to 10.
     assert sum(large.parts) < 15.0 * sum(small.parts)
     assert large.growth < 1.5  # measured 0.95 to 1.2
     assert large.manifest < 11 * small.manifest
@@ -91,7 +91,7 @@ def test_the_report_says_what_was_measured():
 
 
 def test_from_the_command_line(tmp_path, capsys, monkeypatch):
-    """Nothing is simulated, and nothing is left beside the plan."""
+    """No variant is simulated, and no file remains beside the plan."""
     plan = tmp_path / "plan.yaml"
     plan.write_text("inputs: {scenarios: [kick_ball]}\nfactors: {objects.friction: [0.3, 0.6]}\n")
     arguments = ["sweep_driver", str(plan), "--machines", "3", "--cores", "5"]

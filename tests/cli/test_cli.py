@@ -1,4 +1,4 @@
-"""The command line: what it does, and what it says to mistakes."""
+"""The command line: its results, and its messages for mistakes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FRAMES = 12
 
 
 def write_motion(path, frames=FRAMES, **changes):
-    """A T-pose that stands 2 cm above the floor and drifts along x."""
+    """A T-pose 2 cm above the floor that drifts along x."""
     poses = np.zeros((frames, 165))
     poses[:, :3] = UPRIGHT
     trans = np.zeros((frames, 3))
@@ -50,7 +50,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-# -- what it does --------------------------------------------------------------------------
+# -- results -------------------------------------------------------------------------------
 
 
 def test_simulate_evaluate_convert(folder, capsys):
@@ -106,7 +106,7 @@ def test_evaluate_a_motion(folder, capsys):
     out = capsys.readouterr().out
     assert re.search(r"MPJPE \[mm\]\s+0\.000000", out)
     assert re.search(r"MPJPE-g \[mm\]\s+4\.000000", out)
-    # All of the person is in a box of 4 m.
+    # All of the person is within a box of 4 m.
     assert run("evaluate", "walk.npz", "--static", "box=box:4:4:4,at=0:0:1", "--no-ground") == 0
     assert re.search(r"skin vertices inside \[%\]\s+100\.000", capsys.readouterr().out)
 
@@ -158,12 +158,12 @@ def test_demo(tmp_path, capsys):
     page = (tmp_path / "new/demo/demo.html").read_text(encoding="utf-8")
     assert "<html" in page.lower()
     result = hp.Result.load(tmp_path / "new/demo/result.npz")
-    # What the table says is what the files hold.
+    # The table agrees with the files.
     assert out.count(result.summary()) == 1
     assert "motion followed exactly there" in out
     asked, simulated = map(float, re.search(r"deepest of all \[mm\]\s+(\S+)\s+(\S+)", out).groups())
     assert asked > 30.0
-    assert simulated < 2.0  # the rigid parts are clear; skin between them may be a little inside
+    assert simulated < 2.0  # the rigid parts are clear; the skin may penetrate a little
     assert re.search(r"\d+ frames/s", out)
     for name in files:
         assert str(tmp_path / "new" / "demo" / name) in out
@@ -247,7 +247,7 @@ def mistaken(tmp_path_factory):
 
 @pytest.mark.parametrize("what", MISTAKES)
 def test_mistakes_of_simulate(what, mistaken, monkeypatch, capsys):
-    """Exit code 2, one message on stderr that names the way out, nothing written."""
+    """Exit code 2, one message on stderr that suggests a fix, no file written."""
     monkeypatch.chdir(mistaken)
     before = sorted(mistaken.iterdir())
     arguments, message = MISTAKES[what]
@@ -294,7 +294,7 @@ def test_other_mistakes(arguments, message, mistaken, monkeypatch, capsys):
 def test_warnings_are_lines_without_python_in_them(folder, capsys):
     write_motion("unsaid.npz", gender=None)
     with warnings.catch_warnings():
-        warnings.simplefilter("default")  # as in a program of its own, not in this test run
+        warnings.simplefilter("default")  # as in a separate program, not in this test run
         assert run("simulate", "unsaid.npz") == 0
     err = capsys.readouterr().err
     assert err == (
@@ -342,7 +342,7 @@ def test_every_setting_is_an_option(capsys):
     run("simulate", "--help")
     out = capsys.readouterr().out
     for field in dataclasses.fields(hp.Settings):
-        # A flag is followed by its opposite, all else by what it takes.
+        # A flag is followed by its opposite, every other option by its type.
         option = f"--{field.name.replace('_', '-')}"
         assert f"{option} " in out or f"{option}, --no-" in out
 
@@ -380,7 +380,7 @@ def test_progress_bars_are_for_terminals(folder):
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_is_quiet_and_leaves_nothing(folder):
     write_motion("long.npz", frames=60_000)
-    # A thing that falls takes a thousand steps a frame: a minute's work.
+    # A falling object takes a thousand steps a frame: a minute's work.
     ball = ("--object", "ball=sphere:0.1,mass=1,at=9:9:9", "--substeps", "1000")
     process = program("simulate", "long.npz", "--out", "r.npz", *ball)
     time.sleep(3.0)

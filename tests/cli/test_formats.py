@@ -1,4 +1,4 @@
-"""The command line on data sets: clips, assets, objects, what a format cannot hold."""
+"""The command line on data sets: clips, assets, objects, and losses of a format."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DOOR = """<mujoco><worldbody><body name="wing"><joint name="hinge" axis="0 0 1"/
 
 @pytest.fixture
 def dataset(tmp_path, monkeypatch):
-    """A release with a cup that falls in its first clip, and its meshes beside it."""
+    """A release whose first clip has a falling cup, with its meshes beside it."""
     import trimesh
 
     monkeypatch.chdir(tmp_path)
@@ -39,7 +39,7 @@ def test_simulate_takes_the_data_sets_objects(dataset, capsys):
     result = hp.Result.load(dataset / "r.npz")
     assert list(result.objects) == ["cup"]
     assert list(result.scene.statics) == ["hall"]
-    # Free: it falls, by symplectic Euler's sum in steps of h.
+    # The free object falls, by symplectic Euler's sum in steps of h.
     time, h = 11 / 30, 1 / 240
     fallen = np.ptp(result.objects["cup"].position[:, 2])
     assert abs(fallen - 0.5 * 9.81 * time * (time + h)) < 1e-9

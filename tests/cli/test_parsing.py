@@ -1,4 +1,4 @@
-"""One message out of a framed box."""
+"""One message taken from a framed box."""
 
 from __future__ import annotations
 

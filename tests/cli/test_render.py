@@ -1,4 +1,4 @@
-"""halfphysics render: what it writes, and what it says to mistakes."""
+"""halfphysics render: the files that it writes, and its messages for mistakes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def source(tmp_path_factory):
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch, tmp_path):
-    """In an empty folder; the best direction is not looked for, which takes a second."""
+    """In an empty folder; without the search for the best direction, which takes a second."""
     best = np.array([0.5, -0.8, 0.33]) / np.linalg.norm([0.5, -0.8, 0.33])
     monkeypatch.setattr("halfphysics.render.film.tracking.choose_direction", lambda *_: best)
     monkeypatch.setattr("halfphysics.render.contact_sheet.choose_direction", lambda *_: best)
@@ -75,7 +75,7 @@ def test_one_frame_and_several_results(source):
     with Image.open("two.png") as two:
         assert two.size == (1280, 480)
         corner = np.asarray(two)[:40, :70].max(axis=2)
-    assert (corner < 90).sum() > 20  # the name of the file, in dark letters
+    assert (corner < 90).sum() > 20  # the file's name, in dark letters
 
 
 @pytest.mark.parametrize(

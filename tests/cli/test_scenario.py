@@ -1,4 +1,4 @@
-"""halfphysics scenario: names, options of each, what is written, what is said to mistakes."""
+"""halfphysics scenario: names, the options of each, files written, messages for mistakes."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_what_is_not_said_is_as_the_scenario_has_it(monkeypatch):
 
 def test_page_and_pictures(tmp_path, capsys, monkeypatch):
     drawn = []
-    # Drawing takes seconds and is tested where it is at home.
+    # Drawing takes seconds and has its own tests.
     monkeypatch.setattr(
         "halfphysics.render.contact_sheet.save_contact_sheet",
         lambda result, path: drawn.append(path),

@@ -1,4 +1,4 @@
-"""halfphysics sweep: what it shows, what it says of mistakes, failures and interruptions."""
+"""halfphysics sweep: its output, and its messages for mistakes, failures and interruptions."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def plan(tmp_path):
 
 @pytest.fixture
 def here(monkeypatch):
-    """The work is done in this process."""
+    """Run the workers' tasks in this process."""
     monkeypatch.setattr(command.Command, "_engine", lambda self, folder: Here(folder))
 
 
@@ -120,7 +120,7 @@ def test_what_is_verified_is_the_plan_that_is_given(plan, tmp_path, capsys, here
     assert main(["sweep", plan, "--out", out, "--verify", "1"]) == MISTAKE
     err = capsys.readouterr().err
     assert "holds another plan: factors.objects.friction" in err
-    # The way out that it names is one.
+    # The fix that the message suggests works.
     (command,) = re.findall(r"\(halfphysics (.*?)\)", err)
     assert main([*command.split(), "--verify", "1"]) == 0
     assert main(command.split()) == 0
@@ -155,7 +155,7 @@ def test_a_full_disk_is_one_message_that_says_how_to_go_on(
 
 
 def _full(wait):
-    """Room for three tasks."""
+    """Disk space for three tasks."""
     room = [None] * 3
 
     def waiting(engine):
@@ -211,14 +211,14 @@ def test_stopped_it_says_how_to_go_on_and_leaves_nobody_behind(plan, tmp_path, s
         time.sleep(0.02)
     begin = time.monotonic()
     if sign == signal.SIGINT:
-        os.killpg(process.pid, sign)  # as a terminal does
+        os.killpg(process.pid, sign)  # as a terminal sends it
     else:
         process.send_signal(sign)
     err = process.communicate(timeout=60.0)[1].decode()
     assert process.returncode == INTERRUPTED
-    assert time.monotonic() - begin < 20.0  # seconds, and a machine that is busy
+    assert time.monotonic() - begin < 20.0  # seconds, on a machine that may be busy
     assert f"of 12 variants are done. To go on: halfphysics {' '.join(arguments)}" in err
     assert "Traceback" not in err
     assert "leaked" not in err, "nothing stays behind in the system"
-    # What multiprocessing starts for itself ends a little later.
+    # Helper processes of multiprocessing end a little later.
     assert group_ends(process.pid, 10.0)

@@ -1,4 +1,4 @@
-"""A whole report with made-up numbers and hostile names."""
+"""A complete report with made-up numbers and hostile names."""
 
 from __future__ import annotations
 
@@ -209,12 +209,12 @@ def _whole(sections, **more):
 
 
 def document():
-    """What `paper.json` holds."""
+    """The content of `paper.json`."""
     return _whole([_table1(), _table2(), _table3(), _table4(), *_figures()])
 
 
 def speed():
-    """What `paper-speed.json` holds."""
+    """The content of `paper-speed.json`."""
     figures = [figure("speed", "frames/s", 952.94, 10423.7, "at least 952.94", True),
                figure("plain MuJoCo", "frames/s", None, 4210.0)]  # fmt: skip
     bars = series("", ["half-physics", "MuJoCo, velocities set"], [10423.7, 4210.0])

@@ -1,4 +1,4 @@
-"""Motions made from a seed: the same every time, human, and as fast as real dances."""
+"""Motions generated from a seed: the same every time, human, and as fast as real dances."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from halfphysics.formats.speed_check import JOINT_SPEED, ROOT_SPEED
 from halfphysics.motion.skeleton import JOINT_INDEX
 
 #: Of the dances and jumps of shared/data/motion (a dance, a dab, jumping, jumping jacks), least and
-#: most of each measure of `measured`, rounded outward; what the embedded ones have lies inside.
+#: most of each measure of `measured`, rounded outward; the embedded motions lie within them.
 REAL = {
     "root": (0.5, 0.7),
     "joints": (0.7, 1.3),
@@ -49,7 +49,7 @@ def dances(body):
 
 
 def measured(motion, body):
-    """Speeds [m/s] and accelerations [m/s^2] of root and 22 joints, fingers and face left out."""
+    """Speeds [m/s] and accelerations [m/s^2] of the root and 22 joints, no fingers or face."""
     joints = body.joints(motion)[:, :22]
     speed = np.linalg.norm(np.diff(joints, axis=0), axis=2) * motion.fps
     change = np.linalg.norm(np.diff(joints, 2, axis=0), axis=2) * motion.fps**2
@@ -97,7 +97,7 @@ def test_all_styles_come_in_turn(dances):
 
 
 def bend(motion, body, near, middle, far):
-    """How far a limb is from straight [rad], by where its joints are."""
+    """How far a limb is from straight [rad], by its joint positions."""
     joints = body.joints(motion)
     places = [joints[:, JOINT_INDEX[name]] for name in (near, middle, far)]
     a, b = places[1] - places[0], places[2] - places[1]
@@ -106,7 +106,7 @@ def bend(motion, body, near, middle, far):
 
 
 def test_joints_stay_within_human_ranges(dances, body):
-    """On the poses themselves, not on the channels that make them."""
+    """Tested on the poses themselves, not on the channels that make them."""
     most = {"elbow": 0.0, "knee": 0.0}
     for motion in dances:
         assert np.isfinite(motion.rotations).all()
@@ -129,7 +129,7 @@ def test_joints_stay_within_human_ranges(dances, body):
         for joint in ("neck", "head"):
             turn = np.linalg.norm(motion.rotations[:, JOINT_INDEX[joint]], axis=1)
             assert np.degrees(turn).max() < 45.0
-    # A rest pose bends them a little already: about 10 degrees.
+    # A rest pose already bends them a little: about 10 degrees.
     assert np.degrees(most["elbow"]) < 140.0 + 10.0
     assert np.degrees(most["knee"]) < 125.0 + 2.0 * 12.0 + 10.0
     assert min(most.values()) > np.radians(90.0), "nobody bends anything"
@@ -138,7 +138,7 @@ def test_joints_stay_within_human_ranges(dances, body):
 def test_a_channel_ends_at_its_range_and_no_faster_than_it_can():
     score = Score(0.5)
     score.to(0.0, 0.1, left_elbow=400.0)
-    score.to(0.05, 0.2, left_elbow=-50.0)  # while it still moves: then, not at once
+    score.to(0.05, 0.2, left_elbow=-50.0)  # during another movement: it starts then, not at once
     times = np.arange(4000) / 2000.0
     elbow = score.sampled(times)["left_elbow"]
     low, high = dancer.bounds("left_elbow")
@@ -180,7 +180,7 @@ def test_nothing_is_faster_than_people_are(dances, body):
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(STYLES)))
 def test_no_jump_in_velocity(number, body):
-    """Where it is smooth twice the frame rate finds the same accelerations, else doubled ones."""
+    """In smooth motion twice the frame rate finds the same accelerations, else doubled ones."""
 
     def sharpest(fps):
         motion = dance(number, seconds=4.0, fps=fps, body=body)
@@ -200,7 +200,7 @@ def test_feet_stand_on_the_floor_and_do_not_slide(dances, body):
             assert height.max() < 0.06, style_of(number)
         feet = body.joints(motion)[:, [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]]
         path = np.linalg.norm(np.diff(feet[..., :2], axis=0), axis=2) * motion.fps
-        # The slower foot, in frames in which both are down: what stands, stands.
+        # The slower foot, in frames in which both are down: a standing foot does not slide.
         assert np.median(path.min(axis=1)) < 0.15, style_of(number)
 
 

@@ -1,4 +1,4 @@
-"""The evidence's framework: what is computed is kept, what is kept is right, the rest goes on."""
+"""The evidence's framework: results are stored and correct, the rest survives a failure."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ SQUARE = "evidence_case.tasks:square"
 
 
 def squares(folder, count=6, **arguments):
-    """A section of this many tasks that log what they do."""
+    """A section of this many tasks that log their work."""
     log = str(folder / "log.txt")
 
     def tasks(options):
@@ -61,7 +61,7 @@ def squares(folder, count=6, **arguments):
 
 @pytest.fixture
 def with_sections(monkeypatch):
-    """Makes the report consist of these sections."""
+    """Make the report consist of these sections."""
 
     def use(*sections):
         monkeypatch.setattr(evidence, "listed", lambda only=(): list(sections))
@@ -237,7 +237,7 @@ def test_a_process_that_dies_costs_what_it_was_doing_and_that_is_tried_again(tmp
     assert set(done_in(tmp_path)) == set(range(6))
 
 
-# -- the whole -----------------------------------------------------------------------------------
+# -- the whole report ----------------------------------------------------------------------------
 
 
 def test_a_report_is_the_same_whoever_makes_it_and_however_often(tmp_path, with_sections):
@@ -288,7 +288,7 @@ def test_what_failed_is_in_the_report_and_is_tried_again(tmp_path, with_sections
 
 
 def test_what_changes_under_it_is_said(tmp_path, with_sections):
-    """A file of the user's that goes away, and one that is written to, while it is worked on."""
+    """A user's file that disappears, and one that is written to, during the work."""
     gone, changed, good = (tmp_path / name for name in ("gone", "changed", "good"))
     for file in (gone, changed, good):
         file.write_text("before")
@@ -369,7 +369,7 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(tmp_path, with_sections, s
         time.sleep(0.02)
     process.send_signal(sign)
     process.wait(30.0)
-    time.sleep(1.0)  # whoever is left would go on
+    time.sleep(1.0)  # a process that is left would go on
     early = done_in(tmp_path)
     assert 3 <= len(early) < 9
     time.sleep(1.0)
@@ -379,7 +379,7 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(tmp_path, with_sections, s
     with_sections(squares(tmp_path, 9, nap=0.25))
     evidence.make(tmp_path / "out", workers=1)
     again = done_in(tmp_path)
-    # Of what had been logged, only what was under way at the end may have been lost.
+    # Of the logged tasks, only those under way at the end may have been lost.
     assert len(again) - len(early) <= 9 - len(early) + 2
     evidence.make(tmp_path / "whole", workers=1)
     name = evidence.JSON

@@ -1,4 +1,4 @@
-"""Scales of the charts: which are logarithmic, and what their ticks are."""
+"""Scales of the charts: which are logarithmic, and their ticks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from evidence.page.chart_svg import style
 
 
 def ticks(values, kind="lines"):
-    """Labels along the values of a chart that are within its limits."""
+    """Labels of a chart's value axis that are within its limits."""
     with style():
         one = plot("p", ("", ""), ("", ""), series("s", range(len(values)), values), kind=kind)
         figure = (charts._lines if kind == "lines" else charts._bars)(one, charts.WIDE)
@@ -44,18 +44,18 @@ def test_ticks_are_round_numbers(values, expected):
 
 def test_a_logarithmic_scale_of_bars_is_linear_from_zero_to_its_first_power_of_ten():
     assert ticks([0.0, 0.01, 1.0, 100.0], "bars") == ["0", "0.01", "0.1", "1", "10", "100"]
-    # What is more than six decades below the longest bar is on the linear part.
+    # Values more than six decades below the longest bar are on the linear part.
     assert ticks([1e-13, 1e-8, 1e-3, 1.0, 50.0], "bars")[:2] == ["0", "0.0001"]
 
 
 def test_a_logarithmic_scale_is_for_what_spreads_over_decades():
     assert over_decades([1, 10, 100, 1000])
-    assert not over_decades([1, 10, 100])  # two decades are not three
+    assert not over_decades([1, 10, 100])  # two decades are too few
     assert not over_decades([k / 240 for k in range(1, 2881)])  # time is even on a linear scale
-    assert not over_decades([0.002, *range(3, 20)])  # one small value does not decide
+    assert not over_decades([0.002, *range(3, 20)])  # one small value does not decide the scale
     assert over_decades([0.1, 1000])
-    assert not over_decades([1e-13, 2e-13, 30, 40, 50])  # rounding errors are no measures
-    assert over_decades([1e-13, 1e-9, 1e-5, 1e-1])  # a convergence is one
+    assert not over_decades([1e-13, 2e-13, 30, 40, 50])  # rounding errors do not count
+    assert over_decades([1e-13, 1e-9, 1e-5, 1e-1])  # a convergence counts
     assert not over_decades([-1, 1, 10, 100, 10000])
     assert over_decades([0, 1, 10, 100, 10000])
     assert not over_decades([0.0])

@@ -1,4 +1,4 @@
-"""Charts of the report: well-formed, finite, within their box, whatever the values are."""
+"""Charts of the report: well-formed, finite, within their box, for any values."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def bars(names, *ys):
 
 
 def drawn(plot, width=charts.WIDE):
-    """The parsed chart; every coordinate in it is a number within its box."""
+    """The parsed chart; every coordinate in it is a number within the chart's box."""
     made = charts.draw(plot, width)
     code = re.sub(r'>[^<]*<|aria-label="[^"]*"', "", made)
     assert not re.search(r"nan|inf|#[0-9a-f]{6}|url\(|id=|xmlns|href", code)
@@ -63,7 +63,7 @@ def paths(root, pattern):
 
 def marks(root):
     moved = [p for p in root.iter("path") if p.get("transform") is not None]
-    return [p for p in moved if COLOUR.search(p.get("style"))]  # ticks have no colour of a series
+    return [p for p in moved if COLOUR.search(p.get("style"))]  # ticks do not have a series' colour
 
 
 def curves(root):

@@ -1,4 +1,4 @@
-"""The colours of the report's plots: seen on their ground, told apart by colour-blind people."""
+"""The colours of the report's plots: visible on their background, distinct to the colour-blind."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def palettes():
 
 @pytest.mark.parametrize("name", ["light", "dark"])
 def test_series_stand_out_from_the_ground(name):
-    """WCAG 2 asks 3 of what is drawn."""
+    """WCAG 2 requires a contrast of 3 for graphics."""
     ground, colours = palettes()[name]
     for colour in colours:
         low, high = sorted(LUMINANCE @ linear(c) + 0.05 for c in (ground, colour))
@@ -66,7 +66,7 @@ def test_series_stand_out_from_the_ground(name):
 @pytest.mark.parametrize("sight", SIGHTS)
 @pytest.mark.parametrize("name", ["light", "dark"])
 def test_series_are_told_apart(name, sight):
-    """Fourteen CIELAB units are several times the least difference that is seen."""
+    """Fourteen CIELAB units are several times the least visible difference."""
     seen = {c: lab(np.array(SIGHTS[sight]) @ linear(c)) for c in palettes()[name][1]}
     for a, b in combinations(seen, 2):
         assert np.linalg.norm(seen[a] - seen[b]) >= 14.0, (a, b)

@@ -1,4 +1,4 @@
-"""The paper's figures as evidence: what they claim holds, and what comes out of it is rows."""
+"""The paper's figures as evidence: their claims hold, and their results are rows."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LARGEST_PICTURE = 150_000
 
 @functools.cache
 def done(function, arguments):
-    """What a task found, its values as they come back from JSON."""
+    """The result of a task, its values as they come back from JSON."""
     outcome = function_of(model.Task(key="any", function=function))(**json.loads(arguments))
     return json.loads(json.dumps(model.plain(outcome.values, function))), outcome.pictures
 
@@ -45,12 +45,12 @@ def figures(row):
 
 
 def check_content(section, values, options=None):
-    """What a section makes of these values; of none it makes nothing."""
+    """The result of a section for these values; for no values it is empty."""
     options = options or Options(quick=True)
     empty = section.content(options, {})
     assert (empty.rows, empty.plots, empty.pictures) == ((), (), ())
     content = section.content(options, values)
-    model.to_dict(content)  # all that JSON can say
+    model.to_dict(content)  # all types of JSON
     tasks = {task.key for task in section.tasks(options)}
     assert {picture.task for picture in content.pictures} <= tasks & set(values)
     return content
@@ -103,7 +103,7 @@ def test_strips_are_pictures_for_a_phone():
 
 
 def test_what_fails_is_said_to_fail():
-    """A scene in which we penetrate, or turn what is free, is not reproduced."""
+    """A scene in which our bodies penetrate, or turn free objects, is not reproduced."""
     sofa = "sinking-into-a-sofa"
     found = played(figures4and9.SECTION, sofa)[sofa]
     worse = {**found, "ours": {"rate": 0.001, "mean_mm": 0.01, "max_mm": 0.02}, "free_deg": 5.1}
@@ -128,14 +128,14 @@ def test_objects(handled):
         assert all(f.reproduced is not False for f in row.figures), row.name
         assert figures(row)["deepest"].ours == 0.0
     fall = figures(content.rows[0])["acceleration of the fall"]
-    assert fall.ours == pytest.approx(9.81, abs=1e-6)  # nothing touches: to rounding
+    assert fall.ours == pytest.approx(9.81, abs=1e-6)  # no contact: exact to rounding
     assert handled["monitor"]["different"] == 0
     (speeds,) = content.plots
     assert max(speeds.series[1].y) == handled["fast"]["speed"]
 
 
 def test_objects_that_behave_otherwise_are_not_reproduced(handled):
-    """Mass and friction without a say: what is heavy flies, what is smooth is lifted."""
+    """Without the effect of mass and friction, heavy objects fly and smooth ones are lifted."""
     swapped = {**handled, "heavy": handled["kick"], "stays": handled["lift"]}
     swapped["slips"], swapped["lift"] = handled["lift"], handled["slips"]
     swapped["monitor"] = {**handled["monitor"], "different": 1}
@@ -145,7 +145,7 @@ def test_objects_that_behave_otherwise_are_not_reproduced(handled):
     assert wrong == {"5b", "5c", "5f", "5h", "5i", "5j"}
 
 
-#: Ways to move a body whose figures must come out as the paper has it, and what is looked at.
+#: Ways to move a body whose figures must come out as in the paper, and the names to compare.
 FORCED = {
     "positions": ("wall", "lift", "kick"),
     "interpolated-1000": ("wall", "kick"),
@@ -187,7 +187,7 @@ def test_forced_poses_penetrate_and_are_blind_to_mass(forced, key):
     if "lift" in found:
         assert found["lift"]["into_suitcase"] > figures6and7.DEEP
         assert abs(found["lift"]["rise"]) < figures6and7.BARELY
-        # Squeezed by kinematic bodies it is thrown about; set aside by poses it hardly moves.
+        # Squeezed by kinematic bodies it is thrown about; pushed by set poses it hardly moves.
         assert (found["lift"]["fastest"] > 0.1) == (key == "engine-kinematic")
     light, heavy = found["kick"]["speeds"]
     assert light > 0.3  # it was kicked
@@ -214,7 +214,7 @@ def test_a_ragdoll_falls_and_half_physics_does_not(forced):
 
 
 def test_balls_that_stay_show_no_blindness(forced):
-    """Without a ball that moves, or a skin that goes in, nothing is reproduced."""
+    """Without a moving ball, or penetrating skin, nothing is reproduced."""
     still = {**forced["kick/positions"], "speeds": [0.0, 0.0], "depths": [0.0, 0.0]}
     clear = {**forced["wall/positions"], "deepest": 0.0}
     values = {"kick/positions": still, "wall/positions": clear}

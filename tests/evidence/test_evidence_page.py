@@ -1,4 +1,4 @@
-"""The report's page: whole in one file, honest before all else, readable on a phone."""
+"""The report's page: complete in one file, verdicts first, readable on a phone."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ VOID = {"meta", "link", "img"}
 
 
 class Parsed(HTMLParser):
-    """Elements and texts; every element that is opened is closed in its turn."""
+    """Elements and texts; every opened element is closed in order."""
 
     def __init__(self, text):
         super().__init__(convert_charrefs=True)
@@ -96,7 +96,7 @@ def test_every_figure_is_there_with_its_verdict(made):
         expected[kind] += 1
     counts = {k: sample.document()["verdict"][k] + sample.speed()["verdict"][k]
               for k in ("reproduced", "not_reproduced", "shown", "missing")}  # fmt: skip
-    counts["missing"] -= 2  # those that ended in an error have no row
+    counts["missing"] -= 2  # tasks that ended in an error have no row
     assert expected == {**counts, "quoted": 2}
     assert {mark for _, mark in rows} == set("✓✗·–“")
 
@@ -244,7 +244,7 @@ def test_it_reads_well_in_a_browser(chromium, size, dark):
     assert found["wrong"] == []
     assert found["clipped"] == []
     assert found["images"]
-    assert found["plots"] == len(plots)  # each once: for a page or for a phone
+    assert found["plots"] == len(plots)  # each once, for a page or for a phone
     assert found["texts"] > 300
     assert chromium.complaints == []
     assert {r.split(":")[0] for r in chromium.requests} <= {"file", "data"}
@@ -299,7 +299,7 @@ def test_a_click_selects_the_command_as_it_is_typed(chromium, tmp_path, size):
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 @pytest.mark.parametrize("size", ["desktop", "phone"])
 def test_everything_can_be_told_from_what_is_behind_it(chromium, size, dark):
-    """The contrast that WCAG 2 asks of text (AA)."""
+    """WCAG 2's contrast for text (AA)."""
     chromium.size(*SIZES[size], dark)
     chromium.open(chromium.path)
     ratio, where = chromium.evaluate(CONTRAST)

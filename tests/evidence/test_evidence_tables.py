@@ -1,4 +1,4 @@
-"""Tables 1, 3 and 4: what their tasks find, and what their rows say of it."""
+"""Tables 1, 3 and 4: the results of their tasks, and the text of their rows."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def written(folder, *names, seconds=0.4):
     folder.mkdir(parents=True, exist_ok=True)
     for number, name in enumerate(names):
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", hp.HalfPhysicsWarning)  # fingers are lost
+            warnings.simplefilter("ignore", hp.HalfPhysicsWarning)  # the format has no fingers
             motion, body = dance(number, seconds=seconds), hp.Body.default()
             motion.save(folder / f"{name}.pkl", format="aist", body=body)
     return folder
@@ -65,7 +65,7 @@ def rows_of(content, data):
 
 
 def test_a_task_measures_what_it_says():
-    """MPJPE of a run that is off, against plain numpy."""
+    """MPJPE of a run with errors, against plain numpy."""
     outcome = following.follow(SHORT, {"a": {**LIMP, "joint_damping": 0.1}, "b": LIMP})
     body, motion = hp.Body.default(), sources.load(SHORT)
     result = hp.simulate(
@@ -138,7 +138,7 @@ def test_table_1(tmp_path, monkeypatch):
 
 
 def values_of(section, options, **errors):
-    """Made-up outcomes: every run of every task with these errors."""
+    """Made-up results: every run of every task has these errors."""
     one = {"success": True, "cause": "", "mpjpe": 1.0, "mpjpe_global": 2.0, "curve": [0.0, 1.0]}
     return {
         task.key: {"runs": {name: {**one, **errors} for name in task.arguments["runs"]}}
@@ -156,7 +156,7 @@ def test_what_is_not_followed_is_not_reproduced():
 
 
 def test_what_ended_in_an_error_counts_as_not_followed():
-    """Of the motions made here: a damaged file of the user's is no failure to follow."""
+    """Only generated motions count: a damaged user file is not a tracking failure."""
     values = values_of(table1.SECTION, QUICK, mpjpe=0.0, mpjpe_global=0.0)
     del values["dance/03"]
     row = rows_of(table1.SECTION.content(QUICK, values), "dance")["half-physics"]
@@ -227,7 +227,7 @@ def test_table_4(tmp_path):
     assert both["MPJPE-g"].reproduced is None
     damped = figures(rows[table4.DAMPED])
     assert damped["MPJPE"].ours > 0.1
-    # Sweeps: without damping what is left of it is half-physics, and more of it costs more.
+    # Sweeps: without damping the remaining case is half-physics, and more damping costs more.
     sweep = next(plot for plot in content.plots if plot.title == "Joint damping")
     alone = {s.name: s.y for s in sweep.series}["MPJPE without"]
     assert alone[0] < 1e-9
@@ -266,7 +266,7 @@ def test_without_a_split_the_first_clips_of_aist_are_taken_and_it_is_said(tmp_pa
         ]
         assert f"first {count} in order of 6" in group.data
         assert "no splits/crossmodal_test.txt" in group.data
-    # The paper's dances: judged like the embedded ones, and taken at its frame rate too.
+    # The paper's dances are judged like the embedded ones, also at the paper's frame rate.
     assert group.judged
     _, _, own, slower = ablations.groups(options)
     assert own == group
@@ -308,7 +308,7 @@ def test_files_of_the_user_are_part_of_what_is_remembered(tmp_path):
 
 
 def test_a_folder_is_looked_through_once(tmp_path):
-    """Rows are of the files that there were as the report began, whatever comes and goes."""
+    """Rows are of the files present when the report began, even if files come and go."""
     folder = written(tmp_path / "any", "a", "b")
     options = Options(data={"clips": folder, "aist": folder})
     before = sources.brought(options)

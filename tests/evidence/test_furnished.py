@@ -63,7 +63,7 @@ def test_rooms_are_furnished_and_differ(rooms):
         for item in one.items:
             assert all(item.at.apart(wall) > 0.0 for wall in one.walls)
             assert all(np.abs(item.at.place) < 0.5 * np.array(one.size))
-    # As modelled: a mesh each, all closed. As scanned: one mesh, open, of many bodies.
+    # As modelled: closed meshes, one each. As scanned: one open mesh of many bodies.
     assert {one.scanned for one in rooms} == {False, True}
     assert all(s.closed for s in shapes(rooms[0]))
     assert [len(shapes(one)) for one in rooms[:2]] == [1 + len(rooms[0].items), 1]
@@ -78,7 +78,7 @@ def test_furniture_is_closed_and_as_large_as_said(kind):
         assert mesh.closed
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
         assert low[2] >= 0.0
-        # Head boards and pillows, monitors and plates stand out of beds, desks and cabinets.
+        # Head boards and pillows, monitors and plates protrude from beds, desks and cabinets.
         out = {"bed": (0.0, 0.06, 0.46), "desk": (0.0, 0.0, 0.41), "cabinet": (0.02, 0.03, 0.0)}
         spare = np.array(out.get(kind, (0.0, 0.0, 0.0))) + 0.02
         assert (high - low <= np.array(size) + spare).all()
@@ -87,7 +87,7 @@ def test_furniture_is_closed_and_as_large_as_said(kind):
 
 @pytest.mark.slow
 def test_visits_start_clear_and_last(body, rooms):
-    """All of them are clear at the start, none leaves the ground, and most go into something."""
+    """All visits are clear at the start, none leaves the ground, and most penetrate something."""
     deep = []
     for number, one in zip(NUMBERS, rooms, strict=True):
         motion = visit(one, body, number).motion
@@ -102,7 +102,7 @@ def test_visits_start_clear_and_last(body, rooms):
 
 @pytest.mark.slow
 def test_a_scene_is_measured_and_verified():
-    """The motion asked for goes in and is found out by both judges; ours by neither."""
+    """The reference penetrates and both judges find it; in our motion neither finds any."""
     arguments = {"number": 9, "seed": 0, "ways": ["ours"], "strip": False, "quick": True}
     values = made(**arguments).values
     again = made(**{**arguments, "ways": ["ours", "peer"]}).values
@@ -132,7 +132,7 @@ def values_of(**changes):
 
 
 def every(**rooms):
-    """All rooms well, but those given."""
+    """All rooms pass, except the given ones."""
     return {f"room-{number:02d}": values_of() for number in NUMBERS} | rooms
 
 
@@ -152,7 +152,7 @@ def judged(values, name=WAYS["ours"][0]):
     ],
 )
 def test_what_is_not_reproduced_is_shown_so(changes, measure):
-    """One bad scene of twenty is enough."""
+    """One bad scene of twenty fails the section."""
     _, good = judged(every())
     assert all(good.values())
     _, bad = judged({**every(), "room-01": values_of(**changes)})
@@ -177,7 +177,7 @@ def test_a_scene_that_ended_in_an_error_is_no_success():
     ],
 )
 def test_judges_that_see_nothing_are_shown_so(changes, measure):
-    """What is asked for goes in: a measure that says 0 there says nothing by 0 elsewhere."""
+    """The reference penetrates: otherwise a measure of 0 elsewhere proves nothing."""
     values = every()
     for found in values.values():
         found["asked"] |= changes
@@ -218,7 +218,7 @@ def test_floor():
     one = scan(1)
     assert floor(one) == pytest.approx(0.0, abs=1e-6)
     assert floor(Mesh(one.vertices - np.array([0.0, 0.0, 1.3]), one.faces)) == pytest.approx(-1.3)
-    # What stands alone has none; nor is a table one.
+    # A free-standing piece has none; nor does a table.
     assert floor(Mesh(*mesh_of(tuple(KINDS["table"].make(0.9, 1.6, 0.75)), 0.1))) is None
 
 
@@ -244,7 +244,7 @@ def test_a_scene_in_other_units_is_refused(body):
 
 @pytest.fixture
 def folder(tmp_path, body):
-    """A scan, a piece of furniture, what is no mesh, a motion without a scene, a text."""
+    """A scan, a piece of furniture, a file without a mesh, a motion without a scene, a text."""
     import trimesh
 
     one = scan(3)
@@ -294,7 +294,7 @@ def test_a_folder_without_scenes(tmp_path):
 
 
 def test_furniture_of_others(shared_data):
-    """Open, of several bodies, on its side as its axis is not said: it is played all the same."""
+    """An open scan of several bodies, on its side as its axis is unknown: it is still played."""
     path = shared_data / "meshes" / "kaykit_furniture" / "couch.obj"
     found = brought.brought(str(path), None, 0, True).values
     assert found["ours"]["rate"] == 0.0

@@ -1,4 +1,4 @@
-"""evidence.rooms.verify: what an independent library says of a skin in a scene."""
+"""evidence.rooms.verify: an independent library's measure of a skin in a scene."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def scene_of(*shapes, at=(0.0, 0.0, 0.0)):
 
 
 def whole(body, motion, frame, mesh):
-    """All of the skin against all of a mesh: no cells, nothing left out."""
+    """The whole skin against all of a mesh: no cells, nothing left out."""
 
     def tree(vertices, faces):
         model = coal.BVHModelOBBRSS()
@@ -55,7 +55,7 @@ def whole(body, motion, frame, mesh):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["box", "mesh", "turned mesh"])
 def test_a_wall_is_met_when_it_is_reached(body, motion, kind):
-    """What glides into a wall meets it from the frame on at which its first vertex is over it."""
+    """A person who glides into a wall meets it from the first frame with a vertex over it."""
     ways = body.vertices(motion)[:, :, 0]
     lead, trail = ways.max(axis=1), ways.min(axis=1)
     front = lead[0] + 0.48
@@ -66,7 +66,7 @@ def test_a_wall_is_met_when_it_is_reached(body, motion, kind):
     turn = rotations.exp([np.pi, 0.0, 0.0]) if kind == "turned mesh" else (1.0, 0.0, 0.0, 0.0)
     scene.add_static("wall", shape, position=(front + 0.1, 0.0, 1.0), quaternion=turn)
     found = verify.verify(motion, body, scene)
-    # Nobody is as thin as the wall is thick, so that no frame is within it unseen.
+    # No body is as thin as the wall is thick, so no frame within it is missed.
     meets = (lead > front) & (trail < back)
     assert meets.argmax() == 15
     assert found.frames == found.checked == 31
@@ -76,7 +76,7 @@ def test_a_wall_is_met_when_it_is_reached(body, motion, kind):
 
 
 def test_distance_is_that_of_the_surfaces(body, motion):
-    """Over a plane and before a ball: by hand; before a mesh: as all triangles have it."""
+    """Over a plane and before a ball: by hand; before a mesh: against all triangles."""
     skin = body.vertices(motion[0])
     low = float(skin[:, 2].min())
     one = motion[:2]
@@ -94,7 +94,7 @@ def test_distance_is_that_of_the_surfaces(body, motion):
 
 
 def test_a_needle_between_the_vertices_is_found(body, motion):
-    """No vertex is inside anything, and still the skin is pierced."""
+    """No vertex is inside, but the skin is pierced."""
     one = motion[:2]
     corners = body.vertices(one[0])[body.faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]),
@@ -113,7 +113,7 @@ def test_a_needle_between_the_vertices_is_found(body, motion):
 
 @pytest.mark.slow
 def test_cells_leave_out_nothing_that_meets(body, motion):
-    """Many small and large triangles at random: as if all of the skin were asked."""
+    """Many small and large triangles at random: the same as a test of the whole skin."""
     rng = np.random.default_rng(3)
     for size in (0.02, 0.3, 3.0):
         for _ in range(4):
@@ -129,7 +129,7 @@ def test_cells_leave_out_nothing_that_meets(body, motion):
 
 
 def test_long_edges_are_always_looked_at():
-    """A skin triangle larger than the cells, none of whose corners is near anything."""
+    """A skin triangle larger than the cells, with no corner near the mesh."""
     corners = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]])
     low = np.array([[0.45, 0.45, -0.1]])
     cells = _Cells(low, low + 0.02, corners.min(axis=0), corners.max(axis=0))

@@ -1,4 +1,4 @@
-"""The examples run, and what they show is so."""
+"""The examples run, and their claims hold."""
 
 from __future__ import annotations
 
@@ -55,6 +55,6 @@ def test_own_scene(tmp_path):
 
 def test_beside_a_robot():
     turned = [turn for turn, _ in example("04_beside_a_robot.py")["main"]().values()]
-    assert turned == sorted(turned, reverse=True)  # the firmer, the less the joints give
+    assert turned == sorted(turned, reverse=True)  # the firmer the joints, the less they give
     assert turned[0] > np.radians(10.0)
     assert turned[-1] < np.radians(2.0)

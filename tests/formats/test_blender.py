@@ -1,4 +1,4 @@
-"""What the SMPL-X Blender add-on animates."""
+"""The animation that the SMPL-X Blender add-on makes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def motion_at(fps: float = 60.0, frames: int = 13, **more) -> hp.Motion:
 
 
 def add_on(path, target: int = 30):
-    """What the add-on takes from a file, and the frames that it makes keys of."""
+    """The fields that the add-on takes from a file, and its keyframes."""
     with np.load(path) as data:
         assert set(data) == KEYS
         rate = int(data["mocap_frame_rate"])

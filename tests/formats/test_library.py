@@ -46,7 +46,7 @@ def test_nothing_of_that_name(library):
     with pytest.raises(hp.HalfPhysicsError, match="no file fits it as a pattern"):
         list(hp.clips(library / "*.bvh"))
     with pytest.raises(hp.HalfPhysicsError, match="damaged"):
-        list(hp.clips(library / "a" / "broken.npz"))  # asked for by name
+        list(hp.clips(library / "a" / "broken.npz"))  # requested by name
     with pytest.raises(hp.HalfPhysicsError, match="no known motion format"):
         list(hp.clips(library / "README.txt"))
 

@@ -1,4 +1,4 @@
-"""Paths at which there is no plain file: pipes, devices, links in a ring, closed folders."""
+"""Paths without a plain file: pipes, devices, rings of links, closed folders."""
 
 from __future__ import annotations
 

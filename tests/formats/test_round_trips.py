@@ -1,6 +1,6 @@
-"""What goes out comes back: a corrected motion in every format of the registry that writes.
+"""Round trips: a corrected motion in every format of the registry that writes.
 
-The same vertices to a micrometre; or the format says what it loses, and then all but that.
+The same vertices to a micrometre; or the format names its losses, and the rest is the same.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from support.files.layouts import movement
 
 #: Vertices [m] of a motion that was written and read.
 SAME = 1e-6
-#: The pelvis [m] of a body that was guessed by its joints.
+#: The pelvis [m] of a body whose shape was guessed from its joints.
 GUESSED = 1e-4
-#: Joints that a line of `losses` is about; a line that fits nothing is about no joint.
+#: Joints that a line of `losses` concerns; a line that matches none concerns no joint.
 HANDS = (*skeleton.LEFT_HAND_JOINTS, *skeleton.RIGHT_HAND_JOINTS)
 GROUPS = {"the fingers": HANDS, "jaw and eyes": skeleton.FACE_JOINTS}
 
@@ -31,7 +31,7 @@ WRITERS = [name for name, format in FORMATS.items() if format.save is not None]
 
 @cache
 def corrected(model: str) -> hp.Motion:
-    """Somebody who was stopped by a wall, with rotations of all joints."""
+    """A motion that was stopped by a wall, with rotations of all joints."""
     translation, rotations = movement(20)
     asked = hp.Motion(
         translation + np.linspace([0, 0, 0], [1.0, 0, 0], 20), rotations, 30.0,
@@ -49,7 +49,7 @@ def corrected(model: str) -> hp.Motion:
 
 
 def read(path, motion: hp.Motion, lost: list[str]) -> hp.Motion:
-    """The file, with what it asks for: its message says which option that is."""
+    """The file, read with the option that its message requests."""
     options: dict = {"fps": motion.fps} if any("frame rate" in line for line in lost) else {}
     known = {"hands": "flat", "fps": motion.fps, "model": motion.model, "gender": motion.gender}
     while True:
@@ -77,8 +77,8 @@ def without(motion: hp.Motion, lost: list[str]) -> hp.Motion:
 def apart(found: np.ndarray, asked: np.ndarray, *, guessed: bool) -> float:
     """How far vertices are from where they should be [m].
 
-    Without the shape a file has the pelvis where it was only as far as its reader guesses whose
-    it is: one small shift of the whole clip.
+    Without the shape, the reader guesses the body, and the pelvis is only as accurate as that
+    guess: one small shift of the whole clip.
     """
     shift = (found - asked).mean(axis=(0, 1)) if guessed else np.zeros(3)
     assert np.abs(shift).max() < GUESSED
@@ -103,7 +103,7 @@ def test_what_goes_out_comes_back(tmp_path, name, model):
     assert shape or not back.betas[10:].any()
     assert any("gender" in line for line in lost) or back.gender == motion.gender
     assert any("model" in line for line in lost) or shape or back.model == motion.model
-    # Once more, in the format that it was read from: nothing is lost any more.
+    # Written again in the format that it was read from: nothing more is lost.
     again = tmp_path / f"b{path.suffix}"
     back.save(again, body=body)
     twice = body.vertices(read(again, motion, lost))

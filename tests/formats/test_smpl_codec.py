@@ -57,7 +57,7 @@ def test_read_and_written(tmp_path):
     for key, value in fields().items():
         assert again[key].dtype == value.dtype, key
         assert np.abs(again[key] - value).max() < SINGLE, key
-    # From elsewhere: by its suffix, with the body's pelvis.
+    # Files of other programs: by the suffix, with the body's pelvis.
     other = hp.Motion(*movement(), 30.0, betas=np.ones(10))
     other.save(tmp_path / "c.smpl", body=body)
     back = hp.Motion.load(tmp_path / "c.smpl")

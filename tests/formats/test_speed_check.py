@@ -1,4 +1,4 @@
-"""Warnings of speeds that no person has."""
+"""Warnings of speeds that no person reaches."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_a_joint_that_flips_is_named(tmp_path, turned, seen):
     rotations[:41, turned] = 0.0
     with pytest.warns(HalfPhysicsWarning, match=rf"{seen} moves at .*frames 40 and 41"):
         motion = loaded(tmp_path / "a.npz", translation, rotations)
-    # What is said is what the skeleton does.
+    # The message agrees with the skeleton.
     joints = hp.Body.default().joints(motion)[40:42]
     assert np.linalg.norm(joints[1] - joints[0], axis=1).max() * 60.0 > speed_check.JOINT_SPEED
 
@@ -55,7 +55,7 @@ def test_a_rate_that_is_wrong_is_seen(tmp_path):
 
 def test_the_same_turn_spelled_otherwise_is_no_speed(tmp_path):
     translation, rotations = movement(60)
-    # Beyond half a turn axis-angle has a shorter spelling; files have both.
+    # Beyond half a turn axis-angle has a shorter form; files have both.
     spin = rotations[:, 0].copy()
     length = np.linalg.norm(spin, axis=1, keepdims=True)
     other = spin * (1.0 - 2.0 * np.pi / length)

@@ -1,4 +1,4 @@
-"""Objects of any shape: hollows are real, pieces are measured, kept, and the same each time."""
+"""Objects of any shape: hollows stay open, pieces are measured, cached and reproducible."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def ring():
 
 
 def run(scene, seconds, fps=60.0):
-    """Positions per frame by name, and all pairs that touched."""
+    """Positions per frame by name, and all pairs in contact."""
     simulator = Simulator(scene, body=[], fps=fps)
     frames = [simulator.reset([])]
     met = set()
@@ -65,7 +65,7 @@ def test_exact_pieces_have_no_error():
 
 def test_the_error_of_a_hull_in_closed_form():
     error = judged(l_shape(), [l_shape().hull])
-    # Deepest in the notch, on the slanted side: as far from either leg, t / 0.2 + t / 0.1 = 1.
+    # Deepest in the notch, on the slanted side: equally far from both legs, t / 0.2 + t / 0.1 = 1.
     assert error.outside_mm == pytest.approx(1000 * 0.2 / 3, rel=0.01)
     assert error.inside_mm == 0.0
     assert error.volume_percent == pytest.approx(100 * 0.01 / 0.04, rel=0.06)
@@ -129,7 +129,7 @@ def test_pieces_are_kept_by_content_and_made_again_where_broken(tmp_path, monkey
         same(decompose(l_shape(), cut))
     for broken in (content[: len(content) // 2], b"", b"nonsense"):
         file.write_bytes(broken)
-        same(decompose(mesh, cut))  # made again, the same
+        same(decompose(mesh, cut))  # a second run gives the same
         assert file.read_bytes() == content
 
 

@@ -1,4 +1,4 @@
-"""Mesh files of every kind, and files that are none."""
+"""Mesh files of every format, and invalid files."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_every_format(tmp_path: Path, suffix: str) -> None:
     assert mesh.closed
     assert mesh.vertices.shape == (8, 3)
     assert mesh.volume == pytest.approx(6.0, rel=WRITTEN)
-    # glTF is y-up by its standard: (x, y, z) stands as (x, -z, y) here.
+    # glTF is y-up by its standard: (x, y, z) becomes (x, -z, y) here.
     y_up = suffix == "glb"
     np.testing.assert_allclose(mesh.centre, (1, -3, 2) if y_up else (1, 2, 3), atol=WRITTEN)
     assert source.up == ("y" if y_up else "z")

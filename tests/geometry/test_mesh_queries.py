@@ -21,7 +21,7 @@ from halfphysics.geometry.mesh_queries import (
 from halfphysics.geometry.shapes import Box, Cylinder, Sphere
 from support.references.mesh_queries import closest_reference, winding_reference
 
-# Sums of up to 10,000 solid angles, each good to a few units in the last place.
+# Sums of up to 10,000 solid angles, each accurate to a few units in the last place.
 ROUNDING = 1e-9
 
 
@@ -157,7 +157,7 @@ def test_in_or_out_never_differs_on_soups(seed: int, n: int) -> None:
 
 
 def test_far_field_is_of_second_order() -> None:
-    """Seen from twice as far, what one cluster leaves out is 2^4 times less."""
+    """Seen from twice as far, the omitted part of one cluster is 2^4 times smaller."""
     vertices, faces = _soup(2, 40)
     direction = np.random.default_rng(0).normal(size=(300, 3))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
@@ -182,7 +182,7 @@ def test_threads_give_the_same_bits() -> None:
         np.testing.assert_array_equal(query.inside(points), query.inside(points, threads=threads))
         for a, b in zip(query.closest(points), query.closest(points, threads=threads), strict=True):
             np.testing.assert_array_equal(a, b)
-    # Nor does it matter which other points are asked with them.
+    # The other points of a query have no effect either.
     order = np.random.default_rng(1).permutation(len(points))
     for a, b in zip(query.closest(points), query.closest(points[order]), strict=True):
         np.testing.assert_array_equal(a[order], b)
@@ -213,7 +213,7 @@ def test_closest_agrees_with_trimesh_and_coal(probes: np.ndarray) -> None:
 
 @pytest.mark.parametrize("name", ["couch", "cabinet_medium", "bed_single_A"])
 def test_real_furniture_equals_the_full_sum(shared_data: Path, name: str) -> None:
-    """Closed bodies that overlap (couch) and bodies with holes (cabinet, bed)."""
+    """Closed solids that overlap (couch) and solids with holes (cabinet, bed)."""
     mesh, _ = load_mesh(
         shared_data / "meshes" / "kaykit_furniture" / f"{name}.obj", scale=0.7, up="y"
     )

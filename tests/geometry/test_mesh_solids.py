@@ -47,7 +47,7 @@ def test_hull_of_points() -> None:
     normal = np.cross(b - a, c - a)
     assert ((points[:, None] - a) * normal).sum(axis=-1).max() < 1e-12
     assert solid_moments(vertices, faces)[0] > 0.0
-    # Corners are taken over unchanged, each once.
+    # Corners are kept unchanged, each once.
     assert len({tuple(v) for v in vertices} & {tuple(p) for p in points}) == len(vertices)
 
 

@@ -1,4 +1,4 @@
-"""What is said of pieces is true, on thin walls too: against closed forms and other means."""
+"""The reported errors of pieces are correct, on thin walls too: closed forms and other methods."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from support.revolution import cup, pipe, wine_glass
 
 #: Sections around a pipe, its radius and height [m].
 COUNT, RADIUS, HEIGHT = 48, 0.035, 0.1
-#: Samples miss the deepest point by so little of the depth.
+#: Samples miss the deepest point by this share of the depth.
 SAMPLED = 0.01
-#: Depths that are measured here by other means, points at random [mm].
+#: Tolerance for depths measured here by other methods at random points [mm].
 MEASURED = 0.15
-#: Shares of volume: counted by two sets of points [% of the mesh].
+#: Tolerance for shares of volume, counted by two sets of points [% of the mesh].
 COUNTED = 1.5
 
 
 def sagged(wall, span, radius=RADIUS):
-    """Pieces of `span` sections: how far they stick into the pipe [mm], the volume they add [%]."""
+    """Pieces of `span` sections: depth in the pipe [mm], added volume [%]."""
     inner, half = radius - wall, np.pi / COUNT
     chord = inner * np.cos(span * half)
     deep = (inner - chord) * np.cos(half) if span % 2 == 0 else inner * np.cos(half) - chord
@@ -70,7 +70,7 @@ def measured(turned, mesh, pieces, rng):
     solids = [Delaunay(piece.vertices) for piece in pieces]
     out = 0.0
     for solid in solids:
-        # Points of the faces: where a piece sticks out farthest it does so with its surface.
+        # Points of the faces: a piece protrudes farthest with its surface.
         corners = solid.points[solid.convex_hull]
         for weights in rng.dirichlet(np.ones(3), size=100):
             found = turned.signed_distance(np.einsum("c,fci->fi", weights, corners))
@@ -96,7 +96,7 @@ def measured(turned, mesh, pieces, rng):
 
 
 def clusters(mesh, count, rng):
-    """Hulls of the vertices that are nearest to each of some: as bad as pieces can be."""
+    """Hulls of the vertices nearest to each of some points: pieces of the worst quality."""
     middles = mesh.vertices[rng.choice(len(mesh.vertices), count, replace=False)]
     nearest = np.linalg.norm(mesh.vertices[:, None] - middles, axis=2).argmin(axis=1)
     pieces = []
@@ -119,7 +119,7 @@ def test_the_error_of_a_wine_glass_by_other_means():
     assert error.outside_mm > WARN_MM
     assert error.inside_mm > WARN_MM
     assert error.outside_mm == pytest.approx(outside, rel=SAMPLED, abs=MEASURED)
-    # Fewer points of the surface here: they miss more of it.
+    # Fewer surface points here: they miss more of it.
     assert inside < error.inside_mm + MEASURED
     assert error.inside_mm < 1.03 * inside
     assert error.volume_percent == pytest.approx(more, rel=0.01, abs=COUNTED)

@@ -1,4 +1,4 @@
-"""Shapes: values refused, mass properties against sampling, depth against triangles."""
+"""Shapes: refused values, mass properties against sampling, depth against triangles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Contact labels as arrays: names, shapes, kinds, and what the dense ones say of the sparse."""
+"""Contact labels as arrays: names, shapes, kinds, and dense labels against sparse ones."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_one_person_and_one_object_have_the_plain_keys_of_grab():
         assert arrays[key].dtype == kind, key
     assert not any("ball" in key or key.startswith("person") for key in arrays)
     assert float(arrays["threshold_m"]) == result.settings.clearance + 1e-3
-    # A label is the part of its vertex and 1; the part is then among those that touch.
+    # The label of a vertex is its part and 1; that part is then among those in contact.
     frame, vertex = np.nonzero(arrays["body"])
     assert len(frame) > 0
     part = arrays["body"][frame, vertex] - 1

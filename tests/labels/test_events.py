@@ -21,7 +21,7 @@ HIGH = 1.2  # of the box while it is held [m]
 
 
 def fallen(fps=30.0, height=0.8, hold=1.0, velocity=(0.0, 0.0, 0.0), **options):
-    """A box that is held, let go in a frame and falls so far onto the floor, where it stays."""
+    """A box that is held, released in a frame, falls by a height onto the floor and stays there."""
     first = round(hold * fps)
     # It lands between frames, and lies still from the next one on.
     time = np.sqrt(2.0 * height / G) if not velocity[2] else 10.0
@@ -39,7 +39,7 @@ def fallen(fps=30.0, height=0.8, hold=1.0, velocity=(0.0, 0.0, 0.0), **options):
 
 
 def slid(fps=30.0, speed=0.12, way=0.06, **options):
-    """A box that is held, slides down along the palm at a speed, so far, and is held again."""
+    """A box that is held, slides a distance along the palm at a speed, and is held again."""
     time = np.arange(round(3.0 * fps)) / fps
     box = np.tile([0.0, 0.0, HIGH], (len(time), 1))
     box[:, 2] -= speed * np.clip(time - 1.0, 0.0, way / speed)
@@ -82,7 +82,7 @@ def test_what_is_thrown_is_not_dropped(velocity):
 
 
 def test_what_is_let_go_while_walking_is_dropped():
-    """As fast as the person: seen from them it falls straight down."""
+    """At the person's speed: relative to the person it falls straight down."""
     case, *_ = fallen(velocity=(2.0, 0.0, 0.0))
     since = np.arange(len(case.box)) / case.fps
     case.walk = np.stack([2.0 * since, 0.0 * since, 1.0 + 0.0 * since], axis=1)
@@ -206,7 +206,7 @@ def test_what_moves_along_the_normal_does_not_slide():
 
 
 def test_what_turns_and_walks_with_the_hand_does_not_slide():
-    """Turned by 5 rad and moved by 4 m as one with the person."""
+    """Turned by 5 rad and moved by 4 m together with the person."""
     time = np.arange(90) / 30.0
     box = np.stack([time, 0.5 * time**2, HIGH + 0.1 * np.sin(time)], axis=1)
     case = Handled(30.0, box, walk=box + np.array([0.3, 0.2, 0.0]), spin=0.6 * time**2)
@@ -225,12 +225,12 @@ def test_pushing_along_the_floor_is_no_slip():
 
 
 def test_a_slip_is_that_of_the_parts_that_slide_by_their_force():
-    """One of two parts, with a third of the force, at the middle of what moves as the box does."""
+    """One of two parts, with a third of the force, at the middle of the parts that move with it."""
     case = slid()
     case.push(range(1, len(case.box)), 0.5, 2.5, part=JOINT_INDEX["right_index3"])
     case.push(range(1, len(case.box)), 0.001, 0.01, part=JOINT_INDEX["right_thumb3"])
     (slip,) = events(case.result()).slips
-    assert slip.parts == ("right_wrist", "right_index3")  # the thumb bears next to nothing
+    assert slip.parts == ("right_wrist", "right_index3")  # the thumb bears almost no load
     assert slip.distance == pytest.approx(0.06, abs=1e-12)
 
 
@@ -258,7 +258,7 @@ def test_where_in_the_world_does_not_matter(turn, shift, fps):
 
 
 def _shown(found):
-    """Words and whole numbers of every event, and its lengths and speeds."""
+    """Names and integers of every event, and its lengths and speeds."""
     every = (*found.holds, *found.slips, *found.drops)
     rows = []
     for event in every:
@@ -273,7 +273,7 @@ def _shown(found):
 @settings(max_examples=15, deadline=None)
 @given(fps=st.floats(20.0, 480.0), height=st.floats(0.2, 1.1), way=st.floats(0.05, 0.2))
 def test_the_frame_rate_does_not_matter(fps, height, way):
-    """To what a frame leaves open: when it was let go, and where the slide began."""
+    """The frames leave a tolerance: the time of release, and the start of the slide."""
     found = events(fallen(fps, height)[0].result())
     (drop,) = found.drops
     assert drop.height == pytest.approx(height, abs=1e-9)
@@ -281,7 +281,7 @@ def test_the_frame_rate_does_not_matter(fps, height, way):
     assert drop.time == pytest.approx(1.0, abs=1.0 / fps)
     assert drop.landing == pytest.approx(1.0 + np.sqrt(2.0 * height / G), abs=2.0 / fps)
     (slip,) = events(slid(fps, 0.12, way).result()).slips
-    # The first and the last step may be slower than what counts as sliding.
+    # The first and the last step may be slower than the sliding threshold.
     assert slip.distance == pytest.approx(way, abs=2 * 0.02 / fps)
     assert slip.start == pytest.approx(1.0, abs=1.001 / fps)
     assert slip.end == pytest.approx(1.0 + way / 0.12, abs=1.001 / fps)
@@ -346,7 +346,7 @@ def test_a_suitcase_of_200_kg_stays():
 
 
 def test_a_slip_in_the_shake_is_how_far_the_suitcase_sank_in_the_hands():
-    """Friction that holds it still but not shaken."""
+    """Friction that holds the box at rest but not when shaken."""
     result = played("lift_suitcase", friction=0.3, carry=1.0, shake=2.0)
     found = events(result)
     assert [hold.ending for hold in found.holds] == ["kept"]
@@ -363,7 +363,7 @@ def test_a_slip_in_the_shake_is_how_far_the_suitcase_sank_in_the_hands():
 
 @pytest.mark.slow
 def test_a_glass_that_is_let_go_is_dropped():
-    """The paper's Figure 5b: the table has gone."""
+    """The paper's Figure 5b: the table is removed."""
     found = events(played("place_glass"))
     (drop,) = found.drops
     (hold,) = found.holds
@@ -394,6 +394,6 @@ def test_a_grasped_glass_is_held_through_everything_until_the_hand_opens():
 
 @pytest.mark.parametrize("options", [{}, {"speed": 12.0}, {"mass": 200.0}, {"fps": 10.0}])
 def test_a_kicked_ball_is_not_held(options):
-    """Nor does it slip, also where a frame takes a tenth of a second and two show the kick."""
+    """Nor does it slip where a frame takes a tenth of a second and two frames show the kick."""
     found = events(played("kick_ball", **options))
     assert (found.holds, found.slips, found.drops) == ((), (), ())

@@ -1,4 +1,4 @@
-"""Labels in the layouts of other data sets, each from what that data set's own rule says."""
+"""Labels in the layouts of other data sets, each against that data set's own rule."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from halfphysics.results.result import ObjectTrack
 from support.judges.coal_shapes import coal_shape
 from support.references.labels import near_reference, solid_distance
 
-#: Both do the same sums in another order.
+#: Both compute the same sums in another order.
 ROUNDING = 1e-12
 EVERYTHING = np.ones(55, dtype=bool)
 
@@ -53,7 +53,7 @@ def _arm() -> hp.Body:
 
 
 def _wavy(frames: int = 6) -> hp.Motion:
-    """A person who bends everywhere."""
+    """A person with all joints bent."""
     motion = straight(frames / 30.0, 0.3, -0.2)[:frames]
     rng = np.random.default_rng(3)
     swing = 0.5 * rng.normal(size=(1, 55, 3)) * np.linspace(0.0, 1.0, len(motion))[:, None, None]

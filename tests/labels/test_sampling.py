@@ -1,4 +1,4 @@
-"""The points that stand for primitives: on the surface, dense, closed, the same each time."""
+"""The points that represent primitives: on the surface, dense, closed, the same each time."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_points_cover_the_surface(name):
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     length = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
     assert length.max() < 0.0151  # a centimetre, across a square
-    # So nothing on the surface is far from a point.
+    # So every point of the surface is near a sample.
     centre = vertices[faces].mean(axis=1)
     apart = np.linalg.norm(centre[:, None] - vertices[faces], axis=2).min(axis=1)
     assert apart.max() < 0.01
@@ -70,7 +70,7 @@ def test_a_mesh_keeps_its_own_vertices_where_pieces_touch_for_it():
     surface = surface_of(scene, item)
     assert np.array_equal(surface.vertices, shelf.vertices)
     assert np.array_equal(surface.faces, shelf.faces)
-    # How far the mesh stands out of the pieces at most: its corner, of the smaller one.
+    # The mesh protrudes from the pieces by at most this: its corner, of the smaller one.
     assert surface.off == pytest.approx(
         closest_reference(shelf.vertices, *pieces[0].triangles())[0][:8].min(), abs=1e-9
     )

@@ -1,4 +1,4 @@
-"""Contact labels against geometry; made wrong too."""
+"""Contact labels against geometry, including wrong labels."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _hull_triangles(points: np.ndarray) -> np.ndarray:
 
 
 def _from_ball(result: Result, row: int) -> float:
-    """Distance of a contact's part from the ball: its hulls' triangles, in numpy."""
+    """Distance of a contact's part to the ball: its hulls' triangles, in numpy."""
     contacts, body = result.contacts, result.people[0].body
     frame = int(contacts.frame[row])
     skin = body.vertices(result.motion, frame)
@@ -75,9 +75,9 @@ def test_labels_are_borne_out() -> None:
 
 
 def test_distances_are_those_of_the_hulls() -> None:
-    """Of every row between the foot and the ball, against qhull and numpy."""
+    """Every row between the foot and the ball, against qhull and numpy."""
     frames = kick(record="frames")
-    report = metrics.contact_precision(frames, margin=1.0)  # no look at earlier poses
+    report = metrics.contact_precision(frames, margin=1.0)  # earlier poses have no effect
     ball = frames.names.index("ball")
     rows = np.flatnonzero((frames.contacts.other == ball) & (frames.contacts.strength > 0.0))
     assert len(rows) > 0
@@ -114,7 +114,7 @@ def test_labels_of_a_part_that_is_elsewhere_are_refuted() -> None:
 
 
 def test_a_mesh_and_a_box_bear_out_the_same() -> None:
-    """A wall as a box and as its triangles, the contacts of the one measured in the other."""
+    """A wall as a box and as its triangles, the contacts of one measured in the other."""
     result, mesh = walled(), walled(mesh=True)
     other = dataclasses.replace(result, scene=mesh.scene, people=result.people)
     a, b = (metrics.contact_precision(r).distance for r in (result, other))

@@ -1,4 +1,4 @@
-"""Plausibility of contact impulses against mechanics; made wrong too."""
+"""Plausibility of contact impulses against mechanics, including wrong impulses."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_kick_is_plausible_and_balanced() -> None:
     report = metrics.contact_forces(kick())
     assert report.push_percent == report.cone_percent == 100.0
     assert list(report.balance) == ["ball"]
-    # Of momenta of a few N s.
+    # Relative to momenta of a few N s.
     assert report.unbalanced < 1e-11
     assert (
         np.abs(kick().objects["ball"].position[-1] - kick().objects["ball"].position[0]).max() > 1
@@ -54,7 +54,7 @@ def test_every_frame_but_no_substeps_leaves_the_balance_open() -> None:
 
 
 def test_what_a_wrong_impulse_leaves_out_of_balance() -> None:
-    """Half of one impulse on the ball is left out: that much is missing, in that frame."""
+    """Half of one impulse on the ball is omitted: the imbalance is that half, in that frame."""
     result = kick()
     ball = result.names.index("ball")
     row = int(np.argmax(np.where(result.contacts.other == ball, result.contacts.strength, 0.0)))
@@ -90,13 +90,13 @@ def test_pull_and_slip_by_hand() -> None:
     assert report.contacts == 4
     assert report.push_percent == 75.0
     assert result.scene.friction_of("person/left_foot", result.names[floor]) >= 1.0
-    assert report.cone_percent == 50.0  # what pulls is in no cone
+    assert report.cone_percent == 50.0  # a pulling impulse is in no cone
     assert report.pull == pytest.approx(0.5)
     assert report.slip == pytest.approx(3.0)
 
 
 def test_what_sleeps_is_not_out_of_balance() -> None:
-    """A box asleep in the air has no weight to carry until something touches it."""
+    """A sleeping box in the air carries no weight until a body touches it."""
     scene = hp.Scene()
     scene.add_object(
         "box", hp.Box((0.2, 0.2, 0.2)), mass=2.0, position=(0.4, -0.4, 0.0), start="asleep"

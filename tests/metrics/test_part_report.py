@@ -1,4 +1,4 @@
-"""The report per frame and part: each column by another way, in memory and from a file."""
+"""The report per frame and part: each column by another method, in memory and from a file."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def body():
 
 @pytest.fixture(scope="module")
 def pair(body):
-    """Two people who walk into a wall each; one meets a ball on the way."""
+    """Two people walk into a wall each; one meets a ball on the way."""
     scene = Scene()
     scene.add_static("ceiling", Plane(normal=(0.0, 0.0, -1.0), offset=-5.0))
     scene.add_static("wall", Box((0.01, 8.0, 6.0)), position=(0.5, 0.0, 0.0))
@@ -71,7 +71,7 @@ def test_contact_and_force_are_those_of_the_contacts(pair):
         np.testing.assert_allclose(report.force, expected, rtol=1e-12)
         np.testing.assert_array_equal(report.contact, expected > 0.0)
         assert report.contact.any()
-        # Who touches the wall is near it.
+        # A part in contact with the wall is near it.
         wall = mine[mine.other == pair.names.index("wall")]
         touching_now = np.zeros_like(report.contact)
         touching_now[wall.frame, wall.part] = True
@@ -87,7 +87,7 @@ def test_displacement_and_rotation(pair, body):
         a = rot.rotvec_to_matrix(person.motion.rotations)
         b = rot.rotvec_to_matrix(person.reference.rotations)
         cosine = 0.5 * (np.einsum("tjab,tjab->tj", a, b) - 1.0)
-        # arccos knows small angles to the root of its rounding.
+        # arccos has small angles only to the square root of its rounding.
         np.testing.assert_allclose(
             report.rotation, np.arccos(np.clip(cosine, -1.0, 1.0)), atol=1e-7
         )
@@ -166,15 +166,15 @@ def test_what_a_surface_hides_has_the_way_that_it_has_to_go(body):
     )
     measured = result.parts()
     told = dataclasses.replace(result, inside=inside).parts()
-    assert measured.clearance[1, HEAD] > 0.0  # all that can be seen from the head
+    assert measured.clearance[1, HEAD] > 0.0  # the distance of the visible surface
     expected = measured.clearance.copy()
-    expected[1, HEAD], expected[2, FOOT] = -0.3, -0.2  # nothing is known of frame 1's foot
+    expected[1, HEAD], expected[2, FOOT] = -0.3, -0.2  # frame 1's foot is unknown
     np.testing.assert_array_equal(told.clearance, expected)
     assert told.nearest[1, HEAD] == told.nearest[2, FOOT] == 0
 
 
 def test_the_nearest_of_several_shapes_of_a_part(body, monkeypatch):
-    """Two shapes of the head, one of a foot, and an object that counts for nobody."""
+    """Two shapes of the head, one of a foot, and an object, which belongs to no person."""
     inf = np.inf
     dist = np.array([[0.02, 0.01, inf, np.nan], [0.03, inf, 0.04, np.nan]])
     static = np.array([[0, 1, -1, -1], [1, -1, 0, -1]])

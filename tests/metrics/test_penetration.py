@@ -46,7 +46,7 @@ def test_definitions_by_hand() -> None:
 
 @pytest.mark.parametrize("holes", [0, 1])
 def test_depth_in_other_people(cloud: Cloud, holes: int) -> None:
-    """Points of a cloud in somebody else who is a ball: as in a static mesh that follows."""
+    """Points of a cloud in another person, a ball: as in a static mesh that follows."""
     vertices, faces = Sphere(0.4).triangles()
     other, theirs = Ball(np.asarray(vertices), np.asarray(faces)[holes:]), _line(40)
     still = Drift(np.tile([0.1, 0.0, 0.0], (40, 1)))
@@ -107,7 +107,7 @@ def test_primitives_and_their_triangles_agree_anywhere(
     a = metrics.penetration(_line(20), cloud, exact)
     b = metrics.penetration(_line(20), cloud, triangles)
     assert a.rate_percent > 1.0
-    # 128 segments cut under 0.25 mm off these shapes (twice: around and along).
+    # 128 segments remove under 0.25 mm from these shapes (twice: around and along).
     np.testing.assert_allclose(a.deepest, b.deepest, atol=0.5)
     assert a.rate_percent == pytest.approx(b.rate_percent, abs=0.1)
 

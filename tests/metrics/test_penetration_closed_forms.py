@@ -24,7 +24,7 @@ def _report(points: np.ndarray, shape: Shape) -> metrics.PenetrationReport:
 
 @pytest.mark.parametrize("mesh", [False, True])
 def test_a_sphere_in_a_box(mesh: bool) -> None:
-    """Its points nearest the middle are as deep as the box is thick there."""
+    """The points nearest the middle are as deep as the box is thick there."""
     rng = np.random.default_rng(0)
     directions = rng.normal(size=(5000, 3))
     directions[:6] = np.concatenate([np.eye(3), -np.eye(3)])

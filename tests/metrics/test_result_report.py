@@ -1,4 +1,4 @@
-"""The summary: every number in it by another way, and what it does not know said."""
+"""The summary: every number by another method, and unknown values are named."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def body():
 
 @pytest.fixture
 def quiet(body):
-    """A person 0.3 m before a wall, a ball and a cup that lie still; nothing happens at all."""
+    """A person 0.3 m before a wall, a resting ball and a resting cup; no contact occurs."""
     scene = Scene()
     scene.add_static("floor", Plane(offset=-3.0))
     scene.add_static("wall", Box((0.2, 8.0, 8.0)), position=(0.6, 0.0, 0.0))
@@ -76,7 +76,7 @@ def test_nothing_happened(quiet):
 
 
 def test_contacts_in_newtons(quiet):
-    """Impulses of frames 10, 11 and 13; 2 N s in 1/30 s are 60 N. One row carries nothing."""
+    """Impulses of frames 10, 11 and 13; 2 N s in 1/30 s are 60 N. One row has no impulse."""
     contacts = touching(
         [9, 10, 10, 11, 13, 20],
         [FOOT, WRIST, HAND, WRIST, WRIST, FOOT],
@@ -108,7 +108,7 @@ def test_how_exactly_it_was_followed(quiet, body):
         r"free of contact \(for 0.5 s\) in 44 of 60 frames: (.*) there, no joint", text
     )
     assert said
-    assert said[1] == "motion followed exactly"  # the offset of the root is another line's matter
+    assert said[1] == "motion followed exactly"  # the root's offset has its own line
     assert f"MPJPE {1000 * local.mean():.3g} mm, MPJPE-g {1000 * everywhere.mean():.3g} mm" in text
     frame, joint = np.unravel_index(everywhere.argmax(), everywhere.shape)
     assert 20 <= frame < 23
@@ -116,7 +116,7 @@ def test_how_exactly_it_was_followed(quiet, body):
     assert (
         "root off its path by 250 mm at most, in frame 20 (0.67 s), and 250 mm at the end" in text
     )
-    # A millimetre where nothing touched is no "exactly".
+    # An untouched deviation of a millimetre is not "exactly".
     shift[50:, 0] = 0.0
     turn[50, JOINT_INDEX["left_shoulder"], 1] = 0.01
     bent = moved(dataclasses.replace(quiet, contacts=contacts), shift, turn)
@@ -131,7 +131,7 @@ def test_how_exactly_it_was_followed(quiet, body):
 
 
 def test_objects_that_moved(quiet):
-    """The ball goes 3 m and back 1 m at up to 6 m/s, the cup turns on the spot."""
+    """The ball moves 3 m and back 1 m at up to 6 m/s, the cup turns in place."""
     position = np.tile([5.0, 0.0, 0.0], (FRAMES, 1))
     position[10:25, 0] += 0.2 * np.arange(1, 16)
     position[25:, 0] += 3.0
@@ -170,7 +170,7 @@ def inside_of(depths):
 
 
 def test_what_was_inside(quiet):
-    """A foot that is out by frame 3, a wrist that stays, a cup; something that came later."""
+    """A foot that is out by frame 3, a wrist that stays, a cup; an overlap that began later."""
     depths = {
         (FOOT, -1, 0): {0: 0.034, 1: 0.02, 2: 0.01},
         (WRIST, -1, 1): dict.fromkeys(range(FRAMES), 0.05),
@@ -196,7 +196,7 @@ def test_what_was_inside(quiet):
 
 @pytest.mark.parametrize("gap", [0.004, -0.006])
 def test_the_nearest_part_and_thing(quiet, body, gap):
-    """The foremost vertex of the skin is a corner of its part: so far from the wall's face."""
+    """The foremost vertex of the skin is a corner of its part: it has the part's distance."""
     vertices = body.vertices(quiet.motion[0])
     foremost = vertices[:, 0].argmax()
     name = JOINT_NAMES[body.weights[foremost].argmax()]
@@ -215,7 +215,7 @@ def test_the_nearest_part_and_thing(quiet, body, gap):
 
 
 def test_the_smallest_distance_is_that_of_frames_with_nobody_inside(quiet):
-    """A start inside does not hide the distance that was kept once it was over."""
+    """A start inside does not hide the minimum distance of the later frames."""
     clearance = np.full(FRAMES, np.inf)
     clearance[:6] = -0.03, -0.01, 0.0002, 0.009, 0.004, 0.02
     inside = inside_of({(FOOT, -1, 0): {0: 0.03, 1: 0.01, 2: 0.001}})
@@ -243,7 +243,7 @@ def test_lost_time_and_the_solver(quiet):
 
 
 def test_what_a_file_does_not_know_any_more_is_said(tmp_path, quiet):
-    """A body that came from no file, a mesh that has gone: the rest is there all the same."""
+    """A body without a file, a missing mesh: the rest is reported all the same."""
     (tmp_path / "rock.obj").write_text(
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
     )

@@ -17,7 +17,7 @@ def _clip(frames: int, fps: float = 30.0) -> Drift:
 
 
 def test_over_sequences_by_hand() -> None:
-    """A sequence of 2 frames and 4 points, one of 4 frames and 2: who counts how often."""
+    """A sequence of 2 frames and 4 points, one of 4 frames and 2: the weight of each."""
     scene = Scene()
     scene.add_static("floor", Plane())
     first = metrics.penetration(

@@ -18,7 +18,7 @@ FEET = [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]
 
 
 class Puppet:
-    """A body whose joints (T, 55, 3) are given."""
+    """A body with given joints (T, 55, 3)."""
 
     def __init__(self, joints: np.ndarray) -> None:
         self.given = joints
@@ -32,7 +32,7 @@ def _clip(frames: int, fps: float = 30.0) -> Drift:
 
 
 def _feet(steps: list[tuple[float, float]], heights: list[tuple[float, float]]) -> Puppet:
-    """Feet that move so far [m] along x from frame to frame, at these heights [m]."""
+    """Feet with these steps [m] along x from frame to frame, at these heights [m]."""
     joints = np.full((len(heights), 55, 3), 1.0)
     joints[:, FEET, 0] = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
     joints[:, FEET, 2] = heights

@@ -15,7 +15,7 @@ from support.point_bodies import Cloud, Drift
 
 
 class Puppet:
-    """A body whose joints (T, 55, 3) are given."""
+    """A body with given joints (T, 55, 3)."""
 
     def __init__(self, joints: np.ndarray) -> None:
         self.given = joints

@@ -1,4 +1,4 @@
-"""Success: every frame finite, at the rate that was asked."""
+"""Success: every frame finite, at the requested rate."""
 
 from __future__ import annotations
 

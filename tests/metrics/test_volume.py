@@ -1,4 +1,4 @@
-"""Penetrating volume against closed forms: what a box, a ball and a body share with things."""
+"""Penetrating volume against closed forms: overlaps of a box, a ball and a body with a scene."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_what_things_share_counts_once() -> None:
     assert _volume((slab, {}), (slab, {}), (Box((0.02, 0.05, 0.05)), TURNED)) == pytest.approx(once)
     apart = _volume((slab, {"position": (0.1, 0, 0)}), (slab, {"position": (-0.1, 0, 0)}))
     assert apart == pytest.approx(2 * once, rel=2e-3)
-    # Two bodies in one skin that are in each other.
+    # Two bodies in one skin that overlap.
     vertices, faces = Box((0.2, 0.2, 0.2)).triangles()
     double = Ball(np.concatenate([vertices] * 2), np.concatenate([faces, faces + len(vertices)]))
     assert _volume((Plane(offset=1.0), {}), body=double) == pytest.approx(8000.0, rel=2e-3)
@@ -101,18 +101,18 @@ def test_a_hollow_mesh_holds_nothing_in_its_middle() -> None:
 )
 @settings(max_examples=40, deadline=None)
 def test_two_boxes_anywhere(size: list[float], at: list[float]) -> None:
-    """Boxes along the axes overlap by a product; rays that miss or catch an edge are the error."""
+    """Aligned boxes overlap by a product; rays that miss or hit an edge cause the error."""
     low = np.maximum(-0.5 * SIZE, np.array(at) - 0.5 * np.array(size))
     high = np.minimum(0.5 * SIZE, np.array(at) + 0.5 * np.array(size))
     side = np.maximum(high - low, 0.0)
     found = _volume((Box(size), {"position": at}))
-    # Half a ray along the rim, of which about the square root does not even out.
+    # Half a ray along the rim, of which about the square root does not average out.
     rim = 2.0 * (side[0] + side[1]) * side[2] * 0.004
     assert abs(found - 1e6 * side.prod()) <= 1e6 * 0.2 * rim + 1e-6
 
 
 def test_the_error_is_told() -> None:
-    """Of a ball that is cut by a plane anywhere: the error is of the size that is said."""
+    """A plane cuts a ball at any place: the error has the reported size."""
     rng = np.random.default_rng(0)
     vertices, faces = Sphere(0.1).triangles()
     body = Ball(np.asarray(vertices), np.asarray(faces))
@@ -129,7 +129,7 @@ def test_the_error_is_told() -> None:
 
 
 def test_a_body_half_in_the_floor() -> None:
-    """All of a body under a plane is its skin's volume; lying across it, the parts add up."""
+    """A body under a plane has its skin's volume; across it, the parts add up."""
     body = Body.default()
     rotations = np.zeros((2, 55, 3))
     rotations[1, 0] = [0.3, 0.2, 0.1]
@@ -142,7 +142,7 @@ def test_a_body_half_in_the_floor() -> None:
         metrics.penetrating_volume(motion, body, s).volume for s in (under, below, above)
     )
     exact = [1e6 * solid_moments(*close_holes(v, body.faces))[0] for v in body.vertices(motion)]
-    # Skin in itself counts once by rays, several times by faces: under a litre in sixty.
+    # Self-overlaps count once by rays, several times by faces: under a litre in sixty.
     np.testing.assert_allclose(whole, exact, rtol=0.005)
     np.testing.assert_allclose(low + high, whole, rtol=1e-9)
     assert (low > 0.2 * whole).all()

@@ -57,7 +57,7 @@ def t_pose() -> hp.Pose:
 
 
 def sweep(model: mujoco.MjModel, data: mujoco.MjData, step, seconds: float, to: float) -> list:
-    """Turn the arm about its yaw joint to `to` [rad], slowly; what `step` gives each time."""
+    """Turn the arm about its yaw joint to `to` [rad], slowly; the results of `step`."""
     out = []
     count = round(seconds / model.opt.timestep)
     for i in range(count):
@@ -104,12 +104,12 @@ def test_motion_is_followed_exactly_where_nothing_touches():
         assert np.abs(apart).max() < 1e-12
 
 
-#: How far the arm swings: some centimetres beyond where it meets the forearm [rad].
+#: The arm's swing: some centimetres beyond its contact with the forearm [rad].
 SWING = 0.8
 
 
 class Push:
-    """The arm swings about from the person's front and meets its right forearm."""
+    """The arm swings from the person's front and meets the right forearm."""
 
     def __init__(self, settings: hp.Settings, force: float) -> None:
         spec = spec_of(x=-1.1, y=-0.45, force=force)
@@ -163,7 +163,7 @@ def test_firm_person_is_displaced_whole():
 def test_weak_robot_stalls_at_its_force_limit():
     push = Push(hp.Settings(stiffness=10.0), force=2.0)
     assert push.torque == 2.0
-    # It stays where it met the arm, far from where it is told to go.
+    # It stays at the contact with the arm, far from its target.
     assert push.data.qpos[0] - push.data.ctrl[0] < -0.15
     assert push.turned < 2.0
 

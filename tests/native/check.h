@@ -1,4 +1,4 @@
-// Checks of the core's own tests: what failed is printed with its place, and main() returns how often.
+// Checks of the core's own tests: prints each failure with its place; main() returns their number.
 #pragma once
 #include <cmath>
 #include <cstdio>

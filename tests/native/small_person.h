@@ -1,4 +1,4 @@
-// A person of four bodies, made from plain arrays as a caller without Python would: a free pelvis, a
+// A person of four bodies, made from plain arrays as a C++ caller would: a free pelvis, a
 // chest and a leg of two bones on ball joints, each in a capsule, over the floor z = 0.
 #pragma once
 #include <vector>
@@ -9,14 +9,14 @@ namespace small_person {
 
 constexpr int bodies = 4;  // without the world
 constexpr int numbers =
-    7 + 3 * 4;                   // of a pose: the root's position and quaternion, then ball joints
-constexpr double radius = 0.07;  // of all capsules [m]
+    7 + 3 * 4;                   // length of a pose: root position and quaternion, then ball joints
+constexpr double radius = 0.07;  // radius of all capsules [m]
 
 enum Name { floor_name, person_name, names };
 
 struct Bone {
   int parent;
-  hp::Vec3 offset;  // of its joint in the parent's frame [m]
+  hp::Vec3 offset;  // position of its joint in the parent's frame [m]
   hp::Vec3 end;     // the capsule goes from the joint to here; own frame [m]
   double mass;      // [kg]
 };
@@ -84,7 +84,7 @@ inline void build(hp::Stepper& s, double time_constant) {
   s.finish({1});
 }
 
-// A pose of someone who bows and kicks, `height` over the floor and `time` [s] into the motion.
+// A pose of a bowing and kicking person, `height` over the floor and `time` [s] into the motion.
 inline std::vector<double> pose(double time, double height) {
   std::vector<double> q = {0.3 * time, 0.1 * std::sin(3 * time), height};
   const hp::Vec3 turns[bodies] = {{0.2 * std::sin(2 * time), 0.1 * time, 0.3 * time},

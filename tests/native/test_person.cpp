@@ -1,4 +1,4 @@
-// A person stepped without Python: exact following where nothing is met, and no penetration.
+// A person stepped without Python: exact tracking without contact, and no penetration.
 #include "check.h"
 #include "small_person.h"
 
@@ -7,7 +7,7 @@ namespace {
 constexpr double dt = 1.0 / 30;
 constexpr int frames = 45, substeps = 8;
 
-// Where nothing is met, the pose at the end of a frame is the motion's own.
+// Without contact, the pose at the end of a frame is the motion's own.
 void follows(double time_constant) {
   hp::Stepper s;
   small_person::build(s, time_constant);
@@ -23,7 +23,7 @@ void follows(double time_constant) {
   }
 }
 
-// The same with every substep made, as if something might be met.
+// The same with every substep computed, as if a contact were possible.
 void follows_step_by_step(double time_constant) {
   hp::Stepper s;
   small_person::build(s, time_constant);
@@ -43,7 +43,7 @@ void follows_step_by_step(double time_constant) {
 void stays_above_the_floor(double time_constant) {
   hp::Stepper s;
   small_person::build(s, time_constant);
-  const double height = 1.1;  // legs are 0.92 m long with their capsule
+  const double height = 1.1;  // legs are 0.92 m long including their capsule
   std::vector<double> start = small_person::pose(0, height), rest(s.system.model.nv, 0.0), poses;
   CHECK(small_person::lowest(start.data()) > 0.1);
   s.reset(start.data(), rest.data());
@@ -60,7 +60,7 @@ void stays_above_the_floor(double time_constant) {
   double least = 1;
   for (size_t i = 0; i < poses.size(); i += small_person::numbers)
     least = std::min(least, small_person::lowest(&poses[i]));
-  // The clearance of 1 mm, less what a gap may miss of it (2 %).
+  // The clearance of 1 mm, less the tolerance of a gap (2 %).
   CHECK(least > 0.97e-3);
   CHECK(least < 1.1e-3);
   CHECK_NEAR(s.clearance(), small_person::lowest(s.qpos().data()), 1e-9);
@@ -68,7 +68,7 @@ void stays_above_the_floor(double time_constant) {
   CHECK_NEAR(lost, 0, 0);
 }
 
-// What is saved goes on as what was not interrupted.
+// A restored state continues as the uninterrupted run does.
 void goes_on_from_a_state() {
   hp::Stepper a, b;
   small_person::build(a, 0.02);

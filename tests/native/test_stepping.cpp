@@ -1,4 +1,4 @@
-// Components of a step on their own: trajectories, efforts, gentle returns, touches and islands.
+// Components of a step alone: trajectories, efforts, gentle returns, touches and islands.
 #include <cmath>
 
 #include "check.h"
@@ -33,7 +33,7 @@ void a_trajectory_goes_from_pose_to_pose() {
   CHECK_NEAR(p.y, 1, 1e-15);
   there_and_back(true).at(1.5, p, q);
   CHECK(p.x == 0 && p.y == 0);
-  // A time that is a rounding away from a pose is at it.
+  // A time within rounding of a pose gives that pose.
   there_and_back(false).at(0.5 + 1e-12, p, q);
   CHECK(p.x == 1 && p.y == 0);
 }
@@ -49,7 +49,7 @@ void an_effort_is_the_mean_over_its_frame() {
   CHECK_NEAR(force[1], -10, 1e-13);
   effort.begin_frame();
   CHECK(!effort.any());
-  effort.add(second);  // what was before is gone
+  effort.add(second);  // the previous content is gone
   CHECK_NEAR(effort.mean_force(1)[0], 2, 0);
 }
 
@@ -66,9 +66,9 @@ void a_gentle_return_ends_at_the_motion_or_after_its_time() {
   back.start(d, 0.7, s.system.joint_reach);
   CHECK(back.active());
   for (int i = 0; i < d.ball_count(); i++) CHECK(back.rate(i) > 0 && back.rate(i) <= 0.7 / 0.02);
-  back.end_frame(d, true, 10, pose.data(), pose.data());  // still inside: no time passes
+  back.end_frame(d, true, 10, pose.data(), pose.data());  // still inside: the timer stands still
   CHECK(back.active());
-  back.end_frame(d, false, 0.1, pose.data(), bent.data());  // out, not back yet
+  back.end_frame(d, false, 0.1, pose.data(), bent.data());  // outside, not back yet
   CHECK(back.active());
   back.end_frame(d, false, 0.1, pose.data(), pose.data());  // back at the motion
   CHECK(!back.active());
@@ -77,7 +77,7 @@ void a_gentle_return_ends_at_the_motion_or_after_its_time() {
   CHECK(!back.active());
 }
 
-// One touch for contacts of a pair with about the same normal, another one where they differ.
+// One touch for contacts of a pair with about the same normal, another where normals differ.
 void touches_of_a_pair_are_summed_by_their_normals() {
   hp::FrameResult result;
   result.clear(3);
@@ -122,9 +122,9 @@ void islands_are_what_candidates_connect() {
   hp::Islands islands;
   islands.find(system, candidates);
   CHECK(islands.of_tree(1) == islands.of_tree(2));
-  CHECK(islands.of_tree(3) == 3);  // it stands
+  CHECK(islands.of_tree(3) == 3);  // it is static
   CHECK(islands.of_tree(4) == 4);
-  CHECK(islands.of(system, candidates[1]) == islands.of_tree(2));  // that of its active side
+  CHECK(islands.of(system, candidates[1]) == islands.of_tree(2));  // the island of its active side
   CHECK(islands.of(system, candidates[2]) == islands.of_tree(4));
 }
 

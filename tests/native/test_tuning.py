@@ -1,4 +1,4 @@
-"""Constants of the core: each once, with one meaning."""
+"""Constants of the core: each is defined once, with one meaning."""
 
 from __future__ import annotations
 

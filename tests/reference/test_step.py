@@ -16,10 +16,10 @@ from halfphysics.simulation.simulator import Simulator
 from support.people import along_x, violent
 
 DRIVES = {"time constant": 0.02, "algorithm 1": None}
-#: Both stop far below this; what is left is the conditioning of M (fingers of grams on 60 kg).
+#: Both stop far below this; the rest is the conditioning of M (fingers of grams on 60 kg).
 VELOCITY = 1e-9
 TRAJECTORY = 1e-12
-#: A limp arm, and somebody who is easily pushed: some joints give way without contact.
+#: A limp arm, and a person easy to push: some joints yield without contact.
 WEAK = {
     "right_shoulder": 0.0,
     "right_elbow": 0.0,
@@ -27,7 +27,7 @@ WEAK = {
     "pelvis": 100.0,
     "root": 900.0,
 }
-#: Of up to 1000 N m: velocities to VELOCITY, times 60 kg and 240 Hz.
+#: Relative to up to 1000 N m: velocities to VELOCITY, times 60 kg and 240 Hz.
 TORQUE = 1e-4
 
 
@@ -53,7 +53,7 @@ def test_free_trajectories_are_equal(body, drive):
     own = person_drive(simulator, settings, targets[0])
     qpos, qvel = np.array(stepper.qpos()), np.array(stepper.qvel())
     h = 1.0 / 240.0
-    M = reference.inertia_matrix(model, qpos)  # any will do: deviations are zero where it is free
+    M = reference.inertia_matrix(model, qpos)  # any M will do: deviations are zero in free motion
     stiff = reference.stiff_diagonal(model, M, own)
     for t in range(1, len(motion)):
         own.begin_frame(targets[t], 1.0 / 30.0, qpos, qvel)
@@ -72,7 +72,7 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness, contact):
     """A wall, the floor under the feet, a ball in the way: every fifth substep computed twice.
 
     The reference takes the state and the contact points of the core and computes the drive, M,
-    J and what the impulses do itself.
+    J and the effect of the impulses itself.
     """
     motion = along_x(1.5, 24, start=-0.2).grounded(body, 0.0005)
     scene = Scene()
@@ -114,13 +114,13 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness, contact):
         held = reference.held_diagonal(model, stiff, own, trace["touched"])
         M_hat = np.sqrt(np.outer(scale, scale)) * (M + np.diag(held))
         problem = reference.contact_problem(model, qpos, v_free, M_hat, dt, points)
-        # The same impulses do the same to both; and they obey the law of contact.
+        # The same impulses have the same effect on both; and they obey the law of contact.
         np.testing.assert_allclose(trace["v"], problem.velocity(problem.found), atol=VELOCITY)
         violation.append(residuals(problem))
         own.end_substep(stepper.qvel())
     assert contacts > 300
-    # In micrometres a substep, the solver's tolerance being one: normals always hold. Friction on
-    # dozens of points of a limp body pressed flat is given up now and then.
+    # In micrometres a substep, the solver's tolerance being one: normals always hold. The solver
+    # sometimes gives up friction on dozens of points of a limp body pressed flat.
     normal, friction = np.array(violation).T * dt / settings.tolerance
     assert normal.max() <= 5.0
     assert np.quantile(friction, 0.8) <= (1.0 if stiffness > 0.0 else 3.0)
@@ -129,7 +129,7 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness, contact):
 
 
 def residuals(problem):
-    """Largest residual of the normals and of friction [m/s], of what the core found."""
+    """Largest residual of the normals and of friction [m/s] in the core's solution."""
     found = problem.found.reshape(-1, 3)
     if len(found) == 0:
         return 0.0, 0.0
@@ -138,9 +138,9 @@ def residuals(problem):
 
 @pytest.mark.parametrize("drive", DRIVES)
 def test_contact_of_a_person_solved_independently(body, drive):
-    """A firm body walks into a wall: both solve the same problem to rounding, each from nothing.
+    """A firm body walks into a wall: both solve the same problem to rounding, each from zero.
 
-    Its parts touch with several points each; the velocities are unique all the same.
+    Its parts have several contact points each; the velocities are unique all the same.
     """
     motion = along_x(1.5, 16, start=-0.2).grounded(body, 0.0005).resample(240.0)
     scene = Scene()
@@ -224,8 +224,8 @@ def test_contact_solved_independently():
 )
 def test_firmness_and_strength_by_joint_are_equal(body, drive, strength):
     """Every joint has its own firmness and, with a time constant, a limit that a wall exceeds: the
-    free velocity, which joints give in in which round and how far, what contacts then do and what
-    the drive exerts, computed twice in every substep."""
+    free velocity, the joints that yield in each round and how far, the effect of contacts, and
+    the drive's torques, computed twice in every substep."""
     dt = 1.0 / 240.0
     motion = along_x(1.5, 10, start=0.2).resample(240.0)
     scene = Scene()
@@ -253,7 +253,7 @@ def test_firmness_and_strength_by_joint_are_equal(body, drive, strength):
         own.begin_frame(targets[t], dt, qpos, qvel)
         frame = simulator.step(motion[t])
         trace = stepper.trace()
-        if trace["h"] == 0.0:  # nothing was near yet
+        if trace["h"] == 0.0:  # no contact was near yet
             own.end_substep(np.array(stepper.qvel()))
             continue
         M = reference.inertia_matrix(model, qpos)
@@ -262,7 +262,7 @@ def test_firmness_and_strength_by_joint_are_equal(body, drive, strength):
         M, stiff = M[own.dofs, own.dofs], stiff[own.dofs]
         v_free = own.free_velocity(0, dt, qpos, qvel, M, stiff)
         np.testing.assert_allclose(trace["v_free"][own.dofs], v_free, atol=VELOCITY)
-        for v in trace["overcome"][1:]:  # what was too much at first was so with joints held
+        for v in trace["overcome"][1:]:  # later rounds exceed the limits with joints held
             assert own.overcome(v[own.dofs], v_free, dt, M, stiff)
         stiff = held
         v = trace["v"][own.dofs]

@@ -1,4 +1,4 @@
-"""The picture strip: which frames, what it says, what it shows."""
+"""The picture strip: its frames, its text, its pictures."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_a_strip_has_its_size_and_shows_body_ghost_and_ball(tmp_path):
     ghost = (blue - red > 35) & (blue > 120)
     skin = (red - blue > 12) & (red - blue < 70)
     assert (skin.sum(axis=(1, 2)) > 300).all()
-    # Until frame 6 body and ghost are one; then the ghost stands beside.
+    # Until frame 6 body and ghost coincide; then the ghost is beside the body.
     assert ghost[0].sum() < 15
     assert (ghost[1:].sum(axis=(1, 2)) > 150).all()
     assert (ball.sum(axis=(1, 2)) > 10).any()

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from halfphysics.errors import FileError, InputError
 from halfphysics.render.rasterizer import Camera, Light, Look, Surface, render, save_png, visible
 
-# A look without shading: what is drawn has exactly its own colour.
+# A look without shading: every object has exactly its own colour.
 PLAIN = Look(
     top=(0.0, 0.0, 0.0), bottom=(0.0, 0.0, 0.0), sky=(1, 1, 1), ground=(1, 1, 1), lights=()
 )

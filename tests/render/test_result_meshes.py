@@ -1,4 +1,4 @@
-"""What is drawn of a result, and where it stands."""
+"""The meshes drawn of a result, and their places."""
 
 from __future__ import annotations
 

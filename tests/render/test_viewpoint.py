@@ -1,4 +1,4 @@
-"""Cameras that see the story."""
+"""Cameras with a clear view of the action."""
 
 from __future__ import annotations
 

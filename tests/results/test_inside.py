@@ -1,4 +1,4 @@
-"""Who is inside what: the table, its words, and what a run says of a start that is not clear."""
+"""Overlaps: the table, its text, and the report of a run on a start that is not clear."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from support.people import along_x
 from support.results.random_result import make_result
 
 FOOT, ANKLE = JOINT_INDEX["left_foot"], JOINT_INDEX["left_ankle"]
-#: How far the core's depth may be over that of the surface: it starts 0.2 mm outside, and finds
-#: the place to 0.1 mm [m].
+#: Allowed excess of the core's depth over the surface's: it starts 0.2 mm outside, and finds
+#: the point to 0.1 mm [m].
 OUTSIDE = 3e-4
 
 
@@ -84,8 +84,8 @@ def test_a_result_refuses_rows_beyond_it(body):
 
 
 def test_several_shapes_of_a_part_are_one_row_and_the_deepest_counts():
-    """Statics 0, 1 are called 1, 2 (after a thing of no shape); 5 is a person, 4 an object, which
-    two shapes of the person are inside of.
+    """Statics 0, 1 have the names 1, 2 (after an item without shape); 5 is a person, 4 an object;
+    two shapes of the person are inside it.
     """
     world = SimpleNamespace(
         names=("a", "floor", "wall", "b", "box", "person"),
@@ -101,7 +101,7 @@ def test_several_shapes_of_a_part_are_one_row_and_the_deepest_counts():
             [1, 0, -1, 0.03],
             [1, 1, -1, 0.02],
             [2, 0, -1, 0.001],
-            [2, 0, -1, 0.0],  # no way out: nothing is deeper
+            [2, 0, -1, 0.0],  # no way out found: it counts as the deepest
             [1, -1, 3, 0.004],
             [0, -1, 3, 0.006],
             [1, 0, -1, 0.015],
@@ -174,7 +174,7 @@ def sunken(body):
 
 
 def test_feet_in_a_floor(body, sunken):
-    """Which, how deep (by the skin's own depth), never deeper, and out within half a second."""
+    """Feet, their depth (by the skin's own depth), no increase, and out within half a second."""
     scene, motion, result, _ = sunken
     start = result.inside.at(0)
     assert (start.person == 0).all()
@@ -240,7 +240,7 @@ def test_a_part_that_starts_in_an_object_is_named(body):
     assert {result.names[i] for i in start.other} == {"ball"}
     assert JOINT_INDEX["left_middle2"] in start.part
     assert (start.subject == -1).all()
-    # From what stands nothing is any distance, whatever is inside an object.
+    # Without statics the distance is infinite, at any depth in an object.
     assert np.isinf(result.parts().clearance).all()
     assert re.search(r"started inside: left_\w+ .* inside ball", result.summary())
 

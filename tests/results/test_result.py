@@ -1,4 +1,4 @@
-"""Results in memory: what they check, and what they say of themselves."""
+"""Results in memory: their checks and their descriptions."""
 
 from __future__ import annotations
 

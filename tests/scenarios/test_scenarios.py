@@ -1,4 +1,4 @@
-"""Scenarios: what their motions alone would do to their scenes, and how they are asked for."""
+"""Scenarios: the penetrations of their references, and how they are built."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from halfphysics.scenarios.props import stage
 
 
 def depths(sequence, name: str, frames: range | None = None, person: int = 0) -> np.ndarray:
-    """Depth of every skin vertex inside one thing of the scene [m], (frames, V)."""
+    """Depth of every skin vertex inside one item of the scene [m], (frames, V)."""
     thing = sequence.scene.statics.get(name) or sequence.scene.objects[name]
     motion = sequence.motions[person]
     frames = range(len(motion)) if frames is None else frames
@@ -50,7 +50,7 @@ def test_the_story_is_told_in_order(doorway):
     assert first == sorted(first)
     assert 8.0 <= doorway.motion.duration <= 10.0
     # Deep enough to be seen, not so deep that going on is hopeless. The table top is 4 cm
-    # thick: nothing is deeper than half of that.
+    # thick: no depth exceeds half of that.
     assert 0.03 < deep["right_jamb"].max() < 0.10
     assert 0.015 < deep["table"].max() <= 0.02
     right_arm = {JOINT_INDEX[f"right_{n}"] for n in ("shoulder", "elbow", "wrist")}
@@ -82,7 +82,7 @@ def test_options_reach_the_scene():
     assert np.isclose(ball.position[2], stage.BALL_RADIUS)
     assert sequence.motion.fps == 60.0
     slow = scenarios.load("kick_ball", fps=30)
-    assert np.allclose(slow.scene.objects["ball"].position, ball.position)  # one story
+    assert np.allclose(slow.scene.objects["ball"].position, ball.position)  # the same ball
     wall = scenarios.load("walk_into_wall", speed=1.0, thickness=0.02).scene.statics["wall"]
     assert wall.shape.size[0] == 0.02
     assert scenarios.options("kick_ball")["mass"] == 0.43

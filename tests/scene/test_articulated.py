@@ -1,4 +1,4 @@
-"""Doors, drawers and other things with joints in scenes: what moves them, and what holds them."""
+"""Doors, drawers and other articulated objects in scenes: their motion and their limits."""
 
 import mujoco
 import numpy as np
@@ -39,7 +39,7 @@ def body():
 
 
 def alone(scene, frames, fps=60.0, **settings):
-    """Objects alone: (frames + 1) values of every joint and poses of every link."""
+    """Objects without people: (frames + 1) values of every joint and poses of every link."""
     simulator = Simulator(scene, body=[], settings=Settings(**settings), fps=fps)
     got = [simulator.reset([])]
     got += [simulator.step([]) for _ in range(frames)]
@@ -69,11 +69,11 @@ def test_a_walking_person_opens_a_door(body):
     assert "door/panel" in met
     watch = Watch(simulator)
     gaps = [watch.gap(f._qpos)[0] for f in frames[::4]]
-    assert 0.0 < min(gaps) < 0.002  # it is pushed
+    assert 0.0 < min(gaps) < 0.002  # the person pushes it
 
 
 def test_a_body_pushes_a_drawer_shut(body):
-    """And no farther: the person stops at what stops."""
+    """The person stops where the drawer stops."""
     scene = Scene()
     scene.add_articulated("box", CABINET, position=(1.1, -0.4, 0.2), joints={"rail": -0.3})
     result = simulate(along_x(0.5, 60, 0.0, z=1.2), scene, body=body)
@@ -84,12 +84,12 @@ def test_a_body_pushes_a_drawer_shut(body):
     track = result.objects["box/drawer"]
     np.testing.assert_allclose(track.position[:, 0], 1.1 + rail, atol=1e-12)
     np.testing.assert_allclose(track.position[:, 1:], [[-0.4, 1.2]] * len(rail), atol=1e-12)
-    assert result.clearance.min() > 0.0  # from the case, which no joint moves
+    assert result.clearance.min() > 0.0  # from the case, which has no joint
     assert result.names == ("box/world", "box/drawer", "person")
 
 
 def test_a_ball_opens_a_door_and_their_angular_momentum_stays():
-    """About the hinge, without damping, friction or weight: what the ball loses the door has."""
+    """About the hinge, without damping, friction or weight: the door gains the ball's loss."""
     scene = Scene(gravity=0.0)
     scene.add_articulated("door", DOOR.replace('damping="0.5"', ""), friction=0.0)
     radius, mass, speed = 0.1, 2.0, 3.0
@@ -109,7 +109,7 @@ def test_a_ball_opens_a_door_and_their_angular_momentum_stays():
     now = about * velocity[hinge.dof] + mass * (at[0] * v[1] - at[1] * v[0]) + spin
     assert velocity[hinge.dof] > 0.1
     np.testing.assert_allclose(now, mass * 0.6 * speed, rtol=1e-9)
-    # A blow without rebound at an arm of 0.6: both go on together there, at first.
+    # An impact without rebound at an arm of 0.6: at first both move on together.
     first = next(k for k, f in enumerate(frames) if len(f.contacts.part))
     np.testing.assert_allclose(
         np.diff([f.joints["door/hinge"] for f in frames])[first + 1] * 60.0,
@@ -258,7 +258,7 @@ def test_scissors_fall_and_come_to_rest():
 
 
 def test_penetration_counts_links(body):
-    """A door that somebody stands in."""
+    """A person stands in a door."""
     scene = Scene()
     scene.add_articulated("door", DOOR, position=(-0.45, -0.4, 0.0))
     scene.add_object("ball", Sphere(0.1), mass=1.0, position=(5, 0, 0))

@@ -1,4 +1,4 @@
-"""One-line things of the command line."""
+"""One-line items of the command line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Friction of, and passing through, one part of a person."""
+"""Friction and disabled contact of one part of a person."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_files(tmp_path):
 
 @pytest.mark.parametrize("contact", ["skin", "parts"])
 def test_the_core_hears_of_it(contact):
-    """A plate comes down on a hand and along it: what it drags is said by the friction of each."""
+    """A plate moves down on a hand and along it: each pair's friction sets the drag."""
     body, motion = Body.default(), t_pose(np.zeros((20, 3)))
     hand = body.joints(motion)[0, 20]
 
@@ -51,7 +51,7 @@ def test_the_core_hears_of_it(contact):
         scene = Scene()
         path = np.zeros((20, 3))
         path[:] = hand
-        path[:, 2] += 0.25 - 0.2 * np.arange(20) / 19.0  # comes down on the hand
+        path[:, 2] += 0.25 - 0.2 * np.arange(20) / 19.0  # moves down on the hand
         path[:, 0] += 0.3 * np.arange(20) / 19.0
         scene.add_moving("plate", Box((0.6, 0.3, 0.1)), path, fps=30.0)
         scene.friction("person", "plate", 0.0)
@@ -66,7 +66,7 @@ def test_the_core_hears_of_it(contact):
 
     part, along, whole = dragged()
     assert len(part) > 0
-    assert (along < 1e-6 * whole.max()).all()  # nobody rubs
+    assert (along < 1e-6 * whole.max()).all()  # friction is off
     rough = [int(j) for j in np.unique(part)][:1]
     part, along, whole = dragged([JOINT_NAMES[j] for j in rough])
     mine = np.isin(part, rough)

@@ -19,7 +19,7 @@ PLACE, TURN = np.array([0.3, -0.2, 1.1]), rot.exp([0.4, 1.0, -0.3])
 
 
 def rays(count, seed=0):
-    """Towards the thing, past it, and from inside it."""
+    """Towards the shape, past it, and from inside it."""
     rng = np.random.default_rng(seed)
     origin = PLACE + rng.normal(size=(count, 3)) * rng.choice([0.05, 2.0], size=(count, 1))
     aim = PLACE + 0.4 * rng.normal(size=(count, 3))
@@ -27,7 +27,7 @@ def rays(count, seed=0):
 
 
 def signed(shape, points):
-    """Distance from the surface, negative inside: written down here once more."""
+    """Distance from the surface, negative inside: an independent copy of the formulas."""
     p = np.abs(points)
     if isinstance(shape, Sphere):
         return np.linalg.norm(p, axis=-1) - shape.radius
@@ -43,7 +43,7 @@ def signed(shape, points):
 
 
 def first(vertices, faces, o, d):
-    """Distance to the first triangle that o + t d meets, inf: to none."""
+    """Distance to the first triangle that the ray o + t d hits; inf: none."""
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     matrix = np.stack([b - a, c - a, np.broadcast_to(-d, a.shape)], axis=2)
     regular = np.abs(np.linalg.det(matrix)) > 1e-15

@@ -1,4 +1,4 @@
-"""Scenes: what stands in them, what is refused, what holds between pairs."""
+"""Scenes: their contents, refused values, and material pairs."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def test_solids_that_share_an_edge_move_as_two_pieces() -> None:
     assert sorted(p.volume for p in thing.pieces) == pytest.approx([1.0, 2.0])
     assert thing.decomposition.outside_mm == thing.decomposition.inside_mm == 0.0
     hull = Scene().add_object("x", step, density=10, pieces="hull")
-    assert hull.mass == pytest.approx(30.0)  # of the mesh itself, not of its hull
+    assert hull.mass == pytest.approx(30.0)  # the mesh's own, not its hull's
     assert hull.shape.volume == pytest.approx(3.5)
 
 

@@ -1,4 +1,4 @@
-"""Scene files: what they say, every mistake with its place, and the way back."""
+"""Scene files: their contents, the place of every mistake, and writing them back."""
 
 from __future__ import annotations
 

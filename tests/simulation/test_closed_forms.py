@@ -12,7 +12,7 @@ from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
 
 G = 9.81
-#: Frame rates and substeps; None: as many as keep h at or under 1/240 s.
+#: Frame rates and substeps; None: the fewest that keep h at or under 1/240 s.
 STEPS = [(30, None), (60, None), (120, None), (30, 1), (30, 3), (30, 8), (60, 2), (120, 1)]
 
 
@@ -69,7 +69,7 @@ def test_the_friction_angle(angle, fps, substeps):
     _, poses = run(scene, 2.0, fps, substeps)
     way = np.linalg.norm(poses[-1, :3] - poses[0, :3])
     if angle < 1.0:
-        assert way < 1e-6  # what friction on four redundant points may creep
+        assert way < 1e-6  # creep of friction on four redundant points
     else:
         fall = 2.0 * (2.0 + length_of(fps, substeps))
         expected = 0.5 * G * (np.sin(tilt) - 0.5 * np.cos(tilt)) * fall
@@ -78,7 +78,7 @@ def test_the_friction_angle(angle, fps, substeps):
 
 @pytest.mark.parametrize(("fps", "substeps"), STEPS)
 def test_sliding_down_and_coming_to_rest(fps, substeps):
-    """2 s down a slope of 0.5 rad; and 2 m/s on the level until friction has eaten it."""
+    """2 s down a slope of 0.5 rad; and 2 m/s on level ground until friction stops it."""
     scene, tilt = on_slope(0.5, Box((0.3, 0.2, 0.1)), 0.05, friction=0.3)
     _, poses = run(scene, 2.0, fps, substeps)
     way = rot.rotate(rot.conjugate(tilt), poses[-1, :3])
@@ -97,7 +97,7 @@ def test_sliding_down_and_coming_to_rest(fps, substeps):
 @pytest.mark.parametrize(("fps", "substeps"), STEPS)
 @pytest.mark.parametrize("shape", [Sphere(0.1), Cylinder(0.1, 0.3)], ids=["sphere", "cylinder"])
 def test_rolling_without_slip(shape, fps, substeps):
-    """Down a slope: a = g sin / (1 + I / (m r^2)); the speed is that of the turning."""
+    """Down a slope: a = g sin / (1 + I / (m r^2)); the speed equals the spin times r."""
     lying = rot.exp([np.pi / 2, 0.0, 0.0])
     scene, tilt = on_slope(0.3, shape, 0.1, turn=lying, friction=0.6)
     simulator, poses = run(scene, 2.0, fps, substeps)
@@ -105,8 +105,8 @@ def test_rolling_without_slip(shape, fps, substeps):
     acceleration = G * np.sin(0.3) / (1.0 + share)
     way = rot.rotate(rot.conjugate(tilt), poses[-1, :3])
     fall = 2.0 * (2.0 + length_of(fps, substeps))
-    # To 1e-4: there is nothing approximate about a round side. Where it turns by more than a radian
-    # in a substep, that is made in parts, and the fall is that of smaller steps.
+    # To 1e-4: round sides are exact. A substep with a turn of more than a radian
+    # is split, and the fall is that of smaller steps.
     exact = 1e-4 if length_of(fps, substeps) < 1.0 / 45.0 else 5e-3
     assert way[0] == pytest.approx(0.5 * acceleration * fall, rel=exact)
     np.testing.assert_allclose(way[1:], [0.0, 0.1], atol=1e-6)
@@ -130,7 +130,7 @@ def test_what_slides_ends_rolling(shape, fps, substeps):
 @pytest.mark.parametrize(("fps", "substeps"), STEPS)
 @pytest.mark.parametrize("restitution", [0.5, 0.8, 1.0])
 def test_bounce_height(restitution, fps, substeps):
-    """e^2 of the height, wherever in the substep the floor is met."""
+    """e^2 of the height, at any contact time within the substep."""
     for drop in np.linspace(1.0, 1.1, 7):
         scene = Scene()
         scene.add_static("floor", Plane())
@@ -142,7 +142,7 @@ def test_bounce_height(restitution, fps, substeps):
         landed = int(np.argmax(np.diff(height) > 0.0))
         top = height[landed : landed + round(0.6 / length_of(fps, substeps))].max()
         # It turns at the clearance of 1 mm. Poses lie on a parabola whose top is up to `between`
-        # higher than the highest of them.
+        # higher than the highest pose.
         between = 0.5 * G * (0.5 * length_of(fps, substeps)) ** 2
         expected = 0.001 + restitution**2 * (drop + between - 0.001)
         assert expected - between - 1e-6 <= top <= expected + 1e-6
@@ -166,7 +166,7 @@ def test_two_balls_exchange_momentum(restitution, fps, substeps):
         np.testing.assert_allclose(va + 3.0 * vb, [2.0, 0.0, 0.0], atol=1e-12)
         moment = np.cross(xa[-1], va) + 3.0 * np.cross(xb[-1], vb)
         np.testing.assert_allclose(moment, np.cross(xa[0], [2.0, 0.0, 0.0]), atol=1e-9)
-        # The impulse is along the line of centres, which turns by what they pass in a substep.
+        # The impulse is along the line of centres, which turns by their relative way in a substep.
         turned = aside / 0.2 * 2.0 * length_of(fps, substeps) / 0.2
         line = vb / np.linalg.norm(vb)
         assert line[1] == pytest.approx(aside / 0.201, abs=turned + 1e-6)
@@ -200,4 +200,4 @@ def test_a_spinning_asymmetric_body_keeps_energy_and_angular_momentum(fps, subst
         assert e == pytest.approx(e0, rel=1e-9)  # the midpoint rule keeps it
         assert np.linalg.norm(l - l0) <= 0.01 * np.linalg.norm(l0)
         tumbled = max(tumbled, abs(stepper.qvel()[3]))
-    assert tumbled > 3.0  # it did leave the axis: the case is not the easy one
+    assert tumbled > 3.0  # it left the axis: the case is not the easy one

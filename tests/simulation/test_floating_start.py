@@ -15,7 +15,7 @@ UPRIGHT = np.array([np.pi / 2, 0.0, 0.0])
 
 
 def standing(tmp_path, height: float = 0.0, root=UPRIGHT) -> hp.Motion:
-    """Somebody still, from a file, with the lowest vertex at `height` [m]."""
+    """A person at rest, from a file, with the lowest vertex at `height` [m]."""
     rotations = np.zeros((2, 55, 3))
     rotations[:, 0] = root
     motion = hp.Motion(np.zeros((2, 3)), rotations, 30.0).grounded(hp.Body.default(), height)

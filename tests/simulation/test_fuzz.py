@@ -1,7 +1,7 @@
-"""Random people, obstacles, things and settings: nothing passes through, the books are kept.
+"""Random people, obstacles, objects and settings: no penetration, and balanced momentum.
 
-By default a few dozen cases, the same every time. `HALFPHYSICS_FUZZ=SECONDS` runs new ones of each
-kind for so long and says how many frames it has seen. A failing case is printed at once as the
+By default a few dozen cases, always the same. `HALFPHYSICS_FUZZ=SECONDS` runs new cases of each
+kind for that time and prints the number of frames. A failing case is printed at once as the
 code that makes it: put the `@example(...)` over the test. See fuzzing.py.
 """
 
@@ -36,13 +36,13 @@ from support.people import t_pose, violent
 
 pytestmark = [pytest.mark.slow, pytest.mark.fuzz]
 
-#: Clear starts stay clear; coal's own distances are good to this [m].
+#: Clear starts stay clear; accuracy of coal's own distances [m].
 COAL = 1e-6
 #: Momentum is a sum of floating-point numbers, relative to its largest.
 ROUNDING = 1e-10
-#: A clearance that was lost comes back at this speed at most [m/s].
+#: A lost clearance returns at this speed at most [m/s].
 REGAINED = 0.05
-#: Up to this turn in a substep [rad] passive things are held to gain no energy.
+#: Up to this turn in a substep [rad] passive objects must gain no energy.
 TURN = 0.3
 
 
@@ -52,10 +52,10 @@ def body():
 
 
 def play(run):
-    """All frames of a run; what holds in each of them is checked on the way."""
+    """All frames of a run; each frame's conditions are checked on the way."""
     simulator = run.simulator
     stepper, world = simulator.world.stepper, simulator.world
-    stepper.keep_pieces(True)  # the judge sees whatever is committed
+    stepper.keep_pieces(True)  # the judge sees every committed pose
     frames = [simulator.reset(run.poses(0))]
     for t in range(1, run.length):
         before = stepper.qvel()
@@ -63,9 +63,9 @@ def play(run):
         c, after = frames[-1].contacts, stepper.qvel()
         assert np.isfinite(frames[-1].substeps).all()
         assert np.isfinite(after).all()
-        # Nothing pulls.
+        # No contact pulls.
         assert (np.einsum("ij,ij->i", c.impulse, c.normal) >= 0.0).all()
-        # Every change of a thing's momentum is in the contacts, or gravity's.
+        # Contacts and gravity explain every change of an object's momentum.
         for place in world.objects:
             mass, index = world.scene.objects[place.name].mass, simulator.names.index(place.name)
             rows = slice(place.dof, place.dof + 3)
@@ -78,7 +78,7 @@ def play(run):
 
 
 def check_clear(run, frames):
-    """By coal at every committed substep, and that nobody crossed anything between two of them."""
+    """By coal at every committed substep, and no body crossed an obstacle between two of them."""
     clear = False
     try:
         _check_clear(run, frames)
@@ -102,7 +102,7 @@ def _check_clear(run, frames):
 
 
 def check_same_again(case):
-    """A second simulator gives the same bits, also one that takes over half-way."""
+    """A second simulator gives the same bits, also if it takes over half-way."""
     run, again = build(case), build(case)
     first, second = run.simulator, again.simulator
     first.reset(run.poses(0))
@@ -149,13 +149,13 @@ def test_things_go_through_nothing_and_gain_no_energy(thrown, case):
     for place in run.simulator.world.objects:
         x = np.concatenate([f.substeps[:, place.qpos : place.qpos + 3] for f in frames])
         assert x[:, 0].max() < 1.2  # this side of the wall
-        assert x[:, 2].min() > 0.0  # and of the floor
+        assert x[:, 2].min() > 0.0  # above the floor
     if all(thing.form.restitution == 0.0 for thing in thrown):
         check_energy(run, energies)
 
 
 def test_a_state_taken_in_the_middle_of_a_clash_goes_on_bit_for_bit():
-    """Two people at 5 m/s; a simulator that takes over in frame 7 is off by up to 0.5 mm."""
+    """Two people at 5 m/s; a simulator that took over in frame 7 once differed by up to 0.5 mm."""
     other = Person(betas=(-1.1555933531577653,), speed=5.0, wild=0.84593909, spin=3.2406, seed=6551)
     case = Case(people=(Person(speed=5.0, seed=227), other), fps=30, substeps=1)
     check_same_again(case)
@@ -164,7 +164,7 @@ def test_a_state_taken_in_the_middle_of_a_clash_goes_on_bit_for_bit():
 @pytest.mark.parametrize("contact", ["parts", "skin"])
 @pytest.mark.parametrize(("drive_time", "clearance"), [(0.02, 2e-4), (None, 0.001), (0.1, 1e-4)])
 def test_people_who_clash_at_20_m_per_s_stay_apart(contact, drive_time, clearance):
-    """Limbs that bend fast while others fly at them: hulls of the skin change on the way."""
+    """Limbs bend fast while others fly at them: skin hulls change on the way."""
     case = Case(
         people=(
             Person((), "flailing", 14.851290610333573, 0.6191887905830068, 0.25, 1205),
@@ -178,7 +178,7 @@ def test_people_who_clash_at_20_m_per_s_stay_apart(contact, drive_time, clearanc
     check_clear(run, play(run))
 
 
-#: A rod that rolls at 9 m/s, and one that a fall onto its end has set spinning.
+#: A rod that rolls at 9 m/s, and one that spins after a fall onto its end.
 RODS = {
     "rolling": Case(
         things=(
@@ -226,7 +226,7 @@ def fall(run):
 
 
 def check_energy(run, energies, any_turn=False):
-    """No frame gives more than a lost clearance may on its way back."""
+    """No frame adds more energy than the recovery of a lost clearance may."""
     energies, turns = np.array(energies).T
     mass = sum(thing.mass for thing in run.simulator.world.scene.objects.values())
     height = min(run.case.clearance, REGAINED / run.case.fps)
@@ -238,7 +238,7 @@ def check_energy(run, energies, any_turn=False):
 
 
 def energy(run):
-    """Kinetic and potential energy of all things [J], and how far the fastest turns [rad]."""
+    """Kinetic and potential energy of all objects [J], and the largest turn of one [rad]."""
     world, stepper = run.simulator.world, run.simulator.world.stepper
     qpos, qvel = stepper.qpos(), stepper.qvel()
     total = fastest = 0.0
@@ -295,7 +295,7 @@ def test_free_motion_is_exact_whatever_it_does(
     """Any turns, half turns included, any size of rotation vectors, a kilometre away."""
     rng = np.random.default_rng(seed)
     if kind == "violent":
-        motion = violent(10, fps=min(fps, 60.0), seed=seed)  # a root under 50 m/s
+        motion = violent(10, fps=min(fps, 60.0), seed=seed)  # a root speed under 50 m/s
     else:
         axes = rng.normal(size=(55, 3))
         axes /= np.linalg.norm(axes, axis=1, keepdims=True)
@@ -318,7 +318,7 @@ def test_free_motion_is_exact_whatever_it_does(
 
 
 def test_the_checks_can_fail(body):
-    """A run that is moved into what stands there is not clear; a case repeats itself."""
+    """A run moved into a static is not clear; a case repeats itself."""
     case = Case(people=(), fps=30)
     assert eval(repr(case), {"Case": Case}) == case
     import trimesh

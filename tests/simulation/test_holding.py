@@ -1,4 +1,4 @@
-"""Things held to a part of a person: rigid, heavy, and in the way of others."""
+"""Held objects: fixed to a part of a person, with mass, and in contact with others."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def body():
 )
 @pytest.mark.parametrize("part", ["right_wrist", "head", "pelvis"])
 def test_it_moves_with_the_part_as_the_motion_says(body, settings, part):
-    """At 15 m/s and through half turns; nothing is in the way: the reference, to rounding."""
+    """At 15 m/s and through half turns; without contact it equals the reference, to rounding."""
     motion, joint = violent(20, seed=4), JOINT_INDEX[part]
     options = {"com": (0.05, 0.0, -0.1), "quaternion": rot.exp([0.4, -0.3, 0.9]), "mass": 3.0}
     simulator = holding(body, motion, settings=settings, part=part, **options)
@@ -75,7 +75,7 @@ def test_it_is_tied_where_it_is(body):
 
 
 def inverse_dynamics(world, before, after, dt, poses):
-    """Mean generalised force (nv,) of the held things alone, by MuJoCo, at `poses` (N, nq)."""
+    """Mean generalised force (nv,) of the held objects alone, by MuJoCo, at `poses` (N, nq)."""
     model, data = world.model, mujoco.MjData(world.model)
     held = [model.body(f"object/{name}").id for name in world.held]
     kept = model.body_mass.copy(), model.body_inertia.copy()
@@ -93,7 +93,7 @@ def inverse_dynamics(world, before, after, dt, poses):
 
 
 def test_the_drive_exerts_what_it_weighs_and_what_moving_it_takes(body):
-    """Against MuJoCo's inverse dynamics of the held thing alone, frame by frame."""
+    """Against MuJoCo's inverse dynamics of the held object alone, frame by frame."""
     settings = Settings(contact="parts", record="substeps")
     motion = violent(12, seed=1)
     options = {"mass": 2.0, "com": (0.1, 0.02, 0.0), "quaternion": rot.exp([0.3, 0.1, -0.5])}
@@ -104,7 +104,7 @@ def test_the_drive_exerts_what_it_weighs_and_what_moving_it_takes(body):
         frame = simulator.step(motion[t])
         world, after = simulator.world, np.array(simulator.world.stepper.qvel())
         if before is None:
-            before = after  # nobody knows how the first pose was come to
+            before = after  # the motion before the first pose is unknown
         poses = np.concatenate([start[None], frame.substeps[:-1]])
         force = inverse_dynamics(world, before, after, 1 / 30, poses)
         expected = world.torques_from_core(force[3:].reshape(-1, 3))[0]
@@ -149,12 +149,12 @@ def test_who_is_strong_enough_carries_it_to_rounding(body):
     for t in range(1, len(motion)):
         frame = simulator.step(motion[t])
         np.testing.assert_allclose(body.joints(frame.pose), body.joints(motion[t]), atol=1e-12)
-    assert 10.0 < np.linalg.norm(frame.torque[SHOULDER]) < 80.0  # of 80
+    assert 10.0 < np.linalg.norm(frame.torque[SHOULDER]) < 80.0  # limit 80
 
 
 def test_who_is_not_gives_way(body):
-    """30 kg at arm's length: first the wrist, then the arm comes down, and swings; nothing exerts
-    more than it can, and with a sixteenth of the step it is the same."""
+    """30 kg at arm's length: first the wrist, then the arm comes down, and swings; no joint exceeds
+    its limit, and with a sixteenth of the step the motion is the same."""
     limits = limits_of("human", body)[1]
     ways = []
     for substeps in (8, 128):
@@ -167,14 +167,14 @@ def test_who_is_not_gives_way(body):
         ways.append([f.objects["stick"][0] for f in frames])
         shares = np.array([np.linalg.norm(f.torque, axis=1) / limits for f in frames])
         assert np.max(shares) <= 1.0 + 1e-6
-        assert shares[0][HAND] > 0.97  # 12 of the 88 N m that it would take
+        assert shares[0][HAND] > 0.97  # 12 of the 88 N m needed to hold it
         assert shares[8][SHOULDER] > 0.97
-    np.testing.assert_allclose(*ways, atol=0.05)  # of first order: g h t alone is 2 cm
+    np.testing.assert_allclose(*ways, atol=0.05)  # first order: g h t alone is 2 cm
     assert ways[0][0][2] - ways[0][-1][2] > 0.6
 
 
 def test_limp_arms_and_what_hangs_on_them_gain_no_energy(body):
-    """An arm without strength, 10 kg in the hand: a pendulum, for 5 s, as heavy as that."""
+    """An arm without strength, 10 kg in the hand: a pendulum of that mass, for 5 s."""
     arm = [f"right_{j}" for j in ("shoulder", "elbow", "wrist")]
     settings = Settings(contact="parts", strength=dict.fromkeys(arm, 0.0))
     motion = pointing(2)
@@ -229,15 +229,15 @@ def test_a_wall_that_it_meets_stops_the_hand(body, contact, fps):
             assert simulator.names[touched.subject[k]] == "stick"
             assert simulator.names[touched.other[k]] == "wall"
             pushed -= touched.impulse[k, 0]
-    assert 0.0 < nearest < 1.1e-3  # of 1 mm asked
+    assert 0.0 < nearest < 1.1e-3  # the margin is 1 mm
     assert pushed > 5.0
     hand = body.joints(frame.pose)[HAND, 0]
-    assert hand < body.joints(motion[-1])[HAND, 0] - 0.3  # it asked to go this much farther
+    assert hand < body.joints(motion[-1])[HAND, 0] - 0.3  # the motion goes this much farther
     assert np.linalg.norm(frame.torque[SHOULDER]) > 1.0
 
 
 def test_what_it_hits_flies(body):
-    """A bat that swings at a ball at rest, without and with weight in it."""
+    """A bat swings at a ball at rest, without and with mass."""
     swing = np.concatenate([np.zeros(3), np.linspace(0, -1.2, 12), np.full(15, -1.2)])
     speeds = []
     for mass in (0.2, 5.0):
@@ -265,7 +265,7 @@ def test_what_it_hits_flies(body):
         assert clear > 0.0
         speeds.append(simulator.velocity("ball")[0])
     for v in speeds:
-        assert v[1] < -2.0  # the stick's middle comes at 3 m/s
+        assert v[1] < -2.0  # the stick's centre moves at 3 m/s
 
 
 def test_it_meets_neither_its_holder_nor_what_the_holder_holds(body):
@@ -315,5 +315,5 @@ def test_it_meets_another_person_and_what_that_one_holds(body, shield):
     assert (("stick", "shield") if shield else (1, "stick")) in touched
     assert not touched & {(0, "stick"), (1, "shield")}
     assert len(frame.inside.person) == 0
-    assert frame.poses[1].translation[0] > path[-1, 0] + 0.05  # held up
+    assert frame.poses[1].translation[0] > path[-1, 0] + 0.05  # stopped
     assert frame.poses[0].translation[0] < -0.01  # pushed back

@@ -1,4 +1,4 @@
-"""Hollows are real: a hand through a ring, a foot under a chair, contact where the solid is."""
+"""Hollows stay open: a hand through a ring, a foot under a chair, contact at the true surface."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from support.people import t_pose
 
 trimesh = pytest.importorskip("trimesh")
 
-#: The ring [m]: circle in the middle of its tube, the tube. A flat hand is 16 cm across.
+#: The ring [m]: radius of the tube's centre line, radius of the tube. A flat hand is 16 cm across.
 MAJOR, MINOR, SECTORS = 0.107, 0.012, 32
-#: Where its middle is [m]; the left hand comes along y.
+#: Position of its centre [m]; the left hand moves along y.
 PLACE = np.array([0.0308, 0.56, 0.4638])
 AROUND_X = rot.exp([np.pi / 2, 0.0, 0.0])
-#: Nothing touched it: unchanged, to this [m].
+#: Untouched objects are unchanged to this [m].
 UNTOUCHED = 1e-9
-#: What the skin keeps clear of [m].
+#: Clearance of the skin [m].
 CLEARANCE = Settings().clearance
 
 
@@ -49,7 +49,7 @@ def sectors():
 
 
 def from_ring(points):
-    """Distances (n,) of points (n, 3) from the torus, negative inside."""
+    """Signed distances (n,) of points (n, 3) to the torus, negative inside."""
     x, y, z = points.T
     return np.hypot(np.hypot(x, y) - MAJOR, z) - MINOR
 
@@ -67,7 +67,7 @@ def chair_boxes():
 
 
 def run(body, scene, path):
-    """A person in T-pose along a path (T, 3), every substep recorded, and what judges say."""
+    """A person in T-pose along a path (T, 3), every substep recorded, and the judges' verdicts."""
     result = simulate(t_pose(path), scene, body=body, settings=Settings(record="substeps"))
     judge = SkinJudge(body, scene, samples=2000)
     return (
@@ -78,7 +78,7 @@ def run(body, scene, path):
 
 
 def touched(result, name):
-    """Parts that touch a thing, and where and in which frames they do."""
+    """Parts that touch an object, and the points and frames of contact."""
     contacts = result.contacts
     rows = (contacts.person == 0) & (contacts.other == result.names.index(name))
     parts = {JOINT_NAMES[i] for i in contacts.part[rows]}
@@ -86,7 +86,7 @@ def touched(result, name):
 
 
 def during(result, name, frame, point):
-    """A point of the world as a thing has it in the substeps of a frame (n, 3)."""
+    """A world point in an object's frame at the substeps of a frame (n, 3)."""
     track = result.substeps.objects[name]
     n = (len(track.position) - 1) // (len(result) - 1)
     steps = slice((frame - 1) * n, frame * n + 1)
@@ -122,7 +122,7 @@ def test_a_hand_goes_through_a_ring_and_touches_nothing(body, pieces):
     scene, thing = with_ring(pieces, PLACE)
     assert len(thing.pieces) >= 8
     result, verdict, penetration = run(body, scene, along([0.0, 1.0, 0.0], 0.25))
-    # It has been through: fingers beyond, the wrist before it, all of it within the hull.
+    # The hand has passed: fingers beyond, the wrist before it, all of it within the hull.
     skin = body.vertices(result.motion)[-1]
     assert skin[:, 1].max() > PLACE[1] + 0.12
     local = rot.rotate(rot.conjugate(AROUND_X), skin - PLACE)
@@ -137,7 +137,7 @@ def test_a_hand_goes_through_a_ring_and_touches_nothing(body, pieces):
 
 
 def test_a_hand_touches_the_ring_where_it_is(body, pieces):
-    """The tube in the way of the fingers: met there, not before, and pushed along."""
+    """The tube is in the way of the fingers: met there, not before, and pushed along."""
     at = PLACE + np.array([0.0, 0.0, MAJOR])
     scene, thing = with_ring(pieces, at)
     result, verdict, penetration = run(body, scene, along([0.0, 1.0, 0.0], 0.25))
@@ -146,7 +146,7 @@ def test_a_hand_touches_the_ring_where_it_is(body, pieces):
     assert all(part.startswith(("left_index", "left_middle", "left_ring", "left_wrist"))
                for part in parts)  # fmt: skip
     track = result.objects["ring"]
-    # Tips come to the tube's near side: so far and no farther without touching it.
+    # Finger tips reach the tube's near side, and no farther without contact.
     before = body.vertices(result.motion)[frames[0] - 1, :, 1].max()
     way = at[1] - MINOR - before
     assert 0.0 < way < 0.5 / 30.0 + 1e-3 * thing.decomposition.outside_mm + CLEARANCE
@@ -156,7 +156,7 @@ def test_a_hand_touches_the_ring_where_it_is(body, pieces):
     for point, frame in zip(where, frames, strict=True):
         assert np.abs(from_ring(during(result, "ring", frame, point))).min() < reach
     assert verdict.clear, verdict
-    # The mesh may be bare of pieces by so much, the skin no deeper in it.
+    # The pieces may miss the mesh by this much; the skin is no deeper in it.
     assert penetration[1] <= thing.decomposition.inside_mm
 
 
@@ -179,11 +179,11 @@ def test_a_foot_goes_under_a_chair_and_the_shin_meets_its_seat(body):
     assert parts
     track = result.objects["chair"]
     first = frames[0]
-    # The toes were under the seat by then, and the chair stood.
+    # The toes were under the seat by then, and the chair did not move.
     toes = body.vertices(result.motion)[first - 1][skin[:, 2] < floor + 0.1, 0].max()
     assert toes > place[0] + 0.08
     assert np.abs(track.position[:first] - track.position[0]).max() < 1e-6
-    # At the front of the seat, as high as the seat is.
+    # At the front of the seat, at the seat's height.
     seat = np.array([0.0, 0.0, 0.44]), np.array([np.inf, 0.25, 0.02]) + 2.0 * CLEARANCE
     for point in where[frames == first]:
         beside = np.abs(during(result, "chair", first, point) - seat[0])

@@ -1,4 +1,4 @@
-"""Things that were held are let go of; states of who holds what, and what is wrong to ask."""
+"""Released objects; states of holds, and invalid calls."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def body():
 
 
 def test_let_go_it_flies_on_as_a_free_body(body):
-    """With the material velocity of the part: as a thing that starts so by itself, to 1e-9 m."""
+    """With the material velocity of the part: as an object that starts so by itself, to 1e-9 m."""
     swing = 0.6 * np.sin(np.arange(20) * 0.5)
     motion = pointing(20, swing=swing)
     options = {"mass": 0.7, "com": (0.1, 0.02, 0.0), "out": 0.6}
@@ -76,7 +76,7 @@ def test_let_go_it_flies_on_as_a_free_body(body):
 
 @pytest.mark.parametrize("contact", ["parts", "skin"])
 def test_let_go_in_the_hand_it_comes_out_gently(body, contact):
-    """A ball through the palm: it never gets deeper, nothing jumps, and it ends outside."""
+    """A ball through the palm: its depth never increases, it does not jump, and it ends outside."""
     motion = pointing(40)
     scene = Scene(gravity=0.0)
     scene.add_object(
@@ -97,14 +97,14 @@ def test_let_go_in_the_hand_it_comes_out_gently(body, contact):
         assert inside <= depth + 1e-6
         depth = inside
         moved = np.linalg.norm(frame.objects["ball"][0] - before)
-        assert moved < 0.85 / 30  # nobody is thrown
+        assert moved < 0.85 / 30  # the person is not thrown
         assert np.abs(body.joints(frame.pose) - joints).max() < 0.85 / 30
         before, joints = frame.objects["ball"][0], body.joints(frame.pose)
     assert depth == 0.0
 
 
 def test_let_go_against_a_wall_it_stays_out(body):
-    """Pressed to a wall, then free: it falls along it."""
+    """Pressed to a wall, then released: it falls along it."""
     path = np.zeros((60, 3))
     path[:, 0] = np.minimum(1.0 * np.arange(60) / 30, 0.6)
     motion = pointing(path=path)
@@ -126,11 +126,11 @@ def test_let_go_against_a_wall_it_stays_out(body):
     assert points[:, 2].max() < -1.0
 
 
-# -- states, and what comes and goes -------------------------------------------------------
+# -- states, and added and removed objects -------------------------------------------------
 
 
 def states(body):
-    """A run with everything: wall, other things, held twice, let go; frames, states."""
+    """A run with a wall, other objects, two holds and a release; frames, states."""
     path = np.zeros((36, 3))
     path[:, 0] = 1.2 * np.arange(36) / 30
     motion = pointing(path=path, swing=0.2 * np.sin(np.arange(36) * 0.5))
@@ -170,7 +170,7 @@ def test_a_state_says_who_holds_what_and_goes_on_bit_by_bit(body):
             one.set_state(kept[t])
             expected = {"stick"} if 3 <= t < 11 else {"stick", "cube"} if t < 23 else {"cube"}
             assert set(one.held) == (expected if t >= 3 else set())
-            # Until somebody takes or leaves something.
+            # Until a person takes or releases an object.
             for k in range(t, min(t + 8, next((c for c in (3, 11, 19, 23) if c > t), 35))):
                 same(one.step(motion[k + 1]), frames[k])
 

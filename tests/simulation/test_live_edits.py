@@ -1,4 +1,4 @@
-"""A simulation that runs: pushed, and with things that come and go."""
+"""A running simulation: pushes, and added and removed objects."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def with_person():
 
 
 def test_what_comes_and_goes_far_away_changes_nothing():
-    """In the middle of a press against a wall, with a book at rest nearer than the clearance."""
+    """During a press against a wall, with a resting book nearer than the clearance."""
     body, motion = Body.default(), along_x(1.5, 40, start=-0.4)
     scene = with_person()
     a, b = (Simulator(scene, body=body) for _ in range(2))
@@ -130,7 +130,7 @@ def test_what_comes_and_goes_far_away_changes_nothing():
             b.remove_object("lamp")
             assert b.names == a.names
         x, y = a.step(motion[t]), b.step(motion[t])
-        # Which of two equals is found first is known no more: that is all.
+        # Only the order of equal candidates may differ.
         np.testing.assert_allclose(
             y.pose.translation, x.pose.translation, atol=1e-12 if t <= 20 else 1e-5
         )
@@ -141,7 +141,7 @@ def test_what_comes_and_goes_far_away_changes_nothing():
 
 
 def test_what_comes_is_what_a_fresh_start_has():
-    """A ball that appears behaves as the same ball in a simulation of its own."""
+    """An added ball behaves as the same ball in a simulation of its own."""
     scene = Scene()
     scene.add_static("floor", Plane())
     scene.add_object("box", Box((0.2, 0.2, 0.2)), mass=1, position=(3, 0, 0.1))

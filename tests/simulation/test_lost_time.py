@@ -1,4 +1,4 @@
-"""Somebody between a wall that comes and one that stands: it goes on as they give, then waits."""
+"""A person between a moving and a fixed wall: the wall moves on as the body yields, then waits."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from halfphysics.simulation.simulator import Simulator
 from support.people import t_pose
 
 FRAMES = 60
-#: Least frames in a second of CPU, on a busy machine (alone 40 to 200; 0.4 where nothing bounded
+#: Minimum frames per second of CPU, on a busy machine (alone 40 to 200; 0.4 without a bound on
 #: the work of a substep).
 RATE = 10.0
-#: Where walls press: along the axis, the wall that stands, start of the one that comes [m].
+#: Position of the walls [m]: along the axis, the fixed wall, start of the moving one.
 WAYS = {"from behind": (0, 0.4, -1.0), "from the side": (1, 0.7, -1.5)}
 SETTINGS = {
     "skin": Settings(),
@@ -37,7 +37,7 @@ def body():
 
 
 def press(way, speed=1.2, stop=True):
-    """A wall that comes at `speed` [m/s]."""
+    """A wall that moves at `speed` [m/s]."""
     axis, stands, start = WAYS[way]
     size = np.full(3, 3.0)
     size[axis] = 0.1
@@ -69,13 +69,13 @@ def test_who_is_crushed_stays_whole_and_costs_no_fortune(body, way, settings):
     axis, stands, start = WAYS[way]
     wall = np.array([f.objects["wall"][0][axis] for f in frames])
     lost = np.array([f.lost_time for f in frames])
-    # The wall goes on until there is no room; then it stands, late by what was lost.
+    # The wall moves on until no room is left; then it stops, late by the lost time.
     assert (np.diff(wall) >= -1e-9).all()
     assert wall[-1] < stands - 0.2
     assert wall[-1] == pytest.approx(start + 1.2 * (FRAMES - 1) / 30.0 - 1.2 * lost.sum(), abs=1e-6)
     assert lost.sum() > 0.25
-    assert (lost <= 1.0 / 30.0 + 1e-9).all()  # no more than there is
-    # Nothing is entered at any moment, and nothing explodes.
+    assert (lost <= 1.0 / 30.0 + 1e-9).all()  # no more than the frame has
+    # No body enters a wall at any moment, and no velocity explodes.
     turns = np.array([f.pose.rotations for f in frames])
     assert np.isfinite(turns).all()
     if settings == "skin":
@@ -87,7 +87,7 @@ def test_who_is_crushed_stays_whole_and_costs_no_fortune(body, way, settings):
 
 
 def test_who_gets_out_lets_the_wall_go_on(body):
-    """A crushed person is drawn upwards, out: wall and person then do as they were told."""
+    """A crushed person is pulled upwards, out: wall and person then follow their motions."""
     path = np.zeros((FRAMES, 3))
     path[:, 2] = 4.0 * np.clip(np.arange(FRAMES) / 30.0 - 1.0, 0.0, None)
     motion = t_pose(path)
@@ -104,7 +104,7 @@ def test_who_gets_out_lets_the_wall_go_on(body):
 
 
 def test_a_wall_without_another_pushes_as_before(body):
-    """What has somewhere to go is pushed at full speed, however light beside what pushes."""
+    """A body with room to move is pushed at full speed, at any mass ratio."""
     frames = crush(body, "from behind", stop=False, speed=10.0)
     assert sum(f.lost_time for f in frames) == 0.0
     assert frames[-1].objects["wall"][0][0] == pytest.approx(-1.0 + 10.0 * 59 / 30, abs=1e-9)

@@ -1,4 +1,4 @@
-"""The tree over a mesh's triangles: whole for any arrangement, and shared by content."""
+"""The tree over a mesh's triangles: complete for any arrangement, and shared by content."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
 from support.people import t_pose
 
-#: Distances to triangles by GJK are good to this [m].
+#: Accuracy of distances to triangles by GJK [m].
 EXACT = 1e-9
-#: Triangles this much farther than the nearest may come first among the planes [m].
+#: Triangles this much farther than the nearest may be first among the planes [m].
 NEAREST = 1e-6
-#: A point is swept by no disc.
+#: The disc of a point: none.
 NO_DISC = np.zeros(3)
 
 
@@ -32,14 +32,14 @@ def soup(seed, n=300, size=0.1):
 
 
 def geometric(n=400):
-    """Triangles whose places halve towards the origin: bins part off one at a time."""
+    """Triangles whose positions halve towards the origin: bins split off one at a time."""
     scale = 0.5 ** np.arange(n, dtype=np.float64)[:, None, None]
     one = np.array([[1.0, 0.0, 0.0], [1.1, 0.1, 0.0], [1.0, 0.1, 0.1]])
     return (scale * one).reshape(-1, 3), np.arange(3 * n, dtype=np.int32).reshape(-1, 3)
 
 
 def one_place(n=1000):
-    """The same triangle again and again, and one elsewhere."""
+    """The same triangle many times, and one elsewhere."""
     vertices = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [3.0, 3.0, 3.0]])
     faces = np.tile(np.array([[0, 1, 2]], dtype=np.int32), (n, 1))
     faces[n // 2] = [3, 3, 3]
@@ -47,7 +47,7 @@ def one_place(n=1000):
 
 
 def nearest(point, vertices, faces):
-    """Distance of a point (3,) from the nearest triangle: trees of one triangle leave none out."""
+    """Distance of a point (3,) to the nearest triangle; trees of one triangle leave none out."""
     one = np.array([[0, 1, 2]], dtype=np.int32)
     alone = (
         _native.triangle_planes(vertices[f], one, point[None], 0.0, NO_DISC, 50.0) for f in faces
@@ -61,7 +61,7 @@ def nearest(point, vertices, faces):
     ids=["soup", "large", "geometric", "one place"],
 )
 def test_no_triangle_is_lost(mesh):
-    """Distances through the tree are the least over all triangles alone."""
+    """Distances through the tree are the minimum over all single triangles."""
     vertices, faces = mesh
     points = np.random.default_rng(3).uniform(-2.0, 2.0, size=(6, 3))
     points[0] = [0.0, 0.0, -0.1]
@@ -69,7 +69,7 @@ def test_no_triangle_is_lost(mesh):
         expected = nearest(point, vertices, faces)
         planes, found = _native.triangle_planes(vertices, faces, point[None], 0.0, NO_DISC, 50.0)
         assert found == pytest.approx(expected, abs=EXACT)
-        # The nearest plane names its face as it was given.
+        # The nearest plane names its face by its given index.
         a, b, c = vertices[faces[int(planes[0, 5])]]
         assert planes[0, 4] == pytest.approx(expected, abs=NEAREST)
         offsets = [planes[0, :3] @ x - planes[0, 3] for x in (a, b, c)]
@@ -140,7 +140,7 @@ def test_parts_are_worked_out_once_and_the_same():
 
 
 def test_a_box_as_mesh_and_as_box_are_the_same_to_touch():
-    """The tree stands where its static does, turned and all."""
+    """The tree has the pose of its static, rotation included."""
     import trimesh
 
     turn, at = (0.9, 0.3, 0.1, 0.2), (0.6, 0.1, 0.2)

@@ -34,7 +34,7 @@ def test_what_rests_on_the_floor_does_not_move(shape):
     scene.add_object("thing", shape, mass=0.43, position=(0.3, 0.2, 0.11))
     tracks, frames = run(scene, 5.0)
     position, quaternion = tracks["thing"]
-    # One point of contact is solved exactly; on four redundant ones friction creeps by its share
+    # One contact point is solved exactly; on four redundant ones friction creeps by its share
     # of the solver's tolerance.
     still = 1e-9 if isinstance(shape, Sphere) else 1e-6
     assert np.abs(position - position[0]).max() < still
@@ -136,7 +136,7 @@ def test_an_elastic_thing_gains_no_energy():
         h, energy = 1.0 / 240.0, []
         for _ in range(60):
             v = stepper.qvel()
-            # The invariant of symplectic Euler's free fall: half a substep's gravity off.
+            # The invariant of symplectic Euler's free fall: half a substep of gravity off.
             fall = G * stepper.qpos()[2] - 0.5 * G * h * v[2]
             energy.append(0.5 * v[:3] @ v[:3] + 0.5 * v[3:] @ inertia @ v[3:] + fall)
             simulator.step([])
@@ -145,7 +145,7 @@ def test_an_elastic_thing_gains_no_energy():
 
 
 def test_a_person_inside_a_box_does_not_stop_the_clock():
-    """Hundreds of contacts that cannot be met: the work of a frame is bounded, nothing flies."""
+    """Hundreds of contacts without solution: the work per frame is bounded, no body flies off."""
     from halfphysics.body.body import Body
     from support.people import t_pose
 

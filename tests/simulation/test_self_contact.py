@@ -1,4 +1,4 @@
-"""Self-contact: people stay out of themselves, and get out where the input has them inside."""
+"""Self-contact: people do not penetrate themselves, and resolve self-overlaps of the input."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from support import self_touch as st
 
 CONTACTS = ("skin", "parts")
 DRIVES = {"drive_time": {}, "paper": {"drive_time": None, "stiffness": 1.0}}
-#: What the judge may find where the core keeps 0.1 mm at least [m].
+#: Largest depth by the judge, where the core keeps at least 0.1 mm [m].
 ROUNDING = 1e-9
-#: No deeper than this half a second after the start [m].
+#: Largest depth half a second after the start [m].
 LOOSE = 1e-3
-#: Leaving themselves at 0.5 m/s, people turn about their joints: nothing gets faster than [m/s].
+#: Resolving overlaps at 0.5 m/s turns people about their joints: the largest speed [m/s].
 FLUNG = 3.5
-#: "Unchanged": what is followed exactly [m, rad], and how far with Algorithm 1, whose torques push
-#: all of a person, the reaction of arms moves legs [rad].
+#: "Unchanged": joints followed exactly [m, rad], and with Algorithm 1, where torques push
+#: the whole person, the legs' deviation by the arms' reaction [rad].
 EXACT, REACTION = 1e-9, np.radians(1.0)
-#: What may give way in which case: the limbs that touch.
+#: Limbs that touch in each case and may deviate.
 INVOLVED = {
     "arms_crossed": ("arm",),
     "hands_on_hips": ("arm",),
@@ -48,7 +48,7 @@ def settings(contact="skin", **changes):
 
 
 def bent(q, target, simulator, joints):
-    """How far joints are from the target's at most [rad]."""
+    """Largest deviation of joints from the target's [rad]."""
     person = simulator.world.people[0]
     _, mine = person.pose(q, np.eye(3))
     _, asked = person.pose(target, np.eye(3))
@@ -57,7 +57,7 @@ def bent(q, target, simulator, joints):
 
 
 def unmoved(q, target, simulator, limbs):
-    """All joints that are in none of these limbs, and the root, are where the target has them."""
+    """The root and all joints outside these limbs equal the target's."""
     words = [word for limb in limbs for word in LIMBS[limb]]
     others = [j for j, name in enumerate(JOINT_NAMES) if not any(w in name for w in words)]
     assert len(others) > 5
@@ -84,7 +84,7 @@ def test_who_starts_clear_stays_out_of_themselves(name, contact, drive):
         assert name == "leg_over_leg" or bent(q, asked, simulator, LEGS) < REACTION
     else:
         unmoved(q, asked, simulator, INVOLVED[name])
-    # Until something is near, everything is where the motion has it.
+    # Until contact is near, the pose is the motion's.
     assert abs(q[1] - asked[1]).max() < EXACT
 
 
@@ -120,7 +120,7 @@ SLOWLY = [
 
 @pytest.mark.parametrize(("name", "contact"), SLOWLY)
 def test_who_leaves_themselves_is_not_flung(name, contact):
-    """Targets stand still: the middles of all pieces' boxes, fingers' too, stay slow."""
+    """Targets stand still: the centres of all pieces' boxes, fingers' too, stay slow."""
     key = getattr(st, name)(BODY)
     motion = st.between([key, key], [16])
     _, frames, simulator = st.run(motion, BODY, settings(contact, record="substeps"))
@@ -134,7 +134,7 @@ def test_who_leaves_themselves_is_not_flung(name, contact):
 
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_what_does_not_touch_itself_is_followed_as_without(contact):
-    """A walk with arms swinging at a distance, turning: same bits in translation and rotation."""
+    """A walk with swinging, distant arms and turns: same bits in translation and rotation."""
     t = np.arange(60) / 30.0
     rotations = np.tile(st.relaxed(BODY), (60, 1, 1))
     swing = 0.25 * np.sin(2 * np.pi * t)
@@ -153,7 +153,7 @@ def test_what_does_not_touch_itself_is_followed_as_without(contact):
 
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_a_clap_within_one_frame_is_noticed(contact):
-    """Arms wide, hands together in the next frame: at no substep is one hand in the other."""
+    """Arms wide, hands together in the next frame: no substep has one hand inside the other."""
     wide, key = st.clap(BODY, depth=-0.25), st.clap(BODY, depth=0.05)
     motion = st.between([wide, wide, key, wide], [1, 1, 3])
     _, frames, simulator = st.run(motion, BODY, settings(contact, record="substeps"))
@@ -196,7 +196,7 @@ def test_a_state_resumes_bit_for_bit(contact):
 
 
 def test_two_people_touch_themselves_and_each_other():
-    """Side by side, one with crossed arms, one who walks into them: all stay clear."""
+    """Side by side, one with crossed arms, one walking into them: all stay clear."""
     key, relaxed = st.arms_crossed(BODY), st.relaxed(BODY)
     one = st.between([relaxed, key], [15])
     path = np.zeros((16, 3))
@@ -205,7 +205,7 @@ def test_two_people_touch_themselves_and_each_other():
     simulator = Simulator(body=[BODY, BODY], settings=settings())
     simulator.reset([one[0], other[0]])
     frames = [simulator.step([one[t], other[t]]) for t in range(1, 16)]
-    judge = st.SelfJudge(simulator)  # of the first
+    judge = st.SelfJudge(simulator)  # of the first person
     assert judge.deepest(np.array([f._qpos for f in frames])).max() <= ROUNDING
     pairs = {
         (int(p), int(o))
@@ -242,9 +242,9 @@ def test_self_contact_must_be_true_or_false():
 
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_pressed_together_by_a_wall(contact):
-    """With crossed arms into a wall: own contacts and the wall's are solved for together.
+    """With crossed arms into a wall: own contacts and the wall's are solved together.
 
-    The wall stops all of the person, through the arms, and the arms stay out of the chest.
+    The wall stops the whole person, through the arms, and the arms stay out of the chest.
     """
     from halfphysics.geometry.shapes import Box
     from halfphysics.scene.scene import Scene
@@ -261,7 +261,7 @@ def test_pressed_together_by_a_wall(contact):
     assert min(f.clearance for f in frames) > 0
     assert sum(f.lost_time for f in frames) == 0.0
     away = np.linalg.norm(q[:, :3] - asked[:, :3], axis=1)
-    assert away[:12].max() < EXACT  # arms alone move nobody
+    assert away[:12].max() < EXACT  # arms alone do not move the root
     assert away[-1] > 0.2
     others = {simulator.names[o] for o in frames[-1].contacts.other}
     assert others == {"wall", "person"}

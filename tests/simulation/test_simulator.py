@@ -40,7 +40,7 @@ def wall():
 
 
 def corners(simulator, qpos):
-    """World corners (n, 3) of all that is kept clear of a person: nothing of the contact code."""
+    """World corners (n, 3) of a person's collision shapes, without the contact code."""
     (pieces,) = pieces_of(simulator)
     return pieces.at(np.atleast_2d(qpos)).corners
 
@@ -84,9 +84,9 @@ def test_walking_into_a_wall(body, contact, drive, stiffness):
     poses = np.concatenate([frame.substeps for frame in frames[1:]])
     assert corners(simulator, poses)[..., 0].max() <= face
     x = corrected.translation[:, 0]
-    assert motion.translation[60, 0] > 2.0  # it was asked to walk on for 2 m
+    assert motion.translation[60, 0] > 2.0  # the motion goes on for 2 m
     assert x.max() < 0.5
-    # Stopped: pushed against the wall for a second it hardly moves.
+    # Stopped: pressed against the wall for a second it hardly moves.
     assert abs(x[60] - x[50]) < 0.02
     touching = np.array([len(f.contacts.part) > 0 for f in frames])
     offset = corrected.translation - motion.translation
@@ -99,7 +99,7 @@ def test_walking_into_a_wall(body, contact, drive, stiffness):
     assert change.max() <= 1e-3
     for run in (before, after):
         assert np.ptp(offset[run], axis=0).max() <= 1e-3
-    # Turned away it walks with the motion.
+    # After the turn it walks with the motion.
     assert x[-1] - x[65] == pytest.approx(-1.5 * 24 / 30, abs=2e-3)
 
 
@@ -149,7 +149,7 @@ def test_simulate_and_simulator_give_the_same_bits_as_does_a_second_run(body):
 
 
 def test_frames_are_what_simulate_reports_and_survive_a_copy(body):
-    """Two people who meet, and an object in between: worked out at once or one by one."""
+    """Two people meet, with an object in between: computed at once or one by one."""
     pair = [along_x(1.0, 40, start=-1.0), along_x(-1.0, 40, start=1.0)]
     scene = Scene()
     scene.add_object("ball", Sphere(0.1), mass=1.0, position=(0.0, 0.3, 0.2))
@@ -172,7 +172,7 @@ def test_frames_are_what_simulate_reports_and_survive_a_copy(body):
             np.testing.assert_array_equal(quaternion, result.objects["ball"].quaternion[t])
             assert frame.clearance == result.clearance[t]
             assert frame.lost_time == result.lost_time[t]
-    # People touch each other in pairs of rows, one for each, of opposite sense.
+    # Contacts between people are pairs of rows, one for each, of opposite sign.
     c = result.contacts
     people = result.names.index("person0")
     mutual = np.flatnonzero((c.person >= 0) & (c.other >= people))
@@ -219,7 +219,7 @@ def test_clearance_is_the_smallest_distance(body, contact):
 
 
 def test_root_recovers(body):
-    """Back on its path after the wall, and still clear."""
+    """The root returns to its path after the wall, and stays clear."""
     motion = along_x(1.0, 120, start=-0.4, turn=30)
     held = along_x(1.0, 200, start=-0.4, turn=30)
     held = held.with_frames(
@@ -243,7 +243,7 @@ def test_a_start_inside_something_is_said(body):
 
 @pytest.mark.slow
 def test_two_people_who_start_in_one_place_come_apart_in_peace(body):
-    """They pass through each other until they are out: nothing is thrown, nothing hangs."""
+    """They pass through each other until they are out: none is thrown and none gets stuck."""
     a = along_x(0.0, 16, start=0.0)
     b = along_x(2.0, 16, start=0.02)
     result = simulate([a, b], Scene(), body=[body, body])

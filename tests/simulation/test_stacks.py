@@ -1,6 +1,6 @@
-"""What rests stays, what is thrown goes through nothing, and a pile gains no energy.
+"""Resting objects stay, thrown objects do not pass through, and a pile gains no energy.
 
-`HALFPHYSICS_FUZZ=SECONDS` makes throws and piles of each kind for so long instead of a few.
+`HALFPHYSICS_FUZZ=SECONDS` makes throws and piles of each kind for that time instead of a few.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from support.judges.coal_scene import Watch
 from support.people import t_pose
 
 G = 9.81
-COAL = 1e-6  # coal's own distances are good to this [m]
+COAL = 1e-6  # accuracy of coal's own distances [m]
 
 
 def cases(few):
@@ -40,7 +40,7 @@ def poses_of(simulator, seconds):
 )
 @pytest.mark.parametrize("kind", ["box", "cylinder"])
 def test_a_stack_of_five_stands(kind, fps, substeps):
-    """10 s, less than 1 mm; the whole weight arrives on the floor."""
+    """10 s, less than 1 mm; the floor carries the whole weight."""
     scene = Scene()
     scene.add_static("floor", Plane())
     shape = Box((0.3, 0.3, 0.2)) if kind == "box" else Cylinder(0.15, 0.2)
@@ -56,7 +56,7 @@ def test_a_stack_of_five_stands(kind, fps, substeps):
 @pytest.mark.parametrize("on", ["static", "object"])
 @pytest.mark.parametrize("kind", ["box", "cylinder"])
 def test_what_is_set_down_at_a_slant_lies_down(kind, on):
-    """One side 1.8 mm higher than the other; nothing but the box below holds it."""
+    """One side 1.8 mm higher than the other; only the box below holds it."""
     scene = Scene()
     scene.add_static("floor", Plane())
     if on == "static":
@@ -87,7 +87,7 @@ def test_a_ball_at_rest_does_not_move(height, fps, substeps):
 
 
 def bowl():
-    """A shallow round bowl: touches as its convex hull."""
+    """A shallow round bowl: its collision shape is its convex hull."""
     import trimesh
 
     angle = 2 * np.pi * np.arange(12) / 12
@@ -97,7 +97,7 @@ def bowl():
 
 
 def thrown(rng, target):
-    """Suitcase, ball, box and bowl, each thrown at 1 to 10 m/s at what stands at x = 1 m."""
+    """Suitcase, ball, box and bowl, each thrown at 1 to 10 m/s at the target at x = 1 m."""
     import trimesh
 
     scene = Scene()
@@ -156,7 +156,7 @@ def test_what_is_thrown_goes_through_nothing(target):
         poses = [[pose] if person else [] for pose in standing]
         watch = Watch(simulator)
         if watch.gap(simulator.world.start(poses[0])[0])[0] <= 0.0:
-            continue  # turned into each other at the start
+            continue  # overlapping at the start
         checked += 1
         frames = [simulator.reset(poses[0])] + [simulator.step(pose) for pose in poses[1:]]
         gap, pair, frame, substep = watch.smallest_gap(frames)
@@ -166,7 +166,7 @@ def test_what_is_thrown_goes_through_nothing(target):
 
 
 def pile(rng, friction):
-    """Eight things of any primitive over a pit, turning."""
+    """Eight turning objects of any primitive over a pit."""
     scene = Scene()
     scene.add_static("floor", Plane())
     for i, (x, y) in enumerate([(0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5)]):
@@ -188,7 +188,7 @@ def pile(rng, friction):
 
 
 def largest_gain(scene, fps, substeps):
-    """By how much the energy ever rose over its least before [J], and all weights times 1 mm."""
+    """Largest rise of the energy over its earlier minimum [J], and all weights times 1 mm."""
     settings = Settings(substeps=substeps)
     simulator = Simulator(scene, body=[], settings=settings, fps=fps)
     simulator.reset([])
@@ -200,7 +200,7 @@ def largest_gain(scene, fps, substeps):
     for _ in range(3 * fps):
         v = simulator.world.stepper.qvel().reshape(-1, 6)
         z = simulator.world.stepper.qpos().reshape(-1, 7)[:, 2]
-        # The invariant of symplectic Euler's free fall: half a substep's gravity off.
+        # The invariant of symplectic Euler's free fall: half a substep of gravity off.
         own = mass * (0.5 * (v[:, :3] ** 2).sum(axis=1) + G * (z - 0.5 * h * v[:, 2]))
         spin = 0.5 * np.einsum("ni,nij,nj->n", v[:, 3:], inertia, v[:, 3:])
         energy.append((own + spin).sum())
@@ -213,13 +213,13 @@ def largest_gain(scene, fps, substeps):
 @pytest.mark.parametrize("friction", [0.0, 0.8])
 @pytest.mark.parametrize(("fps", "substeps"), [(30, None), (120, None), (240, 1), (30, 4)])
 def test_a_pile_gains_no_energy(friction, fps, substeps):
-    """But for the clearance, which what was pressed nearer gets back."""
+    """Except through the clearance, which pressed objects regain."""
     for case in cases(4):
         gain, lift = largest_gain(pile(np.random.default_rng(case), friction), fps, substeps)
         assert gain <= lift, f"case {case}: {gain} J, all lifted by the clearance {lift} J"
 
 
 def test_a_jammed_pile_gains_no_energy_at_coarse_steps():
-    """0.1 kg between 4 and 8 kg at h = 1/60 s: what spins fast is not pushed out of its curve."""
+    """0.1 kg between 4 and 8 kg at h = 1/60 s: contact does not push fast spin off its curve."""
     gain, lift = largest_gain(pile(np.random.default_rng(5), 0.8), 60, 1)
     assert gain <= lift

@@ -1,4 +1,4 @@
-"""Runs and states under attack: what a resumed run must not depend on, and must not be given."""
+"""Runs and states under attack: independence of resumed runs, and states they must refuse."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from halfphysics.simulation.simulator import Simulator
 from support.judges.person_hulls import CONTACTS
 from support.people import along_x, follow, violent
 
-#: One step a frame, Algorithm 1: steps are long, so that many are shortened and made in pieces.
+#: One step a frame, Algorithm 1: steps are long, so that many are shortened and split.
 COARSE = Settings(drive_time=None, stiffness=1.0, substeps=1)
 FRAMES = 50
 
@@ -27,7 +27,7 @@ def body():
 
 
 def crossing():
-    """Two people who walk into each other and a wall, a box that has come to rest aside."""
+    """Two people walk into each other and a wall; a resting box aside."""
     there = along_x(1.5, FRAMES, start=-1.0, z=0.95)
     back = there.with_frames(
         there.translation * (-1.0, 1.0, 1.0) + (0.0, 0.25, 0.0), there.rotations
@@ -40,7 +40,7 @@ def crossing():
 
 
 def beside():
-    """A violent motion between a wall and a ball that falls: touched now and then."""
+    """A violent motion between a wall and a falling ball: occasional contacts."""
     scene = Scene()
     scene.add_static("floor", Plane(), position=(0.0, 0.0, -1.3))
     scene.add_static("wall", Box((0.01, 3.0, 3.0)), position=(0.9, 0.0, 0.0))
@@ -50,7 +50,7 @@ def beside():
 
 @pytest.mark.parametrize("make", [crossing, beside])
 def test_every_state_resumes_on_a_fresh_simulator_bit_for_bit(body, make):
-    """Whatever a simulator did before, and if it did nothing: the whole next state is the same."""
+    """The simulator's earlier use has no effect: the whole next state is the same."""
     motions, scene = make()
     people = [body] * len(motions)
 
@@ -84,7 +84,7 @@ def wall(finer):
 
 
 def test_a_state_of_another_scene_is_refused(body):
-    """Same names, same coordinates: but its planes are of triangles that are not there."""
+    """Same names, same coordinates: but its planes refer to triangles that do not exist."""
     motion = along_x(1.5, 30, start=-0.4)
     fine, coarse = (Simulator(wall(n), body=body) for n in (3, 0))
     fine.reset(motion[0])
@@ -97,7 +97,7 @@ def test_a_state_of_another_scene_is_refused(body):
     for cut in (0, 8, 4000, len(state.numbers) - 8):
         with pytest.raises(InputError, match="not whole"):
             fine.set_state(dataclasses.replace(state, numbers=state.numbers[:cut]))
-    # Refused, it goes on as it was; and other settings may go on from it.
+    # After the refusal the run continues unchanged; and other settings may continue from it.
     assert fine.get_state().numbers == state.numbers
     stiffer = Simulator(wall(3), body=body, settings=Settings(stiffness=10.0))
     stiffer.set_state(state)
@@ -106,7 +106,7 @@ def test_a_state_of_another_scene_is_refused(body):
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("seed", [5, 6])
 def test_without_clearance_nobody_gets_into_a_mesh(body, seed, contact):
-    """What is inside to within solving is inside: a mesh would not hold it any more."""
+    """A vertex inside within the solver's tolerance counts as inside: a mesh would not stop it."""
     pytest.importorskip("coal")
     import trimesh
 

@@ -1,4 +1,4 @@
-"""A world used again is the world that its scene would make, to the last bit."""
+"""A reused world equals the world that its scene would make, to the last bit."""
 
 import hashlib
 from dataclasses import replace
@@ -39,7 +39,7 @@ def bits(result):
 
 
 def room(masses=(1.0, 2.0, 0.5), frictions=(0.8, 0.8, 0.8), places=None, pairs=()):
-    """A floor, a bench and three things in the way of a walk."""
+    """A floor, a bench and three objects in the way of a walk."""
     scene = hp.Scene()
     scene.add_static("floor", hp.Plane())
     scene.add_static("bench", hp.Box((0.4, 1.0, 0.4)), position=(1.6, 0.0, 0.2))
@@ -108,7 +108,7 @@ def test_scenes_one_after_the_other(walk, chosen):
         assert result.scene is scene
         kept.append((result, bits(result)))
     for result, was in kept:
-        assert bits(result) == was  # nobody writes into what was given away
+        assert bits(result) == was  # no caller writes into returned arrays
 
 
 def test_the_model_is_the_compiled_one():

@@ -1,1 +1,1 @@
-"""What the tests share: people, scenes, files, and judges that look at a run from outside."""
+"""Shared by the tests: people, scenes, files, and judges that examine a run from outside."""

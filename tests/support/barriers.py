@@ -1,4 +1,4 @@
-"""Thin things and thick ones across a person's way, to be jumped over or gone around."""
+"""Thin and thick barriers across a person's way, to be jumped over or gone around."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import shutil
 import time
 from pathlib import Path
 
-#: The browser to use, None: there is none, or nothing to drive it with. None is ever downloaded.
+#: The browser to use; None: no browser, or no driver for it. None is ever downloaded.
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 if importlib.util.find_spec("playwright") is None:
     CHROMIUM = None
@@ -24,12 +24,12 @@ SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
 
 
 class Tab:
-    """One page: what it says, what it asks for, and what a script finds in it."""
+    """One page: its messages, its requests, and the values that a script finds in it."""
 
     def __init__(self, page):
         self.page = page
-        self.complaints: list[str] = []  # whatever the console says
-        self.errors: list[str] = []  # of these, errors
+        self.complaints: list[str] = []  # all console messages
+        self.errors: list[str] = []  # of these, the errors
         self.requests: list[str] = []
         page.on("console", self._said)
         page.on("pageerror", lambda error: self._failed(str(error)))
@@ -59,7 +59,7 @@ class Tab:
         self.page.screenshot(path=path, full_page=whole)
 
     def picture(self):
-        """What is seen now, (height, width, 3) of 0 to 255."""
+        """The visible picture, (height, width, 3) of 0 to 255."""
         import numpy as np
         from PIL import Image
 
@@ -67,7 +67,7 @@ class Tab:
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
 
     def until(self, condition, seconds=150.0):
-        """Wait for something to come true in the page; a browser that draws in software is slow."""
+        """Wait until a condition holds in the page; a browser that draws in software is slow."""
         end = time.monotonic() + seconds
         while not (found := condition()):
             assert time.monotonic() < end, f"{seconds:g} s and still not: {condition}"
@@ -75,7 +75,7 @@ class Tab:
         return found
 
     def box(self, selector):
-        """Where an element is: (left, top, right, bottom) in pixels."""
+        """The rectangle of an element: (left, top, right, bottom) in pixels."""
         box = self.page.locator(selector).first.bounding_box()
         return box["x"], box["y"], box["x"] + box["width"], box["y"] + box["height"]
 
@@ -100,7 +100,7 @@ def tab(folder: Path, size=SIZES["desktop"]):
 
 
 def artefacts(folder: Path) -> Path:
-    """Where pictures are kept to be looked at: $HALFPHYSICS_ARTEFACTS, or `folder`."""
+    """The folder for pictures to inspect: $HALFPHYSICS_ARTEFACTS, or `folder`."""
     kept = Path(os.environ.get("HALFPHYSICS_ARTEFACTS") or folder)
     kept.mkdir(parents=True, exist_ok=True)
     return kept

@@ -1,4 +1,4 @@
-"""Which tests cover a source file that has no test file of its own name.
+"""The tests of a source file that has no test file of its own name.
 
     PYTHONPATH=tests python -m support.covered_by src/halfphysics/scene/items.py
 
@@ -176,12 +176,12 @@ def own_test(source: str) -> str | None:
 
 
 def lines(source: str) -> list[str]:
-    """The lines of the list that name a source file."""
+    """The lines of the list that match a source file."""
     return [pattern for pattern in COVERED_BY if matches(source, pattern)]
 
 
 def matches(source: str, pattern: str) -> bool:
-    """Whether a line names a source file; "*" does not reach into subfolders."""
+    """Whether a line matches a source file; "*" does not match subfolders."""
     return source.count("/") == pattern.count("/") and fnmatchcase(source, pattern)
 
 

@@ -1,4 +1,4 @@
-"""A door as MJCF, and where it stands in the way of a person who walks along x."""
+"""A door as MJCF, and its place in the way of a person who walks along x."""
 
 import numpy as np
 
@@ -12,5 +12,5 @@ DOOR = """<mujoco><worldbody><body name="frame">
 </body></body></worldbody></mujoco>"""
 
 
-#: The hinge stands at the side of a person who walks along x.
+#: The hinge is at the side of a person who walks along x.
 ACROSS = {"position": (0.7, 0.6, 0.03), "quaternion": (np.sqrt(0.5), 0, 0, -np.sqrt(0.5))}

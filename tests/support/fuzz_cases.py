@@ -1,8 +1,8 @@
-"""Random people, motions, obstacles, things and settings: what the fuzzer draws, and its building.
+"""Random people, motions, obstacles, objects and settings: drawing the cases and building them.
 
 A `Case` is plain numbers; its repr is the code that makes it again. Every case starts clear: when
-it is built, obstacles that would overlap a person are moved ahead until they do not, and things
-that would overlap anything are left out.
+it is built, obstacles that would overlap a person are moved ahead until they do not, and objects
+that would overlap any item are left out.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from support.judges.coal_scene import Watch
 from support.people import FACING_X
 from support.throws import POSES, stair
 
-#: What stands. Sheets, plates, soup, stairs and slabs are triangles.
+#: Static obstacles. Sheets, plates, soup, stairs and slabs are triangles.
 STATICS = (
     "plane",
     "box",
@@ -39,19 +39,19 @@ STATICS = (
     "soup",
     "stair",
 )
-#: What can be pushed.
+#: Free objects.
 THINGS = ("box", "sphere", "capsule", "cylinder", "hull")
-#: Things start at least this far from everything [m]: twice the clearance.
+#: Objects start at least this far from every item [m]: twice the clearance.
 ROOM = 0.002
-#: An obstacle that overlaps a person is moved ahead in steps of this, so often at most [m].
+#: An obstacle that overlaps a person is moved ahead in steps of this, at most this often [m].
 AHEAD, TRIES = 0.1, 25
-#: Substeps of a case at most, whatever its speed and frame rate.
+#: Most substeps of a case, at any speed and frame rate.
 MOST_SUBSTEPS = 320
 
 
 @dataclass(frozen=True)
 class Form:
-    """A shape at a place. `size` [m] as far as the kind needs it, `seed` for what is ragged."""
+    """A shape at a place. `size` [m] as far as the kind needs it, `seed` for ragged shapes."""
 
     kind: str
     size: tuple[float, float, float]
@@ -64,7 +64,7 @@ class Form:
 
 @dataclass(frozen=True)
 class Thing:
-    """A form that moves: mass [kg], velocity [m/s] and spin [rad/s]."""
+    """A moving form: mass [kg], velocity [m/s] and spin [rad/s]."""
 
     form: Form
     mass: float
@@ -74,7 +74,7 @@ class Thing:
 
 @dataclass(frozen=True)
 class Person:
-    """A person who goes along a direction at `speed` [m/s] and moves `wild` times as much as we do.
+    """A person who goes along a direction at `speed` [m/s]; joints move `wild` times as usual.
 
     `seed` chooses how the joints move; `spin` [rad/s] turns the whole about the vertical.
     """
@@ -89,9 +89,9 @@ class Person:
 
 @dataclass(frozen=True)
 class Case:
-    """One run. Frame rate [1/s], substeps a frame, the settings that matter, who and what.
+    """One run. Frame rate [1/s], substeps a frame, the relevant settings, people and items.
 
-    `contact`: what is kept clear, and judged.
+    `contact`: the surface that is kept clear, and judged.
     """
 
     people: tuple[Person, ...] = ()
@@ -132,7 +132,7 @@ def _forms(kinds, low, high, sizes, restitutions=(0.0,)):
 
 
 def things(low, high, most, fast=10.0, restitutions=(0.0,)):
-    """Up to `most` things between two corners (3,) [m]."""
+    """Up to `most` objects between two corners (3,) [m]."""
     one = st.builds(
         Thing,
         form=_forms(THINGS, low, high, (0.03, 0.3), restitutions),
@@ -143,7 +143,7 @@ def things(low, high, most, fast=10.0, restitutions=(0.0,)):
     return st.lists(one, max_size=most).map(tuple)
 
 
-#: A body takes longer to make than a run: people have these shapes, others in every campaign.
+#: A body takes longer to make than a run: people have these shapes, other shapes per campaign.
 SHAPES = (
     (),
     *(
@@ -172,7 +172,7 @@ RATES = st.sampled_from(
 
 @st.composite
 def cases(draw, people=(1, 2), statics=(1, 3), most_things=3):
-    """Cases with so many people and statics (least, most) and up to so many things."""
+    """Cases with so many people and statics (least, most) and up to so many objects."""
     fps, substeps = draw(RATES)
     ahead = _forms(STATICS, (0.3, -0.8, -1.2), (1.8, 0.8, 0.8), (0.01, 1.0))
     return Case(
@@ -197,7 +197,7 @@ def cases(draw, people=(1, 2), statics=(1, 3), most_things=3):
 def body_of(betas):
     """The default body of that shape."""
     who = Body.default(betas=np.array([*betas, *[0.0] * (10 - len(betas))]))
-    who.variant  # noqa: B018  worked out once
+    who.variant  # noqa: B018  computed once
     return who
 
 
@@ -306,7 +306,7 @@ def build(case, floor=False):
         run = Run(case, simulator, motions)
         if len(people) < 2 or Watch(simulator).gap(start_of(run), statics="none")[0] > ROOM:
             return run
-        people.pop()  # they start in one another
+        people.pop()  # their starts overlap
 
 
 def start_of(run):
@@ -348,7 +348,7 @@ def _place(form, shift=0.0):
 
 
 def _clear(case, bodies, motions, floor):
-    """How far each obstacle is moved ahead, and which things are clear at the start."""
+    """The distance each obstacle is moved ahead, and which objects are clear at the start."""
     statics, movers = {}, set()
     people = Simulator(Scene(), body=bodies, settings=settings_of(case), fps=case.fps)
     judge, start = Judge(people), people.world.start([m[0] for m in motions])[0]
@@ -366,7 +366,7 @@ def _clear(case, bodies, motions, floor):
     start = simulator.world.start([m[0] for m in motions])[0]
     tight = [{a, b} for d, a, b in Watch(simulator).gaps(start, statics="things") if d <= ROOM]
     out = {f"thing{i}" for i in everything}
-    for i in everything:  # one after the other, clear of those that are there
+    for i in everything:  # in order, each clear of those already placed
         if not any(f"thing{i}" in pair and not (pair - {f"thing{i}"}) & out for pair in tight):
             movers.add(i)
             out.discard(f"thing{i}")

@@ -1,9 +1,9 @@
-"""How long to fuzz: a few cases, the same ones each time, or ever new ones for as long as is asked.
+"""How long to fuzz: a few cases, the same ones each time, or new ones for a requested time.
 
-`HALFPHYSICS_FUZZ=SECONDS` lets every kind of test go on for so long. What it has seen is counted
+`HALFPHYSICS_FUZZ=SECONDS` lets every kind of test go on for so long. Its runs are counted
 and printed at the end. No case is lost: each is in a file of `UNDER_WAY` from before it begins
-until it has passed, so that it is still there after a crash, or an interruption; one
-that fails is said at once, and reported as it was found: nothing is made smaller.
+until it has passed, so that it survives a crash, or an interruption; one
+that fails is printed at once, and reported as it was found, without shrinking.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from hypothesis.errors import UnsatisfiedAssumption
 
 from support.paths import ROOT
 
-#: Of every kind of test [s]; 0: the few cases that always run.
+#: Time for every kind of test [s]; 0: the few cases that always run.
 SECONDS = float(os.environ.get("HALFPHYSICS_FUZZ", 0.0))
 #: Cases of one seed.
 BATCH = 5
-#: Where random cases are that have begun and not passed, a file for each process.
+#: Folder of random cases that have begun and not passed, a file for each process.
 UNDER_WAY = ROOT / "build" / "fuzz"
-#: Runs, frames and committed poses that were judged, all from clear starts, and in how many of the
-#: runs something was inside or crossed. By what is kept clear.
+#: Judged runs, frames and committed poses, all from clear starts, and the number of runs with a
+#: penetration or a crossing. By the surface that is kept clear.
 seen = {}
 
 
@@ -36,7 +36,7 @@ def drawn(few):
     """Decorates a hypothesis test: `few` cases, or new ones until `SECONDS` are over."""
 
     def decorate(test):
-        # Runs are too slow to be made smaller.
+        # Runs are too slow for shrinking.
         phases = (Phase.explicit, Phase.reuse, Phase.generate)
         shared = {"deadline": None, "suppress_health_check": list(HealthCheck), "phases": phases}
         if SECONDS == 0.0:
@@ -57,7 +57,7 @@ def drawn(few):
 
 
 def noted(test, name):
-    """The test, whose arguments are in a file until it has passed, and are said where it fails."""
+    """The test, with its arguments in a file until it has passed, and printed if it fails."""
 
     @functools.wraps(test)
     def run(*args, **kwargs):
@@ -71,7 +71,7 @@ def noted(test, name):
             file.unlink()
             raise
         except Exception as error:
-            # Past what pytest captures.
+            # Print past pytest's capture.
             print(f"\n{name}: {error!r:.300}\n@example({case})", file=sys.__stderr__, flush=True)
             raise
         file.unlink()
@@ -88,7 +88,7 @@ def moments():
 
 
 def count(contact, frames, clear):
-    """One run has been judged: `frames`, of which the first may be the start."""
+    """Count a judged run of `frames`, the first of which may be the start."""
     seen.setdefault(contact, Counter()).update(
         runs=1,
         frames=sum(len(f.substeps) > 0 for f in frames),
@@ -98,7 +98,7 @@ def count(contact, frames, clear):
 
 
 def report():
-    """Lines of what was seen, one for each contact."""
+    """Lines of the counts, one for each contact."""
     return [
         f"{contact}: {n['frames']} frames, {n['poses']} committed poses in {n['runs']} runs from "
         f"clear starts; penetrations in {n['penetrations']} runs"

@@ -1,8 +1,8 @@
-"""What a grasp may lose, and how evenly it holds."""
+"""Limits on the slip of a grasp, and on the evenness of its force."""
 
 from __future__ import annotations
 
-#: What a grasp may lose while it is shaken, carried and turned over.
+#: Largest slip of a grasp while it is shaken, carried and turned over.
 SLIP, TURN = 10.0, 15.0  # [mm], [degrees]
 
 
@@ -13,7 +13,7 @@ FORCE, SPREAD, PEAK = (30.0, 50.0), 0.05, 100.0  # [N], share, [N]
 JITTER, CREEP = 0.05, 0.01  # [m/s^2], [mm/s]
 
 
-#: How nearly free a fall is [m/s^2], and how soon after the hand starts to open [s].
+#: Tolerance of free fall [m/s^2], and its start after the hand begins to open [s].
 FALL, FREED = 0.05, 0.2
 
 

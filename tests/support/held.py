@@ -1,4 +1,4 @@
-"""A person who points ahead and holds a stick: what the tests of held things share."""
+"""A person who points ahead and holds a stick: shared by the tests of held objects."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def pointing(frames=60, swing=None, path=None, fps=30.0):
 
 
 def in_front(body, pose, out=0.55, **options):
-    """Options of a thing `out` [m] in front of the right wrist, along +x."""
+    """Options of an object `out` [m] in front of the right wrist, along +x."""
     at = body.joints(pose)[HAND] + [out, 0.0, 0.0]
     return {"position": at, "mass": 1.0} | options
 
@@ -46,7 +46,7 @@ def holding(body, motion, shape=STICK, settings=PARTS, scene=None, part="right_w
 
 
 def place_in_part(body, frame, part=HAND, name="stick"):
-    """Pose of the held thing in the part's frame: position (3,) and matrix (3, 3)."""
+    """Pose of the held object in the part's frame: position (3,) and matrix (3, 3)."""
     x, q = body.joint_frames(frame.pose)
     back = rot.conjugate(q[part])
     at, turn = frame.objects[name]

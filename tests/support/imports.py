@@ -1,4 +1,4 @@
-"""What modules of the package import, and what files of the native core include."""
+"""Imports of the package's modules, and includes of the native core's files."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def imports() -> set[Import]:
 
 
 def _of(source: str, path: Path, known: dict[str, Path]) -> Iterator[tuple[str, str]]:
-    """Modules that one file imports, and how."""
+    """Imports of one file, and when they run."""
     package = source if path.name == "__init__.py" else source.rpartition(".")[0]
     for node, kind in _statements(ast.parse(path.read_text(encoding="utf-8")), "top"):
         if isinstance(node, ast.Import):

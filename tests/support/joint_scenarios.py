@@ -1,4 +1,4 @@
-"""Scenarios in which a hand moves a joint of a thing, as they come out."""
+"""Simulated scenarios in which a hand moves a joint of an object."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import halfphysics as hp
 from halfphysics.scenarios.props import chest, laptop
 from support.judges.jointed import Jointed
 
-#: Scenario -> thing, link and joint that the hand moves, where it starts and where it ends.
+#: Scenario -> object, link and joint that the hand moves, its start and its end.
 MOVED = {
     "close_drawer": ("chest", "top", "top_rail", 0.28, 0.0),
     "close_laptop": ("laptop", "lid", "hinge", laptop.OPEN, 0.0),

@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass
 class Drift:
-    """A motion that only moves: frames (T, 3)."""
+    """A motion with translation only: frames (T, 3)."""
 
     translation: np.ndarray
     fps: float = 30.0

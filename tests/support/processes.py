@@ -1,4 +1,4 @@
-"""Processes of this machine, as /proc tells of them."""
+"""Processes of this machine, from /proc."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def of_group(group):
 
 
 def group_ends(group, seconds):
-    """Waits until no process of a group is left; whether that is so."""
+    """Wait until no process of a group is left; returns whether that is so."""
     deadline = time.monotonic() + seconds
     while of_group(group) and time.monotonic() < deadline:
         time.sleep(0.02)

@@ -9,7 +9,7 @@ import numpy as np
 
 from halfphysics.geometry.shapes import Mesh
 
-#: Outside of a wine glass from the middle of its foot to the rim, (radius, height) [m].
+#: Outline of a wine glass from the middle of its foot to the rim, (radius, height) [m].
 WINE_GLASS = np.array([(0, 0), (34, 0), (34, 3), (6, 9), (4, 20), (4, 85), (12, 92), (30, 105),
                        (38, 125), (40, 145), (37, 170), (33, 200)]) / 1000.0  # fmt: skip
 
@@ -40,7 +40,7 @@ class Turned:
         return Mesh(np.array(vertices), np.concatenate(faces))
 
     def signed_distance(self, points):
-        """Of points (n, 3) from the smooth solid [m], negative inside."""
+        """Signed distances of points (n, 3) from the smooth solid [m], negative inside."""
         p = np.stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]], axis=1)
         a, b = self.outline[:-1], self.outline[1:]
         distance, inside = np.full(len(p), np.inf), np.zeros(len(p), dtype=bool)
@@ -59,7 +59,7 @@ class Turned:
 
 
 def cup(radius=0.035, height=0.08, wall=0.0025):
-    """Open above, its bottom as thick as its wall."""
+    """A cup, open above, its bottom as thick as its wall."""
     inner = radius - wall
     return Turned(np.array([(0, 0), (radius, 0), (radius, height), (inner, height), (inner, wall),
                             (0, wall)]))  # fmt: skip

@@ -1,7 +1,7 @@
-"""Furnished rooms of real meshes around a motion: what stands in its way, and around it.
+"""Furnished rooms of real meshes around a motion: obstacles in its way, and furniture around it.
 
-The same seed gives the same room. The first pose is clear of everything (by `coal`, hulls of the
-skin and rigid parts): what would not be is moved away from it, no farther than needed.
+The same seed gives the same room. The first pose is clear of every item (by `coal`, hulls of the
+skin and rigid parts): overlapping items are moved away from it, no farther than needed.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from support.judges.clear_judge import NEAR, Judge
 
 #: The meshes are in units of about 0.7 m.
 SCALE = 0.7
-#: What stands in a motion's way: file, height at which its origin stands [m].
+#: Obstacles in a motion's way: file, height of its origin [m].
 PIECES = (
     ("kaykit_furniture/couch", 0.0),
     ("kaykit_furniture/armchair", 0.0),
@@ -45,10 +45,10 @@ def furnished(motion, body, folder, seed, pieces=6):
     Args:
         motion: Its feet on z = 0 or above. Walls come as near as 0.3 m to its pelvis, pieces
             stand where a pelvis, hand or foot of it passes.
-        body: Whose motion it is.
+        body: The body of the motion.
         folder: Holds `kaykit_furniture` and the like.
-        seed: Chooses pieces and places.
-        pieces: How many.
+        seed: Selects pieces and places.
+        pieces: Number of pieces.
     """
     rng = np.random.default_rng(seed)
     joints = body.joints(motion)
@@ -57,7 +57,7 @@ def furnished(motion, body, folder, seed, pieces=6):
     scene = Scene()
 
     def put(name, file, position, yaw, away):
-        """Adds it, moved along `away` until the first pose is clear."""
+        """Add it, moved along `away` until the first pose is clear."""
         position = np.array(position, dtype=float)
         turn = rot.exp([0.0, 0.0, yaw])
         path = folder / f"{file}.obj"

@@ -1,7 +1,7 @@
-"""People who reach into themselves, and how deep they are in themselves by `coal`.
+"""People in self-contact, and their self-penetration depth by `coal`.
 
 Poses are made by two-bone kinematics on a body's own rest joints: a hand or foot is put at a point,
-the elbow or knee points to a side. Of the core nothing is asked but the coordinates.
+the elbow or knee points to a side. Only the coordinates come from the core.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def reach(body, rotations, side, limb, target, bend, twist=0.0):
 
 
 def front(body, x, y, parts=("pelvis", "spine1", "spine2", "spine3", "head"), radius=0.03):
-    """How far ahead the skin of the trunk or head reaches at (x, y) of the rest frame [m]."""
+    """Reach of the trunk's or head's skin ahead at (x, y) of the rest frame [m]."""
     v = np.asarray(body.rest_vertices)
     own = np.isin(np.asarray(body.weights).argmax(axis=1), [JOINT_INDEX[name] for name in parts])
     near = own & (np.hypot(v[:, 0] - x, v[:, 1] - y) < radius)
@@ -66,7 +66,7 @@ def front(body, x, y, parts=("pelvis", "spine1", "spine2", "spine3", "head"), ra
 
 
 def relaxed(body):
-    """Arms down and a hand's breadth off: clear of everything."""
+    """Arms down and a hand's breadth off: clear of all other parts."""
     r = np.zeros((N_JOINTS, 3))
     for side, sign in (("left", 1.0), ("right", -1.0)):
         shoulder = np.asarray(body.rest_joints)[JOINT_INDEX[f"{side}_shoulder"]]
@@ -76,7 +76,7 @@ def relaxed(body):
 
 
 def arms_crossed(body, depth=0.04):
-    """Forearms `depth` [m] inside of where they would lie on the chest, one over the other."""
+    """Forearms on the chest, one over the other, `depth` [m] inside of it."""
     r = np.zeros((N_JOINTS, 3))
     y = np.asarray(body.rest_joints)[JOINT_INDEX["spine3"], 1]
     for side, sign, up, ahead in (("left", 1.0, 0.0, 0.03), ("right", -1.0, -0.04, 0.095)):
@@ -147,11 +147,11 @@ def run(motion, body, settings, scene=None):
 
 
 class SelfJudge:
-    """How deep the first person's pieces are in each other, those that are neighbours left out.
+    """Depth of the first person's pieces in each other, without neighbours.
 
     Args:
         simulator: Of one person.
-        neighbours: Joints so many bones apart are not looked at, nor one hand, nor upper arm and
+        neighbours: Joints so many bones apart are left out, as are one hand's, and upper arm and
             flank, which overlap at rest.
     """
 

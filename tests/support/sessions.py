@@ -1,4 +1,4 @@
-"""Sessions of the playground for tests: scenes, frames in a row, what `simulate` makes."""
+"""Sessions of the playground for tests: scenes, consecutive frames, results of `simulate`."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def playing(sequence):
 
 
 def run(session, frames):
-    """Frames of the session, one after the other."""
+    """Consecutive frames of the session."""
     return [session.advance() for _ in range(frames)]
 
 
@@ -48,7 +48,7 @@ def ball(frames):
 
 
 def simulated(choice, **changes):
-    """What `simulate` makes of a scenario with other settings."""
+    """The result of `simulate` for a scenario with other settings."""
     story = Catalog().load(choice)
     settings = replace(story.settings, **changes)
     return hp.simulate(story.motion, story.scene, body=story.body, settings=settings)

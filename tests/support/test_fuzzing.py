@@ -1,4 +1,4 @@
-"""What the fuzzer finds is said, and cases that were not finished are not lost."""
+"""Failures of the fuzzer are printed, and unfinished cases are not lost."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_a_failing_case_is_said_as_it_was_found(folder, capfd):
     with pytest.raises(AssertionError):
         check()
     case = f"@example(x={tried[0]}, y='y')"
-    # Nothing smaller was tried, even though everything fails.
+    # No shrinking was tried, even though every case fails.
     assert set(tried) == {tried[0]}
     assert len(tried) <= 3
     said = capfd.readouterr().err

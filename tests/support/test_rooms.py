@@ -1,4 +1,4 @@
-"""Rooms that other tests run in: the same each time, clear at the start, as finely cut as asked."""
+"""Rooms of other tests: the same each time, clear at the start, cut as finely as requested."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_the_first_pose_is_clear_and_the_way_is_not(shared_data, body, walk, see
     judge = Judge(Simulator(room, body=body))
     poses = [judge.world.start([walk[t]])[0] for t in (0, len(walk) - 1)]
     gaps = [min(judge.gap_to(s, pose) for s in room.statics.values()) for pose in poses]
-    assert gaps[0] > 0.001  # the floor is 2 mm below, all else 2.5 mm away at least
+    assert gaps[0] > 0.001  # the floor is 2 mm below, all other items at least 2.5 mm away
     ghost = judge.judge_poses(np.array([judge.world.start([walk[t]])[0] for t in range(60)]))
     assert not ghost.clear
 

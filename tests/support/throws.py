@@ -1,4 +1,4 @@
-"""People thrown at things: motions and obstacles for the tests that nothing passes through."""
+"""People thrown at obstacles: motions and obstacles for the tests against tunnelling."""
 
 from __future__ import annotations
 
@@ -165,7 +165,7 @@ def obstacle(kind, aim, ground, rng):
 def throw(pose, kind, speed, fps, body, rng):
     """Motion and scene: the body's first pose is `ROOM` before the obstacle.
 
-    What stands there is aimed at one point of the skin, so that no throw in a fixed pose misses.
+    The obstacle aims at one point of the skin, so that no throw in a fixed pose misses.
     The hulls of the skin and the rigid parts are clear of it at the start, both.
     """
     motion = thrown(pose, speed, fps, rng)
@@ -174,7 +174,7 @@ def throw(pose, kind, speed, fps, body, rng):
     scene = obstacle(kind, aim, first[:, 2].min(), rng)
     judge = Judge(Simulator(Scene(), body=body, fps=fps), contact="both")
     shift = np.array([-ROOM - first[:, 0].max(), 0.0, 0.0])
-    while True:  # back, until leaning obstacles and what sticks out are clear
+    while True:  # back, until leaning obstacles and protruding parts are clear
         start = motion[:2].with_frames(motion[:2].translation + shift, motion[:2].rotations)
         near = np.inf
         for static in scene.statics.values():

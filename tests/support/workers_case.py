@@ -1,4 +1,4 @@
-"""What the workers of the tests do, found by name in other processes."""
+"""Tasks of the tests' workers, found by name in other processes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ MIB = 2**20
 
 
 def act(order):
-    """One word of orders: what it answers says which process it was."""
+    """One word of an order: the answer names the process."""
     word, _, rest = order.partition(" ")
     if word == "die":
         os.kill(os.getpid(), signal.SIGKILL)

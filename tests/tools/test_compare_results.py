@@ -79,7 +79,7 @@ def test_the_record_has_every_case(shared_data):
     assert set(record) == set(cases)
     families = {name.split("/")[0] for name in cases}
     quick = {name.split("/")[0] for name, case in cases.items() if case.quick}
-    played = {"push_door", "sit_on_sofa", "kick_ball", "grasp_glass"}  # others stand for them
+    played = {"push_door", "sit_on_sofa", "kick_ball", "grasp_glass"}  # others represent them
     assert families - quick <= played | {"file.gltf"}
 
 

@@ -1,4 +1,4 @@
-"""docs/scenarios.md: every built-in scenario, as it is now, with a picture."""
+"""docs/scenarios.md: every built-in scenario, up to date, with a picture."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_the_film_is_short_moves_and_repeats():
     assert path.stat().st_size < 3_000_000
     with Image.open(path) as film:
         assert film.format == "WEBP"
-        assert film.info["loop"] == 0  # for ever
+        assert film.info["loop"] == 0  # the film repeats forever
         pictures = []
         for k in (0, film.n_frames // 2, film.n_frames - 1):
             film.seek(k)

@@ -1,4 +1,4 @@
-"""The committed stubs of the extensions say what the compiled modules have."""
+"""The committed stubs of the extensions agree with the compiled modules."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Poses on the wire: short, whole, the same as viser's own setters send."""
+"""Pose messages: short, complete, equal to those of viser's own setters."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_only_what_moved_is_sent(server, fast):
     positions[0, 3, 1] += 0.01
     messages = sent(server, lambda: bones.send(positions[0], quaternions[0]))
     assert [(m["type"], m["bone_index"]) for m in messages] == [("SetBonePositionMessage", 3)]
-    # Less than the grain does not add up to nothing for ever.
+    # Changes below the grain do not accumulate an error.
     start = positions[0, 5, 2]
     for _ in range(40):
         positions[0, 5, 2] += 0.1 * GRAIN
@@ -198,7 +198,7 @@ def test_a_connected_client_gets_whole_poses_and_few_bytes(server):
 
         thread = threading.Thread(target=listen)
         thread.start()
-        time.sleep(0.6)  # the meshes
+        time.sleep(0.6)  # wait for the meshes
         positions, quaternions = poses(count, seed=3)
         for p, q in zip(positions, quaternions, strict=True):
             with server.atomic():

@@ -1,4 +1,4 @@
-"""Cameras of the viewer: presets see what they are for, following keeps angle and distance."""
+"""Cameras of the viewer: presets see their subjects, following keeps angle and distance."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def on_screen(camera, points, size):
 
 
 class Client:
-    """A browser that does what it is told, and now and then something of its own."""
+    """A browser that follows commands, and sometimes acts by itself."""
 
     def __init__(self, index, size=DESKTOP):
         self.client_id = index
@@ -48,7 +48,7 @@ class Client:
 
 
 def stage():
-    """Stands for a `Stage`, with people whose joints the test moves."""
+    """A stub of `Stage`, with people whose joints the test moves."""
     result = small_result()
     joints = result.people[0].body.joints(result.motion)[0]
     shown = SimpleNamespace(
@@ -82,7 +82,7 @@ def test_presets_have_people_in_the_part_that_the_panel_leaves_free(name, window
         assert low.min() > 0
         assert high[0] < 390
         assert high[1] < 0.41 * 844
-    # And they fill it: no smaller than a third of one side.
+    # And the subjects fill it: no smaller than a third of one side.
     assert max((high - low) / window) > 0.12
 
 
@@ -118,7 +118,7 @@ def test_hands_that_touch_are_looked_at():
 
 
 def walk(client, seen, shown, seconds, velocity=1.2, act=lambda k: None):
-    """Time goes on at 30 updates a second; returns the camera's offsets from the pelvis."""
+    """Advance time at 30 updates a second; returns the camera's offsets from the pelvis."""
     out = []
     for k in range(round(seconds / STEP)):
         shown.at = shown.at + np.array([velocity * STEP, 0.0, 0.0])
@@ -146,7 +146,7 @@ def test_following_keeps_angle_and_distance(scene):
     orbit = client.camera.position - client.camera.look_at
     before = client.camera.position.copy()
     walk(client, seen, shown, 1.0)
-    np.testing.assert_array_equal(client.camera.position, before)  # not asked to
+    np.testing.assert_array_equal(client.camera.position, before)  # following is off
     seen.following = True
     beside = walk(client, seen, shown, 3.0)
     np.testing.assert_allclose(client.camera.position - client.camera.look_at, orbit, atol=1e-9)
@@ -169,7 +169,7 @@ def test_who_turns_the_camera_keeps_it(scene):
             client.camera.position = client.camera.look_at + (1 - share) * start + share * turned
             held.append(client.camera.position.copy())
         elif k == 10:
-            # Nothing was sent meanwhile that takes it out of the hand.
+            # No message was sent meanwhile that interrupts the drag.
             np.testing.assert_array_equal(client.camera.position, held[-1])
 
     walk(client, seen, shown, 3.0, act=turn)
@@ -223,7 +223,7 @@ def test_two_browsers_follow_each_in_their_own_way(scene):
 
 @pytest.fixture
 def visited():
-    """Cameras whose home is told by the window, and a browser on a phone that has just come."""
+    """Cameras whose home depends on the window, and a newly connected browser on a phone."""
     client = Client(3, PHONE)
     first = SimpleNamespace(position=np.full(3, 9.0), look_at=np.zeros(3))
     server = SimpleNamespace(get_clients=lambda: {3: client}, initial_camera=first)

@@ -51,7 +51,7 @@ def test_a_patch_is_cut_along_the_line(normal):
     field = (vertices[:, :2] - 0.47) @ normal
     weights = np.stack([vertices[:, 0], 1.0 - vertices[:, 0]], axis=1)
     points, triangles, shares = patch(field, vertices, faces, weights)
-    # Everything on the right side of the line, nothing on the other, no triangle turned over.
+    # All points on the right side of the line, none on the other, no triangle turned over.
     assert ((points[:, :2] - 0.47) @ normal).min() > -1e-12
     assert area(points, triangles).min() >= 0.0
     grid = np.linspace(0, 1, 1001)
@@ -59,7 +59,7 @@ def test_a_patch_is_cut_along_the_line(normal):
     x, y = np.meshgrid(grid, grid)
     expected = ((x - 0.47) * normal[0] + (y - 0.47) * normal[1] >= 0).mean()
     assert area(points, triangles).sum() == pytest.approx(expected, abs=2e-3)
-    # What belongs to vertices is linear along the cut too.
+    # Vertex attributes are linear along the cut too.
     np.testing.assert_allclose(shares[:, 0], points[:, 0], atol=1e-12)
     assert np.unique(triangles).tolist() == list(range(len(points)))
 
@@ -135,7 +135,7 @@ def test_a_patch_lies_on_the_skin_in_any_pose(stage, touched):
             moved = rot.rotate(q[bone], vertices - rest[bone]) + p[bone]
             posed += np.asarray(props.skin_weights)[:, k : k + 1] * moved
         distance = cKDTree(skin).query(posed)[0]
-        # The skin's own vertices are a hair below; those of the cut lie between them.
+        # The skin's own vertices are slightly below; those of the cut lie between them.
         assert np.mean(distance < 0.002) > 0.7
         assert distance.max() < 0.02
         assert len(one.bones) <= 8

@@ -1,4 +1,4 @@
-"""Contacts in the scene: nodes hold what the result says, frame by frame."""
+"""Contacts in the scene: nodes hold the result's values, frame by frame."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def stage():
 
 
 def spread():
-    """The small result, its contacts in places of their own."""
+    """The small result, with different contact positions."""
     from types import SimpleNamespace
 
     result = small_result()
@@ -50,7 +50,7 @@ def spread():
 
 
 def held(nodes):
-    """What the visible nodes hold: kind -> positions, starts and ends."""
+    """The content of the visible nodes: kind -> positions, starts and ends."""
     points = {k: np.array(h.batched_positions) for k, h in nodes.points.items() if h.visible}
     arrows = {k: np.array(h.points) for k, h in nodes.arrows.items() if h.visible}
     return points, arrows

@@ -1,4 +1,4 @@
-"""Things of a playground pulled about: they follow the pointer, and meet what is there."""
+"""Dragged objects of a playground: they follow the pointer, and collide."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def test_a_dragged_ball_follows_the_pointer_and_stays_with_it():
     session.post(do.Pull("me", tuple(np.add(goal, [0.0, 0.0, 0.11]))))
     at = ball(run(session, 30))
     assert np.linalg.norm(at[-1] - goal) < 0.005
-    # Critically damped: hardly beyond, and there within half a second.
+    # Critically damped: hardly any overshoot, and settled within half a second.
     way = (at - start) @ (goal - start) / np.linalg.norm(goal - start) ** 2
     assert way.max() < 1.03
     assert way[14] > 0.97
@@ -57,7 +57,7 @@ def test_let_go_it_keeps_its_velocity():
     session.post(do.LetGo(1))
     session.obey()
     before = session.simulator.velocity("ball")[0]
-    assert np.allclose(before[:2], [0.0, 3.0], atol=0.4)  # as fast as the pointer was
+    assert np.allclose(before[:2], [0.0, 3.0], atol=0.4)  # at the pointer's speed
     session.advance()
     after = session.simulator.velocity("ball")[0]
     assert np.allclose(after - before, [0.0, 0.0, -9.81 / 30.0], atol=1e-6)
@@ -83,7 +83,7 @@ def test_two_pointers_and_a_restart_while_dragging():
     session.obey()
     assert set(session.drags) == {"one", "two"}
     session.post(do.Restart())
-    session.post(do.Pull("one", (9.0, 9.0, 9.0)))  # late: the pointer does not know yet
+    session.post(do.Pull("one", (9.0, 9.0, 9.0)))  # late: the page does not know yet
     session.post(do.LetGo("two"))
     frames = run(session, 10)
     assert not session.drags

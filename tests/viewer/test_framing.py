@@ -1,4 +1,4 @@
-"""The camera has the story in the part of the window that the panel leaves free, and fills it."""
+"""The camera shows the action in the part of the window beside the panel, and fills it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from halfphysics.viewer.framing import framed, free_part
 
 
 def pixels(points, position, target, size):
-    """Where a camera that stands upright draws points, from the upper left corner."""
+    """Pixels of points in an upright camera, from the upper left corner."""
     ahead = (target - position) / np.linalg.norm(target - position)
     right = np.cross(ahead, (0.0, 0.0, 1.0))
     right /= np.linalg.norm(right)

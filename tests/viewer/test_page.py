@@ -1,4 +1,4 @@
-"""The one-file page: self-contained, whole, made without leaving anything behind."""
+"""The one-file page: self-contained, complete, made without leaving files behind."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def page(tmp_path_factory):
 
 
 def recording(path) -> dict:
-    """What the page plays: times and messages, as the viewer decodes them."""
+    """The content of the page: times and messages, as the viewer decodes them."""
     import msgspec
     import zstandard
 
@@ -49,7 +49,7 @@ def test_the_page_needs_nothing_from_outside(page):
     assert text.lstrip().lower().startswith("<!doctype html>")
     assert text.rstrip().endswith("</html>")
     assert "<title>a &lt;walk&gt;</title>" in text
-    # Nothing is fetched: what is linked is inlined, and there is no import of another file.
+    # Nothing is fetched: links are inlined, and no other file is imported.
     assert re.findall(r"""(?:src|href)\s*=\s*["'](?!data:)[^"']*""", text) == []
     assert "@import" not in text
     # The only address is the name of a format, inside the icon.
@@ -102,7 +102,7 @@ def test_saving_says_nothing_and_leaves_nothing_running(tmp_path, capfd, monkeyp
             busy.bind(("127.0.0.1", 8080))
             busy.listen()
         except OSError:
-            pass  # taken already: just as good
+            pass  # taken already: equally good
         save_page(small_result(), tmp_path / "a.html")
     assert capfd.readouterr() == ("", "")
     assert [p.name for p in tmp_path.iterdir()] == ["a.html"]

@@ -33,7 +33,7 @@ def page(request, story, tmp_path_factory):
         one.page.set_default_timeout(120_000)  # a browser that draws in software is slow
         one.open(story)
         one.page.wait_for_selector(TIME)
-        # Says that it draws in software, which only a test does.
+        # A message that it draws in software, only in tests.
         notice = one.page.locator("[role=alert] button")
         if notice.count():
             notice.first.click()
@@ -41,17 +41,17 @@ def page(request, story, tmp_path_factory):
         one.kept = artefacts(folder)
         yield one
         assert one.errors == []
-        # Nothing but itself was asked for.
+        # Only the page itself was requested.
         outside = [r for r in one.requests if not r.startswith(("file:", "data:", "blob:"))]
         assert outside == []
         assert {r.split("?")[0] for r in one.requests if r.startswith("file:")} == {story.as_uri()}
 
 
 def at(page, time, shows=lambda picture: True):
-    """Go to a time [s] and wait until the scene shows what it should; the page pauses."""
+    """Go to a time [s] and wait until the scene shows that time; the page pauses."""
 
     def there():
-        # Again where it was lost: a page that is still loading begins to play when it is done.
+        # Repeat a lost command: a page that is still loading starts to play when it is done.
         page.page.fill(TIME, f"{time:.1f}")
         return shows(scene(page))
 
@@ -64,19 +64,19 @@ def scene(page):
 
 
 def blue(picture):
-    """How much of it is the ghost."""
+    """The number of ghost pixels."""
     red, green, blue = np.moveaxis(picture, -1, 0)
     return int(((blue - red > 30) & (green > red)).sum())
 
 
 def skin(picture):
-    """How much of it is the body."""
+    """The number of body pixels."""
     red, _, blue = np.moveaxis(picture, -1, 0)
     return int(((red - blue > 12) & (red - blue < 90)).sum())
 
 
 def together(picture):
-    """Body and ghost are one: the body hides the ghost."""
+    """Body and ghost coincide: the body hides the ghost."""
     return skin(picture) > 100 and blue(picture) < 300
 
 

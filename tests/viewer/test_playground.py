@@ -50,11 +50,11 @@ def playground():
 
 
 def moved(handle, value):
-    """What viser does when a hand in a browser moves a control."""
+    """Act as viser does when a user moves a control."""
     try:
         handle.value = value
     except RuntimeError as error:
-        # viser does not listen to a hand on a control that has just gone.
+        # viser ignores a user's input to a control that was just removed.
         if "removed" not in str(error):
             raise
         return
@@ -66,7 +66,7 @@ def moved(handle, value):
 def settled(playground, command):
     """Post a command and wait until the playground's thread has done it."""
     playground.post(command)
-    for _ in range(2):  # commands may be on their way when the first task is done, not the second
+    for _ in range(2):  # commands may be on their way after the first task, not after the second
         done = threading.Event()
         playground.do(done.set)
         assert done.wait(60.0)
@@ -84,7 +84,7 @@ class Clock:
 
 
 def paced(cost, *, period=0.1, frames=100):
-    """Frames that take `cost` [s] each; how long all took and what is said of it."""
+    """Frames that take `cost` [s] each; total time and the message about it."""
     clock = Clock()
     pace = Pace(clock)
     for _ in range(frames):
@@ -107,7 +107,7 @@ def test_a_machine_too_slow_plays_in_slow_motion_and_catches_nothing_up():
     clock = Clock()
     pace = Pace(clock)
     pace.made(0.1)
-    clock.time += 5.0  # something else took long
+    clock.time += 5.0  # other work took long
     hurried = 0
     while pace.wait() == 0.0:
         pace.made(0.1)
@@ -160,7 +160,7 @@ def test_what_a_hand_does_reaches_the_simulator(playground):
     settled(playground, do.Change("speed", 1.0))
     assert session.knobs == Knobs()
     settled(playground, do.Change("loop", True))
-    # The panel says it too, once the hands are off.
+    # The panel shows it too, once the user lets go.
     until(
         lambda: (
             (panel.items.mass.value, panel.person.substeps.value, panel.player.speed.value)

@@ -50,18 +50,18 @@ def page(request, playground, tmp_path_factory):
         one.kept = artefacts(folder)
         one.open(playground.url)
         one.page.wait_for_selector(BUTTON, timeout=60_000)
-        # Says that it draws in software, which only a test does.
+        # A message that it draws in software, only in tests.
         one.page.wait_for_timeout(1000)
         if one.page.locator("[role=alert] button").count():
             one.page.locator("[role=alert] button").first.click()
         one.until(lambda: len(ball(scene(one))) > 3)
         yield one
-        # The browser's word on a wheel over viser's own dropdowns, not ours.
+        # The browser's message about a wheel over viser's own dropdowns, not ours.
         assert [e for e in one.errors if "passive event listener" not in e] == []
 
 
 def stand(playground):
-    """At the start, as the scenario has it, standing still."""
+    """At the start, as in the scenario, paused."""
     for command in (do.Untouched(), do.Change("frozen", False), do.Play(False), do.Restart()):
         playground.post(command)
 
@@ -86,7 +86,7 @@ def number(page, label):
 
 
 def once(page):
-    """What the shape of the window does not change is looked at once."""
+    """Features that do not depend on the window's shape are tested once."""
     if page.name == "phone":
         pytest.skip("seen at a desk")
 

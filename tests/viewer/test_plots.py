@@ -1,4 +1,4 @@
-"""Plots and numbers of the viewer: what is drawn and said is what the result holds."""
+"""Plots and numbers of the viewer: they agree with the result."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_clearance_is_in_millimetres_and_missing_where_unknown():
 def test_force_adds_up_what_acts_on_people():
     (line,) = force([RESULT], ["a"])
     expected = np.full(FRAMES, 20.0 * FPS)
-    expected[[6, 7, 10]] += np.array([3.0, 2.0, 1.0]) * FPS  # 12: on the ball alone
+    expected[[6, 7, 10]] += np.array([3.0, 2.0, 1.0]) * FPS  # frame 12: contact of the ball only
     np.testing.assert_allclose(line.value, expected)
 
 

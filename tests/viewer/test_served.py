@@ -1,4 +1,4 @@
-"""One thread makes frames, and does in between what is asked of it."""
+"""One thread makes frames, and runs requested tasks in between."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from halfphysics.viewer.served import Served
 
 
 class Counting(Served):
-    """Shows nothing, and counts how often it looked."""
+    """A stub that shows nothing, and counts its updates."""
 
     _what = "counting"
     _height = 100

@@ -73,7 +73,7 @@ def test_a_heavier_ball_is_the_scenario_built_with_that_mass():
     session.post(do.Turn("frictions", 0.2, "ball"))
     result = simulated(Choice("kick_ball", OWN, {"mass": 5.0, "friction": 0.2}))
     at = ball(run(session, len(result) - 1))
-    # The inertia is scaled instead of worked out: the same but for rounding.
+    # The inertia is scaled instead of recomputed: the same but for rounding.
     np.testing.assert_allclose(at, result.objects["ball"].position[1:], atol=1e-6)
 
 
@@ -104,7 +104,7 @@ def test_a_knob_turned_on_the_way_goes_on_from_there_and_changes_what_comes(knob
     first, same = session.advance(), plain.advance()
     assert not session.trouble
     assert session.index == plain.index == 51
-    # One frame on, nobody is far from where they were: it went on, it did not start again.
+    # One frame later every body is near its last pose: the run went on, it did not restart.
     assert np.abs(first.pose.translation - same.pose.translation).max() < 0.05
     after, others = run(session, 30), run(plain, 30)
     apart = [
@@ -200,7 +200,7 @@ def test_another_scenario_keeps_the_person_and_forgets_the_things():
     assert session.knobs == Knobs(stiffness=0.5)
     assert session.simulator.settings.stiffness == 0.5
     assert session.story == 1
-    # Said by a page that has not seen the change yet.
+    # A command of a page that has not seen the change yet.
     session.post(do.Turn("masses", 3.0, "suitcase"))
     start = (0.0, 0.0, 0.0)
     session.post(do.Grab(1, "suitcase", start, start))

@@ -1,4 +1,4 @@
-"""What cannot be done in a playground is said and changes nothing, whoever asks."""
+"""Impossible commands to a playground are reported and change nothing, from any page."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def test_commands_at_random_from_many_threads():
         for thread in meddlers:
             thread.join()
     session.obey()
-    # After all of that it is the same simulation as ever.
+    # After all of that the simulation is unchanged.
     for command in (do.Choose(KICK), do.Untouched(), do.Change("frozen", False), do.Play()):
         session.post(command)
     session.post(do.Restart())

@@ -1,4 +1,4 @@
-"""A result in a viser scene: what is where, and what can be hidden and moved."""
+"""A result in a viser scene: its nodes, their places, and which can be hidden and moved."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def stage(server):
 
 
 def bones(server, name):
-    """Positions of the bones of a mesh, as a browser that comes now gets them."""
+    """Positions of the bones of a mesh, as a newly connected browser gets them."""
     buffer = server._websock_server.get_message_buffer()
     import msgspec
 
@@ -133,7 +133,7 @@ def test_things_left_out_and_glass(server):
 
 
 def test_joints_that_stay_need_no_bone_and_the_skin_is_the_same(server):
-    """Still fingers: skinned with fewer bones, every vertex is where all 55 put it."""
+    """Still fingers: skinned with fewer bones, every vertex is where all 55 bones put it."""
     person = small_result().people[0]
     _, quaternions = person.body.joint_frames(person.motion)
     joints = moving_joints(quaternions)

@@ -1,4 +1,4 @@
-"""The viewer's clock: no drift, one time for all, and what the buttons do."""
+"""The viewer's clock: no drift, one time for all, and its buttons."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_time_stands_until_played():
 def test_playing_does_not_drift():
     line, clock = timeline((1_000_001, 30.0), loop=False)
     line.play()
-    for _ in range(20_000):  # asked at odd moments, which must not add up
+    for _ in range(20_000):  # read at odd moments, whose errors must not accumulate
         clock.now += 1.0 / 29.97
         line.frames(), line.until_next()
     assert line.time == pytest.approx(20_000 / 29.97, abs=1e-6)
@@ -65,7 +65,7 @@ def test_speed(speed):
     line.play()
     clock.now += 0.6
     assert line.time == pytest.approx(0.6 * speed)
-    line.speed = 1.0  # does not jump
+    line.speed = 1.0  # no jump
     assert line.time == pytest.approx(0.6 * speed)
     clock.now += 0.3
     assert line.time == pytest.approx(0.6 * speed + 0.3)

@@ -119,12 +119,12 @@ def test_without_blocking_it_is_a_context_that_cleans_up(capfd):
         assert f'src="{viewer.url}"' in viewer._repr_html_()
         assert viewer.url in repr(viewer)
         assert viewer.timeline.playing
-    viewer.stop()  # again, which does no harm
+    viewer.stop()  # again, without effect
     assert "stopped" in repr(viewer)
     assert "iframe" not in viewer._repr_html_()
     out, err = capfd.readouterr()
     assert out.startswith("showing the result at http://127.0.0.1:")
-    assert "in use" not in out  # port 0 asks for any
+    assert "in use" not in out  # port 0 takes any free port
     assert err == ""
     end = time.monotonic() + 10.0
     while time.monotonic() < end:
@@ -205,7 +205,7 @@ def test_results_stand_side_by_side_and_all_are_in_the_picture():
     drawings = [Drawing(small_result()) for _ in range(3)]
     row = arrange(drawings, (1280, 720))
     assert (row.offsets[0] == 0.0).all()
-    # Nobody is within another's reach, at any frame.
+    # No person is within another's reach, at any frame.
     tracks = [
         person.body.joints(motion)[:, 0] + offset
         for offset in row.offsets
@@ -216,7 +216,7 @@ def test_results_stand_side_by_side_and_all_are_in_the_picture():
         for b in range(a + 2, 6, 2):
             gaps = np.linalg.norm(tracks[a][:, None] - tracks[b][None], axis=-1)
             assert gaps.min() > 1.0
-    # From left to right, and in the picture of a desk and of a phone.
+    # From left to right, and in the picture of a desktop and of a phone.
     for size in ((1280, 720), (390, 600)):
         camera = row.camera(size)
         forward = camera.target - camera.position

@@ -1,4 +1,4 @@
-"""The viewer in a real browser: it loads, draws, plays, scrubs, and fits a desk and a phone."""
+"""The viewer in a real browser: it loads, draws, plays, scrubs, and fits a desktop and a phone."""
 
 from __future__ import annotations
 
@@ -36,19 +36,19 @@ def page(request, viewer, tmp_path_factory):
     with tab(folder, SIZES[request.param]) as one:
         one.open(viewer.url)
         one.page.wait_for_selector(BUTTON, timeout=60_000)
-        # Says that it draws in software, which only a test does.
+        # A message that it draws in software, only in tests.
         notice = one.page.locator("[role=alert] button")
         if notice.count():
             notice.first.click()
         one.name, one.kept = request.param, artefacts(folder)
         one.until(lambda: ghost(scene(one)) > 200)
         yield one
-        # Whatever went on, the console had no error.
+        # In all of this the console had no error.
         assert one.errors == []
 
 
 def ghost(picture):
-    """How much of the picture is the blue of a ghost."""
+    """The number of pixels in a ghost's blue."""
     red, green, blue = np.moveaxis(picture, -1, 0)
     return ((blue - red > 30) & (green > red) & (blue < 250) & (blue - red < 140)).sum()
 
@@ -78,7 +78,7 @@ def panel(page):
 
 
 def moved(a, b):
-    """How many pixels differ clearly."""
+    """The number of pixels that differ clearly."""
     return int((np.abs(a - b).max(axis=-1) > 25).sum())
 
 

@@ -1,4 +1,4 @@
-"""glTF files say what the take says: vertices of people and things, by a reader of its own."""
+"""glTF files agree with the take: vertices of people and objects, by an independent reader."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def five(frames):
 
 
 def assert_shows(path, take, tolerance=TOLERANCE):
-    """Every vertex of every person and thing is in the file where the take has it."""
+    """Every vertex of every person and object is in the file where the take has it."""
     file = Gltf(path)
     file.check()
     np.testing.assert_allclose(file.times, np.arange(take.frames) / take.fps, rtol=1e-6)
@@ -82,7 +82,7 @@ def test_several_people_and_things(tmp_path):
     result = make_result(Body.default(), people=3, frames=7, axes="y")
     hp.export(result, tmp_path / "result.glb")
     file = assert_shows(tmp_path / "result.glb", take_of(result))
-    # The body of all three is there once.
+    # The body of all three is stored once.
     first, *others = (m["primitives"][0] for m in file.json["meshes"][:3])
     for other in others:
         assert other["attributes"] == first["attributes"]
@@ -141,7 +141,7 @@ def test_links_that_nothing_was_recorded_of_stand_where_they_start(tmp_path):
 
 
 def test_a_plane_is_drawn_where_the_story_is(tmp_path):
-    """20 m of it around the person, however far off; tilted ones stay in their plane."""
+    """20 m of the plane around the person, at any distance; tilted ones stay in their plane."""
     scene = hp.Scene()
     scene.add_static("floor", hp.Plane(offset=0.5))
     turn = [np.cos(0.2), np.sin(0.2), 0.0, 0.0]
@@ -189,10 +189,10 @@ def test_pose_blend_shapes_are_morph_targets(tmp_path):
     hp.export(motion, tmp_path / "shapes.glb", body=body)
     file = assert_shows(tmp_path / "shapes.glb", take_of(motion, body), 1e-5)
     targets = file.json["meshes"][0]["primitives"][0]["targets"]
-    assert 5 < len(targets) < 40  # fewer than there are frames
+    assert 5 < len(targets) < 40  # fewer than the frames
     plain = dataclasses.replace(body, posedirs=None)
     gap = body.vertices(motion, 7) - plain.vertices(motion, 7)
-    assert np.abs(gap).max() > 1e-2  # it matters
+    assert np.abs(gap).max() > 1e-2  # the difference is large
 
 
 def test_a_person_who_holds_still(tmp_path):
@@ -216,7 +216,7 @@ def test_another_frame_rate(tmp_path):
 
 
 def test_ten_seconds_of_a_person_are_small(tmp_path):
-    """Skin 0.77 MB, and 16 bytes for every joint and frame; hands at rest cost nothing."""
+    """Skin 0.77 MB, and 16 bytes for every joint and frame; resting hands add no bytes."""
     hp.export(violent(300), tmp_path / "all.glb")
     assert (tmp_path / "all.glb").stat().st_size < 1_100_000
     motion = violent(300)
@@ -247,7 +247,7 @@ def test_trimesh_opens_it(tmp_path):
     skin = scene.geometry["person0_skin"]
     assert np.abs(skin.vertices - body.rest_vertices).max() < 1e-6
     np.testing.assert_array_equal(skin.faces, body.faces)
-    matrix, _ = scene.graph.get("ball")  # a thing stands where it is at first
+    matrix, _ = scene.graph.get("ball")  # an object is at its start
     np.testing.assert_allclose(matrix[:3, 3], y_up(result.objects["ball"].position[0]), atol=1e-6)
 
 

@@ -1,6 +1,6 @@
-"""Other people's programs open the files: three.js in a browser, the Khronos validator.
+"""Independent programs open the files: three.js in a browser, the Khronos validator.
 
-They are there where `NODE_PATH` names a `node_modules` with `three` or `gltf-validator` in it
+They are found where `NODE_PATH` names a `node_modules` with `three` or `gltf-validator` in it
 (`npm install three gltf-validator`), and chromium or node are installed.
 """
 
@@ -38,7 +38,7 @@ def module(name):
 
 
 def walk(like):
-    """A person who bends every joint in front of a camera."""
+    """A person with every joint bent in front of a camera."""
     motion = violent(len(like))
     rotations = 0.4 * motion.rotations
     turn = rot.exp(np.linspace([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], len(like)))
@@ -47,7 +47,7 @@ def walk(like):
 
 
 def in_browser(glb, folder):
-    """What the page found in a file."""
+    """The page's findings about a file."""
     found, done = {}, threading.Event()
 
     class Handler(BaseHTTPRequestHandler):
@@ -102,9 +102,9 @@ def in_browser(glb, folder):
 )
 @pytest.mark.parametrize("posedirs", [0.0, 2e-3], ids=["skin", "morphed"])
 def test_three_js_shows_what_we_mean(tmp_path, posedirs):
-    """Every vertex of people and things at five frames, and something on the canvas."""
+    """Every vertex of people and objects at five frames, and a non-empty canvas."""
     body = Body.default()
-    if posedirs:  # on the weights of the default body, so that what is drawn is a person
+    if posedirs:  # with the default body's weights, so that a person is drawn
         body = dataclasses.replace(body, posedirs=many_handed(4, posedirs).posedirs)
     result = make_result(body, frames=9, people=2)
     seen, random = result.people  # the page's camera looks at the last

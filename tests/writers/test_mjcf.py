@@ -31,7 +31,7 @@ def at_key(model, data, k):
 
 
 def far(data, body, position, quaternion) -> float:
-    """How far MuJoCo has a body from a pose: the larger of [m] and of its matrix."""
+    """Difference of MuJoCo's body from a pose: the larger of [m] and of its matrix."""
     matrix = data.xmat[body].reshape(3, 3)
     turn = np.abs(matrix - rot.to_matrix(rot.normalize(quaternion))).max()
     return max(turn, np.abs(data.xpos[body] - position).max())
@@ -98,7 +98,7 @@ def test_what_touches_is_what_touched(tmp_path):
         assert np.allclose(body.ipos, thing.com, atol=1e-12)
         turn = rot.to_matrix(body.iquat)
         assert np.allclose(turn @ np.diag(body.inertia) @ turn.T, thing.inertia, rtol=1e-9)
-    # Corners of the pieces are where they are in the object.
+    # Corners of the pieces are at the same places as in the object.
     at_key(model, data, 5)
     track = result.objects["pair"]
     corners = []
@@ -112,7 +112,7 @@ def test_what_touches_is_what_touched(tmp_path):
     near = np.linalg.norm(found[:, None] - asked[None], axis=2)
     assert near.min(axis=0).max() < SAME
     assert near.min(axis=1).max() < SAME
-    # What was ignored is excluded, and the plane is where it was.
+    # Ignored pairs are excluded, and the plane keeps its place.
     pairs = {(int(s) >> 16, int(s) & 0xFFFF) for s in model.exclude_signature}
     post, head = model.body("post").id, model.body("person/head").id
     for joint in JOINT_NAMES:
@@ -169,7 +169,7 @@ def test_motions_and_sequences(tmp_path):
     at_key(model, data, 4)
     for name, track in tracks.items():
         assert far(data, model.body(name).id, track.position[4], track.quaternion[4]) < SAME
-    # One of which nothing is known stands as it starts.
+    # An object without a recording keeps its start pose.
     hp.export(Sequence(motion, scene), tmp_path / "c.xml")
     model, data = opened(tmp_path / "c.xml")
     at_key(model, data, 4)

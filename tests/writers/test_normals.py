@@ -1,4 +1,4 @@
-"""Normals of meshes that files of scenes hold."""
+"""Normals of meshes in scene files."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_a_cylinder_is_smooth_around_and_sharp_at_its_rims():
 
 @pytest.mark.parametrize("degrees", [0.0, 180.0])
 def test_the_extremes(degrees):
-    """Nothing smooth: every corner for itself; everything smooth: the mesh as it was."""
+    """No smooth edge: separate corners; all edges smooth: the mesh unchanged."""
     mesh = Box((1.0, 1.0, 1.0)).triangles()
     vertices, faces, _ = creased(*mesh, degrees)
     assert len(vertices) == (36 if degrees == 0.0 else 8)
@@ -61,7 +61,7 @@ def test_slivers_and_lonely_vertices_have_a_normal():
 
 
 def test_a_fan_of_many_faces():
-    """One vertex of 20,000 faces: no memory that grows with the square."""
+    """One vertex of 20,000 faces: memory does not grow with the square."""
     angle = np.linspace(0.0, 2 * np.pi, 20_000, endpoint=False)
     rim = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
     vertices = np.concatenate([[[0.0, 0.0, 1.0]], rim])

@@ -61,7 +61,7 @@ class Opened:
         return self._placed(points, binding.GetSkeleton().GetPrim(), k)
 
     def thing(self, name: str, k: float) -> np.ndarray:
-        """World positions of a thing's mesh at a time code."""
+        """World positions of an object's mesh at a time code."""
         mesh = self._geom.Mesh(self.stage.GetPrimAtPath(f"/World/{name}/Mesh"))
         return self._placed(mesh.GetPointsAttr().Get(), mesh.GetPrim(), k)
 
@@ -75,7 +75,7 @@ class Opened:
 
 
 def apart(a: np.ndarray, b: np.ndarray) -> float:
-    """How far points of either set are from the nearest of the other [m]."""
+    """Distance of points of either set from the nearest of the other [m]."""
     distance = np.linalg.norm(a[:, None] - b[None], axis=2)
     return max(distance.min(axis=0).max(), distance.min(axis=1).max())
 

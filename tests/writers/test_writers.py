@@ -1,4 +1,4 @@
-"""What all that write files have in common: the same bytes, all or none, plain files."""
+"""Common to all file writers: the same bytes, atomic writes, plain files."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_the_same_bytes_at_any_time(tmp_path, motion, monkeypatch, name, suffix)
     (tmp_path / "now").mkdir()
     write(motion, tmp_path / "now" / f"o{suffix}", name)
     if suffix == ".usdz":
-        time.sleep(2.1)  # its clock is not ours; zip's goes in steps of two seconds
+        time.sleep(2.1)  # its clock differs from ours; zip's goes in steps of two seconds
     monkeypatch.setattr(time, "time", lambda: 1e9)
     write(motion, tmp_path / "then" / f"o{suffix}", name)
     once, again = ((tmp_path / when / f"o{suffix}").read_bytes() for when in ("then", "now"))
@@ -59,7 +59,7 @@ def test_what_goes_wrong_leaves_what_was_there(tmp_path, motion, monkeypatch, na
     def full(*args):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "replace", full)  # after all has been written
+    monkeypatch.setattr(os, "replace", full)  # after all data has been written
     with pytest.raises(FileError, match=f"o\\{suffix}: cannot write: No space left on device"):
         write(motion, path, name)
     assert [file.name for file in tmp_path.iterdir()] == [path.name]

@@ -40,13 +40,13 @@ _PATIENCE = 2.0  # time for an idle worker to end [s]
 
 @dataclass(frozen=True)
 class Death:
-    """Instead of an answer: the process that worked on the item has ended."""
+    """Replaces the answer: the process that worked on the item has ended."""
 
     cause: str = DIED
 
 
 class StartError(HalfPhysicsError):
-    """Processes end before they begin to work."""
+    """Worker processes end before they begin to work."""
 
 
 class _Worker:
@@ -97,7 +97,7 @@ class Pool(Generic[Item, Answer]):
         self.close()
 
     def submit(self, item: Item, *, alone: bool = False) -> None:
-        """Hand over an item; `alone`: to a process of its own."""
+        """Hand over an item; `alone`: run it in a process of its own."""
         self._queue.append((item, alone))
         self._dispatch()
 
@@ -258,7 +258,7 @@ def _end_with(sentinel: int) -> None:
 
 @contextlib.contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Processes started in the block use one thread for linear algebra, unless the user says."""
+    """Processes started in the block use one thread for linear algebra, unless the user sets it."""
     missing = [name for name in THREADS if name not in os.environ]
     os.environ.update(dict.fromkeys(missing, "1"))
     try:
@@ -270,7 +270,7 @@ def _one_thread_each() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _held_back() -> Iterator[None]:
-    """Block Ctrl-C: here for the block, in a process that starts in it for good."""
+    """Block Ctrl-C in this process during the block, and permanently in processes started in it."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return

@@ -1,7 +1,7 @@
-"""Speed measured beside a peer, in one run: what `halfphysics bench` prints.
+"""Speed measured beside a peer in one run, for `halfphysics bench`.
 
 A case is a function ``(Options) -> Iterator[Record]`` of a module here and one line below. Rates
-depend on the machine and on what else it does; the ratio to a peer timed in turns hardly does.
+depend on the machine and its load; the ratio to a peer timed in turns hardly does.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from halfphysics.errors import InputError
 
 __all__ = ["CASES", "Options", "Record", "run"]
 
-#: Case -> (module of this package, function, what is measured in one line).
+#: Case -> (module of this package, function, description in one line).
 CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
     {
         "free": (
@@ -123,10 +123,10 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
 
 
 def run(name: str, options: Options) -> Iterator[Record]:
-    """The records of one case, as they are measured.
+    """The records of one case, each returned when it is measured.
 
     Raises:
-        InputError: An unknown case.
+        InputError: The case is unknown.
     """
     if name not in CASES:
         raise InputError(f"bench: unknown case {name!r}, expected one of {', '.join(CASES)}")

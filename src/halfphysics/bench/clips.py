@@ -1,4 +1,4 @@
-"""What the cases play."""
+"""Motions, body and drives of the cases."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ def story() -> Sequence:
 
 
 def body() -> Body:
-    """The body that is simulated, its parts made."""
+    """The simulated body, with its parts built."""
     person = story().bodies[0] or Body.default()
     person.variant  # noqa: B018  made once, outside the clock
     return person
 
 
 def clips(options: Options) -> Iterator[tuple[str, Motion]]:
-    """The walk of the demo's story, and the motion given."""
+    """The walk of the demo's story, and the motion of the options."""
     yield "walk", options.short(story().motions[0])
     if options.motion is not None:
         yield options.motion_name, options.short(options.motion)
@@ -48,7 +48,7 @@ def drives(substeps: int, *stiffness: float) -> Iterator[tuple[str, Settings]]:
 
 
 def straight(speed: float, seconds: float, start: float, fps: float = 30.0) -> Motion:
-    """A T-pose that glides along x, which it faces, from x = `start` [m]."""
+    """A T-pose that faces +x and glides along x from x = `start` [m]."""
     frames = round(seconds * fps) + 1
     turn = rot.multiply(rot.exp([0.0, 0.0, 0.5 * np.pi]), rot.exp([0.5 * np.pi, 0.0, 0.0]))
     rotations = np.zeros((frames, 55, 3))

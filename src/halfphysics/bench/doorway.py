@@ -15,7 +15,7 @@ from halfphysics.simulation.simulator import Simulator
 
 
 def doorway(options: Options) -> Iterator[Record]:
-    """With and without what `simulate` does before the first frame."""
+    """The story with and without the set-up of `simulate` before the first frame."""
     person, told = body(), story()
     motion = options.short(told.motions[0])
     settings = told.settings

@@ -1,4 +1,4 @@
-"""Nothing in the way: how fast a motion is followed, and how exactly."""
+"""Free motion without obstacles: the speed and accuracy of following a motion."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from halfphysics.simulation.simulator import Simulator
 
 Array = NDArray[np.float64]
 
-#: A side of a comparison: plays a clip and returns the motion that came of it.
+#: A side of a comparison: plays a clip and returns the simulated motion.
 Side = Callable[[], Motion]
 
 
 def free(options: Options) -> Iterator[Record]:
-    """Motion in, motion out."""
+    """Whole motions: motion in, motion out."""
 
     def ours(simulator: Simulator, motion: Motion) -> Side:
         play = followed(simulator, motion)
@@ -36,7 +36,7 @@ def free(options: Options) -> Iterator[Record]:
 
 
 def live(options: Options) -> Iterator[Record]:
-    """Pose in, pose out, frame by frame."""
+    """Single poses: pose in, pose out, frame by frame."""
 
     def ours(simulator: Simulator, motion: Motion) -> Side:
         poses = [motion[t] for t in range(len(motion))]
@@ -86,7 +86,7 @@ def stepper(options: Options) -> Iterator[Record]:
 
 
 def core_loop(simulator: Simulator, motion: Motion) -> Callable[[], Array]:
-    """The core's loop over a motion, targets ready; returns the last coordinates (nq,)."""
+    """The core's loop over precomputed targets of a motion; returns the last coordinates (nq,)."""
     core = simulator.world.stepper
     targets = simulator.world.motion_coordinates([motion])
     start = simulator.world.start([motion[0]])

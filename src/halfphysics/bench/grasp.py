@@ -18,18 +18,18 @@ from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.results.result import Result
 from halfphysics.scene.scene import Scene
 
-#: The box [kg], its depth and height [m]; it is as wide as the open hands allow.
+#: Mass of the box [kg], its depth and height [m]; its width follows from the open hands.
 MASS, _DEPTH, _HEIGHT = 3.0, 0.25, 0.3
-#: Between each open hand and the box [m]; how far the shoulders close beyond open [rad].
+#: Gap between each open hand and the box [m]; angle by which the shoulders close [rad].
 _OPEN, _SQUEEZE = 0.012, np.radians(12.0)
-#: Of the arms, open [rad]: upper arms below horizontal and ahead, forearms turned in.
+#: Angles of the open arms [rad]: upper arms below horizontal and spread, forearms turned in.
 _BELOW, _SPREAD, _FOLD = 0.5, 0.9, 0.8
-#: How far the middle of the box is before the middle of the hands [m].
+#: Distance of the box centre in front of the centre of the hands [m].
 _AHEAD = 0.05
-#: When the hands have closed [s], when the lift begins and ends, how high it goes [m].
+#: Time at which the hands have closed, start and end of the lift [s]; height of the lift [m].
 _CLOSED, _LIFT, _UP, RISE = 0.5, 0.7, 1.5, 0.22
 _FPS, _SECONDS = 30.0, 2.5
-#: What a hand is: its wrist's part and its fingers.
+#: Parts of each hand: the wrist and the fingers.
 HANDS = {
     side: [
         i
@@ -43,7 +43,7 @@ HANDS = {
 
 
 def grasp(options: Options) -> Iterator[Record]:
-    """Both drives."""
+    """Records of both drives."""
     play = lifting()
     if options.quick:
         play = replace(play, motion=play.motion[:60])
@@ -60,7 +60,7 @@ def grasp(options: Options) -> Iterator[Record]:
 
 
 def held_by_both(result: Result) -> float:
-    """Share of the frames since the lift began in which both hands touch the box."""
+    """Share of the frames from the start of the lift in which both hands touch the box."""
     first = round(_LIFT * _FPS)
     contacts = result.contacts
     on_box = contacts.other == result.names.index("box")
@@ -90,7 +90,7 @@ def lifting() -> Play:
 
 
 def _motion() -> Motion:
-    """Knees bent, arms ahead, palms facing; they close, then the legs stretch."""
+    """Knees bent, arms ahead, palms facing each other; the hands close, then the legs stretch."""
     t = np.arange(round(_SECONDS * _FPS) + 1) / _FPS
     squeeze = _SQUEEZE * eased(t, 0.1, _CLOSED - 0.1)
     down = 0.03 + RISE * (1.0 - eased(t, _LIFT, _UP - _LIFT))
@@ -98,8 +98,8 @@ def _motion() -> Motion:
     motion = squat(body(), 0.4 * (down - 0.03), down, lean, 0.0 * t, _FPS)
     rotations = motion.rotations.copy()
     for side, sign in (("left", -1.0), ("right", 1.0)):
-        # Upper arms ahead, spread and below horizontal; forearms turned in until they are parallel,
-        # and half of the turn of the palms in elbow and wrist each.
+        # Upper arms ahead, spread and below horizontal; forearms turned in until they are parallel;
+        # the turn of the palms is divided equally between elbow and wrist.
         shoulder = rot.multiply(rot.exp([_BELOW, 0.0, 0.0]), _in(sign, _SPREAD + squeeze))
         elbow = rot.multiply(_in(sign, _FOLD - 0.5 * squeeze), rot.exp([np.pi / 4.0, 0.0, 0.0]))
         rotations[:, JOINT_INDEX[f"{side}_shoulder"]] = rot.log(shoulder)

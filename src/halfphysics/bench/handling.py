@@ -1,4 +1,4 @@
-"""The scenarios in which hands hold a thing: a suitcase between two palms, a glass in one hand."""
+"""Scenarios in which hands hold an object: a suitcase between two palms, a glass in one hand."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from halfphysics.scenarios.stories.lift_suitcase import UP
 
 Array = NDArray[np.float64]
 
-#: Position (T, 3) and quaternion (T, 4) of what holds a thing.
+#: Position (T, 3) and quaternion (T, 4) of the hand or hands that hold an object.
 Holder = Callable[[Motion], tuple[Array, Array]]
 
-#: What the glass goes through while it is held.
+#: Stages of the motion in which the hand holds the glass.
 STAGES = ("lift", "shake", "walk", "turn")
-#: When the glass has been lifted [s], and how much of either scenario a quick run takes [frames].
+#: Time at which the glass is lifted [s]; frames of each scenario in a quick run.
 _UP, _QUICK_LIFT, _QUICK_GLASS = 3.2, slice(0, 75), slice(39, 100)
 
 
 def lift(options: Options) -> Iterator[Record]:
-    """5 kg between two flat palms, both drives."""
+    """A suitcase of 5 kg between two flat palms, both drives."""
     yield from _handled("lift", "5 kg", "lift_suitcase", {}, _between, UP, _QUICK_LIFT, options)
 
 
 def glass(options: Options) -> Iterator[Record]:
-    """0.3 kg in one hand, both drives."""
+    """A glass of 0.3 kg in one hand, both drives."""
     chosen = {"stages": STAGES}
     yield from _handled(
         "glass", "0.3 kg", "grasp_glass", chosen, _in_hand, _UP, _QUICK_GLASS, options
@@ -70,13 +70,13 @@ def _handled(
 
 
 def slip(position: Array, quaternion: Array, track: ObjectTrack, first: int) -> float:
-    """Farthest that a thing gets from where what holds it had it in frame `first` [mm]."""
+    """Largest displacement of an object relative to its holder since frame `first` [mm]."""
     held = rot.rotate(rot.conjugate(quaternion), track.position - position)[first:]
     return 1000.0 * float(np.linalg.norm(held - held[0], axis=1).max())
 
 
 def _between(motion: Motion) -> tuple[Array, Array]:
-    """The middle of both wrists; the walk goes straight."""
+    """The midpoint of both wrists; the walk is straight, so its frame does not turn."""
     positions, _ = body().joint_frames(motion)
     wrists = [JOINT_INDEX["left_wrist"], JOINT_INDEX["right_wrist"]]
     return positions[:, wrists].mean(axis=1), np.tile([1.0, 0.0, 0.0, 0.0], (len(motion), 1))

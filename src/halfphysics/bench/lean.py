@@ -1,4 +1,4 @@
-"""Leaning on a wall and into a shelf of a furnished room, by its mesh."""
+"""Leaning on a wall and reaching into a shelf of a furnished room, given as one mesh."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.scene.scene import Scene
 
-#: How far the arm is from the wall before, and how far past it the shoulder tips [m].
+#: Initial distance of the arm from the wall, and depth of the shoulder's target behind it [m].
 _BEFORE, _PAST = 0.05, 0.15
-#: How far the hand reaches into the shelf [m], and at what height between two boards.
+#: Depth of the hand in the shelf [m]; its height is between two boards.
 _INTO = 0.3
 _FPS, _SECONDS = 30.0, 2.0
 
 
 def lean(options: Options) -> Iterator[Record]:
-    """Both drives, both sizes of the room, wall and shelf."""
+    """Records of wall and shelf, both sizes of the room, both drives."""
     motions = {"wall": on_wall(), "shelf": into_shelf()}
     for triangles in sizes(options):
         made = room(triangles)
@@ -43,7 +43,7 @@ def lean(options: Options) -> Iterator[Record]:
 
 
 def on_wall() -> Motion:
-    """Stands beside the wall on the left, tips over to it and rocks with shoulder and arm on it."""
+    """A person beside the wall on the left tips to it and rocks with shoulder and arm on it."""
     t = np.arange(round(_SECONDS * _FPS) + 1) / _FPS
     tip, rock = eased(t, 0.1, 0.6), np.sin(2.0 * np.pi * 0.9 * t) * eased(t, 0.6, 0.4)
     motion = _standing(t)
@@ -60,7 +60,7 @@ def on_wall() -> Motion:
 
 
 def into_shelf() -> Motion:
-    """Stands with the shelf at the right hand and rummages in it."""
+    """A person with the shelf at the right hand moves the hand about in it."""
     t = np.arange(round(_SECONDS * _FPS) + 1) / _FPS
     go, stir = eased(t, 0.1, 0.6), eased(t, 0.6, 0.3)
     motion = _standing(t)
@@ -82,7 +82,7 @@ def _standing(t: np.ndarray) -> Motion:
 
 
 def _reach(motion: Motion, axis: int, sign: float = 1.0) -> float:
-    """How far the parts of the first pose reach along an axis of the world [m]."""
+    """Largest extent of the parts in the first pose along an axis of the world [m]."""
     person = body()
     positions, quaternions = person.joint_frames(motion)
     turns = rot.to_matrix(quaternions[0])
@@ -94,7 +94,7 @@ def _reach(motion: Motion, axis: int, sign: float = 1.0) -> float:
 
 
 def _tipped(motion: Motion, angle: np.ndarray) -> Motion:
-    """Turned about the x axis through the soles, which leave the floor by a little on one side."""
+    """The motion rotated about the x axis through the soles; one side leaves the floor a little."""
     turn = rot.exp(np.stack([angle, 0.0 * angle, 0.0 * angle], axis=1))
     pelvis = motion.translation + body().rest_joints[0]
     foot = pelvis * [1.0, 1.0, 0.0]

@@ -1,4 +1,4 @@
-"""What is done with a motion besides simulating it: skin and penetration."""
+"""Computations on a motion besides simulation: skinning and penetration."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene
 
 _VERTICES, _FRAMES, _QUICK_FRAMES = 10_000, 100, 4
-#: Of the rows with 100,000 triangles: frames, threads, and timed runs at most.
+#: For the rows with 100,000 triangles: frames, threads, and the largest number of timed runs.
 _LONG, _THREADS, _REPEATS = 1000, 2, 2
 
 
 def penetration(options: Options) -> Iterator[Record]:
-    """Walks past and through meshes of 10,000 and 100,000 triangles.
+    """Penetration of a walk past and through meshes of 10,000 and 100,000 triangles.
 
-    Through a lumpy ring, closed; about a furnished room; wholly inside a lumpy ball, whose depths
-    are the hardest to tell, closed and with a hole at its top.
+    The meshes: a closed lumpy ring; a furnished room; a lumpy ball around the person, closed and
+    with a hole at its top. Depths inside the ball are the hardest to compute.
     """
     walk = story().motions[0]
     frames = _QUICK_FRAMES if options.quick else _FRAMES
     long = _QUICK_FRAMES if options.quick else _LONG
-    # From the middle of the walk, which is where the ring stands.
+    # Frames around the middle of the walk, where the ring stands.
     middle = len(walk) // 2
     part = walk[middle - frames // 2 : middle - frames // 2 + frames]
     x, y = part.translation[frames // 2, :2]
     yield _penetration("walking through a ring", part, ring(), (x, y, 1.0), 1, options)
     large = 10_000 if options.quick else 100_000
     whole, steps = _to_and_fro(walk, long), _to_and_fro(walk[middle - 15 : middle + 15], long)
-    # A pass is long enough for a run.
+    # One pass is long enough for a timed run.
     once = dataclasses.replace(options, quick=True, repeats=min(options.repeats, _REPEATS))
     for name, motion, mesh, height in (
         ("walking about a room", whole, room(large).mesh, 0.0),
@@ -80,7 +80,7 @@ def _penetration(
 
 
 def _to_and_fro(walk: Motion, frames: int) -> Motion:
-    """The walk there and back again, about the origin, for so many frames."""
+    """The walk forwards and backwards about the origin for `frames` frames."""
     last = len(walk) - 1
     there = np.abs(np.arange(frames) % (2 * last) - last)
     path = walk.translation[there]
@@ -89,7 +89,7 @@ def _to_and_fro(walk: Motion, frames: int) -> Motion:
 
 
 def skinning(options: Options) -> Iterator[Record]:
-    """All vertices of the first 100 frames of the walk."""
+    """Skinning of all vertices for the first 100 frames of the walk."""
     person = body()
     motion = story().motions[0][: _QUICK_FRAMES if options.quick else _FRAMES]
     yield measure(
@@ -119,7 +119,7 @@ def ring(around: int = 100, across: int = 50) -> Mesh:
 
 
 def ball(triangles: int, *, opened: bool = False) -> Mesh:
-    """A lumpy ball of radius 1.6 m and about so many triangles; opened: its top is missing."""
+    """A lumpy ball of radius 1.6 m with about `triangles` triangles; `opened` removes its top."""
     rings = round(np.sqrt(triangles / 4))
     around = 2 * rings
     u = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)

@@ -29,8 +29,8 @@ class MujocoLoop:
         body: The person; the same parts, masses and inertias as ours.
         fps: Frame rate.
         substeps: MuJoCo steps per frame.
-        scene: What stands in the way and what can be pushed, or None. The parts get their geoms
-            only then: with nothing to touch they would cost time.
+        scene: Statics and objects, or None. The parts have geoms only with a scene: without
+            contact they would only cost time.
         hulls: Name of a static mesh -> points (n, 3) of its convex pieces [m], in its own frame.
     """
 
@@ -63,7 +63,7 @@ class MujocoLoop:
     def coordinates(self, translation: Array, rotations: Array, axes: Array) -> Array:
         """Model coordinates (T, nq) of SMPL-X translations (T, 3) and rotations (T, 55, 3).
 
-        Objects are where they start.
+        Objects are at their initial positions.
         """
         qpos = np.tile(self.model.qpos0, (len(translation), 1))
         qpos[:, self._root : self._root + 3] = translation + axes @ self._pelvis
@@ -71,26 +71,26 @@ class MujocoLoop:
         return qpos
 
     def run(self, motion: Motion) -> Motion:
-        """The motion that comes of following `motion`."""
+        """The simulated motion for the reference `motion`."""
         targets = self.coordinates(motion.translation, motion.rotations, motion.axes)
         return self.motion(self.play(targets), motion)
 
     def player(self, motion: Motion) -> Callable[[], Array]:
-        """`play` of a motion, targets ready."""
+        """`play` of a motion with precomputed targets."""
         targets = self.coordinates(motion.translation, motion.rotations, motion.axes)
         return lambda: self.play(targets)
 
     def motion(self, qpos: Array, like: Motion) -> Motion:
-        """Coordinates (T, nq) as a motion that is `like` another in all else."""
+        """Coordinates (T, nq) as a motion with all other values of `like`."""
         root = qpos[:, self._root : self._root + 3]
         return like.with_frames(
             root - like.axes @ self._pelvis, rot.log(np.take(qpos, self._quats, axis=1))
         )
 
     def play(self, targets: Array) -> Array:
-        """Coordinates (T, nq) that come of following targets (T, nq).
+        """Simulated coordinates (T, nq) for targets (T, nq).
 
-        What is not the person's is read in the first row only: where objects start.
+        Coordinates of objects are read from the first row only: their initial positions.
         """
         out = np.empty_like(targets)
         self._reset(targets[0])
@@ -105,7 +105,7 @@ class MujocoLoop:
         self._reset(self._target)
 
     def step(self, pose: Pose) -> tuple[Array, Array]:
-        """One frame towards a pose; the translation (3,) and rotations (55, 3) that come of it."""
+        """Simulate a frame towards a pose; returns translation (3,) and rotations (55, 3)."""
         target = self._of(pose)
         qpos = self._drive.frame(self._target, target)
         self._target = target
@@ -113,9 +113,9 @@ class MujocoLoop:
         return translation, rot.log(qpos[self._quats])
 
     def deepest(self, qpos: Array) -> float:
-        """Deepest overlap of two things over poses (T, nq) [m], 0 where nothing overlaps.
+        """Deepest overlap of two geoms over poses (T, nq) [m], 0 without overlap.
 
-        By MuJoCo's own collision of convex shapes, for poses of either side.
+        Computed by MuJoCo's collision detection of convex shapes, for poses of either side.
         """
         model, data = self.model, self._mujoco.MjData(self.model)
         worst = 0.0

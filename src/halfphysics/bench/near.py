@@ -1,4 +1,4 @@
-"""The core alone with things standing 1 m off: what it costs to know that nothing is met."""
+"""The core alone with furniture 1 m away: the cost of collision detection without contact."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from halfphysics.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: How far everything stands off what any part ever reaches [m].
+#: Distance of the furniture from the volume that the parts reach [m].
 OFF = 1.0
 _TRIANGLES = 100_000
 
 
 def near(options: Options) -> Iterator[Record]:
-    """Floor and boxes, floor and meshes; both drives at stiffness 1."""
+    """Records with floor and boxes, with floor and meshes; both drives at stiffness 1."""
     motion = options.short(story().motions[0])
     low, high = reached(motion)
     pieces = _furniture(low - OFF, high + OFF)
@@ -41,13 +41,13 @@ def near(options: Options) -> Iterator[Record]:
 
 
 def reached(motion: Motion) -> tuple[Array, Array]:
-    """Corners (3,) of the box that holds all parts in all frames [m]."""
+    """Corners (3,) of the bounding box of all parts in all frames [m]."""
     skin = body().vertices(motion)
     return skin.min(axis=(0, 1)), skin.max(axis=(0, 1))
 
 
 def _furniture(low: Array, high: Array) -> tuple[Piece, ...]:
-    """Two rows of cupboards along the path, `low` and `high` between them."""
+    """Two rows of cupboards along the path, with the box from `low` to `high` between them."""
     out = []
     for x in np.arange(low[0], high[0], 1.2):
         for y0, y1 in ((low[1] - 0.5, low[1]), (high[1], high[1] + 0.5)):

@@ -1,4 +1,4 @@
-"""A clip that presses on a scene, timed beside the peer: what the cases with contact share."""
+"""A clip with contact, timed beside the peer: common code of the cases with contact."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ Moved = tuple[Motion, Mapping[str, ObjectTrack]]
 
 @dataclass(frozen=True, kw_only=True)
 class Play:
-    """A motion, what it meets, and what that is for the peer.
+    """A motion, its scene, and the scene's meshes for the peer.
 
     Attributes:
-        motion: Of the default body.
+        motion: A motion of the default body.
         scene: Statics and objects.
         hulls: Name of a static mesh -> points of its convex pieces, for the peer.
     """
@@ -46,10 +46,10 @@ class Play:
 def pressed(
     case: str, name: str, play: Play, options: Options
 ) -> Iterator[tuple[Record, Result, Moved]]:
-    """Both drives at stiffness 1 beside the peer.
+    """Time both drives at stiffness 1 beside the peer.
 
     Yields:
-        The record, our result, and what moved in the peer's.
+        The record, our result, and the peer's motion and object tracks.
     """
     person, motion = body(), play.motion
     peer = MujocoLoop(person, motion.fps, SUBSTEPS, play.scene, play.hulls)
@@ -77,12 +77,12 @@ def pressed(
 
 
 def inside(person: Body, scene: Scene, motion: Motion, objects: Mapping[str, Any]) -> float:
-    """How deep the skin is in anything, at the ends of frames [mm]."""
+    """Largest penetration of the skin into the scene at the ends of frames [mm]."""
     return metrics.penetration(motion, person, scene, objects=objects).depth_max_mm
 
 
 def tracks(peer: MujocoLoop, motion: Motion, scene: Scene, qpos: Array) -> Moved:
-    """The peer's coordinates (T, nq) as a motion and tracks of objects, centred in their frames."""
+    """The peer's coordinates (T, nq) as a motion and tracks of objects with centred frames."""
     at = peer.model.nq - 7 * len(scene.objects)
     objects = {}
     for name in scene.objects:
@@ -94,7 +94,7 @@ def tracks(peer: MujocoLoop, motion: Motion, scene: Scene, qpos: Array) -> Moved
 
 
 def coordinates(peer: MujocoLoop, result: Result) -> Array:
-    """A result as the peer's coordinates (T, nq); objects are centred in their frames."""
+    """A result as the peer's coordinates (T, nq); objects have centred frames."""
     motion = result.motion
     qpos = peer.coordinates(motion.translation, motion.rotations, motion.axes)
     at = peer.model.nq - 7 * len(result.objects)
@@ -106,16 +106,16 @@ def coordinates(peer: MujocoLoop, result: Result) -> Array:
 
 
 def contacts(simulator: Simulator, motion: Motion) -> float:
-    """Contact points that the solver has at once, mean over the frames of their largest number."""
+    """Largest number of simultaneous contact points per frame, mean over the frames."""
     simulator.reset(motion[0])
     counts = [simulator.step(motion[t]).diagnostics["contacts"] for t in range(1, len(motion))]
     return float(np.mean(counts))
 
 
 def solving(simulator: Simulator, motion: Motion) -> Checks:
-    """Time of the contact solver per substep that has contacts [us], median and p95.
+    """Time of the contact solver per substep with contacts [us], median and p95.
 
-    Empty where the core keeps no times.
+    Empty if the core records no times.
     """
     core = simulator.world.stepper
     if not hasattr(core, "keep_times"):

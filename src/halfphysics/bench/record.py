@@ -1,4 +1,4 @@
-"""What is measured and what came out."""
+"""Options and records of a measurement."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 #: Name [unit] -> (ours, the peer's or None).
 Checks = dict[str, tuple[float, float | None]]
 
-#: A timed run lasts at least this long: the work is repeated until it does [s].
+#: Minimum duration of a timed run [s]; the work is repeated to reach it.
 LEAST = 0.2
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """How to measure.
+    """Options of a measurement.
 
     Attributes:
         motion: A clip to play in the free cases beside the built-in walk, or None.
-        motion_name: What to call it.
-        quick: Short clips, no repetition within a run: to see that it works, not how fast.
-        repeats: Timed runs of each side, after those that are not timed.
+        motion_name: Name of the motion in the records.
+        quick: Short clips, no repetition within a run: a test of function, not of speed.
+        repeats: Timed runs of each side, after the untimed runs.
 
     Raises:
         InputError: `repeats` is not a whole number of at least 1.
@@ -43,11 +43,11 @@ class Options:
 
     @property
     def least(self) -> float:
-        """How long a timed run lasts at least [s]."""
+        """Minimum duration of a timed run [s]."""
         return 0.0 if self.quick else LEAST
 
     def short(self, motion: Motion, frames: int = 20) -> Motion:
-        """The motion, or its first frames if it is to be quick."""
+        """The motion, or only its first frames if `quick` is set."""
         return motion[:frames] if self.quick and len(motion) > frames else motion
 
 
@@ -56,14 +56,14 @@ class Record:
     """One row: a setting of a case.
 
     Attributes:
-        case: Its case.
-        setting: What is special about it.
-        frames: Number of frames that one pass takes.
-        unit: Of `ours`, `parts` and `peer`: "frames/s", or "s" for the whole.
-        ours: One figure per timed run.
+        case: Name of the case.
+        setting: Name of the setting.
+        frames: Number of frames of one pass.
+        unit: Unit of `ours`, `parts` and `peer`: "frames/s", or "s" for a whole pass.
+        ours: Our figures, one per timed run.
         parts: Ours with ``contact="parts"``, run by run in turns; None for cases without a person.
-        peer: The peer's figures, run by run in turns with ours; None where there is no peer.
-        checks: Name [unit] -> (ours, the peer's or None): that the work was done and how well.
+        peer: The peer's figures, run by run in turns with ours; None without a peer.
+        checks: Name [unit] -> (ours, the peer's or None): quality of the result.
     """
 
     case: str
@@ -92,12 +92,12 @@ class Record:
 
     @property
     def parts_ratio(self) -> float | None:
-        """Median over the runs of ours over the rigid parts' of the same turn."""
+        """Median over the runs of the ratio of ours to the rigid parts' in the same turn."""
         return self._over(self.parts)
 
     @property
     def ratio(self) -> float | None:
-        """Median over the runs of ours over the peer's of the same turn; over 1: ours is faster."""
+        """Median over the runs of ours / the peer's in the same turn; above 1, ours is faster."""
         return self._over(self.peer)
 
     def _over(self, other: tuple[float, ...] | None) -> float | None:
@@ -106,7 +106,7 @@ class Record:
         return median(a / b for a, b in zip(self.ours, other, strict=True))
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values, for JSON."""
+        """The record as plain values, for JSON."""
         return {
             "case": self.case,
             "setting": self.setting,

@@ -1,7 +1,7 @@
-"""A furnished room of as many triangles as one wants, made in code.
+"""A furnished room with a chosen number of triangles, made in code.
 
 Walls, floor and furniture are boxes with rounded edges, finely divided; cushions bulge. Each
-piece is convex, so that the peer can have it as what it can collide with: a convex mesh.
+piece is convex, so that the peer can use it as a convex collision mesh.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from halfphysics.geometry.shapes import Mesh
 
 Array = NDArray[np.float64]
 
-#: Inner size of the room [m], and how thick walls and floor are. The floor is z = 0; the person
+#: Inner size of the room, thickness of walls and floor [m]. The floor is z = 0; the person
 #: stands at the origin, 1.4 m from the wall at -x.
 ROOM, THICK = np.array([5.0, 4.0, 2.5]), 0.1
 MIDDLE = np.array([1.1, 0.0])
-#: Seat of the sofa [m]: height of its front, by how much its back is lower, where its front edge
-#: is, how deep it is; height of the arm rests.
+#: Seat of the sofa [m]: height of its front, drop towards its back, position of its front edge,
+#: depth; height of the arm rests.
 SEAT, SLOPE, SEAT_FRONT, DEPTH, ARM_REST = 0.46, 0.03, -0.1, 0.38, 0.70
 #: The face of the wall on the person's left, and the open face of the shelf on the right [m].
 WALL_FACE, SHELF_FACE = 2.0, -1.6
@@ -34,9 +34,9 @@ class Piece:
     """A box with round edges.
 
     Attributes:
-        low, high: Its corners (3,) [m].
-        radius: Of the edges [m].
-        bulge: How much thicker its middle is than its rim, as a share.
+        low, high: Corners of the box (3,) [m].
+        radius: Radius of the edges [m].
+        bulge: Relative increase of thickness from the rim to the middle.
     """
 
     low: tuple[float, float, float]
@@ -55,12 +55,12 @@ class Room:
 
 @cache
 def room(triangles: int) -> Room:
-    """The room with at least `triangles` triangles, as few more as evenly divided pieces allow."""
+    """The room with at least `triangles` triangles, and as few more as even division allows."""
     return mesh_of(furniture(), triangles)
 
 
 def mesh_of(pieces: tuple[Piece, ...], triangles: int) -> Room:
-    """Pieces as one mesh of at least so many triangles, evenly divided."""
+    """Pieces as one mesh of at least `triangles` triangles, evenly divided."""
     low, high = 1e-3, 1.0
     for _ in range(60):  # the longest edge that gives so many
         middle = 0.5 * (low + high)
@@ -92,7 +92,7 @@ def _walls() -> Iterator[Piece]:
 
 
 def _sofa() -> Iterator[Piece]:
-    """Behind the person, who sits down on it: base, two cushions, back rest, arm rests."""
+    """The sofa behind the person: base, two cushions, back rest, arm rests."""
     front, back = SEAT_FRONT, SEAT_FRONT - DEPTH
     low, high = SEAT - SLOPE - 0.16, SEAT - SLOPE - 0.02
     yield Piece(low=(back - 0.2, -1.0, 0.08), high=(front, 0.32, low - 0.001), radius=0.01)
@@ -105,7 +105,7 @@ def _sofa() -> Iterator[Piece]:
 
 
 def _shelf() -> Iterator[Piece]:
-    """On the person's right, open to the left: sides and boards."""
+    """The shelf on the person's right, open to the left: sides and boards."""
     low, high, board = SHELF_FACE - 0.35, SHELF_FACE, 0.025
     for x in (-0.5, 0.5 - board):
         yield Piece(low=(x, low, 0.001), high=(x + board, high, 1.9), radius=0.002)
@@ -126,7 +126,7 @@ def _cupboard() -> Piece:
 
 
 def _ticks(piece: Piece, longest: float) -> list[Array]:
-    """Along each axis, where a piece is divided, from -half to half: edges end at the rounding."""
+    """Grid coordinates of a piece along each axis, from -half to half; one ends each rounding."""
     half = 0.5 * (np.array(piece.high) - np.array(piece.low))
     out = []
     for h in half:
@@ -143,7 +143,7 @@ def _count(piece: Piece, longest: float) -> int:
 
 
 def rounded_box(piece: Piece, longest: float) -> tuple[Array, NDArray[np.int32]]:
-    """Vertices and outward faces of a piece, no edge of its grid over `longest` [m].
+    """Vertices and outward faces of a piece; no edge of its grid exceeds `longest` [m].
 
     Neighbouring sides have their own copies of common vertices; `Mesh` merges them.
     """
@@ -183,5 +183,5 @@ def _shaped(piece: Piece, points: Array) -> Array:
 
 
 def sizes(options: Options) -> tuple[int, int]:
-    """How many triangles the rooms of the cases have."""
+    """Numbers of triangles of the rooms in the cases."""
     return (10_000, 100_000) if options.quick else (100_000, 1_000_000)

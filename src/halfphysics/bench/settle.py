@@ -1,4 +1,4 @@
-"""Settling on the sofa of a furnished room: seat, back and feet on finely divided meshes."""
+"""Sitting down on the sofa of a furnished room: seat, back and feet on finely divided meshes."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from halfphysics.bench.room import room, sizes
 from halfphysics.bench.sofa import sitting
 from halfphysics.scene.scene import Scene
 
-#: How deep the feet are pressed into the floor in the end [m].
+#: Final depth of the feet's target in the floor [m].
 _FLOOR = 0.06
 
 
 def settle(options: Options) -> Iterator[Record]:
-    """Both drives, both sizes of the room."""
+    """Records of both sizes of the room, both drives."""
     motion = sitting(body(), floor=_FLOOR)
     if options.quick:
         motion = motion[20:40]

@@ -1,4 +1,4 @@
-"""One row, measured: ours with the skin, with the rigid parts, and the peer, in turns."""
+"""Measurement of one row: ours with the skin, with the rigid parts, and the peer, in turns."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ A = TypeVar("A")
 
 @dataclass(frozen=True, kw_only=True)
 class Measured(Generic[A]):
-    """A row without its checks, and what each side returned; None where there is no such side."""
+    """A row without its checks, and the return value of each side; None for a missing side."""
 
     record: Record
     ours: A
@@ -35,7 +35,7 @@ class Measured(Generic[A]):
 def simulators(
     person: Body, settings: Settings, fps: float, scene: Scene | None = None
 ) -> tuple[Simulator, Simulator]:
-    """Two that differ in what touches: the skin, and the rigid parts."""
+    """Two simulators: contact by the skin, and contact by the rigid parts."""
     skin, parts = (
         Simulator(scene, body=person, settings=replace(settings, contact=contact), fps=fps)
         for contact in ("skin", "parts")
@@ -44,7 +44,7 @@ def simulators(
 
 
 def followed(simulator: Simulator, motion: Motion) -> Callable[[], Result]:
-    """A side that simulates a motion with what is built already."""
+    """A side that simulates a motion in a world built before."""
     return lambda: follow(simulator.world, [motion])
 
 
@@ -63,17 +63,17 @@ def driven(
     """Time both drives at every stiffness: a motion of the default body, by skin and by parts.
 
     Args:
-        case: Of the records.
-        name: What comes first in their settings.
-        motion: One pass is the whole of it.
-        options: How to measure.
-        ours: What makes one side of a simulator.
-        peer: The peer's, which knows neither drives nor stiffness.
-        scene: What is there.
-        substeps, stiffness: To simulate with.
+        case: Case of the records.
+        name: First part of their settings.
+        motion: The motion; a pass plays all of it.
+        options: Options of the measurement.
+        ours: Function that makes one side from a simulator.
+        peer: The peer's side; it has neither drives nor stiffness.
+        scene: The scene.
+        substeps, stiffness: Settings of the simulation.
 
     Yields:
-        The simulator by the skin, and what was measured.
+        The simulator with skin contact, and the measurement.
     """
     for label, settings in drives(substeps, *stiffness):
         skin, parts = simulators(body(), settings, motion.fps, scene)
@@ -105,11 +105,11 @@ def measure(
     """Time one pass of `frames` frames of every side, in turns.
 
     Args:
-        case, setting, frames, unit: Of the record.
-        options: How to measure.
-        ours: One pass, with skin contact where there is contact.
-        parts: The same by the rigid parts, or None.
-        peer: The peer's, or None.
+        case, setting, frames, unit: Fields of the record.
+        options: Options of the measurement.
+        ours: One pass of ours, with skin contact.
+        parts: The same pass with the rigid parts, or None.
+        peer: One pass of the peer, or None.
     """
     sides: dict[str, Callable[[], Any]] = {"ours": ours}
     sides |= {} if parts is None else {"parts": parts}

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
 
-#: How far the target sinks [m], once seated.
+#: Depth by which the target sinks once seated [m].
 SINK = 0.12
 _FPS, _SECONDS = 30.0, 3.0
 
 
 def sofa(options: Options) -> Iterator[Record]:
-    """Both drives."""
+    """Records of both drives."""
     motion = sitting(body(), floor=0.0)
     if options.quick:
         motion = motion[20:60]
@@ -35,18 +35,18 @@ def sofa(options: Options) -> Iterator[Record]:
 
 
 def sitting(person: Body, floor: float) -> Motion:
-    """Stands, sits down on a seat of height `SEAT`, sinks in and leans back.
+    """A person stands, sits down on a seat of height `SEAT`, sinks in and leans back.
 
     Args:
         person: The body that sits.
-        floor: How deep the feet are pressed into the floor in the end [m].
+        floor: Final depth of the feet's target in the floor [m].
     """
     t = np.arange(round(_SECONDS * _FPS) + 1) / _FPS
-    # Nothing presses on what stands still: it sinks, leans and rocks until the end.
+    # A target at rest does not press: it sinks, leans and rocks until the end.
     down, sunk, back = eased(t, 0.1, 0.8), eased(t, 0.7, 2.3), eased(t, 0.9, 2.0)
     sway = np.sin(2.0 * np.pi * 0.8 * t) * eased(t, 0.7, 0.5)
     rock = np.cos(2.0 * np.pi * 0.8 * t) * eased(t, 0.7, 0.5)
-    # From the pelvis joint down to what sits; the thighs are lower than the pelvis's own skin.
+    # From the pelvis joint down to the sitting surface; the thighs are lower than the pelvis' skin.
     seat = 0.5 * (seat_depth(person, "pelvis") + seat_depth(person, "left_hip"))
     drop = standing_height(person) - seat - SEAT
     # The pelvis stays a little forward, so that the thighs sit too; the back bends to the rest.
@@ -65,7 +65,7 @@ def sitting(person: Body, floor: float) -> Motion:
 
 
 def seat_depth(person: Body, part: str) -> float:
-    """How far the skin of a part reaches behind or below its joint, seated [m]."""
+    """Largest distance of a part's skin behind or below its joint, seated [m]."""
     points = person.variant.parts[JOINT_INDEX[part]].vertices
     axis = 1 if part == "pelvis" else 2
     return -float(points[:, axis].min())

@@ -1,4 +1,4 @@
-"""Legs that bend: feet stay where they stand while the pelvis goes down and back."""
+"""Bending legs: the feet stay in place while the pelvis moves down and back."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Feet are this high over the floor that they stand on [m]: a little more than the clearance.
+#: Height of the feet above the floor [m]: a little more than the clearance.
 FEET = 0.002
-#: Knees are bent by this much of height when standing [m]: straight ones have no plane.
+#: Loss of height by bent knees when standing [m]: a straight leg defines no plane.
 _BENT = 0.005
 
 
 def eased(times: Array, start: float, seconds: float) -> Array:
-    """From 0 to 1, smoothly, from `start` [s] on within `seconds`; the shape of `times`."""
+    """A smooth step from 0 to 1 from `start` [s] within `seconds`; has the shape of `times`."""
     x = np.clip((times - start) / seconds, 0.0, 1.0)
     return x * x * (3.0 - 2.0 * x)
 
 
 def standing_height(body: Body) -> float:
-    """Height of the pelvis joint over the floor with legs as good as straight [m]."""
+    """Height of the pelvis joint above the floor with almost straight legs [m]."""
     rest = [leg.height - (leg.hip + leg.thigh + leg.shank)[1] for leg in _legs(body)]
     result: float = min(rest) + FEET - _BENT
     return result
 
 
 def squat(body: Body, back: Array, down: Array, lean: Array, roll: Array, fps: float) -> Motion:
-    """A person at the origin who faces +x, arms in T-pose, feet flat on z = 0.
+    """A person at the origin facing +x, arms in T-pose, feet flat on z = 0.
 
     Args:
         body: The person's body.
-        back: How far behind its standing place the pelvis is (T,) [m].
-        down: How far below its standing height (T,) [m].
-        lean, roll: Of the pelvis, forward and then to the right (T,) [rad].
+        back: Distance of the pelvis behind its standing position (T,) [m].
+        down: Distance of the pelvis below its standing height (T,) [m].
+        lean, roll: Rotation of the pelvis, forward and then to the right (T,) [rad].
         fps: Frames per second.
     """
     frames = len(back)

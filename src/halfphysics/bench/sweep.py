@@ -1,4 +1,4 @@
-"""What a sweep costs beside its simulations: by the clock, by its parts, in memory."""
+"""Cost of a sweep beside its simulations: wall time, processor time by parts, memory."""
 
 from __future__ import annotations
 
@@ -37,29 +37,29 @@ if TYPE_CHECKING:
     from halfphysics.results.result import Result
     from halfphysics.sweep.make.vary import Ready
 
-#: A person walks up to a ball and kicks it: 167 frames, the quickest scenario to simulate.
+#: A person walks up to a ball and kicks it: 167 frames, the fastest scenario to simulate.
 SCENARIO = "kick_ball"
 #: A person walks against a wall: 127 frames with contacts in most of them.
 WALK = "walk_into_wall"
 _VARIANTS, _QUICK_VARIANTS = 200, 3
 _ALONE, _MANY, _POINTS = 100, 2000, 10
-#: A run takes long enough to say something, and many of them too long.
+#: Largest number of timed runs: one run is long enough for a figure.
 _REPEATS = 3
 
 
 def sweep(options: Options) -> Iterator[Record]:
-    """Whole sweeps: two processes beside one; one process beside what it cannot do without."""
+    """Whole sweeps: two processes beside one; one process beside its necessary work."""
     count = _QUICK_VARIANTS if options.quick else _VARIANTS
     yield _processes(SCENARIO, plan_of(count), options.repeats)
-    # It takes minutes.
+    # This row takes minutes.
     yield _processes(WALK, _walks(count), 1)
     few = _QUICK_VARIANTS if options.quick else _ALONE
-    # A pass is long enough for a run.
+    # One pass is long enough for a timed run.
     once = replace(options, quick=True, repeats=min(options.repeats, _REPEATS))
     plan = plan_of(few)
     variants = Variants(plan, resolve_inputs(plan))
     workshop = Workshop(plan)
-    # What is ready stays as it is: it is simulated again in every turn.
+    # A simulation does not change `ready`, so every turn simulates it again.
     ready = [workshop.make(variant) for variant in variants]
     whole, same, bare = in_turns(
         (
@@ -82,7 +82,7 @@ def sweep(options: Options) -> Iterator[Record]:
 
 
 def parts(options: Options) -> Iterator[Record]:
-    """Seconds a variant for each thing that a sweep does with it, beside those for `simulate`."""
+    """Seconds per variant for each step of a sweep, beside those for `simulate`."""
     count = _QUICK_VARIANTS if options.quick else _ALONE
     plan = plan_of(count)
     found = [_parts(plan) for _ in range(min(options.repeats, _REPEATS))]
@@ -98,10 +98,10 @@ def parts(options: Options) -> Iterator[Record]:
 
 
 def memory(options: Options) -> Iterator[Record]:
-    """What driver and workers hold at ten points of a long sweep.
+    """Memory of driver and workers at ten points of a long sweep.
 
     Raises:
-        InputError: Not on Linux: what other processes hold is not known.
+        InputError: The system is not Linux: memory of other processes is unknown.
     """
     if sys.platform != "linux":
         raise InputError(f"bench: sweep-memory is measured on Linux only, found {sys.platform}")
@@ -110,7 +110,7 @@ def memory(options: Options) -> Iterator[Record]:
     _clocked(plan_of(count), 2, watch)
     for name, held in (("driver", watch.driver), ("each of 2 workers", watch.workers)):
         megabytes = np.array(held) / 1e6
-        # The first point is of processes that still load things.
+        # At the first point the processes still load modules and data.
         at = np.linspace(0.0, count, len(held) + 1)[2:]
         slope = np.polyfit(at, megabytes[1:], 1)[0]
         yield Record(
@@ -127,7 +127,7 @@ def memory(options: Options) -> Iterator[Record]:
 
 
 def plan_of(count: int) -> Plan:
-    """A sweep of so many variants of the scenario."""
+    """A sweep of `count` variants of the scenario."""
     return Plan(
         inputs=(Inputs(scenarios=(SCENARIO,)),),
         factors={
@@ -140,7 +140,7 @@ def plan_of(count: int) -> Plan:
 
 
 def _bare(ready: Ready) -> Result:
-    """What a script would do of a variant: `simulate`, and no more."""
+    """The part of a variant that a script would do: only `simulate`."""
     return simulate(
         ready.motions,
         ready.scene,
@@ -151,7 +151,7 @@ def _bare(ready: Ready) -> Result:
 
 
 def _walks(count: int) -> Plan:
-    """A sweep of so many walks, each with joints of another firmness."""
+    """A sweep of `count` walks, each with another joint stiffness."""
     return Plan(
         inputs=(Inputs(scenarios=(WALK,)),),
         factors={"settings.stiffness": spec({"uniform": [0.0, 1.0]})},
@@ -161,7 +161,7 @@ def _walks(count: int) -> Plan:
 
 
 class Here:
-    """An engine in this process: what is left of a sweep without processes."""
+    """An engine in this process: a sweep without worker processes."""
 
     slots = 1
 
@@ -169,23 +169,23 @@ class Here:
         self._folder, self._tasks = str(folder), deque[Task]()
 
     def submit(self, task: Task) -> None:
-        """Hand over a task."""
+        """Add a task to the queue."""
         self._tasks.append(task)
 
     def wait(self) -> list[tuple[Task, Done | Death]]:
-        """Do the next task."""
+        """Run the next task."""
         if not self._tasks:
             return []
         task = self._tasks.popleft()
         return [(task, do(self._folder, task))]
 
     def close(self) -> None:
-        """Forget what was handed over."""
+        """Clear the queue."""
         self._tasks.clear()
 
 
 class _Watch(Progress):
-    """Looks at the memory of driver and workers whenever another part of the sweep is done [B]."""
+    """Records the memory of driver and workers after each part of the sweep [B]."""
 
     def __init__(self) -> None:
         super().__init__(bar=False, say=lambda line: None)
@@ -193,7 +193,7 @@ class _Watch(Progress):
         self.workers: list[int] = []
 
     def ended(self, task: Task, done: Done) -> None:
-        """A task has ended."""
+        """Record the memory at the end of a task."""
         super().ended(task, done)
         while (
             len(self.driver) < _POINTS
@@ -205,12 +205,12 @@ class _Watch(Progress):
 
 
 def _held(process: int) -> int:
-    """What a process holds [bytes]."""
+    """Memory of a process [bytes]."""
     return int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def _processes(scenario: str, plan: Plan, repeats: int) -> Record:
-    """Two processes beside one, by the clock, starting them included."""
+    """Wall time of two processes beside one, including their start."""
     count = plan.samples
     seconds: dict[int, list[float]] = {1: [], 2: []}
     samples = 0
@@ -232,7 +232,7 @@ def _processes(scenario: str, plan: Plan, repeats: int) -> Record:
 
 
 def _clocked(plan: Plan, jobs: int, progress: Progress) -> tuple[float, int]:
-    """Seconds that a sweep takes by the clock, starting its processes included, and its samples."""
+    """Wall time of a sweep [s], including the start of its processes, and its number of samples."""
     with tempfile.TemporaryDirectory() as folder, Store(folder, plan) as store:
         start = time.perf_counter()
         engine = LocalEngine(Path(folder), jobs)
@@ -244,17 +244,17 @@ def _clocked(plan: Plan, jobs: int, progress: Progress) -> tuple[float, int]:
 
 
 def _here(plan: Plan) -> int:
-    """A sweep in this process; says how many samples it made."""
+    """Run a sweep in this process; returns its number of samples."""
     with tempfile.TemporaryDirectory() as folder, Store(folder, plan) as store:
         report = run(store, Here(Path(folder)), Progress(bar=False, say=lambda line: None))
         return _whole(report)
 
 
 def _whole(report: Report) -> int:
-    """The samples of a sweep: figures of one whose variants failed would be of nothing.
+    """The number of samples of a sweep without failures; with failures the figures are invalid.
 
     Raises:
-        InputError: Variants failed.
+        InputError: Some variants failed.
     """
     if report.failures:
         raise InputError(
@@ -271,14 +271,14 @@ def _made(maker: Maker, count: int) -> list[Sample]:
 
 
 def _parts(plan: Plan) -> dict[str, float]:
-    """Processor time of a variant [s] by what it is for."""
+    """Processor time of a variant by step [s]."""
     from halfphysics.labels import contact_labels
     from halfphysics.labels.events import events
     from halfphysics.sweep.make.card import card_of
     from halfphysics.sweep.make.sample import files_of
 
     variants, workshop = Variants(plan, resolve_inputs(plan)), Workshop(plan)
-    # What is read, built and warmed up once is not a variant's.
+    # Reading, building and warming up happen once and do not count for a variant.
     contact_labels(workshop.run(workshop.make(variants[0])))
     spent = dict.fromkeys(("make", "simulate", "labels", "events and card", "files", "shard"), 0.0)
     last = time.process_time()

@@ -1,7 +1,7 @@
-"""Timing in turns: the first side to the last, the last to the first, and so on.
+"""Timing in turns: from the first side to the last, then from the last to the first, and so on.
 
-By processor time: it is the clock's on a quiet machine, and on a busy one does not count the time
-that others had the core. Were a side to use several threads, all of them would count.
+Processor time equals wall time on a quiet machine; on a busy machine it excludes the time of other
+processes on the core. All threads of a side count.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ A = TypeVar("A")
 
 @dataclass(frozen=True, kw_only=True)
 class Timing(Generic[A]):
-    """Processor time per pass [s] of every timed run, and what the untimed pass returned."""
+    """Processor time per pass [s] of every timed run, and the result of the untimed pass."""
 
     seconds: tuple[float, ...]
     result: A
 
     def rates(self, frames: int) -> tuple[float, ...]:
-        """In frames per second."""
+        """Rates of the timed runs in frames per second."""
         return tuple(frames / seconds for seconds in self.seconds)
 
 
 def in_turns(works: Sequence[Callable[[], A]], options: Options) -> list[Timing[A]]:
     """Time functions in turns, after one untimed pass of each.
 
-    The side that goes first alternates: a machine that slows down or speeds up favours neither.
+    The order alternates, so a machine that slows down or speeds up favours no side.
     """
     warm = [_warm(work, options.least) for work in works]
     seconds: list[list[float]] = [[] for _ in works]
@@ -49,10 +49,10 @@ def in_turns(works: Sequence[Callable[[], A]], options: Options) -> list[Timing[
 
 
 def _warm(work: Callable[[], A], least: float) -> tuple[A, int]:
-    """What an untimed pass returns, and how many passes make a run."""
+    """The result of an untimed pass, and the number of passes in a run."""
     start = time.process_time()
     result = work()
-    # The first pass is the slowest: the second says how long one takes.
+    # The first pass is the slowest, so the second gives the time of a pass.
     if least > 0.0:
         start = time.process_time()
         work()
@@ -69,7 +69,7 @@ def _seconds(work: Callable[[], object], loops: int) -> float:
         start = time.process_time()
         for _ in range(loops):
             work()
-        # A clock of coarse ticks may see none pass.
+        # A coarse clock may show no difference.
         return max(time.process_time() - start, 1e-9) / loops
     finally:
         if on:

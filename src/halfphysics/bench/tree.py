@@ -1,4 +1,4 @@
-"""How long a room of a million triangles takes before the first frame."""
+"""Set-up time of a room of a million triangles before the first frame."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from halfphysics.bench.sides import measure
 
 
 def tree(options: Options) -> Iterator[Record]:
-    """Seconds for the tree of both sizes, built and found again by its content."""
+    """Seconds for the mesh tree of both sizes, built and found again by its content."""
     once = replace(options, quick=True)  # a pass is long enough for a run
     for triangles in sizes(options):
         mesh = room(triangles).mesh
@@ -25,7 +25,7 @@ def tree(options: Options) -> Iterator[Record]:
             return _native.MeshTree(v, f)
 
         def built(found=found) -> None:  # type: ignore[no-untyped-def]
-            # The tree is not kept: the next one is built anew.
+            # The tree is not kept, so the next call builds it again.
             found()
 
         size = f"{len(faces):,} triangles"

@@ -1,4 +1,4 @@
-"""What moving people in a browser takes, on the server's side."""
+"""Cost of moving people in a browser, on the server's side."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from halfphysics.bench.record import Options, Record
 from halfphysics.body.body import Body
 from halfphysics.motion.motion import Motion
 
-# Updates per second; as long as it is measured, and as long until all meshes have arrived [s].
+# Updates per second; duration of a full and a quick measurement, pause that shows that all meshes
+# have arrived, and time limit for their arrival [s].
 _RATE = 30.0
 _SECONDS, _QUICK_SECONDS = 10.0, 1.0
 _SETTLED, _PATIENCE = 0.7, 60.0
 
-# A client as a browser is one, in a process of its own: says after every message how many bytes,
-# and how many messages that move something, have come.
+# A client in its own process, like a browser: after every message it prints the number of bytes
+# and of messages received so far.
 _CLIENT = """
 import sys
 from websockets.sync.client import connect
@@ -35,7 +36,7 @@ with connect(sys.argv[1], subprotocols=[sys.argv[2]], max_size=None, compression
 
 
 def viewer(options: Options) -> Iterator[Record]:
-    """Two people, then with ghosts; every joint moves."""
+    """Records of two people, without and with ghosts; every joint moves."""
     seconds = _QUICK_SECONDS if options.quick else _SECONDS
     for setting, ghosts, fast in (
         ("two people", False, True),
@@ -112,7 +113,7 @@ def _run(setting: str, server: Any, figures: list[Any], client: _Client, seconds
 
 
 def _lively() -> Motion:
-    """The walk of the demo's story with every joint in motion, so that nothing can be left out."""
+    """The walk of the demo's story with every joint in motion, so that no update can be omitted."""
     walk = story().motions[0]
     joints, axes = np.arange(walk.rotations.shape[1])[:, None], np.arange(3)
     seconds = np.arange(len(walk))[:, None, None] / walk.fps
@@ -143,14 +144,14 @@ class _Client:
             self._count = int(size), int(count)
 
     def read(self) -> tuple[int, int]:
-        """Bytes and messages so far."""
+        """Bytes and messages received so far."""
         return self._count
 
     def settle(self) -> None:
-        """Wait until nothing comes any more.
+        """Wait until no more messages arrive.
 
         Raises:
-            TimeoutError: Nothing ever came.
+            TimeoutError: Messages never arrived or never stopped, or the client ended.
         """
         end, last, since = time.monotonic() + _PATIENCE, (0, 0), time.monotonic()
         while not last[0] or time.monotonic() - since < _SETTLED:
@@ -161,7 +162,7 @@ class _Client:
                 last, since = self._count, time.monotonic()
 
     def close(self) -> None:
-        """Go away."""
+        """End the client process."""
         self._process.kill()
         self._process.wait()
         self._reader.join()

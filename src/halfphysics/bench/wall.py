@@ -1,4 +1,4 @@
-"""Something in the way: a T-pose walked into a thin wall."""
+"""Contact with an obstacle: a T-pose moved into a thin wall."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
 
-#: Where the wall stands and its full size [m], the speed of walking [m/s] and for how long [s].
+#: Position and full size of the wall [m]; speed [m/s], start [m] and duration [s] of the walk.
 _AT, _SIZE = np.array([0.5, 0.0, 0.0]), np.array([0.01, 6.0, 6.0])
 _SPEED, _START, _SECONDS = 1.5, -0.4, 2.0
 
 
 def wall(options: Options) -> Iterator[Record]:
-    """Both drives, limp to stiff."""
+    """Records of both drives from low to high stiffness."""
     person = body()
     motion = straight(_SPEED, _SECONDS, _START)
     if options.quick:
@@ -60,9 +60,9 @@ def wall(options: Options) -> Iterator[Record]:
 
 
 def past_face(body: Body, motion: Motion) -> float:
-    """How far the skin gets beyond the face of the wall it walks at [mm], 0 if it does not.
+    """Largest distance of the skin beyond the near face of the wall [mm], at least 0.
 
-    Over all frames and vertices: what went through the wall counts too.
+    It covers all frames and vertices, also vertices that went through the wall.
     """
     face = _AT[0] - 0.5 * _SIZE[0]
     result: float = 1000.0 * max(0.0, float(body.vertices(motion)[..., 0].max()) - face)

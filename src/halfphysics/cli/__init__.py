@@ -1,8 +1,8 @@
-"""The command line: ``halfphysics COMMAND ...``.
+"""The command line ``halfphysics COMMAND ...``.
 
 A command is one file of this package with a dataclass `Command` (its fields are the options, its
-docstring the help), a text `EXAMPLES`, and one line in `COMMANDS`. A command whose options depend
-on its first argument has a function `read` instead.
+docstring the help), a text `EXAMPLES`, and one line in `COMMANDS`. If the options of a command
+depend on its first argument, the file has a function `read` instead.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning, InputError
 
-#: Command -> what it does in one line. The module of that name in this package is the command.
+#: Command -> description in one line. The module of the same name in this package implements it.
 COMMANDS: Mapping[str, str] = MappingProxyType(
     {
         "demo": "play a built-in story and write result, pictures and a page",
@@ -34,7 +34,7 @@ COMMANDS: Mapping[str, str] = MappingProxyType(
     }
 )
 
-#: A user's mistake, and an interruption by Ctrl-C.
+#: Exit codes for a user's mistake and for an interruption by Ctrl-C.
 MISTAKE, INTERRUPTED = 2, 130
 
 _USAGE = "usage: halfphysics COMMAND ...   (halfphysics COMMAND --help explains a command)"
@@ -51,7 +51,7 @@ def guarded(run: Callable[[], int], program: str = "halfphysics") -> int:
 
     Args:
         run: A command; returns its exit code.
-        program: The name that a message begins with.
+        program: The name at the beginning of each message.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("always", HalfPhysicsWarning)
@@ -64,7 +64,7 @@ def guarded(run: Callable[[], int], program: str = "halfphysics") -> int:
         except KeyboardInterrupt:
             return INTERRUPTED
         except BrokenPipeError:
-            # The reader of our output has gone (halfphysics ... | head): nothing is left to say.
+            # The process that reads our output has ended (halfphysics ... | head).
             sys.stderr.close()
             return 1
 
@@ -119,7 +119,7 @@ def _overview() -> str:
 
 
 def _as_options(message: str) -> str:
-    """A message of the package, which names arguments (fps=30), for the command line (--fps 30)."""
+    """A message of the package with its arguments (fps=30) written as options (--fps 30)."""
     message = message.replace("frames=(start, stop)", "--frames START:STOP")
     message = message.replace("motion alone with Motion.load", "motion alone with --objects none")
     return re.sub(
@@ -130,7 +130,7 @@ def _as_options(message: str) -> str:
 
 
 def _show_warning(other: Any, program: str) -> Any:
-    """Our warnings as one line; those of others as they are."""
+    """A handler that prints our warnings as one line and passes other warnings to `other`."""
 
     def show(message: Any, category: type[Warning], *rest: Any, **named: Any) -> None:
         if issubclass(category, HalfPhysicsWarning):

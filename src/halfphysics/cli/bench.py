@@ -1,4 +1,4 @@
-"""halfphysics bench: measure speed, beside a plain MuJoCo loop where there is one to compare."""
+"""halfphysics bench: measure speed, beside a plain MuJoCo loop if the case has one."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ halfphysics bench --case free --case wall
 halfphysics bench --case free --motion walk.npz --json bench.json
 halfphysics bench --quick --repeats 1"""
 
-#: Where numpy's libraries look for the number of threads they may use.
+#: Environment variables from which numpy's libraries read their number of threads.
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -47,8 +47,8 @@ class Command:
     """Write every single figure here too."""
 
     def run(self) -> None:
-        """Measure, print, write."""
-        # Before numpy comes in: its libraries read these once.
+        """Measure, print and write the records."""
+        # Set before the import of numpy: its libraries read these variables once.
         if "numpy" not in sys.modules:
             os.environ.update(dict.fromkeys(_THREADS, "1"))
         from halfphysics import bench
@@ -84,7 +84,7 @@ class Command:
 
 
 def _machine() -> dict[str, Any]:
-    """What the figures depend on."""
+    """Versions and machine properties on which the figures depend."""
     import platform
 
     import mujoco
@@ -119,7 +119,7 @@ def _head(machine: dict[str, Any], options: Options) -> str:
 
 
 def _shown(name: str, records: Iterator[Record]) -> Iterator[Record]:
-    """The records, with a word at a terminal on each that is done."""
+    """The records; at a terminal, the last setting measured is shown."""
     for record in records:
         if progress():
             print(f"\r\033[K{name}: {record.setting}", end="", file=sys.stderr)
@@ -129,7 +129,7 @@ def _shown(name: str, records: Iterator[Record]) -> Iterator[Record]:
 
 
 def _tables(records: list[Record]) -> str:
-    """The records of one case: rates, then what they were checked by."""
+    """The records of one case as tables: rates, then checks."""
     from halfphysics.cli.table import table
 
     first = records[0]

@@ -42,7 +42,7 @@ class Command:
     motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
 
     def run(self) -> None:
-        """Convert."""
+        """Read, convert and write the file."""
         from halfphysics.formats import losses, writer_of
         from halfphysics.formats.results.result_file import is_result
         from halfphysics.results.result import Result
@@ -81,7 +81,7 @@ class Command:
         print(f"{motion}\nwritten: {self.target}")
 
     def _body(self, motion: Motion, result: Result | None, needed: bool = False) -> Body | None:
-        """The body of the motion where it is known; the default body where one is needed."""
+        """The body of the motion if it is known; the default body if one is needed."""
         said = self.person.given
         if not said and result is not None:
             return result.people[0].body

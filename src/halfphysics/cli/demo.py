@@ -1,4 +1,4 @@
-"""halfphysics demo: the whole of it on a built-in story."""
+"""halfphysics demo: simulate, measure and show a built-in story."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Command:
     """Folder to write into; made if it is not there."""
 
     def run(self) -> None:
-        """Simulate, measure, write."""
+        """Simulate, measure and write the files."""
         from halfphysics import scenarios
         from halfphysics.cli import measures
         from halfphysics.render.contact_sheet import save_contact_sheet

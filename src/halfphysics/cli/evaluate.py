@@ -19,7 +19,7 @@ halfphysics evaluate mine.npz --reference asked.npz --body SMPLX_NEUTRAL.npz"""
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
-    """Measure a result against what was asked, or a motion against a scene or a reference.
+    """Measure a result against its reference, or a motion against a scene or a reference.
 
     Penetration counts all skinned vertices; MPJPE is the mean error over 55 joints with the
     pelvis subtracted, MPJPE-g without. Of a result, scene, body and reference are known, and its
@@ -29,7 +29,7 @@ class Command:
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RESULT_OR_MOTION")]
     """A result of `simulate`, or a motion file."""
     reference: File = None
-    """Motion to compare with; of a result, the motion that was asked for if not given."""
+    """Motion to compare with; of a result, its reference motion if not given."""
     json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Of a result: write every measure of docs/metrics.md as JSON."""
     scene: tyro.conf.OmitArgPrefixes[SceneOptions] = field(default_factory=SceneOptions)
@@ -37,7 +37,7 @@ class Command:
     motion_file: tyro.conf.OmitArgPrefixes[MotionOptions] = field(default_factory=MotionOptions)
 
     def run(self) -> None:
-        """Print the table."""
+        """Print the table of measures."""
         from halfphysics.cli import measures
         from halfphysics.formats.results.result_file import is_result
         from halfphysics.motion.motion import Motion

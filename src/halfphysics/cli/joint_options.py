@@ -14,7 +14,7 @@ _STRENGTH = Literal["human"] | Mapping[str, float] | None
 
 
 def joint_options() -> Any:
-    """A context in which tyro knows how to read what `Settings` has per joint."""
+    """A context in which tyro can read the values per joint of `Settings`."""
     registry = tyro.constructors.ConstructorRegistry()
 
     @registry.primitive_rule

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 def of_result(result: Result, person: int, *, progress: bool) -> str:
-    """The skin in the scene and in other people before and after, for one person of a result; the
-    rest of it is said by `Result.summary`.
+    """Penetration of one person's skin into the scene and other people, before and after;
+    `Result.summary` gives the other measures.
     """
     subject, others = result.people[person], {p.name: p for p in result.people}
     del others[subject.name]
@@ -58,7 +58,7 @@ def of_motion(
     *,
     progress: bool,
 ) -> str:
-    """Of a motion alone: penetration of a scene, distance from a reference, where given."""
+    """Measures of a motion alone: penetration of a scene, distance from a reference, if given."""
     rows = [("", "motion")]
     if scene is not None:
         report = metrics.penetration(motion, body, scene, progress=progress)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def of_result(result: Result, person: int) -> dict[str, Any]:
-    """Every measure of docs/metrics.md of one person; numbers that do not exist are None."""
+    """Every measure of docs/metrics.md for one person; undefined numbers are None."""
     subject = result.people[person]
     others = {p.name: p for k, p in enumerate(result.people) if k != person}
     out: dict[str, Any] = {"name": subject.name}
@@ -44,7 +44,7 @@ def of_result(result: Result, person: int) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Dataclasses, mappings and arrays as what JSON has; NaN and infinity are None."""
+    """Dataclasses, mappings and arrays as JSON values; NaN and infinity are None."""
     if dataclasses.is_dataclass(value):
         return {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
     if isinstance(value, Mapping):

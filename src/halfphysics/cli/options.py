@@ -1,4 +1,4 @@
-"""Options that several commands share, and what they stand for."""
+"""Options that several commands share, and the objects they describe."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
 
-#: A file that may be left out, and things that are said once each.
+#: Types of an optional file and of options that are repeated, one value each.
 File = Annotated[Path | None, tyro.conf.arg(metavar="FILE")]
 Things = Annotated[
     tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME=SHAPE,...")
@@ -29,7 +29,7 @@ Things = Annotated[
 
 
 def progress() -> bool:
-    """Whether to show progress bars: only to a person at a terminal."""
+    """Whether to show progress bars: only at a terminal."""
     return sys.stderr.isatty()
 
 
@@ -57,11 +57,11 @@ class BodyOptions:
 
     @property
     def given(self) -> bool:
-        """Whether any body was asked for."""
+        """Whether any body option was given."""
         return self.body is not None or self.stature is not None
 
     def load(self, motion: Motion) -> Body:
-        """The body for a motion: with its betas, where they are that model's."""
+        """The body for a motion, with the motion's betas if they fit the model."""
         from halfphysics.body.body import Body
 
         if self.body is None:
@@ -77,7 +77,7 @@ class BodyOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class SceneOptions:
-    """What stands and lies around."""
+    """Static geometry and objects."""
 
     scene: File = None
     """Scene file (.yaml or .json)."""
@@ -92,12 +92,12 @@ class SceneOptions:
     """A floor at z = 0, where the scene brings no plane of its own."""
 
     def load(self, base: Scene | None = None) -> Scene:
-        """The scene described: added to `base`, which a file takes the place of."""
+        """The scene of the options, added to `base`; a scene file replaces `base`."""
         return furnished(base, self.scene, self.static, self.object, self.ground)
 
     @property
     def given(self) -> bool:
-        """Whether any of it was said."""
+        """Whether any of these options was given."""
         return self.scene is not None or bool(self.static) or bool(self.object)
 
 
@@ -123,10 +123,10 @@ class BaselineOptions:
 
 
 def check_output(path: Path, *inputs: Path | None) -> None:
-    """Refuse, before the work, a file that could not be written after it.
+    """Refuse, before the work, an output file that cannot be written.
 
     Raises:
-        FileError: No such folder, a folder, or one of the inputs.
+        FileError: The folder does not exist, or the path is a folder or an input file.
     """
     path = file_path(path)
     if path.is_dir():

@@ -1,4 +1,4 @@
-"""From arguments to a command: tyro reads them, mistakes become one message."""
+"""From arguments to a command: tyro reads the arguments, mistakes become one message."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ _FRAME = "╭╮╰╯│─"
 
 @dataclass(frozen=True)
 class Exit:
-    """The arguments asked for no more than help."""
+    """The result of arguments that only request help."""
 
     code: int
 
 
 def parse(command: type[T], prog: str, examples: str, arguments: Sequence[str]) -> T | Exit:
-    """The command that the arguments describe, or `Exit` after its help was printed.
+    """The command that the arguments describe, or `Exit` after printing its help.
 
     Raises:
-        InputError: Arguments that do not fit, in one message.
+        InputError: The arguments do not fit; all mistakes are in one message.
     """
     import tyro
 
@@ -48,7 +48,7 @@ def parse(command: type[T], prog: str, examples: str, arguments: Sequence[str]) 
 
 
 def one_message(box: str, prog: str) -> str:
-    """What tyro says in a framed box, as one line of text."""
+    """The text of tyro's framed error box as one line."""
     sections: list[list[str]] = [[]]
     for raw in _ANSI.sub("", box).splitlines():
         if raw.startswith(("╭", "╰")):
@@ -62,7 +62,7 @@ def one_message(box: str, prog: str) -> str:
     for section in sections[1:]:
         if section and section[0].startswith("Perhaps you meant"):
             said += f". {section[0]} {section[1] if len(section) > 1 else ''}".rstrip()
-    # A wrong value is said with the name of its group, which is no option.
+    # tyro names the group of a wrong value, which is not an option.
     said = re.sub(r"^Error parsing [a-z_]+: ", "", said)
     return f"{said.rstrip('.')}. {prog} --help explains the options"
 

@@ -24,14 +24,14 @@ halfphysics play walk.npz
 halfphysics play kick_ball walk.npz
 halfphysics play walk.npz --object ball=sphere:0.11,mass=0.43,at=1:0:0.11 --port 9000"""
 
-#: What is played where nothing is said.
+#: The scenario that is played by default.
 FIRST = "kick_ball"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
     """Play with a simulation in a browser: turn masses, friction, firmness and strength, drag
-    things about; Ctrl-C ends it.
+    objects about; Ctrl-C ends it.
 
     Prints the address to open. On a machine without a display, reach it through an SSH tunnel;
     the command to do so is printed too.
@@ -67,7 +67,7 @@ class Command:
         play(catalog, choice, host=self.host, port=self.port)
 
     def _sorted(self) -> tuple[list[str], dict[str, Callable[[], Sequence]]]:
-        """The scenarios and the files that were named."""
+        """The scenarios and motion files of the arguments."""
         from halfphysics import scenarios
         from halfphysics.base.validation import file_path
 
@@ -97,7 +97,7 @@ class Command:
         }
 
     def _sequence(self, path: Path) -> Sequence:
-        """A motion file as it is simulated by halfphysics simulate."""
+        """A motion file as a sequence, as for halfphysics simulate."""
         from halfphysics.body.body import check_match
         from halfphysics.simulation.sequence import Sequence
 
@@ -109,7 +109,7 @@ class Command:
 
 
 def _names(paths: list[Path], taken: tuple[str, ...]) -> list[str]:
-    """File names, with as much of the folder as tells them apart."""
+    """File names, with as many folders as needed to be distinct."""
     for parts in range(1, 1 + max((len(path.parts) for path in paths), default=0)):
         names = ["/".join(path.parts[-parts:]) for path in paths]
         if len(set(names)) == len(paths) and not set(names) & set(taken):

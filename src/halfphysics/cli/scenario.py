@@ -27,7 +27,7 @@ halfphysics scenario kick_ball
 halfphysics scenario kick_ball --mass 200 --fps 60 --out result.npz
 halfphysics scenario kick_ball --fixed --stiffness 0 --drive-time None --page kick.html"""
 
-#: Options of a scenario that are no text.
+#: Options of a scenario that cannot be written as text.
 _OBJECTS = ("body", "other")
 _WIDTH = 92
 _OUTPUTS = ("out", "page", "pictures")
@@ -45,13 +45,13 @@ class Outputs:
     """Strip of pictures to write (.png)."""
 
     def given(self) -> list[Path]:
-        """The files asked for."""
+        """The requested output files."""
         return [path for name in _OUTPUTS if (path := getattr(self, name)) is not None]
 
 
 @dataclass(frozen=True)
 class Play:
-    """A scenario as the arguments describe it."""
+    """The scenario described by the arguments."""
 
     name: str
     sequence: Sequence
@@ -59,7 +59,7 @@ class Play:
     outputs: Outputs
 
     def run(self) -> None:
-        """Simulate, print the summary, write what is asked for."""
+        """Simulate, print the summary, write the requested files."""
         from halfphysics import scenarios
         from halfphysics.simulation.simulate import simulate
 
@@ -91,10 +91,10 @@ class Play:
 
 
 def read(prog: str, arguments: Several[str]) -> Play | Exit:
-    """The scenario that the arguments describe, or `Exit` after the list or a help was printed.
+    """The scenario described by the arguments, or `Exit` after printing the list or help.
 
     Raises:
-        InputError: An unknown scenario, or arguments that do not fit it.
+        InputError: The scenario is unknown, or the arguments do not fit it.
     """
     from halfphysics import scenarios
 
@@ -122,7 +122,7 @@ def read(prog: str, arguments: Several[str]) -> Play | Exit:
 
 
 def overview() -> str:
-    """Every scenario, what happens in it, and its options with their defaults."""
+    """Every scenario, its description, and its options with their defaults."""
     from halfphysics import scenarios
 
     blocks = []
@@ -151,25 +151,25 @@ def _play(prog: str, name: str, arguments: list[str]) -> Play | Exit:
     chosen = {option: getattr(command, option) for option in _texts(name)}
     sequence = scenarios.load(name, **chosen)
     if sequence.settings != Settings():
-        # What is not said is as the scenario has it, which only building it tells.
+        # Options that are not given keep the scenario's settings, known only after building it.
         command = parsed(sequence.settings)
     settings = command.baseline.applied(command.settings)
     return Play(name, sequence, settings, command.outputs)
 
 
 def _texts(name: str) -> dict[str, Any]:
-    """The options of a scenario that can be said on a command line, and their defaults."""
+    """The options of a scenario that a command line can give, and their defaults."""
     from halfphysics import scenarios
 
     return {o: default for o, default in scenarios.options(name).items() if o not in _OBJECTS}
 
 
 def _command(name: str, settings: Settings) -> type[Any]:
-    """The dataclass of all options of a scenario: its own, what to write, and settings."""
+    """The dataclass of all options of a scenario: its own, outputs, and settings."""
     from halfphysics import scenarios
 
     build = scenarios.builder(name)
-    # Without what is left out, whose types are known to type checkers only.
+    # Omitted options are excluded: their types are available to type checkers only.
     types = {o: kind for o, kind in build.__annotations__.items() if o in _texts(name)}
     hints = get_type_hints(SimpleNamespace(__annotations__=types), build.__globals__)
     helps = scenarios.explain(name)
@@ -224,7 +224,7 @@ def _flag(option: str) -> str:
 
 
 def _wrapped(words: Several[str]) -> list[str]:
-    """Words, which keep their inner spaces, in lines."""
+    """Words wrapped into lines; a word keeps its inner spaces."""
     lines = [""]
     for word in words:
         if lines[-1] and len(lines[-1]) + 2 + len(word) > _WIDTH:

@@ -83,7 +83,7 @@ class Command:
             print(f"result: {self.out}")
 
     def _recorded(self, sequences: list[Sequence]) -> Scene:
-        """What stands and lies around by the data sets."""
+        """The scene of the data sets: static geometry and objects."""
         full = [s.scene for s in sequences if is_furnished(s.scene)]
         if len(full) > 1:
             raise InputError(

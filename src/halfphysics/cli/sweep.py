@@ -30,14 +30,14 @@ halfphysics sweep plan.yaml --out data --jobs 4
 halfphysics sweep plan.yaml --out data --verify 20
 halfphysics sweep plan.yaml --engine ray --address auto"""
 
-#: Samples that --verify computes again if it does not say how many.
+#: Number of samples that --verify computes again by default.
 VERIFIED = 10
-#: Shards up to which the manifest of a sweep that was stopped is written: it is quick.
+#: Largest number of shards for which a stopped sweep still writes its manifest: it is quick.
 _QUICK = 1000
 
 
 def read(prog: str, arguments: Sequence[str]) -> Command | Exit:
-    """The command that the arguments describe; --verify may stand without a number."""
+    """The command that the arguments describe; --verify needs no number."""
     given = list(arguments)
     for place, word in enumerate(given):
         following = given[place + 1 : place + 2]
@@ -61,7 +61,7 @@ class Command:
     engine: Literal["local", "ray"] = "local"
     """What works: processes of this machine, or a cluster."""
     jobs: int | None = None
-    """Processes to work in; one per core if not said. No byte depends on it."""
+    """Processes to work in; one per core if not said. The output is identical for any value."""
     memory: Annotated[float | None, tyro.conf.arg(metavar="GIB")] = None
     """Memory for all processes together [GiB]; 80 % of the machine's if not said."""
     limit: Annotated[float | None, tyro.conf.arg(metavar="SECONDS")] = None
@@ -79,7 +79,7 @@ class Command:
     """Make again what another version of the program made; without it such a folder is refused."""
 
     def run(self) -> None:
-        """Show the plan, do it, say what it came to."""
+        """Show the plan, run it, print the summary."""
         from halfphysics.sweep import Plan, Variants, describe
         from halfphysics.sweep.plan.plan import resolve_inputs
 
@@ -89,7 +89,7 @@ class Command:
         if self.verify is not None:
             self._verify(plan, folder, self.verify)
             return
-        # No byte of the data depends on --out: only what is shown says where it goes.
+        # The data is identical for any --out: only the printed text has the folder.
         shown = replace(plan, outputs=replace(plan.outputs, folder=str(folder.absolute())))
         print(describe(shown, Variants(plan, resolve_inputs(plan))))
         if not self.dry_run:
@@ -166,7 +166,7 @@ class Command:
         return RayEngine(folder, self.jobs, self.memory, address=self.address)
 
     def _how_far(self, progress: Progress) -> str:
-        """What is done, and how to go on."""
+        """The number of finished variants, and the command to continue."""
         of = f" of {progress.total}" if progress.total else ""
         return f"{progress.done}{of} variants are done. To go on: {self._again()}"
 
@@ -184,15 +184,15 @@ class Command:
 
 
 def _list_what_there_is(store: Store) -> None:
-    """Manifest and card of a sweep that was stopped, where that takes no time."""
+    """Write manifest and card of a stopped sweep if that is quick."""
     if store.layout.shards <= _QUICK:
-        with contextlib.suppress(HalfPhysicsError):  # it is stopped either way
+        with contextlib.suppress(HalfPhysicsError):  # the sweep ends in any case
             store.finish()
 
 
 @contextlib.contextmanager
 def _ended_like_by_ctrl_c() -> Iterator[None]:
-    """A request to end (SIGTERM, as job systems send it) is one like Ctrl-C."""
+    """Handle a request to end (SIGTERM, as job systems send it) like Ctrl-C."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

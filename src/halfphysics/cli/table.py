@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 
 def table(rows: Sequence[Sequence[str]]) -> str:
-    """Rows of cells in aligned columns: the first to the left, the others to the right.
+    """Rows of cells in aligned columns: the first column to the left, the others to the right.
 
-    The first row is the head, and a line is drawn under it.
+    The first row is the head, with a line under it.
     """
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     lines = []

@@ -1,4 +1,4 @@
-"""halfphysics view: results in a browser."""
+"""halfphysics view: show results in a browser."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Command:
 
 
 def _names(files: tuple[Path, ...]) -> list[str]:
-    """File names, with as much of the folder as tells them apart."""
+    """File names, with as many folders as needed to be distinct."""
     for parts in range(1, 1 + max(len(path.parts) for path in files)):
         names = ["/".join(path.with_suffix("").parts[-parts:]) for path in files]
         if len(set(names)) == len(files):

@@ -1,7 +1,6 @@
-"""Files: motions and scenes in and out. `registry` knows the formats.
+"""Readers and writers of motion, scene and result files. `registry` lists the formats.
 
-Its names are imported when first used: what is below (a cache, a mesh reader) serves the core,
-which the formats stand on.
+Names are imported when first used: importing one module, such as `loading`, loads no format.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """The npz that the SMPL-X Blender add-on animates: AMASS's z up, flat hands, five keys.
 
-`trans (T, 3), gender, betas (n,), poses (T, 165), mocap_frame_rate`. The add-on makes the rate a
-whole number, refuses one under its target (30 unless changed) and plays at the wrong speed where
-it is no multiple of it: so 30, 60 or 120. Read back, it is a file of `amass-smplx`.
+`trans (T, 3), gender, betas (n,), poses (T, 165), mocap_frame_rate`. The add-on
+rounds the rate to a whole number, refuses a rate below its target (30 by default) and plays at the
+wrong speed if the rate is no multiple of the target: hence 30, 60 or 120. `amass-smplx` reads the
+file back.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ _SHAPES = 10
 
 
 def _rate(fps: float) -> float:
-    """The lowest of `RATES` that keeps all of a motion; the highest where none does."""
+    """The lowest of `RATES` that is at least `fps`, else the highest."""
     return next((rate for rate in RATES if rate >= fps), RATES[-1])
 
 

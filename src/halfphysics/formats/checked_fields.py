@@ -1,4 +1,4 @@
-"""Named fields of a file, checked as they are taken out."""
+"""Named fields of a file, checked when they are read."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ _ALL = slice(None)
 
 
 class Record:
-    """The fields of a file, or of one clip or part of it, whatever they were stored in.
+    """The fields of a file, or of one clip or part of it, from any kind of container.
 
     Args:
-        where: What messages call it: the file, and the clip or part where there are several.
+        where: Name in messages: the file, and its clip or part if it has several.
         fields: Name -> array, number or text.
 
     Raises:
-        FileError: By all methods, for a field that is missing or impossible: it names file,
-            field, what was found, what was expected and the way out.
+        FileError: All methods raise it for a missing or impossible field. The message names the
+            file, the field, the value found, the value expected and a remedy.
     """
 
     def __init__(self, where: str | Path, fields: Mapping[str, Any]) -> None:
@@ -54,7 +54,7 @@ class Record:
         return FileError(f"{self.where}: field '{key}': {text}")
 
     def raw(self, key: str, wanted: str = "") -> Any:
-        """A field as it is; `wanted` says what it should be if it is not there."""
+        """A field, unchecked; `wanted` describes it in the message if it is missing."""
         if key not in self.fields:
             near = [k for k in self.fields if isinstance(k, str) and key.lower() in k.lower()]
             hint = f"; is it '{near[0]}'? Rename it" if near else ""
@@ -65,11 +65,11 @@ class Record:
         return self.fields[key]
 
     def array(self, key: str, *shape: int | None, frames: slice = _ALL) -> Array:
-        """A field as finite float64 numbers of `shape`, whose None is T, cut to `frames`."""
+        """A field as finite float64 numbers of `shape` (None: T), cut to `frames`."""
         return np.array(self.numbers(key, *shape, frames=frames), dtype=np.float64)
 
     def numbers(self, key: str, *shape: int | None, frames: slice = _ALL) -> NDArray[Any]:
-        """As `array`, in the type that the file has."""
+        """Like `array`, in the number type of the file."""
         wanted = "(" + ", ".join("T" if n is None else str(n) for n in shape)
         wanted += ",)" if len(shape) == 1 else ")"
         value = self.raw(key, wanted)
@@ -97,7 +97,7 @@ class Record:
         return array
 
     def number(self, key: str, *, above: float = -np.inf, below: float = np.inf) -> float:
-        """A field as one number: of any shape, so long as it holds one."""
+        """A field as one number: an array of any shape with one element."""
         array = to_numpy(self.raw(key, "(one number)"))
         one = array.size == 1 and array.dtype.kind in "fiu"
         if not one or not above < float(array.reshape(-1)[0]) < below:
@@ -106,12 +106,12 @@ class Record:
         return float(array.reshape(-1)[0])
 
     def text(self, key: str) -> str:
-        """A field as text, whether it was stored as str, bytes or an array of one."""
+        """A field as text, stored as str, bytes or an array of one of them."""
         value = to_numpy(self.raw(key, "(text)"))
         item = value.reshape(-1)[0] if value.size == 1 else None
         if isinstance(item, bytes):
             item = item.decode("utf-8", "replace")
         if not isinstance(item, str):
             raise self.error(key, f"found {shown(value.tolist())}, expected text")
-        # Written by str() of bytes in many files.
+        # Many files hold the str() of bytes.
         return item.strip().removeprefix("b'").removesuffix("'")

@@ -1,4 +1,4 @@
-"""What a motion format is, and what it is given to read."""
+"""The interface of a motion format, and the source and options that it reads with."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ _HEAD = 4096
 
 
 class Source:
-    """A file or folder to read a motion from, opened as far as a sniffer needs it.
+    """A motion file or folder, opened as far as a sniffer needs.
 
-    It may be given where a path is asked for: what was read of it is not read again.
+    The loading functions take a `Source` in place of a path: data already read is not read again.
 
     Raises:
-        FileError: It does not exist, is empty or cannot be read.
+        FileError: The file does not exist, is empty or cannot be read.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -39,7 +39,7 @@ class Source:
         if not self.path.exists():
             near = self._near()
             raise FileError(f"{self.path}: no such file.{near}")
-        #: Whether it is a folder: some data sets come as one.
+        #: Whether the path is a folder: some data sets are folders.
         self.is_folder = self.path.is_dir()
         #: The first 4096 bytes of a file.
         self.head = b""
@@ -72,7 +72,7 @@ class Source:
 
     @cached_property
     def npz(self) -> Npz | None:
-        """Its arrays if it is an npz (by content), else None."""
+        """The arrays of an npz file (recognized by content), else None."""
         if self.head[:2] != b"PK":
             return None
         npz = Npz(self.path)
@@ -80,19 +80,19 @@ class Source:
 
     @cached_property
     def npy(self) -> Npy | None:
-        """Header and memory-mapped numbers if it is an npy (by content), else None."""
+        """Header and memory-mapped numbers of an npy file (recognized by content), else None."""
         return Npy(self.path) if self.head[:6] == b"\x93NUMPY" else None
 
     @cached_property
     def data(self) -> Any:
-        """What is in a pickle, a joblib dump, a pickled npy or a torch file; else None.
+        """The content of a pickle, a joblib dump, a pickled npy or a torch file; else None.
 
-        Read by the restricted unpickler: arrays, numbers, strings and containers only.
+        The restricted unpickler reads it: arrays, numbers, strings and containers only.
         """
         return stored.read(self.path) if stored.is_stored(self.path, self.head) else None
 
     def describe(self) -> str:
-        """What it is, for the message that no format fits."""
+        """The content in words, for the message that no format fits."""
         if self.is_folder:
             names = sorted(entry.name for entry in self.path.iterdir())
             return f"a folder with {', '.join(names[:12]) or 'nothing in it'}"
@@ -109,16 +109,16 @@ class Source:
         return f"a file that begins with {shown(self.head[:24])}"
 
 
-#: Folders that a caller names.
+#: Folders of assets that a caller passes.
 Assets: TypeAlias = str | os.PathLike[str] | Iterable[str | os.PathLike[str]] | None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What the caller of `Motion.load` or `load_sequence` said; None where the file is to say it.
+    """The options of `Motion.load` and `load_sequence`; None: the file gives the value.
 
-    `clip` is "" of a file that holds one motion only. `objects` is "free" (pushed about from where
-    they are at the first frame) or "replayed" (along the recorded trajectory).
+    `clip` is "" for a file that holds one motion only. `objects` is "free" (dynamic from their
+    poses at the first frame) or "replayed" (kinematic along the recorded trajectory).
     """
 
     fps: float | None = None
@@ -138,27 +138,27 @@ def _nothing(motion: Motion) -> tuple[str, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
-    """One motion file format: a file of its own in this package and a line in the registry."""
+    """One motion file format: one module of this package and one line in the registry."""
 
     #: Name by which `Motion.save(format=)` and the command line know it.
     name: str
-    #: What its files hold, for the message that no format fits.
+    #: The content of its files, for the message that no format fits.
     expects: str
-    #: Whether this file's content is of this format. May raise FileError to explain a near
-    #: miss that no other format could claim either. None where another one's sniff finds them.
+    #: Whether the content of a file is of this format. May raise FileError to explain a near
+    #: miss that no other format could claim either. None: the sniff of another format finds them.
     sniff: Callable[[Source], bool] | None
     load: Callable[[Source, Options], Motion]
-    #: Motion and scene, where the data set has objects; None: the motion on an empty scene.
+    #: Motion and scene if the data set has objects; None: the motion with an empty scene.
     load_sequence: Callable[[Source, Options], Sequence] | None = None
-    #: The names of the clips in a file that holds several; it loads the one of `Options.clip`.
+    #: The clip names in a file with several clips; `load` reads the clip `Options.clip`.
     clips: Callable[[Source], Iterable[str]] | None = None
-    #: Writes a motion that is in the axes of its file or of `up`; None: it can only be read.
+    #: Writes a motion in the axes of its file or of `up`; None: the format is read-only.
     save: Callable[[Motion, Path, Body | None], None] | None = None
-    #: Of the files that are written, the first for preference.
+    #: Suffixes of the files written, the preferred one first.
     suffixes: tuple[str, ...] = (".npz",)
-    #: The up axis of the files that are written; None where the format says which it is.
+    #: The up axis of the files written; None: the file states its up axis.
     up: str | None = "z"
-    #: Whether its files hold the joints of a body, so that `save` cannot do without one.
+    #: Whether its files hold the joints of a body, so that `save` needs one.
     needs_body: bool = False
-    #: What of this motion a file of this format cannot hold, one line each.
+    #: The parts of a motion that a file of this format cannot hold, one line each.
     loses: Callable[[Motion], tuple[str, ...]] = _nothing

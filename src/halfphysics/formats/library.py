@@ -25,15 +25,15 @@ class Clip:
     """One motion of a library.
 
     Attributes:
-        path: The file (or folder) it is in.
-        format: Name of its format.
-        name: Its name in a file of several, else None.
+        path: The file or folder of the clip.
+        format: Name of the format.
+        name: Name of the clip in a file with several clips, else None.
     """
 
     path: Path
     format: str
     name: str | None = None
-    # Of a file of several, so that it is read once for all of them.
+    # The open file, if it has several clips: it is read once for all of them.
     _source: Source | None = field(default=None, repr=False, compare=False)
 
     def load(self, **options: Any) -> Sequence:
@@ -46,21 +46,20 @@ class Clip:
 
 
 def clips(path: str | os.PathLike[str]) -> Iterator[Clip]:
-    """The motions in a file, in all files under a folder, or in those that a glob names.
+    """The motions in a file, in all files under a folder, or in the files that match a glob.
 
-    Nothing but heads of files is read before a clip is asked for. Files of no known format, and
-    such as cannot be read, are passed over, but one that is named outright. In the order of the
-    names; what links lead to more than once comes once, and a folder that cannot be read is passed
-    over with a warning.
+    Only the heads of files are read until a clip is loaded. Files of unknown format and unreadable
+    files are skipped, except a file that `path` names; unreadable folders are skipped with a
+    warning. Clips come in the order of file names, each once, even if several links lead to it.
 
     Args:
         path: For example "AMASS/", "AMASS/**/*_stageii.npz" or one file.
 
     Raises:
-        FileError: There is nothing of that name, or one file that is no motion.
+        FileError: The path does not exist, or is a file that is no motion.
     """
     given = file_path(path)
-    seen: set[str] = set()  # links may lead back to where they lie
+    seen: set[str] = set()  # links may lead back to a folder above them
     if given.exists():
         yield from _under(given, seen, asked=True)
         return
@@ -73,8 +72,8 @@ def clips(path: str | os.PathLike[str]) -> Iterator[Clip]:
 
 
 def _fitting(base: Path, pattern: tuple[str, ...]) -> Iterator[Path]:
-    """What fits the parts of a glob below `base`, as glob.glob has it. That goes round in rings of
-    links: as many times as there are paths of 40 links."""
+    """The paths below `base` that match the parts of a glob, as for glob.glob, but cycles of links
+    are followed once: glob.glob lists every path of up to 40 links."""
     if not pattern:
         yield base
     elif pattern[0] == "**":
@@ -86,7 +85,7 @@ def _fitting(base: Path, pattern: tuple[str, ...]) -> Iterator[Path]:
 
 
 def _folders(base: Path, seen: set[str]) -> Iterator[Path]:
-    """A folder and all below it that are not hidden, each once."""
+    """A folder and all folders below it that are not hidden, each once."""
     real = os.path.realpath(base)
     if real in seen or not base.is_dir():
         return

@@ -1,4 +1,4 @@
-"""Loading of the motion, body and scene of a command line or a sweep, from their options."""
+"""Loads the motion, body and scene of a command line or a sweep from their options."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
     from halfphysics.simulation.sequence import Sequence
 
-#: The static that is added as a floor.
+#: Name of the static that is added as a floor.
 GROUND = "ground"
 
 
 @dataclass(frozen=True, kw_only=True)
 class MotionOptions:
-    """What a motion file cannot say itself."""
+    """Options that a motion file may not state itself."""
 
     fps: float | None = None
     """Frames per second of the motion file, where it does not say."""
@@ -47,7 +47,7 @@ class MotionOptions:
     """Objects that the data set recorded: free from their first pose on, moved as recorded, or left
     out with the scene around them."""
 
-    #: How `frames` was asked for.
+    #: Name of the option `frames` in messages.
     FRAMES: ClassVar[str] = "frames"
 
     def load(self, path: Path) -> Motion:
@@ -57,7 +57,7 @@ class MotionOptions:
         return load_motion(path, **self._said())
 
     def sequence(self, path: Path) -> Sequence:
-        """The motion in a file with the objects and the scene that were recorded around it."""
+        """The motion in a file with the recorded objects and scene."""
         from halfphysics.formats import load_sequence
         from halfphysics.scene.scene import Scene
         from halfphysics.simulation.sequence import Sequence
@@ -79,7 +79,7 @@ class MotionOptions:
         }
 
     def frame_range(self) -> tuple[int | None, int | None] | None:
-        """The first frame to read and the one after the last; raises `InputError`."""
+        """The first frame to read and the frame after the last; raises `InputError`."""
         if self.frames is None:
             return None
         ends = self.frames.split(":")
@@ -97,9 +97,9 @@ def model_for(
     path: str | os.PathLike[str],
     read: Callable[..., ShapeSpace] | None = None,
 ) -> ShapeSpace:
-    """The body model for a motion: of a folder of them, that of its model and gender.
+    """The body model for a motion: in a folder of models, the one of its model and gender.
 
-    `read` stands in for `read_model`, such as one that keeps what it has read.
+    `read` replaces `read_model`, for example by a reader with a cache.
     """
     from halfphysics.body.model_files import read_model
 
@@ -112,13 +112,13 @@ def model_for(
 
 
 def betas_for(motion: Motion, space: ShapeSpace) -> Any:
-    """The motion's betas where they are that model's; None: they mean nothing to it."""
+    """The motion's betas if they belong to that model, else None."""
     own = space.model == motion.model and space.gender in (motion.gender, "unknown")
     return motion.betas if own else None
 
 
 def is_furnished(scene: Scene) -> bool:
-    """Whether anything stands or lies in a scene."""
+    """Whether a scene has statics or objects."""
     return bool(scene.statics or scene.objects or scene.articulated)
 
 
@@ -131,18 +131,18 @@ def furnished(
     *,
     words: tuple[str, str, str] = ("--scene", "--objects none", "--no-ground"),
 ) -> Scene:
-    """A scene from a file, or else what `base` has; and what is added to it. `base` stays as it is.
+    """The scene of a file, else a copy of `base`, with the statics and objects added to it.
 
     Args:
-        base: What a data set brings; a file takes its place where it is empty.
+        base: The scene of a data set; `file` replaces it if it is empty.
         file: Scene file, or None.
-        statics: What never moves, as `scene_spec.parse_static` reads it.
-        objects: What moves, as `scene_spec.parse_object` reads it.
-        ground: Whether a floor at z = 0 is added, where there is no plane yet.
-        words: How to say, where this was asked: the scene file, no recorded objects, no floor.
+        statics: Static items, as `item_spec.parse_static` reads them.
+        objects: Objects, as `item_spec.parse_object` reads them.
+        ground: Whether a floor at z = 0 is added if the scene has no plane.
+        words: The options in messages: the scene file, no recorded objects, no floor.
 
     Raises:
-        InputError: Two scenes, impossible things. FileError: A file that cannot be used.
+        InputError: Two scenes, or an impossible item. FileError: A file that cannot be used.
     """
     from halfphysics.geometry.shapes import Plane
     from halfphysics.scene.item_spec import parse_object, parse_static

@@ -1,7 +1,7 @@
-"""From the fields of a file to a `Motion`: what all formats but AMASS share.
+"""From the fields of a file to a `Motion`, shared by all formats but AMASS.
 
-A format's own file says which field is what; the rules (axes turned once, hands, shape, frame
-rate, gender, warnings) are here.
+The module of a format maps the fields; the rules (axes rotated once, hands, shape, frame rate,
+gender, warnings) are here.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ from halfphysics.motion.smplx_names import one_shape
 Array = NDArray[np.float64]
 
 _HANDS = list(skeleton.LEFT_HAND_JOINTS + skeleton.RIGHT_HAND_JOINTS)
-# More than three turns about one axis is no joint; degrees taken for radians are.
+# No joint turns more than three times about one axis; degrees read as radians do.
 _DEGREES = 20.0
-# Mean component of the trunk's direction along an axis, for a person upright along it or across it.
+# Bounds on the mean component of the trunk's direction along an axis: upright above, across below.
 _UPRIGHT, _ACROSS = 0.8, 0.3
 _AXIS = {"y": 1, "z": 2}
 
 
 def rotations_of(parts: Mapping[tuple[int, ...], Array]) -> Array:
-    """Rotations (T, 55, 3) of joints -> axis-angle (T, 3 n) or (T, n, 3); the rest is zero."""
+    """Rotations (T, 55, 3) of joints -> axis-angle (T, 3 n) or (T, n, 3); others are zero."""
     frames = len(next(iter(parts.values())))
     full = np.zeros((frames, skeleton.N_JOINTS, 3))
     for joints, part in parts.items():
@@ -44,7 +44,7 @@ def rotations_of(parts: Mapping[tuple[int, ...], Array]) -> Array:
 
 
 def own_name(name: str, known: Container[str]) -> str:
-    """The name of a clip; with a number where it is one of the `known` already: "walk#2"."""
+    """The name of a clip, with a number if it is in `known` already: "walk#2"."""
     again, new = 2, name
     while new in known:
         new, again = f"{name}#{again}", again + 1
@@ -55,7 +55,7 @@ def same_length(where: str, lengths: Mapping[str, int]) -> int:
     """The number of frames that all fields have.
 
     Raises:
-        FileError: They differ.
+        FileError: The lengths differ.
     """
     if len(set(lengths.values())) > 1:
         raise FileError(
@@ -66,7 +66,7 @@ def same_length(where: str, lengths: Mapping[str, int]) -> int:
 
 
 def warn_of_degrees(where: str, rotations: Array) -> bool:
-    """Warn of rotations (T, J, 3) that cannot be radians, and say whether they cannot."""
+    """Warn of rotations (T, J, 3) that cannot be radians; returns whether it warned."""
     largest = float(np.abs(rotations[:, 1:]).max(initial=0.0))
     if largest > _DEGREES:
         warn(
@@ -77,9 +77,9 @@ def warn_of_degrees(where: str, rotations: Array) -> bool:
 
 
 def warn_of_axes(where: str, rotations: Array, up: str) -> None:
-    """Warn of a body that stands along the other axis from beginning to end."""
+    """Warn of a body that is upright along the other axis throughout the motion."""
     if not len(rotations):
-        return  # Motion says so
+        return  # Motion raises the error
     spine = rot.to_matrix(rot.exp(rotations[:, 0]))[:, :, 1].mean(axis=0)
     other = "z" if up == "y" else "y"
     if spine[_AXIS[other]] > _UPRIGHT and abs(spine[_AXIS[up]]) < _ACROSS:
@@ -93,7 +93,7 @@ def mean_hands(path: str | os.PathLike[str] | None, gender: str) -> Array:
     """The relaxed hand (30, 3) of the user's body-model file.
 
     Raises:
-        InputError: No file was named: only a licensed model knows its mean hand.
+        InputError: No file was named: only a licensed model file has its mean hand.
     """
     if path is None or str(path) in MODELS:
         raise InputError(
@@ -102,7 +102,7 @@ def mean_hands(path: str | os.PathLike[str] | None, gender: str) -> Array:
         )
     from halfphysics.body.body import Body
 
-    # The clip's gender picks a file from a folder; a file named outright is taken as it is.
+    # The clip's gender selects a file in a folder; a named file is used for any gender.
     mean = Body.load(path, gender=gender if os.path.isdir(path) else None).hands_mean
     if mean is None:
         raise FileError(f"{path}: this body model has no mean hands, expected SMPL-X or SMPL-H")
@@ -125,26 +125,26 @@ def motion_of(
     fields: Mapping[str, Any] | None = None,
     per_frame: Mapping[str, NDArray[Any]] | None = None,
 ) -> Motion:
-    """A motion of what a file says, in the file's own axes; what the caller said goes first.
+    """A motion from the fields of a file, in the file's axes; the caller's options take precedence.
 
     Args:
-        where: What messages call the file or clip.
-        options: What the caller said; `frames` are cut already.
+        where: Name of the file or clip in messages.
+        options: The caller's options; `frames` are cut already.
         format: Name of the format.
-        translation: Of the SMPL origin (T, 3) [m], file axes.
+        translation: Translation of the SMPL origin (T, 3) [m], file axes.
         rotations: Axis-angle (T, 55, 3) [rad], file axes.
-        fps: None where the file does not say.
+        fps: None if the file does not state it.
         up: The axis that is up in the format.
         model: "smplx", "smplh" or "smpl".
-        gender: Any spelling; None where the file does not say: neutral, with a warning.
-        betas: (n,), (1, n) or equal rows (T, n); None or empty where the file does not say.
-        hands: What zero fingers mean; "unsaid": the caller must say it; None: the file has no
+        gender: Any spelling; None if the file does not state it: neutral, with a warning.
+        betas: (n,), (1, n) or equal rows (T, n); None or empty if the file has none.
+        hands: Meaning of zero fingers; "unsaid": the caller must state it; None: the file has no
             fingers.
-        fields, per_frame: What the format's writer needs besides; see `FileMetadata`.
+        fields, per_frame: Further data for the format's writer; see `FileMetadata`.
 
     Raises:
-        FileError: The motion is impossible, or something is missing that the caller must say.
-        InputError: An option that does not fit the file.
+        FileError: The motion is impossible, or a value that the caller must state is missing.
+        InputError: An option does not fit the file.
     """
     same_length(where, {"translation": len(translation), "rotations": len(rotations)})
     fps = _fps(where, options, fps)
@@ -178,7 +178,7 @@ def motion_of(
 
 
 def _fps(where: str, options: Options, fps: float | None) -> float:
-    """The frame rate that the caller says, else that of the file."""
+    """The frame rate of the options, else that of the file."""
     fps = fps if options.fps is None else options.fps
     if fps is None:
         raise FileError(
@@ -196,7 +196,7 @@ def _shape(where: str, betas: ArrayLike, frames: int) -> Array | None:
 
 
 def _gender(where: str, options: Options, gender: str | None) -> str:
-    """The gender that the caller or the file says; neutral, with a warning, without either."""
+    """The gender of the options, else of the file, else neutral with a warning."""
     if gender is None and options.gender is None:
         warn(f"{where}: does not say a gender: taken as neutral. Say it with gender=")
     gender = options.gender or (gender or "neutral").strip().lower()
@@ -224,16 +224,16 @@ def _hands_mean(where: str, options: Options, hands: str | None) -> bool:
 
 
 def own_fields(motion: Motion) -> Mapping[str, Any]:
-    """What the file of a motion said besides (`FileMetadata.fields`); nothing where it had none."""
+    """The further fields of a motion's file (`FileMetadata.fields`), empty without a file."""
     return motion.origin.fields if motion.origin is not None else {}
 
 
 def file_parameters(motion: Motion, format: str) -> tuple[Array, Array, Mapping[str, Any]]:
-    """What a writer starts from: translation and rotations as the format's file has them.
+    """Translation and rotations as the files of a format have them, for its writer.
 
     Returns:
-        Translation (T, 3) and rotations (T, 55, 3) in the axes and hands of the file that the
-        motion came from, and the `FileMetadata.fields` (empty if it is of another format).
+        Translation (T, 3) and rotations (T, 55, 3) with the axes and hands of the
+        motion's file, and the `FileMetadata.fields` (empty if the file is of another format).
     """
     translation, rotations = motion.in_file_axes()
     own = motion.origin if motion.origin and motion.origin.format == format else None
@@ -244,7 +244,7 @@ def file_parameters(motion: Motion, format: str) -> tuple[Array, Array, Mapping[
 
 
 def lost_joints(motion: Motion, held: Sequence[int]) -> tuple[str, ...]:
-    """What a file that holds only these joints leaves out of a motion, for `Format.loses`."""
+    """The rotations of a motion that a file with only these joints omits, for `Format.loses`."""
     lost = [j for j in range(skeleton.N_JOINTS) if j not in held and motion.rotations[:, j].any()]
     groups = {"the fingers": _HANDS, "jaw and eyes": skeleton.FACE_JOINTS}
     lines = []
@@ -258,14 +258,14 @@ def lost_joints(motion: Motion, held: Sequence[int]) -> tuple[str, ...]:
 
 
 def lost_rate(motion: Motion, fps: float) -> tuple[str, ...]:
-    """The line for `Format.loses` where a file says no rate, and readers take `fps`."""
+    """The line for `Format.loses` if the file has no frame rate and readers take `fps`."""
     if motion.fps == fps:
         return ()
     return (f"the frame rate {motion.fps:g}: readers take {fps:g}; say --to-fps {fps:g}",)
 
 
 def lost_model(motion: Motion, model: str = "smplx") -> tuple[str, ...]:
-    """The line for `Format.loses` where a file's readers take another model than the motion's."""
+    """The line for `Format.loses` if readers take a model other than the motion's."""
     if motion.model == model:
         return ()
     return (f"the model {motion.model!r} that the shape is of: readers take {model!r}",)

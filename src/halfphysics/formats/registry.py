@@ -1,4 +1,4 @@
-"""The registry of motion formats. A new format is one file of this package and a line below."""
+"""The registry of motion formats. A new format is one module of this package and one line below."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ FORMATS: dict[str, Format] = {
     )
 }
 
-#: What a motion that came from no file is written as.
+#: Model -> format in which a motion without a file is written.
 _BY_MODEL = {
     "smplx": amass_smplx.FORMAT.name,
     "smplh": amass_smplh.FORMAT.name,
@@ -77,7 +77,7 @@ _BY_MODEL = {
 
 
 def identify(source: Source) -> Format | None:
-    """The format of a file; None: it is of no known one."""
+    """The format of a file; None: no known format."""
     for format in FORMATS.values():
         if format.sniff is not None and format.sniff(source):
             return format
@@ -96,7 +96,7 @@ def load_motion(
     clip: str | None = None,
     assets: Assets = None,
 ) -> Motion:
-    """The work behind `Motion.load`; see there."""
+    """Implements `Motion.load`; see there."""
     options = _options(fps, up, hands, model, gender, frames, clip, assets)
     source, format, options = _found(path, options)
     return format.load(source, options)
@@ -115,21 +115,21 @@ def load_sequence(
     frames: tuple[int | None, int | None] | None = None,
     clip: str | None = None,
 ) -> Sequence:
-    """Read a motion with the objects and the scene that its data set recorded around it.
+    """Read a motion with the objects and the scene that its data set recorded.
 
     Args:
         path: As in `Motion.load`, with the options there.
         assets: Folders of the data set's other files (object meshes, templates), searched before
-            $HALFPHYSICS_MODELS and the file's own folder and those above it.
-        objects: "free": they lie where they were at the first frame and physics moves them;
-            "replayed": they move as recorded, and nothing pushes them. How they were recorded is
-            in `Sequence.recorded` either way.
+            $HALFPHYSICS_MODELS, the file's folder and the folders above it.
+        objects: "free": dynamic, from their recorded poses at the first frame;
+            "replayed": kinematic along the recorded trajectory. `Sequence.recorded` has the
+            recorded trajectory in both cases.
 
     Returns:
-        A `Sequence`; of a format without objects the motion with an empty scene.
+        A `Sequence`; for a format without objects, the motion with an empty scene.
 
     Raises:
-        FileError, InputError: As `Motion.load`, and where an asset is missing.
+        FileError, InputError: As `Motion.load`, and if an asset is missing.
     """
     from halfphysics.scene.scene import Scene
     from halfphysics.simulation.sequence import Sequence
@@ -150,7 +150,7 @@ def save_motion(
     format: str | None = None,
     body: Body | None = None,
 ) -> None:
-    """The work behind `Motion.save`; see there."""
+    """Implements `Motion.save`; see there."""
     path = file_path(path)
     if body is not None:
         checked_body(body, "joint_frames")
@@ -163,7 +163,7 @@ def save_motion(
 
 
 def losses(motion: Motion, path: str | os.PathLike[str], format: str | None = None) -> list[str]:
-    """What of a motion the file that `save_motion` would write cannot hold, one line each."""
+    """The parts of a motion that the file of `save_motion` cannot hold, one line each."""
     writer = writer_of(motion, file_path(path), format)
     lost = list(writer.loses(motion))
     metadata = motion.origin
@@ -177,17 +177,17 @@ def writer_of(motion: Motion, path: Path, format: str | None) -> Format:
     """The format that `save_motion` writes.
 
     Raises:
-        InputError: It is unknown, or can only be read.
+        InputError: The format is unknown or read-only.
     """
     if format is not None and (not isinstance(format, str) or format not in FORMATS):
         raise InputError(f"format: found {format!r}, expected one of {', '.join(FORMATS)}")
     writer = _by_suffix(motion, path) if format is None else FORMATS[format]
-    _saving(writer)  # or say that it cannot
+    _saving(writer)  # raises InputError for a read-only format
     return writer
 
 
 def _saving(writer: Format) -> Callable[[Motion, Path, Body | None], None]:
-    """What writes its files."""
+    """The function that writes files of a format; raises InputError if it is read-only."""
     if writer.save is None:
         writable = ", ".join(name for name, known in FORMATS.items() if known.save)
         raise InputError(f"format: '{writer.name}' can only be read, expected one of {writable}")
@@ -215,7 +215,7 @@ def _by_suffix(motion: Motion, path: Path) -> Format:
 
 
 def _in_axes(motion: Motion, format: str, up: str, body: Body | None) -> Motion:
-    """The motion with `translation` as the files of a format mean it."""
+    """The motion with `translation` as the files of a format define it."""
     from halfphysics.base.axes import axes_of
 
     if (motion.axes == axes_of(up)).all():
@@ -240,7 +240,7 @@ def _options(
     assets: Assets,
     objects: str = "free",
 ) -> Options:
-    """What the caller said, checked."""
+    """The caller's options, checked."""
     if up not in (None, "z", "y"):
         raise InputError(f"up: found {up!r}, expected 'z' or 'y'")
     if hands not in (None, "flat", "mean"):
@@ -283,7 +283,7 @@ def _options(
 
 
 def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Format, Options]:
-    """The file and its format, and the options with the clip that is meant."""
+    """The file, its format, and the options with the name of the clip."""
     from dataclasses import replace
     from itertools import islice
 
@@ -318,7 +318,7 @@ def _found(path: str | os.PathLike[str], options: Options) -> tuple[Source, Form
 
 
 def unknown(source: Source) -> FileError:
-    """What to raise for a file of no known format."""
+    """The error for a file of no known format."""
     npz = source.npz
     if npz is not None and {"v_template", "J_regressor"} & set(npz):
         return FileError(

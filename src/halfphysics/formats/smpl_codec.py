@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 NAME = "smpl-codec"
 CODEC, SMPLX = 1, 2
 _GENDERS = ("neutral", "male", "female")
-#: Field -> the joints it holds, in its order.
+#: Field -> its joints, in the order of the field.
 _PARTS = {
     "bodyPose": (0, *skeleton.BODY_JOINTS),
     "headPose": skeleton.FACE_JOINTS,
@@ -109,7 +109,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
         fields["shapeParameters"] = motion.betas
     if said and motion.origin is not None and _EXPRESSION in motion.origin.per_frame:
         fields[_EXPRESSION] = motion.origin.per_frame[_EXPRESSION]
-    # The format has these two types only, so that programs in any language read it.
+    # The format has these two types only, for readers in any language.
     types = {"f": np.float32, "i": np.int32}
     write_npz(path, {key: value.astype(types[value.dtype.kind]) for key, value in fields.items()})
 

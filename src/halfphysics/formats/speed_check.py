@@ -1,4 +1,4 @@
-"""Speeds that no person has: wrong units or frame rates, cuts, markers that were swapped."""
+"""Checks for impossible speeds: wrong units or frame rates, cuts, swapped markers."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
 
 Array = NDArray[np.float64]
 
-#: Highest speed of a person [m/s]: that of a sprinter.
+#: Highest speed of a person [m/s]: a sprinter.
 ROOT_SPEED = 12.0
-#: Fastest that a joint moves [m/s]: a sprinter's foot on its way forward, most throws and kicks.
+#: Highest speed of a joint [m/s]: a sprinter's foot in its forward swing, most throws and kicks.
 JOINT_SPEED = 20.0
 
-#: The joints that are looked at: fingers, jaw and eyes go where hand and head go.
+#: The number of joints checked: fingers, jaw and eyes follow hand and head.
 _JOINTS = 22
 # Largest distance of each joint from the farthest of these joints, for any person [m].
 _REACH = np.zeros(_JOINTS)
 _REACH[[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]] = 1.3, 1.2, 1.2, 1.3, 0.7, 0.7, 1.2, 0.3, 0.3, 1.1
 _REACH[[12, 13, 14, 16, 17, 18, 19]] = 0.3, 0.9, 0.9, 0.8, 0.8, 0.4, 0.4
-# Frames whose joints are computed at once: bounds the memory.
+# Number of frames computed at once: bounds the memory.
 _CHUNK = 8192
 
 
@@ -51,10 +51,10 @@ def _warn(where: str, what: str, speed: float, frame: int, fps: float, limit: fl
 
 
 def _bounds(motion: Motion, root: Array) -> Array:
-    """What no joint's speed (T - 1,) [m/s] is above from a frame to the next.
+    """An upper bound (T - 1,) [m/s] on the speed of all joints between consecutive frames.
 
-    A turn is no larger than the difference of its axis-angle vectors, and moves no joint faster
-    than its rate times the reach; along the tree these add up.
+    The angle of a rotation is at most the difference of its axis-angle vectors, and moves no joint
+    faster than its rate times the reach; the bounds add up along the tree.
     """
     turns = np.diff(motion.rotations[:, :_JOINTS], axis=0)
     rates = np.sqrt(np.einsum("tji,tji->tj", turns, turns)) * motion.fps
@@ -66,13 +66,13 @@ def _bounds(motion: Motion, root: Array) -> Array:
 
 
 def _fastest(motion: Motion, frames: NDArray[np.intp]) -> tuple[float, int, int]:
-    """The fastest way from one of these frames to the next: speed [m/s], frame, joint."""
+    """The fastest joint from one of these frames to the next: speed [m/s], frame, joint."""
     from halfphysics.body.body import Body
     from halfphysics.body.skinning import kinematics
 
     rest = Body.default().rest_joints
     both = np.concatenate([frames, frames + 1])
-    # The pelvis at rest is the same in all frames: without it the differences are the same.
+    # The rest position of the pelvis is constant, so it cancels in the differences.
     places, _ = kinematics(motion.rotations[both], motion.translation[both], rest)
     before, after = places[: len(frames), :_JOINTS], places[len(frames) :, :_JOINTS]
     speeds = np.linalg.norm(after - before, axis=2) * motion.fps

@@ -1,4 +1,4 @@
-"""What the geoms of a compiled MuJoCo model are for contact."""
+"""Contact geometry of the geoms of a compiled MuJoCo model."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ Array = NDArray[np.float64]
 
 
 def collides(model: Any, geom: int) -> bool:
-    """Does a geom touch anything, by its `contype` and `conaffinity`?"""
+    """Whether a geom can collide, by its `contype` and `conaffinity`."""
     return bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
 
 
 def geom_name(model: Any, geom: int) -> str:
-    """The geom's name; without one its body's name and the geom's number."""
+    """The geom's name; if it has none, its body's name and the geom's number."""
     named = model.geom(geom).name
     return named or f"{model.body(model.geom_bodyid[geom]).name}/geom{geom}"
 
 
 def geom_kind(model: Any, geom: int) -> str:
-    """MuJoCo's word for its type: "plane", "box", "mesh", ..."""
+    """MuJoCo's name of a geom's type: "plane", "box", "mesh", ..."""
     import mujoco
 
     return str(mujoco.mjtGeom(int(model.geom_type[geom])).name).removeprefix("mjGEOM_").lower()
 
 
 def geom_collider(model: Any, geom: int) -> ConvexCollider:
-    """Collider of a convex geom in its own frame (of a mesh: the hull, as MuJoCo has it).
+    """Collider of a convex geom in its own frame (for a mesh: its convex hull, as in MuJoCo).
 
     Raises:
         InputError: A plane, a height field or a signed distance field.
@@ -72,7 +72,7 @@ def mesh_triangles(model: Any, geom: int) -> tuple[Array, NDArray[np.int32]]:
 
 
 def fixed_poses(model: Any) -> tuple[Array, Array]:
-    """Rotations (n, 3, 3) and positions (n, 3) of all geoms; right for those that never move."""
+    """Rotations (n, 3, 3) and positions (n, 3) of all geoms at `qpos0`; valid for static geoms."""
     import mujoco
 
     data = mujoco.MjData(model)
@@ -99,7 +99,7 @@ def _height_field(model: Any, data: int) -> tuple[Array, NDArray[np.int32]]:
 
 
 def _ball() -> Array:
-    """Points on the unit sphere, dense enough that their hull misses it by under 1 %."""
+    """Points on the unit sphere, dense enough that their hull is within 1 % of it."""
     count = 400
     z = 1.0 - (2.0 * np.arange(count) + 1.0) / count
     angle = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count)

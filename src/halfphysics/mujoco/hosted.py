@@ -1,8 +1,8 @@
-"""A person in a MuJoCo world of another program: its model, its actuators, our person.
+"""A person in a MuJoCo world of another program, with that program's model and actuators.
 
 `attach` adds the person to a `mujoco.MjSpec`; `Human.bind` makes a `Control` whose `step` replaces
-`mujoco.mj_step`. MuJoCo's own step gives everything that is not the person the velocity that it
-would have without; the impulses between person and world come on top (docs/physics.md).
+`mujoco.mj_step`. MuJoCo's own step computes the velocities of all other bodies without the person;
+the impulses between person and world are added to them (docs/physics.md).
 """
 
 from __future__ import annotations
@@ -34,23 +34,23 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: The drive needs steps as short as this [s] (docs/physics.md, "The drive").
+#: Longest step for which the drive is accurate [s] (docs/physics.md, "The drive").
 LONGEST_STEP = 1.0 / 240.0
-#: MuJoCo's own choice of a sparse Jacobian begins at so many degrees of freedom.
+#: Number of degrees of freedom from which MuJoCo chooses a sparse Jacobian.
 SPARSE = 60
-_WHOLE = 1e-6  # a frame is a whole number of steps to within this
+_WHOLE = 1e-6  # relative tolerance for a frame to be a whole number of steps
 _SAME_MASS = 1e-9
 
 
 def attach(spec: Any, body: Body | None = None, prefix: str = "human/") -> Human:
     """Add a person to a `mujoco.MjSpec`, to be driven after it is compiled.
 
-    The person's geoms are drawn and take no part in MuJoCo's own contacts.
+    The person's geoms are visible and have no contacts in MuJoCo itself.
 
     Args:
         spec: The `mujoco.MjSpec` of a world: a robot, a kitchen.
         body: The person's body; None: `Body.default()`.
-        prefix: Put before the names of bodies, joints, meshes and geoms.
+        prefix: Prefix of the names of bodies, joints, meshes and geoms.
 
     Raises:
         InputError: `spec` is no MjSpec or has bodies of that prefix already.
@@ -102,7 +102,7 @@ class Control:
     """Steps a MuJoCo world with a person in it.
 
     Attributes:
-        names: What contacts refer to: the world's geoms, and last the person.
+        names: Names to which contacts refer: the world's geoms, then the person.
     """
 
     def __init__(self, human: Human, model: Any, data: Any, settings: Settings) -> None:
@@ -147,10 +147,10 @@ class Control:
                 stacklevel=3,
             )
 
-    # -- what a user calls -----------------------------------------------------------------
+    # -- public methods ---------------------------------------------------------------------
 
     def reset(self, pose: Pose) -> None:
-        """Put the person at a pose, at rest; the world stays as `data` has it."""
+        """Set the person to a pose, at rest; the world keeps its state in `data`."""
         import mujoco
 
         self._axes = self._checked(pose).axes
@@ -164,11 +164,11 @@ class Control:
         self._started = True
 
     def step(self, pose: Pose, dt: float | None = None) -> None:
-        """Replaces `mujoco.mj_step`: drive the person to `pose` while the world goes on.
+        """Replaces `mujoco.mj_step`: step the world and drive the person to `pose`.
 
         Args:
-            pose: Where the motion has the person at the end of the step.
-            dt: Length of the way there [s], a whole number of the model's timesteps; None: one.
+            pose: Reference pose at the end of the step.
+            dt: Length of the step [s], a whole number of the model's timesteps; None: one.
 
         Raises:
             InputError: Before `reset`, or an impossible `dt`.
@@ -186,10 +186,10 @@ class Control:
     def set_stiffness(self, value: float | Mapping[str, float] | Array) -> None:
         """Change the firmness lambda of the joints from the next step on.
 
-        `reset` goes back to `Settings.stiffness`; a state keeps what it had.
+        `reset` restores `Settings.stiffness`; a saved state keeps its own.
 
         Args:
-            value: A number, numbers by joint group or joint (those not named: 1), or (55,).
+            value: A number, numbers by joint group or joint (others: 1), or (55,).
 
         Raises:
             InputError: Before `reset`; a joint that does not exist, a number below 0.
@@ -201,35 +201,35 @@ class Control:
 
     @property
     def pose(self) -> Pose:
-        """Where the person is."""
+        """The person's simulated pose."""
         return Pose.trusted(*self._person.pose(self._stepper.qpos(), self._axes), self._axes)
 
     @property
     def contacts(self) -> ContactRows:
-        """What touched the person during the last `step`; `other` indexes `names`."""
+        """The person's contacts during the last `step`; `other` indexes `names`."""
         return contact_rows(self, self._stepper.touches())[0]
 
     @property
     def torque(self) -> Array:
-        """What the drive exerted on the joints in the last `step`, its mean (55, 3) [N m]; row 0
-        acts on the whole body. See `PersonResult.torque`."""
+        """Mean torque of the drive on the joints in the last `step` (55, 3) [N m]; row 0 acts on
+        the whole body. See `PersonResult.torque`."""
         found, out = self._stepper.torques(), np.zeros((N_JOINTS, 3))
-        if len(found):  # else nothing was exerted
+        if len(found):  # empty if all torques are zero
             out[self._person.balls] = found
         return out
 
     @property
     def clearance(self) -> float:
-        """Distance of the person from what is fixed to the world [m]; inf beyond
+        """Distance of the person from static geometry [m]; inf beyond
         `Settings.clearance_range`."""
         return float(self._stepper.clearance())
 
     def get_state(self) -> bytes:
-        """What is remembered of the person; save MuJoCo's own state beside it."""
+        """The person's state; save MuJoCo's own state with it."""
         return bytes(self._stepper.save().tobytes())
 
     def set_state(self, state: bytes) -> None:
-        """Return to a state of `get_state`; put `data` back first.
+        """Restore a state of `get_state`; restore `data` first.
 
         Raises:
             InputError: The state belongs to another model.
@@ -241,7 +241,7 @@ class Control:
         self._started = True
         self._write_person()
 
-    # -- inside ----------------------------------------------------------------------------
+    # -- private ---------------------------------------------------------------------------
 
     def _substep(self, k: int, h: float) -> None:
         import mujoco
@@ -253,7 +253,7 @@ class Control:
         stepper.substep_hosted(
             k, h, qpos, qvel, np.array(data.qvel), np.array(self._model.dof_damping)
         )
-        # A tree that no contact touched has made MuJoCo's own step, to the last bit.
+        # A kinematic tree without contact keeps MuJoCo's own step bit for bit.
         pushed = stepper.disturbed()[self._model.body_rootid] != 0.0
         if (pushed & ~self._mine).any():
             pushed &= ~self._mine
@@ -292,7 +292,7 @@ class Control:
         return count
 
     def _set_finger_armature(self, dof: NDArray[np.int64]) -> None:
-        # The compiled model has what suits a stiffness of 1; other settings want their own.
+        # The compiled model has the armature for stiffness 1; other values need another.
         armature = armature_of(self._stiffness)
         fingers = np.flatnonzero(armature)
         self._model.dof_armature[dof[fingers][:, None] + np.arange(3)] = armature[fingers, None]
@@ -351,12 +351,12 @@ class Control:
         friction, ignore = np.zeros((n, n)), np.ones((n, n))
         each = np.minimum(self._model.geom_friction[self._geoms, 0], PERSON_FRICTION)
         friction[-1, :-1] = friction[:-1, -1] = each
-        ignore[-1, :-1] = ignore[:-1, -1] = 0.0  # the rest is MuJoCo's
+        ignore[-1, :-1] = ignore[:-1, -1] = 0.0  # all other pairs are left to MuJoCo
         self._stepper.set_pairings(friction, np.zeros((n, n)), ignore)
 
 
 def _check_settings(settings: Settings) -> None:
-    """Refuse what a hosted person does not have."""
+    """Refuse settings that a hosted person does not support."""
     if not isinstance(settings, Settings):
         raise InputError(f"settings: found {settings!r}, expected halfphysics.Settings")
     if settings.self_contact:
@@ -372,7 +372,7 @@ def _check_settings(settings: Settings) -> None:
 
 
 def _check_masses(model: Any, human: Human, body: NDArray[np.int64]) -> None:
-    """The compiler must have left the person alone (inertiafromgeom, settotalmass, ...)."""
+    """Refuse a person that the compiler changed (inertiafromgeom, settotalmass, ...)."""
     found = np.asarray(model.body_mass)[body]
     wanted = np.array([part.mass for part in human.body.variant.parts])
     if not np.allclose(found, wanted, rtol=_SAME_MASS, atol=0.0):
@@ -384,7 +384,7 @@ def _check_masses(model: Any, human: Human, body: NDArray[np.int64]) -> None:
 
 
 def _keep_jacobian(model: Any, person_dofs: int) -> None:
-    """Small worlds stay dense: the person's degrees of freedom must not change MuJoCo's solver."""
+    """Keep small worlds dense: the person's dofs must not change MuJoCo's choice of Jacobian."""
     import mujoco
 
     if model.opt.jacobian == mujoco.mjtJacobian.mjJAC_AUTO and model.nv - person_dofs < SPARSE:
@@ -392,7 +392,7 @@ def _keep_jacobian(model: Any, person_dofs: int) -> None:
 
 
 def _qpos_bodies(model: Any) -> NDArray[np.int64]:
-    """The body that every coordinate belongs to (nq,)."""
+    """The body of every coordinate (nq,)."""
     owner = np.zeros(model.nq, dtype=np.int64)
     ends: Sequence[int] = [*model.jnt_qposadr[1:], model.nq]
     for first, end, body in zip(model.jnt_qposadr, ends, model.jnt_bodyid, strict=True):

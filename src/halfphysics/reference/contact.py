@@ -1,7 +1,7 @@
-"""Coulomb contacts in plain numpy: slow, obvious, and held equal to the native solver by the tests.
+"""Coulomb contacts in plain numpy: slow and obvious; the tests hold it equal to the native solver.
 
-Every contact has three rows (n, t, s). With w = A p + b its velocity and p its impulse:
-0 <= p_n, w_n >= 0, p_n w_n = 0, |p_t| <= mu p_n, and where it slips p_t = -mu p_n w_t/|w_t|.
+Every contact has three rows (n, t, s). With velocity w = A p + b and impulse p:
+0 <= p_n, w_n >= 0, p_n w_n = 0, |p_t| <= mu p_n, and p_t = -mu p_n w_t/|w_t| in a sliding contact.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ Array = NDArray[np.float64]
 
 
 def coulomb_answers(A: Array, r: Array, mu: float) -> list[Array]:
-    """All impulses p (3,) of one contact with w = r + A p; smallest p_n first.
+    """All solutions p (3,) of one contact with w = r + A p; smallest p_n first.
 
-    `A` (3, 3) is symmetric and positive definite, so there is at least one.
+    `A` (3, 3) is symmetric and positive definite, so at least one solution exists.
     """
     answers = _at_rest(A, r, mu)
     slips = [p for p in _sliding(A, r, mu) if p[0] > 0.0]
-    # At the very edge of sticking, rounding decides which way it slips.
+    # At the edge of sticking, rounding decides the direction of slip.
     rounding = 1e-13 * np.diag(A).max() * float(np.linalg.norm(r)) / A[0, 0]
     along = [float(p[1:] @ (r + A @ p)[1:]) for p in slips]
     answers += [p for p, e in zip(slips, along, strict=True) if e <= rounding * p[0]]
@@ -31,7 +31,7 @@ def coulomb_answers(A: Array, r: Array, mu: float) -> list[Array]:
 
 
 def _at_rest(A: Array, r: Array, mu: float) -> list[Array]:
-    """The answers that leave and that stick."""
+    """The separating solution (p = 0) and the sticking one, if they are valid."""
     leaves = [np.zeros(3)] if r[0] >= 0.0 else []
     stick = np.asarray(-np.linalg.solve(A, r), dtype=np.float64)
     sticks = stick[0] >= 0.0 and np.hypot(stick[1], stick[2]) <= mu * stick[0]
@@ -41,8 +41,8 @@ def _at_rest(A: Array, r: Array, mu: float) -> list[Array]:
 def _sliding(A: Array, r: Array, mu: float) -> list[Array]:
     """p = p_n (1, mu d) with w_n = 0 and w_t parallel to d, for every such direction d (2,).
 
-    p_n = -r_n / N with N = A_nn + mu A_nt d, and N w_t = N r_t - r_n (A_tn + mu A_tt d): that its
-    part across d = (cos a, sin a) is zero is a polynomial of degree 4 in z = exp(i a).
+    p_n = -r_n / N with N = A_nn + mu A_nt d, and N w_t = N r_t - r_n (A_tn + mu A_tt d). Its
+    component across d = (cos a, sin a) must be zero: a polynomial of degree 4 in z = exp(i a).
     """
     if mu == 0.0:
         return [np.array([-r[0] / A[0, 0], 0.0, 0.0])]
@@ -61,7 +61,7 @@ def _sliding(A: Array, r: Array, mu: float) -> list[Array]:
     if len(angles) == 0:
         return []
     slope = 1j * np.arange(-2, 3)
-    for _ in range(3):  # double roots of a polynomial are good to half the digits only
+    for _ in range(3):  # double roots of a polynomial have only half the digits
         waves = np.exp(np.outer(angles, slope)) * c[[-2, -1, 0, 1, 2]]
         f, df = waves.sum(axis=1).real, (waves * slope).sum(axis=1).real
         step = np.divide(-f, df, out=np.zeros_like(f), where=df != 0.0)
@@ -73,10 +73,10 @@ def _sliding(A: Array, r: Array, mu: float) -> list[Array]:
 
 
 def contact_residual(A: Array, b: Array, friction: Array, p: Array) -> Array:
-    """How far each contact is from its law (n, 2) [m/s]: normal, friction.
+    """Residual of each contact's law (n, 2) [m/s]: normal, friction.
 
-    With w = A p + b: |min(w_n, A_nn p_n)|; and p_t against its disc's nearest point to p_t - k w_t,
-    with 1/k the largest eigenvalue of the contact's tangential block.
+    With w = A p + b: normal |min(w_n, A_nn p_n)|; friction: distance from p_t/k to the projection
+    of p_t/k - w_t on the disc of radius mu p_n/k, 1/k: largest eigenvalue of the tangential block.
     """
     w = (A @ p.ravel() + b).reshape(-1, 3)
     out = np.zeros((len(friction), 2))
@@ -93,12 +93,12 @@ def contact_residual(A: Array, b: Array, friction: Array, p: Array) -> Array:
 def solve_contacts(
     A: Array, b: Array, friction: Array, *, tolerance: float, sweeps: int, start: Array
 ) -> Array:
-    """Impulses p (n, 3) of Coulomb contacts: one contact after the other, exactly.
+    """Impulses p (n, 3) of Coulomb contacts by Gauss-Seidel with exact solutions per contact.
 
-    With w = A p + b (normal row first, minus what it must reach), each contact obeys the law of
-    `coulomb_answers`. `A` (3n, 3n), `b` (3n,). Every few sweeps the equations of those that carry,
-    stick and slip by then are solved by Newton's method. Stops where `contact_residual` is under
-    `tolerance` [m/s].
+    With w = A p + b (normal row first, minus its target velocity), each contact obeys the law of
+    `coulomb_answers`. `A` (3n, 3n), `b` (3n,). Every few sweeps Newton's method solves the
+    equations of the loaded contacts, each in its current state (stick or slip). Stops when
+    `contact_residual` is under `tolerance` [m/s].
     """
     n = len(friction)
     p: Array = start.copy()
@@ -117,8 +117,8 @@ def solve_contacts(
 
 
 def _polished(A: Array, b: Array, friction: Array, p: Array) -> Array:
-    """Newton's method from p on w_n = 0 and, where it sticks, w_t = 0, where it slips
-    p_t |w_t| = -mu p_n w_t; a contact without load or that sticks stays so. Least change of p."""
+    """Newton's method from p on w_n = 0 and, for sticking contacts, w_t = 0, for sliding ones
+    p_t |w_t| = -mu p_n w_t. No contact changes its state. Each step is the least change of p."""
     p = p.copy()
     carries = p[:, 0] > 0.0
     p[~carries] = 0.0
@@ -132,7 +132,7 @@ def _polished(A: Array, b: Array, friction: Array, p: Array) -> Array:
         for i in np.flatnonzero(slips):
             t, u = slice(3 * i + 1, 3 * i + 3), w[3 * i + 1 : 3 * i + 3]
             size = max(float(np.hypot(*u)), 1e-300)
-            # Divided by A_nn p_n: a velocity too.
+            # Scaled to a velocity, like the other rows.
             unit, mu = u / size, friction[i]
             scale = A[3 * i, 3 * i]
             f[t] = scale * (p[i, 1:] + mu * p[i, 0] * unit)

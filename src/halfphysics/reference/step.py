@@ -1,8 +1,8 @@
-"""The substep in plain numpy: slow, obvious, and held equal to the native core by the tests.
+"""The substep in plain numpy: slow and obvious; the tests hold it equal to the native core.
 
-Reads beside docs/physics.md. Quantities have the names of the equations: M inertia matrix, J
-contact Jacobian, h substep, v* velocity without contact, p contact impulses. Which points are in
-contact is not decided here: the reference takes the contact points that the core found.
+Read it beside docs/physics.md. Quantities have the names of the equations: M inertia matrix, J
+contact Jacobian, h substep, v* velocity without contact, p contact impulses. This module does not
+detect contacts: it takes the contact points that the core found.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from halfphysics.settings import Settings
 
 Array = NDArray[np.float64]
 
-#: Joints that nothing touches, nor what hangs on them, are held by their firmness so many times.
+#: Factor on the stiffness of joints without contact on their own or any descendant body.
 HELD = tuning.untouched_resistance
-FREE, BALL, SLIDE, HINGE = range(4)  # joint types, numbered as MuJoCo does
+FREE, BALL, SLIDE, HINGE = range(4)  # joint types, numbered as in MuJoCo
 
 
 # -- bodies ------------------------------------------------------------------------------------
@@ -65,7 +65,7 @@ def _joints(model: Any, body: int) -> range:
 
 
 def _joint_frame(model: Any, x: Array, q: Array, joint: int, qpos: Array) -> tuple[Array, Array]:
-    """Anchor and orientation at which a hinge or slide acts: after the body's joints before it."""
+    """World anchor and orientation of a hinge or slide, after the body's earlier joints."""
     body = model.jnt_bodyid[joint]
     parent = model.body_parentid[body]
     pos = x[parent] + rot.rotate(q[parent], model.body_pos[body])
@@ -84,8 +84,8 @@ def _joint_frame(model: Any, x: Array, q: Array, joint: int, qpos: Array) -> tup
 
 @dataclass(frozen=True)
 class DofAxes:
-    """Per dof (nv, 3): the angular velocity it makes, the point it turns about, and what it moves
-    everything by; `carries` (nbody, nv) says which dofs move which body."""
+    """Per dof (nv, 3): unit angular velocity, a point on its axis, and unit linear velocity;
+    `carries` (nbody, nv) says which dofs move which body."""
 
     angular: Array
     anchor: Array
@@ -94,7 +94,7 @@ class DofAxes:
 
 
 def dof_axes(model: Any, qpos: Array, frames: tuple[Array, Array]) -> DofAxes:
-    """Where the dofs act at `qpos`, where the bodies are at `frames`."""
+    """Axes of all dofs at `qpos`; `frames`: the `body_frames` at `qpos`."""
     x, q = frames
     angular, anchor, linear = (np.zeros((model.nv, 3)) for _ in range(3))
     carries = np.zeros((model.nbody, model.nv), dtype=bool)
@@ -120,9 +120,9 @@ def dof_axes(model: Any, qpos: Array, frames: tuple[Array, Array]) -> DofAxes:
 def jacobian(
     model: Any, qpos: Array, body: int, point: Array, axes: DofAxes | None = None
 ) -> tuple[Array, Array]:
-    """How a point (3,) carried by `body` moves: (3, nv) linear [m/s] and (3, nv) angular.
+    """Jacobians of a point (3,) fixed to `body`: linear (3, nv) and angular (3, nv).
 
-    `axes`: what `dof_axes` gives at `qpos`, where it is known already.
+    `axes`: the result of `dof_axes` at `qpos`, if it is known already.
     """
     at = axes or dof_axes(model, qpos, body_frames(model, qpos))
     carried = at.carries[body][:, None]
@@ -149,23 +149,23 @@ def inertia_matrix(model: Any, qpos: Array) -> Array:
 
 @dataclass
 class ReferenceDrive:
-    """One person's drive; `first_qpos` and `first_dof` say where its coordinates begin.
+    """One person's drive; `first_qpos` and `first_dof` are the addresses of its coordinates.
 
-    Velocities are 6 of the root (linear in the world, angular in its own frame), then 3 per
-    ball joint in the model's order.
+    A velocity has 6 entries for the root (linear in the world, angular in its own frame), then 3
+    per ball joint in the model's order.
     """
 
     settings: Settings
     first_qpos: int
     first_dof: int
-    target: Array  # coordinates the motion asked for at the last frame
-    v_ref: Array = field(init=False)  # of the motion itself
-    v_drive: Array = field(init=False)  # Algorithm 1: what joints get at the frame's start
+    target: Array  # reference coordinates at the last frame
+    v_ref: Array = field(init=False)  # velocity of the reference
+    v_drive: Array = field(init=False)  # Algorithm 1: velocity of the joints at the frame's start
     deviation: Array = field(init=False)  # e
     previous: Array = field(init=False)
     q_start: Array = field(init=False)
-    # With strength: most that the drive may exert on the root's position [N], then on the root's
-    # rotation and every joint in the model's order [N m] (56,); and how far its joints give in.
+    # With strength: the drive's limits for the root's position [N], then the root's rotation and
+    # every joint in the model's order [N m] (56,); and the reduced resistance of its joints.
     limits: Array | None = None
     yielding: Yielding = field(init=False)
 
@@ -188,7 +188,7 @@ class ReferenceDrive:
         return qpos[self.first_qpos : self.first_qpos + len(self.target)]
 
     def begin_frame(self, target: Array, dt: float, qpos: Array, qvel: Array) -> None:
-        """Eq. of the drive's reference velocity; Algorithm 1 writes it to `qvel`."""
+        """Compute the drive's reference velocity; with Algorithm 1, write it to `qvel`."""
         s, q = self.settings, self.coordinates(qpos)
         self.previous, self.target = self.target, target
         root = (target[:3] - self.previous[:3]) / dt
@@ -206,9 +206,9 @@ class ReferenceDrive:
     ) -> Array:
         """v* of substep k of length h.
 
-        With a time constant the implicit, critically damped decay of the deviation; else PJSC
-        of Algorithm 1, for which M (n, n) are the person's rows of the inertia matrix and
-        `stiff` (n,) those of lambda diag(I). All joints resist with all that M^ has again.
+        With a time constant: the implicit, critically damped decay of the deviation. Otherwise
+        PJSC of Algorithm 1; M (n, n) is the person's block of the inertia matrix, `stiff` (n,) its
+        part of lambda diag(I). Every joint has its full resistance again.
         """
         self.yielding = Yielding(len(self.v_ref))
         s, q = self.settings, self.coordinates(qpos)
@@ -231,7 +231,7 @@ class ReferenceDrive:
             return self.v_ref + self.deviation - pull
         v = qvel[self.dofs].copy()
         turn = turns(q, expected)
-        # About a half turn rounding decides which way round the log goes; it is the way it turns.
+        # Near a half turn rounding decides the sign of the log: take the direction of v.
         angle = np.linalg.norm(turn, axis=1, keepdims=True)
         against = np.sum(turn * v[3:].reshape(-1, 3), axis=1, keepdims=True) < 0.0
         other = (1.0 - 2.0 * np.pi / np.maximum(angle, 1e-300)) * turn
@@ -241,19 +241,19 @@ class ReferenceDrive:
         return v + np.linalg.solve(M + np.diag(stiff), stiff / h * gap)
 
     def heavier(self, h: float, M: Array, stiff: Array) -> Array:
-        """M^ (n, n) = s (M + lambda diag(I)), less where joints give in."""
+        """M^ (n, n) = s (M + lambda diag(I)), reduced where joints yield."""
         return self.yielding.heavier(M, self.scale(h) * (M + np.diag(stiff)))
 
     def exerted(self, v: Array, v_star: Array, h: float, M: Array, stiff: Array) -> Array:
-        """The drive's own generalised impulse (n,) in a substep that ends with `v` (n,): what
-        changed the deviation, less what contacts did. Before end_substep."""
+        """The drive's own generalised impulse (n,) in a substep that ends with `v` (n,): the
+        impulse on the deviation minus that of the contacts. Call it before end_substep."""
         contacts = self.heavier(h, M, stiff) @ (v - v_star)
         return np.asarray(M @ (v - self.v_ref - self.deviation) - contacts)
 
     def overcome(self, v: Array, v_star: Array, h: float, M: Array, stiff: Array) -> bool:
-        """Did a round that ended with `v` (n,) ask more of a joint than it can?
+        """Whether a joint exceeds its limit in a round that ended with `v` (n,).
 
-        Then that resists less from now on, and the substep is to be solved again.
+        If so, that joint resists less from now on, and the substep must be solved again.
         """
         if self.limits is None or not (v != v_star).any():
             return False
@@ -263,7 +263,7 @@ class ReferenceDrive:
         )
 
     def scale(self, h: float) -> float:
-        """s: how much heavier the drive makes the person."""
+        """s: the factor of the drive on the person's inertia."""
         if self.settings.drive_time is None:
             return 1.0
         r = h / self.settings.drive_time
@@ -307,10 +307,10 @@ def stiff_diagonal(model: Any, M: Array, drive: ReferenceDrive) -> Array:
 
 
 def held_diagonal(model: Any, stiff: Array, drive: ReferenceDrive, touched: Array) -> Array:
-    """What M^ has beside M (nv,): lambda * I, `HELD` times of joints beyond which nothing touches.
+    """The addition to M in M^ (nv,): lambda * I, times `HELD` for joints without contact below.
 
-    `touched` (nbody,) says which bodies contacts pushed, and what those hang on: the core found
-    that with the contact points. Algorithm 1 holds nothing.
+    `touched` (nbody,) marks the bodies with contact and their ancestors, as found by the core.
+    Algorithm 1 has no such factor.
     """
     if drive.settings.drive_time is None:
         return stiff
@@ -328,8 +328,8 @@ def held_diagonal(model: Any, stiff: Array, drive: ReferenceDrive, touched: Arra
 def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> Array:
     """J (3n, nv) of contact points: relative velocity v_a - v_b in the frame (n, t, s).
 
-    Each side is a weighted sum of points on several bodies: one of a rigid part, those that a
-    vertex of the skin hangs on (without what pose blend shapes add).
+    Each side is a weighted sum of points on bodies: one body for a rigid part, the skinning joints
+    for a vertex of the skin (without the term of pose blend shapes).
     """
     rows = []
     axes = dof_axes(model, qpos, body_frames(model, qpos))
@@ -347,10 +347,10 @@ def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> 
 
 @dataclass(frozen=True)
 class ContactProblem:
-    """The contact problem of one substep: w = A p + b, and the way from p to velocities.
+    """The contact problem of one substep: w = A p + b, and the velocities that result from p.
 
-    Rows come in threes (normal, tangent, binormal); the normal rows of `b` (3n,) have what the
-    contact demands taken off. `A` (3n, 3n) = J M^^-1 J^T.
+    Each contact has three rows (normal, tangent, binormal); the target velocity is subtracted from
+    the normal rows of `b` (3n,). `A` (3n, 3n) = J M^^-1 J^T.
     """
 
     A: Array
@@ -369,7 +369,7 @@ class ContactProblem:
         return float(contact_residual(self.A, self.b, self.friction, p).max(initial=0.0))
 
     def solve(self, tolerance: float = 1e-14, sweeps: int = 20000) -> Array:
-        """Impulses (n, 3) from nothing, by `solve_contacts`."""
+        """Impulses (n, 3) by `solve_contacts`, started from zero."""
         start = np.zeros_like(self.found)
         return solve_contacts(
             self.A, self.b, self.friction, tolerance=tolerance, sweeps=sweeps, start=start
@@ -386,7 +386,7 @@ def contact_problem(
     demand = (contacts["target"] - contacts["dist"] + contacts["shift"]) / h
     b[::3] -= np.maximum(demand, contacts["bounce"])
     frames = [contacts[name] for name in ("normal", "tangent", "binormal")]
-    for row in (1, 2):  # ways along the surface curve
+    for row in (1, 2):  # curvature term of the tangential displacement
         b[row::3] += h * np.einsum("ij,ij->i", contacts["curve"], frames[row])
     found: Array = np.stack([np.einsum("ij,ij->i", contacts["impulse"], f) for f in frames], axis=1)
     return ContactProblem(J @ back, b, np.asarray(contacts["friction"]), found, back, v_free)

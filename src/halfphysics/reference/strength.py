@@ -1,7 +1,7 @@
 """Limited strength in plain numpy, beside the drive of `reference.py`; see docs/physics.md.
 
-Limits come three dofs at a time: the force on the root's position, then the torque on its rotation
-and on every joint. All are impulses of a substep here [N s, N m s].
+Each limit bounds the norm of three dofs: the force on the root's position, then the torque on its
+rotation and on every joint. All limits here are impulses of a substep [N s, N m s].
 """
 
 from __future__ import annotations
@@ -17,26 +17,27 @@ Array = NDArray[np.float64]
 
 #: Smaller changes of velocity [m/s, rad/s] and impulses [N s, N m s] are rounding.
 REST = tuning.velocity_rounding
-#: Share of what it can that a drive pulls with by itself: the rest is for what holds the body.
+#: Share of its limit that the drive uses to pull; the rest is left for resistance to contacts.
 PULL = tuning.pull_share
-#: Joints that give in are to exert this share of what they can; after so many rounds they do not
-#: resist at all.
+#: Yielding joints aim at this share of their limit; after this number of rounds they do not resist
+#: at all.
 AIM, ROUNDS = tuning.resist_share, tuning.resist_rounds
-#: What gives way exerts its limit to this share, turns no faster [rad/s], and is solved for in so
-#: many rounds, over-relaxed; what does not, creeps [rad/s], and what has no limit resists like so
-#: much inertia [kg m^2].
+#: A yielding joint exerts its limit to this tolerance and turns no faster than this [rad/s];
+#: number of rounds of its solver.
 SHARE, FASTEST, WAYS = tuning.yield_tolerance, tuning.fastest_yield, tuning.yield_rounds
+#: Exponent of over-relaxation; least rate of a yielding joint in it [rad/s].
 STRIDE, CREEP = tuning.yield_over_relaxation, tuning.least_yield_rate
+#: Largest resistance, that of a joint without a limit [kg m^2].
 HOLD = tuning.rigid_resistance
 
 
 def sizes(x: Array) -> Array:
-    """Norms (n,) of the limits' three entries of `x` (3n,)."""
+    """Norms (n,) of each three entries of `x` (3n,)."""
     return np.asarray(np.linalg.norm(x.reshape(-1, 3), axis=1))
 
 
 def capped(x: Array, most: Array) -> Array:
-    """Three entries of `x` (3n,) at a time, scaled to at most the norms `most` (n,)."""
+    """`x` (3n,) with each three entries scaled to at most the norms `most` (n,)."""
     size = sizes(x)
     share = np.where(size > most, most / np.maximum(size, 1e-300), 1.0)
     result: Array = x * np.repeat(share, 3)
@@ -46,13 +47,13 @@ def capped(x: Array, most: Array) -> Array:
 def pull_within(
     pull: Array, most: Array, M: Array, M_hat: Array, now: Array, asked: Array
 ) -> Array:
-    """What a drive with limits `most` does of D = `pull`, which it wants to take off `now`.
+    """The part of D = `pull`, the change of velocity that the drive wants, within limits `most`.
 
-    1. No joint's own share of what M^ D asks for against what holds it may be more than 97 %,
-    2. nor what the joints' coupling makes of it.
-    3. Nor, where nothing holds the body, may M D be more: joints give way.
+    1. diag(M^) D of each joint is at most 97 % of its limit (body held still by contacts).
+    2. So is M^ D, which includes the coupling of the joints.
+    3. In a free body M D is at most the limit: weak joints yield.
 
-    `now`: the velocity that it would leave alone; `asked`: the motion's. All (3n,) but `most` (n,).
+    `now`: velocity without the pull; `asked`: velocity of the reference. All (3n,), `most` (n,).
     """
     if np.abs(pull).max() < REST:
         return pull
@@ -71,9 +72,9 @@ def pull_within(
 
 
 def give_way(need: Array, may: Array, M: Array) -> Array:
-    """y of M y = u - need with |u_j| <= may_j, equal to that and against y_j where y_j is not zero.
+    """y of M y = u - need with |u_j| <= may_j, and u_j = -may_j y_j/|y_j| where y_j is not zero.
 
-    Dry friction, solved as a row of linear problems with resistances may_j / |y_j|.
+    This is dry friction, solved as a series of linear problems with resistances may_j / |y_j|.
     """
     rate = np.full_like(may, CREEP)
     for _ in range(WAYS):
@@ -89,11 +90,11 @@ def give_way(need: Array, may: Array, M: Array) -> Array:
 
 @dataclass
 class Yielding:
-    """How far joints that something overcomes give in within a substep, from round to round.
+    """Reduced resistance of joints over their limit within a substep, from round to round.
 
-    M^ = M + X is heavier than the body, and what hits it is met with X (v* - v) besides the drive's
-    pull. Of that is left theta X theta, with a share theta for every joint. (The core's step that
-    cannot be made whole goes to theta = 0 at once.)
+    M^ = M + X is heavier than the body, so a contact meets X (v* - v) besides the drive's pull. X
+    is reduced to theta X theta, with a factor theta <= 1 for every joint. (In a step that cannot be
+    completed the core sets theta = 0 at once.)
     """
 
     dofs: int
@@ -108,9 +109,9 @@ class Yielding:
         return np.asarray(M + np.outer(self.theta, self.theta) * (M_hat - M))
 
     def next(self, exerted: Array, pull: Array, most: Array) -> bool:
-        """Shares of the next round, where `exerted` is more than the limits: then True.
+        """Reduce theta if `exerted` is over the limits; True: another round is needed.
 
-        `pull` is what of it the drive does by itself.
+        `pull`: the part of `exerted` that is independent of contacts.
         """
         over = sizes(exerted) > most + REST
         if self.rounds > ROUNDS or not over.any():

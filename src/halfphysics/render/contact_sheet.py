@@ -21,8 +21,8 @@ from halfphysics.render.viewpoint import cameras, choose_direction, glass
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
-_ROWS = 2  # of pictures, when the frames are not given
-_OCTREE = 2  # Pillow's number of that way to choose a palette
+_ROWS = 2  # rows of pictures by default
+_OCTREE = 2  # Pillow's number of this quantization method
 _GAP, _MARGIN, _TEXT = 6, 14, 13  # [px]
 _PAPER, _INK, _SOFT_INK = (250, 250, 251), (40, 44, 52), (110, 116, 126)
 
@@ -30,13 +30,13 @@ _PAPER, _INK, _SOFT_INK = (250, 250, 251), (40, 44, 52), (110, 116, 126)
 def key_frames(result: Result, count: int) -> list[int]:
     """Up to `count` frames that tell the story, ascending.
 
-    First and last frame; the first contact of every pair (planes left out: feet are on the floor
-    all the time); the frame where body and ghost are furthest apart; the rest fills the largest
+    First and last frame; the first contact of every pair (without planes: feet are always on the
+    floor); the frame where body and ghost are furthest apart; further frames in the largest
     gaps.
 
     Args:
-        result: The story.
-        count: How many, at least 1.
+        result: The result to show.
+        count: Number of frames, at least 1.
     """
     from halfphysics.geometry.shapes import Plane
 
@@ -67,7 +67,7 @@ def key_frames(result: Result, count: int) -> list[int]:
     if apart.max() > 1e-3:
         wanted.insert(len(touched), int(apart.argmax()))
     chosen: list[int] = []
-    # Two pictures of nearly the same moment say no more than one.
+    # Two pictures of nearly the same time are redundant.
     near = max(1, total // (4 * count))
     for frame in wanted:
         if len(chosen) < count and all(abs(frame - c) >= near for c in chosen):
@@ -151,13 +151,13 @@ def save_contact_sheet(
         The path written.
 
     Raises:
-        InputError: No such frame, no columns, an impossible size, not a view for each frame.
+        InputError: No such frame, no columns, an impossible size, or not one view per frame.
         FileError: The file cannot be written.
     """
     from halfphysics.base.atomic import atomic_write
 
     drawing, picked = _checked(result, frames, columns, size)
-    with atomic_write(path) as file:  # an impossible path is refused before the work
+    with atomic_write(path) as file:  # refuse an impossible path before rendering
         sheet = _draw(drawing, picked, columns, size, samples, threads, views)
         sheet.save(file, format="PNG")
     return Path(path)
@@ -173,11 +173,11 @@ def contact_sheet_png(
     colors: int = 128,
     views: Sequence[Camera] | None = None,
 ) -> bytes:
-    """The contact sheet as bytes of a PNG with a palette, a third of the size, to be embedded.
+    """The contact sheet as bytes of a PNG with a palette, a third of the size, for embedding.
 
     Args:
-        result, frames, columns, size, samples, views: As of `save_contact_sheet`.
-        colors: In the palette, 2 to 256.
+        result, frames, columns, size, samples, views: As for `save_contact_sheet`.
+        colors: Number of colours in the palette, 2 to 256.
 
     Raises:
         InputError: No such frame, no columns, an impossible size or number of colours.
@@ -186,7 +186,7 @@ def contact_sheet_png(
         raise InputError(f"colors: found {colors}, expected 2 to 256")
     drawing, picked = _checked(result, frames, columns, size)
     sheet = _draw(drawing, picked, columns, size, samples, 1, views)
-    # An octree keeps what is small and bright, a ball or the key's blue; a median cut greys it.
+    # An octree keeps small bright areas, such as a ball or the key's blue; a median cut greys them.
     sheet = sheet.quantize(colors, method=_OCTREE, dither=0)
     data = BytesIO()
     sheet.save(data, format="PNG", optimize=True)
@@ -196,7 +196,7 @@ def contact_sheet_png(
 def _checked(
     result: Result, frames: Sequence[int] | None, columns: int, size: tuple[int, int]
 ) -> tuple[Drawing, list[int]]:
-    """What is drawn, and which of its frames."""
+    """The drawing and the indices of its frames to show."""
     if columns < 1:
         raise InputError(f"columns: found {columns}, expected 1 or more")
     if min(size) < 16:
@@ -237,7 +237,7 @@ def _draw(
 
 
 def _font(pixels: int) -> Any:
-    """The font that comes with Pillow: scalable where it was built with FreeType."""
+    """Pillow's own font: scalable if Pillow was built with FreeType."""
     from PIL import ImageFont
 
     return ImageFont.load_default(pixels)
@@ -249,7 +249,7 @@ def _bytes(color: Color) -> tuple[int, int, int]:
 
 
 def _fitted(draw: Any, text: str, font: Any, width: int) -> str:
-    """The text, cut with an ellipsis where it is wider than `width` pixels."""
+    """The text, cut with an ellipsis if it is wider than `width` pixels."""
     if draw.textlength(text, font=font) <= width:
         return text
     while text and draw.textlength(text + "...", font=font) > width:

@@ -1,7 +1,7 @@
 """Pictures without GL or display: triangle meshes through a software z-buffer.
 
-World z-up, metres; colours are sRGB, 0 to 1. The same meshes give the same bytes, whatever the
-number of threads.
+World z-up, metres; colours are sRGB, 0 to 1. The same meshes give the same bytes for any number
+of threads.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ def _number(name: str, value: float, low: float, high: float, what: str) -> floa
 
 @dataclass(frozen=True, kw_only=True)
 class Surface:
-    """A triangle mesh and how it looks.
+    """A triangle mesh and its appearance.
 
     Attributes:
         vertices: World positions [m], shape (V, 3).
         faces: Indices into the vertices, counter-clockwise from outside, shape (F, 3).
         color: sRGB, 0 to 1.
-        alpha: Opacity. Below 1 the mesh shows as one translucent skin: its nearest layer only.
+        alpha: Opacity. Below 1 only the nearest layer of the mesh is drawn, translucent.
         crease: Edges that bend by less are smooth [degrees]; 0 gives flat faces, 180 a skin.
         cull: `"back"` drops faces turned away from the camera, `"front"` those towards it.
-        casts, receives: Shadows.
-        rim: Light added at grazing angles; of a translucent mesh, opacity added there.
-        bias: A translucent mesh shows only where it is nearer by this than what is solid [m].
+        casts, receives: Whether it casts and receives shadows.
+        rim: Light added at grazing angles; for a translucent mesh, opacity instead.
+        bias: A translucent mesh is drawn only where it is nearer than solid ones by this [m].
         checker: Second colour of a chequered surface (squares in world x and y), or None.
         checker_size: Side of a square [m].
         fade: Distances from `Look.focus` between which the surface dissolves [m], or None.
@@ -100,7 +100,7 @@ class Camera:
         target: World point in the middle of the picture [m].
         up: Direction that is up in the picture.
         fov: Angle that the picture's height spans [degrees].
-        near: Nothing nearer is drawn [m].
+        near: Distance of the near clipping plane [m].
     """
 
     position: Array
@@ -141,14 +141,14 @@ class Camera:
         distance: float = 0.0,
         up: ArrayLike = (0.0, 0.0, 1.0),
     ) -> Camera:
-        """The nearest camera that has all `points` in the picture, centred.
+        """The nearest camera with all `points` in the picture, centred.
 
         Args:
             points: World positions [m], shape (N, 3).
-            direction: World direction from what is looked at towards the camera.
+            direction: World direction from the points to the camera.
             size: Width and height of the picture (their ratio matters).
             fov: Angle of the picture's height [degrees].
-            margin: Room around the points: 1.1 leaves a tenth.
+            margin: Space around the points: 1.1 leaves a tenth.
             distance: Least distance from the middle of the points [m].
             up: Direction that is up in the picture.
         """
@@ -184,13 +184,13 @@ class Camera:
 
 @dataclass(frozen=True, kw_only=True)
 class Light:
-    """A white light far away.
+    """A white directional light.
 
     Attributes:
         towards: World direction from the scene to the light.
-        strength: Added to a white surface that faces the light.
+        strength: Light added to a white surface that faces it.
         softness: Width over which the edge of a shadow blurs [m].
-        wrap: 0 lights what faces the light (Lambert); 1 reaches round like a bright sky.
+        wrap: 0: Lambert; 1: also lights surfaces turned away, like a bright sky.
     """
 
     towards: tuple[float, float, float]
@@ -206,9 +206,9 @@ class Look:
     Attributes:
         top, bottom: Background colours (sRGB), a vertical gradient.
         sky, ground: Ambient light from above and below, linear.
-        lights: The lights; each casts shadows. The wide one overhead darkens what is near a
-            contact.
-        focus: World point that surfaces with `fade` dissolve around [m].
+        lights: The lights; each casts shadows. The wide one overhead darkens surfaces near
+            a contact.
+        focus: World point around which surfaces with `fade` dissolve [m].
     """
 
     top: Color = (0.93, 0.94, 0.95)
@@ -224,9 +224,9 @@ class Look:
     focus: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def aimed(self, camera: Camera, focus: ArrayLike) -> Look:
-        """This look with its lights turned with the camera (they keep to its left) and `focus`.
+        """This look with `focus`, and its lights turned with the camera (they stay to its left).
 
-        The default lights are written for a camera that looks along world y.
+        The default lights are for a camera that looks along world y.
         """
         forward = camera.axes()[2]
         angle = np.arctan2(forward[1], forward[0]) - np.pi / 2
@@ -277,7 +277,7 @@ def _pack(
         row[6:9] = s.alpha, s.rim, 0.0 if s.checker is None else s.checker_size
         row[9] = s.bias
         row[10:12] = (0.0, 0.0) if s.fade is None else s.fade
-        # A flat face still agrees with itself: its own normal is at angle 0.
+        # A flat face must still use its own normal, at angle 0.
         row[12] = np.cos(np.radians(s.crease)) - (1e-9 if s.crease < 180.0 else 1.0)
         flag[:] = _CULL[s.cull], s.casts, s.receives
     return np.concatenate(vertices), np.concatenate(faces), owner, styles, flags
@@ -295,8 +295,8 @@ def render(
     """A picture of the surfaces.
 
     Args:
-        surfaces: What to draw; order matters only where two are at exactly the same depth.
-        camera: Where from.
+        surfaces: Surfaces to draw; their order matters only at exactly equal depth.
+        camera: The camera.
         size: Width and height [pixels].
         samples: Anti-aliasing with samples x samples points per pixel, 1 to 4.
         look: Background and lights; None is the default studio.
@@ -330,7 +330,7 @@ def render(
 def visible(
     surfaces: Sequence[Surface], camera: Camera, size: tuple[int, int] = (160, 120)
 ) -> tuple[NDArray[np.int32], Array]:
-    """What the camera sees at each pixel's centre, translucent or not.
+    """The nearest surface at each pixel's centre, translucent or not.
 
     Returns:
         Index of the nearest surface, -1 for none, shape (height, width), and its depth along the
@@ -346,7 +346,7 @@ def visible(
 
 
 def save_png(image: NDArray[np.uint8], path: str | os.PathLike[str]) -> None:
-    """Writes a picture (height, width, 3) as PNG: the whole file or nothing.
+    """Writes a picture (height, width, 3) as PNG, whole or not at all.
 
     Raises:
         FileError: The file cannot be written.

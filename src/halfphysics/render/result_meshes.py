@@ -1,4 +1,4 @@
-"""The meshes of a result at a frame, with colours, for pictures and for the page.
+"""The meshes of a result at a frame, with colours, for pictures and for the viewer.
 
 The simulated person is solid, the reference is a translucent ghost; moving items have accent
 colours, static ones are pale.
@@ -47,15 +47,15 @@ FURNITURE: tuple[Color, ...] = (
 WALL: Color = (0.93, 0.93, 0.92)
 FLOOR: tuple[Color, Color] = ((0.92, 0.925, 0.93), (0.845, 0.855, 0.87))
 
-#: Opacity of the ghost, and of a wall that stands between the camera and the person.
+#: Opacity of the ghost, and of a wall between the camera and the person.
 GHOST_ALPHA = 0.40
 FAINT_ALPHA = 0.22
 
 # A static item this tall or wide [m] is part of the building, a smaller one is furniture.
 _WALL_HEIGHT, _WALL_WIDTH = 1.9, 3.0
-# Room around the story that a plane is drawn for [m]; it dissolves over the outer part.
+# A plane is drawn this far beyond the story [m]; its outer part fades out.
 _PLANE_MARGIN = 7.0
-# The ghost shows where it is off the body by more than this [m]: where both agree, the body.
+# The ghost is drawn only where it is off the body by more than this [m].
 _GHOST_BIAS = 0.004
 #: Edges of scene meshes that bend by more stay sharp [degrees].
 CREASE = 50.0
@@ -68,7 +68,7 @@ def _crease(shape: Any) -> float:
 
 
 class StaticColors:
-    """Colours of static items: the building pale, each piece of furniture its own."""
+    """Colours of static items: pale for the building, one per piece of furniture."""
 
     def __init__(self) -> None:
         self._pieces: dict[str, Color] = {}
@@ -77,17 +77,17 @@ class StaticColors:
         """The colour of an item of `size` (3,) [m] along the world's axes."""
         if size[2] >= _WALL_HEIGHT or max(size[:2]) >= _WALL_WIDTH:
             return WALL
-        piece = name.split("_")[0]  # "table" and "table_leg_1" are of one piece of furniture
+        piece = name.split("_")[0]  # "table" and "table_leg_1" are one piece of furniture
         return self._pieces.setdefault(piece, FURNITURE[len(self._pieces) % len(FURNITURE)])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Item:
-    """A mesh of the scene, in its own frame, with the way it is drawn.
+    """A mesh of the scene, in its own frame, with its pose over time.
 
     Attributes:
         surface: Vertices in the local frame [m].
-        position, quaternion: World pose per frame, (T, 3) and (T, 4); one row when it never moves.
+        position, quaternion: World pose per frame, (T, 3) and (T, 4); one row for a static item.
     """
 
     surface: Surface
@@ -139,7 +139,7 @@ class Drawing:
     Names are paths: `static/<name>`, `object/<name>`, `person/<k>`, `ghost/<k>`.
 
     Attributes:
-        result: What is drawn.
+        result: The result to draw.
         statics, objects: Name -> `Item`.
         middle: Centre of the story's bounding box (people and objects, all frames) [m].
         radius: Half of its largest horizontal extent [m].
@@ -193,7 +193,7 @@ class Drawing:
         items = {}
         for k, (name, item) in enumerate(self.result.scene.objects.items()):
             track = self.result.objects[name]
-            # Drawn as given, not as the convex hull that collides.
+            # Draw the original mesh, not the convex hull used for contact.
             vertices, faces = item.mesh() if item.visual is None else item.visual.triangles()
             items[f"object/{name}"] = Item(
                 surface=Surface(
@@ -254,7 +254,7 @@ class Drawing:
         return Surface(vertices=body.rest_vertices, faces=body.faces, color=color, crease=180.0)
 
     def story(self, frame: int, *, ghost: bool = True) -> dict[str, Surface]:
-        """People, ghosts and objects at a frame, world frame: all that must be seen."""
+        """People, ghosts and objects at a frame, world frame: all that must be visible."""
         surfaces = {name: item.at(frame) for name, item in self.objects.items()}
         for k, person in enumerate(self.result.people):
             poses = [("person", person.motion)]
@@ -267,7 +267,7 @@ class Drawing:
         return surfaces
 
     def still(self, faint: Collection[str] = ()) -> dict[str, Surface]:
-        """Static items, world frame; the names in `faint` as thin glass."""
+        """Static items, world frame; those named in `faint` as thin glass."""
         out = {}
         for name, item in self.statics.items():
             surface = item.at(0)
@@ -279,7 +279,7 @@ class Drawing:
     def surfaces(
         self, frame: int, *, ghost: bool = True, faint: Collection[str] = ()
     ) -> dict[str, Surface]:
-        """Everything at a frame, world frame.
+        """All surfaces at a frame, world frame.
 
         Args:
             frame: Index, 0 to T-1.

@@ -15,10 +15,10 @@ from halfphysics.render.result_meshes import Drawing
 Array = NDArray[np.float64]
 
 FOV = 32.0
-# Directions that are compared: all round, at two heights above the horizon [degrees].
+# Compared directions: azimuths of a full turn, at two elevations [degrees].
 _AZIMUTHS = 16
 _ELEVATIONS = (16.0, 28.0)
-# A three-quarter view: this far from face to face [degrees].
+# Angle of a three-quarter view from the facing direction [degrees].
 _THREE_QUARTER = 50.0
 # Small pictures are enough to count hidden pixels.
 _PROBE = (96, 72)
@@ -28,7 +28,7 @@ _PROBE_FRAMES = 5
 NEAR = 1.6
 # A static item that hides more than this share of the story is drawn as glass.
 _HIDES = 0.02
-# Weights of what makes a view good: nothing hidden, seen from the front, across the correction.
+# Weights of the score of a view: visible share, front view, view across the correction.
 _OPEN, _FRONT, _ACROSS = 2.0, 0.3, 0.3
 # Views with more than this share of the story visible are equal: hiding items become glass.
 _ENOUGH = 0.85
@@ -51,13 +51,13 @@ def look_at(surfaces: Mapping[str, Surface], camera: Camera, size: tuple[int, in
     """Count, pixel by pixel, how much of the story is hidden and by which items.
 
     Args:
-        surfaces: Everything at a frame (`Drawing.surfaces`); names `static/...` may hide.
-        camera: Where from.
-        size: Picture to count in [pixels]; its ratio should be that of the final picture.
+        surfaces: All surfaces at a frame (`Drawing.surfaces`); items `static/...` may hide.
+        camera: The camera.
+        size: Size of the counted picture [pixels]; use the ratio of the final picture.
     """
     statics = {n: s for n, s in surfaces.items() if n.startswith("static/")}
     story = [s for n, s in surfaces.items() if n not in statics]
-    # The story has nearly all triangles: it is drawn only once, the statics separately.
+    # The story has most triangles: it is drawn only once, the statics separately.
     alone, behind = visible(story, camera, size)
     nearest, depth = visible(list(statics.values()), camera, size)
     shown = alone >= 0
@@ -136,7 +136,7 @@ def _stories(
 
 
 def _level(vectors: Array) -> Array:
-    """Horizontal unit vectors; those that have no direction are left out."""
+    """Horizontal unit vectors; vertical ones are left out."""
     flat = vectors * np.array([1.0, 1.0, 0.0])
     norm = np.linalg.norm(flat, axis=1)
     result: Array = flat[norm > 1e-6] / norm[norm > 1e-6, None]
@@ -154,7 +154,7 @@ def facing(drawing: Drawing, frames: Sequence[int]) -> Array:
 
 
 def _apart(drawing: Drawing, frames: Sequence[int]) -> Array:
-    """Level directions from body to ghost where they are a centimetre apart or more."""
+    """Level directions from body to ghost, in frames where they are over a centimetre apart."""
     out = []
     for person in drawing.result.people:
         bodies = [person.body.joints(m)[list(frames)] for m in (person.motion, person.reference)]
@@ -166,7 +166,7 @@ def _apart(drawing: Drawing, frames: Sequence[int]) -> Array:
 def cameras(
     drawing: Drawing, frames: Sequence[int], direction: Array, size: tuple[int, int]
 ) -> list[Camera]:
-    """A camera per frame that follows the story from one direction, nearly at one scale."""
+    """A camera per frame that follows the story from one direction, at a nearly constant scale."""
     near = []
     for frame in frames:
         points = subject(drawing, frame, drawing.story(frame))

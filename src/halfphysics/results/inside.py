@@ -58,7 +58,7 @@ class Depths(Table):
 
         Args:
             names: Names to which `subject` and `other` refer.
-            people: Number of people; with several, each part is given with its person.
+            people: Number of people; with several, each part is named with its person.
         """
         words = []
         for row in np.argsort(-deepest_first(self.depth), kind="stable"):

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from halfphysics.body.shape_space import Source
     from halfphysics.scene.scene import Scene
 
-#: Key of a mesh that came from no file: only its digest is kept.
+#: Key of a mesh without a file: only its digest is kept.
 IN_MEMORY = "in_memory"
 _MEND_BODY = "Put it back, or pass body= to Result.load"
 _SAME_STATURE = 1e-9  # rounding of a sum of shape directions [m]
@@ -124,7 +124,7 @@ class BodyRecord:
         """The body (loaded once).
 
         Raises:
-            FileError: Its model file is missing or has changed, or it came from no file.
+            FileError: Its model file is missing or has changed, or it has none.
         """
         return self._body
 

@@ -187,7 +187,7 @@ class Result:
             depths; empty if there was none at the start.
 
     Raises:
-        InputError: Parts that do not belong together, or of a wrong type.
+        InputError: Inconsistent parts, or parts of a wrong type.
     """
 
     people: tuple[PersonResult, ...]
@@ -325,7 +325,7 @@ class Result:
             )
 
     def summary(self) -> str:
-        """The result in words and numbers, 10 to 20 lines to be read by a person.
+        """The result in words and numbers, 10 to 20 lines.
 
         Accuracy of following, contacts and their forces, deviation from the reference, overlaps at
         the start, motion of objects, smallest distance, lost time. Forces are impulses of a frame
@@ -336,7 +336,7 @@ class Result:
         return summary(self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write everything into one npz, whole or not at all.
+        """Write the result as one npz, whole or not at all.
 
         At the top level are the keys of the file of the first person's motion (by default AMASS
         keys), so that readers of such files read the corrected motion; the rest is under object/,

@@ -1,1 +1,1 @@
-"""Looking at results in a browser: live, recorded, with viser underneath."""
+"""Display of results in a browser, live or recorded, with viser."""

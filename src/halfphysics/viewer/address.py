@@ -1,4 +1,4 @@
-"""Where a server of ours can be seen, in words."""
+"""Address of a server, and the message that announces it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def url(host: str, port: int) -> str:
 
 
 def announcement(what: str, host: str, port: int, asked: int) -> str:
-    """Where `what` can be seen, and how from another machine; `asked`: the port asked for."""
+    """Message with the address of `what`, also for other machines; `asked`: requested port."""
     lines = []
     if asked not in (0, port):
         lines.append(f"port {asked} is in use, taking {port}")

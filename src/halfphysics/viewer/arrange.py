@@ -1,4 +1,4 @@
-"""Several results side by side: where each stands, and the camera that sees them all."""
+"""Several results side by side: their offsets, and a camera that has all of them in view."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from halfphysics.viewer.framing import framed
 
 Array = NDArray[np.float64]
 
-# Free space between one result's things and the next one's [m], and room around a person's pelvis.
+# Free space between the scenes of neighbouring results, and margin around a person's pelvis [m].
 _GAP, _REACH = 0.4, 0.7
-# Frames that must be in the picture, and those that the direction is chosen by.
+# Number of frames that must be in the picture, and of frames that decide the direction.
 _FRAMES, _PROBES = 6, 2
-# Every so many-th point is enough to frame a picture.
+# Stride of the points that frame a picture.
 _SPARSE = 9
-# Directions tried for the row.
+# Number of directions tried for the row, per half turn.
 _ROWS = 12
-# A camera that looks along the row by more than this (cosine) is turned to 45 degrees of it.
+# A camera whose cosine with the row is larger is turned to 45 degrees from the row.
 _ALONG = 0.75
 
 
 @dataclass(frozen=True, kw_only=True)
 class Arrangement:
-    """Where results stand and where to look from.
+    """Positions of the results and direction of the camera.
 
     Attributes:
-        offsets: Of every result (N, 3) [m]; the first stays where it is.
-        direction: Unit, from the stories to the camera.
+        offsets: Offset of each result (N, 3) [m]; zero for the first.
+        direction: Unit vector from the results to the camera (3,).
         points: World points that belong in the picture (M, 3) [m].
-        faint: Of every result, names of the statics to see through.
+        faint: For each result, names of the statics to draw translucent.
     """
 
     offsets: Array
@@ -45,19 +45,19 @@ class Arrangement:
     faint: tuple[frozenset[str], ...]
 
     def camera(self, window: tuple[int, int]) -> Camera:
-        """Sees the stories of all beside the panel of a window of this size [pixels]."""
+        """Camera that has all results in the free part of a window of this size [pixels]."""
         return framed(self.points, self.direction, window)
 
 
 def arrange(
     drawings: Sequence[Drawing], size: tuple[int, int], *, headroom: float = 0.0
 ) -> Arrangement:
-    """Results in a row, none in another, as short as it can be.
+    """Put results in the shortest row without overlap.
 
     Args:
         drawings: The results.
-        size: Of the picture that decides what hides the stories [pixels].
-        headroom: Room above the highest point, such as for a name [m].
+        size: Size of the picture that decides which statics hide people or objects [pixels].
+        headroom: Extra height above the highest point, such as for a name [m].
     """
     probes = spread(len(drawings[0]), _PROBES + 2)[1:-1] or [0]
     direction = choose_direction(drawings[0], probes, size)
@@ -90,17 +90,17 @@ def arrange(
 
 
 def _row(drawings: Sequence[Drawing], direction: Array) -> tuple[Array, Array]:
-    """The level direction in which a row of them is shortest, and the offsets along it."""
+    """The horizontal direction of the shortest row, and the offsets along it."""
     found = []
     for angle in np.arange(2 * _ROWS) * (np.pi / _ROWS):
         row = np.array([np.cos(angle), np.sin(angle), 0.0])
         if np.cross(direction, row)[2] < 0.0:
-            continue  # the first is on the left
+            continue  # keep the first result on the left
         along = [0.0]
         spans = [_span(drawing, row) for drawing in drawings]
         for (_, high), (low, _) in pairwise(spans):
             along.append(along[-1] + high + _GAP - low)
-        # Across the picture is better than into it.
+        # A row across the picture is preferred to a row in depth.
         cost = along[-1] * (1.0 + 0.5 * abs(_level(direction) @ row))
         found.append((cost, row, np.array(along)[:, None] * row))
     _, row, offsets = min(found, key=lambda entry: entry[0])
@@ -114,7 +114,7 @@ def _level(vector: Array) -> Array:
 
 
 def _across(direction: Array, row: Array) -> Array:
-    """The direction, turned level so that it does not look along the row."""
+    """The direction, turned about the vertical so that it is not along the row."""
     level = _level(direction)
     if abs(level @ row) <= _ALONG:
         return direction
@@ -138,9 +138,9 @@ def _moved(camera: Camera, by: Array) -> Camera:
 
 
 def _span(drawing: Drawing, row: Array) -> tuple[float, float]:
-    """How far a result's people and what stands around reach along a direction, planes left out.
+    """Extent of a result's people and static geometry along a direction, without planes.
 
-    What flies away does not count.
+    Objects do not count: they may fly away.
     """
     reach = []
     for person in drawing.result.people:
@@ -155,12 +155,12 @@ def _span(drawing: Drawing, row: Array) -> tuple[float, float]:
 
 
 def is_plane(item: Item) -> bool:
-    """Whether it stands for a plane without end."""
+    """Whether the item is an infinite plane."""
     return item.surface.cull == "back"
 
 
 def floor_height(item: Item) -> float | None:
-    """Height of a level plane [m], None: something else."""
+    """Height of a horizontal plane [m]; None: not a horizontal plane."""
     if not is_plane(item) or item.surface.fade is None:
         return None
     return float(item.surface.vertices[:, 2].mean())

@@ -1,10 +1,10 @@
-"""Poses of skinned meshes to a browser, fast: the one place that knows viser from inside.
+"""Fast transfer of skinned poses to a browser: the only module that uses viser's internals.
 
 viser has a setter for every bone and value; each checks, compares, locks and wakes the server's
-thread, and sends every number as eight bytes. A person and a ghost are 220 setters an update,
-about 12 ms with a browser connected. Here a pose becomes its messages in one go: numbers on a
-grain, as four bytes, only of bones that moved. What the browser gets are viser's own messages.
-Where viser is not as expected (`_expected` looks), the public setters are used.
+thread, and sends every number as eight bytes. A person and a ghost need 220 setters per update,
+about 12 ms with a browser connected. Here a pose becomes its messages in one step: rounded numbers
+of four bytes, only for bones that moved. The browser gets viser's own messages. If viser's
+internals differ from those expected (`_expected`), the public setters are used.
 """
 
 from __future__ import annotations
@@ -18,26 +18,26 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Positions [m] and quaternions are rounded to this: a tenth of a millimetre, unseen.
+#: Positions [m] and quaternions are rounded to multiples of this: an invisible 0.1 mm.
 GRAIN = 2.0**-13
 
-# (viser's message, its field, how many numbers)
+# (viser's message, its field, count of numbers)
 _KINDS = (("SetBonePositionMessage", "position", 3), ("SetBoneOrientationMessage", "wxyz", 4))
-_FLOAT32 = 0xCA  # msgpack's mark of a number of four bytes
-_MAX_BONES = 128  # msgpack's numbers of one byte
-# viser cuts what is queued into pieces of 128 messages; a pose in two pieces is torn for a moment.
+_FLOAT32 = 0xCA  # msgpack's type byte of a four-byte float
+_MAX_BONES = 128  # msgpack packs integers below this in one byte
+# viser sends at most 128 queued messages at once, which would tear a pose in two for a moment.
 _WHOLE = 4096
 
 
 class Bones:
-    """The bones of skinned meshes that are posed alike.
+    """The bones of skinned meshes that share one pose.
 
     Args:
-        handles: What `server.scene.add_mesh_skinned` returned, one or several with the same bones.
-        fast: Send without viser's setters, where viser allows it.
+        handles: Results of `server.scene.add_mesh_skinned`, one or several with the same bones.
+        fast: Send without viser's setters, if possible.
 
     Attributes:
-        fast: Whether that is so.
+        fast: Whether poses are sent without viser's setters.
     """
 
     def __init__(self, handles: Sequence[Any], *, fast: bool = True) -> None:
@@ -53,21 +53,21 @@ class Bones:
         return len(self._handles[0].bones)
 
     def send(self, positions: Array, quaternions: Array) -> int:
-        """Queue a pose; inside `server.atomic()` it goes out whole.
+        """Queue a pose; inside `server.atomic()` it is sent as a whole.
 
         Args:
-            positions: Of the bones in the frame of the mesh (B, 3) [m].
+            positions: Positions of the bones in the frame of the mesh (B, 3) [m].
             quaternions: Unit, wxyz (B, 4).
 
         Returns:
-            How many bones had moved.
+            Number of bones that moved.
         """
         pose = np.concatenate([positions, quaternions], axis=1)
         pose = np.round(pose * (1.0 / GRAIN))
         if self._sent is None:
             moved = np.ones((len(pose), 2), dtype=bool)
         else:
-            # A quaternion and its negative are one rotation: stay on the side of the last.
+            # A quaternion and its negative are one rotation: keep the sign of the last one.
             turned = np.einsum("ij,ij->i", pose[:, 3:], self._sent[:, 3:]) < 0.0
             pose[turned, 3:] *= -1.0
             differs = pose != self._sent
@@ -84,7 +84,7 @@ class Bones:
 
 
 def _set(handle: Any, values: Array, moved: NDArray[np.bool_]) -> None:
-    """The public way: viser's setters."""
+    """Send a pose with viser's public setters."""
     for bone, value, (position, turn) in zip(handle.bones, values, moved, strict=True):
         if position:
             bone.position = value[:3]
@@ -93,7 +93,7 @@ def _set(handle: Any, values: Array, moved: NDArray[np.bool_]) -> None:
 
 
 class _Writer:
-    """Turns poses of one mesh into viser's messages."""
+    """Converts poses of one mesh to viser's messages."""
 
     def __init__(self, handle: Any) -> None:
         from viser import _messages
@@ -117,7 +117,7 @@ class _Writer:
             self._kinds.append((table, slots.ravel(), columns, keys, _quick(plain)))
 
     def queue(self, values: Array, moved: NDArray[np.bool_]) -> None:
-        """Queue what moved."""
+        """Queue the bones that moved."""
         if self._node.removed:
             raise RuntimeError("a pose for a mesh that was removed from the scene")
         push = self._interface.queue_message
@@ -134,20 +134,20 @@ class _Writer:
 
 
 def _packed(message: Any) -> bytes:
-    """A message of viser with its numbers last, each of four bytes."""
+    """A viser message, packed with its numbers last, four bytes each."""
     import msgspec
 
     content = message.as_serializable_dict()
     field = next(field for _, field, _ in _KINDS if field in content)
     numbers = content.pop(field)
     head = msgspec.msgpack.encode({**content, field: ()})
-    # An empty list is one byte, 0x90; so is the head of a short one, 0x90 + its length.
+    # An empty list is one byte, 0x90; the head of a short list is one byte, 0x90 + its length.
     floats = b"".join(bytes([_FLOAT32]) + np.array(n, dtype=">f4").tobytes() for n in numbers)
     return head[:-1] + bytes([0x90 + len(numbers)]) + floats
 
 
 def _quick(plain: type) -> type:
-    """A message that is already packed, under the name of the one that it stands for."""
+    """A class of packed messages that viser treats as messages of class `plain`."""
     import msgspec
 
     class _Quick(plain):  # type: ignore[misc]
@@ -169,7 +169,7 @@ def _quick(plain: type) -> type:
 
 
 def _expected(handle: Any) -> bool:
-    """Whether viser has what `_Writer` uses, and our messages read as its own do."""
+    """Whether viser has the internals that `_Writer` uses, and decodes our messages as its own."""
     try:
         import msgspec
         from viser import _messages

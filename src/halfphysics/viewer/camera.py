@@ -1,7 +1,7 @@
-"""Where browsers look from: presets, the way back, and a camera that goes along with people.
+"""The cameras of browsers: presets, the home view, and a camera that follows people.
 
-Every browser has a camera of its own, and what is turned by hand stays so: following only carries
-the camera along, its angle and its distance stay.
+Every browser has a camera of its own. Following only translates the camera: the angle and the
+distance that the user chose stay.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from halfphysics.viewer.stage import Stage
 
 Array = NDArray[np.float64]
 
-#: Where presets look from.
+#: Names of the presets.
 PRESETS = ("Front", "Side", "Top", "Hands")
 
-# A camera that follows is this late [s], and waits this long for a hand that turns it [s].
+# Time constant of following [s], and the pause after the user moves the camera [s].
 _LATE, _HANDS_OFF = 0.25, 0.4
-# Reports of a browser within this of what was sent [m] are what was sent.
+# A camera reported within this distance of the one sent [m] was not moved by the user.
 _SAME = 1e-3
 _RECENT = 60
-# Width over height that differs by less (its logarithm) is the same shape.
+# Windows whose width over height differs by less (in its logarithm) have the same shape.
 _SHAPE = 0.05
-# Around joints [m]: half a head and a foot, and the flesh of a hand.
+# Margins around joints [m]: for a body (half a head, a foot) and for a hand.
 _BODY, _HAND = 0.16, 0.05
-# Presets come no nearer [m].
+# Least distance of the camera in presets [m].
 _LEAST = 0.6
 
 _HANDS = (
@@ -44,10 +44,10 @@ _HANDS = (
 
 
 class Follower:
-    """Carries one camera along with something that moves.
+    """Moves one camera along with a moving subject.
 
     Args:
-        position, look_at: Of the camera when it starts (3,) [m].
+        position, look_at: Initial position and look-at point of the camera (3,) [m].
     """
 
     def __init__(self, position: Array, look_at: Array) -> None:
@@ -60,22 +60,23 @@ class Follower:
     def move(
         self, position: Array, look_at: Array, subject: Array, now: float, dt: float
     ) -> tuple[Array, Array] | None:
-        """Where the camera should be now.
+        """The pose that the camera should have now.
 
         Args:
-            position, look_at: As the browser says it is (3,) [m], maybe a little late.
-            subject: What is followed (3,) [m].
+            position, look_at: Those of the camera that the browser last reported (3,) [m].
+            subject: The point to follow (3,) [m].
             now: The time [s].
-            dt: Since the last call [s].
+            dt: Time since the last call [s].
 
         Returns:
-            Position and look-at point; None: leave it, a hand is on it or it is there already.
+            Position and look-at point; None: leave the camera, the user is moving it or it is
+            there already.
         """
         orbit = position - look_at
         if np.linalg.norm(orbit - self._orbit) > _SAME * max(1.0, float(np.linalg.norm(orbit))):
             self._orbit, self._touched = orbit, now
         if min(float(np.linalg.norm(look_at - s)) for s in self._sent) > _SAME:
-            # Moved by hand: it stays beside the subject by as much.
+            # The user moved the camera: keep this offset from the subject.
             self._aside = self._aside + look_at - self._look
             self._look, self._touched = look_at.copy(), now
             self._sent.append(self._look)
@@ -89,7 +90,7 @@ class Follower:
         return self._look + self._orbit, self._look
 
     def put(self, position: Array, look_at: Array, subject: Array) -> None:
-        """Take a place that a preset chose; the camera stays so beside the subject."""
+        """Take the pose of a preset and keep its offset from the subject."""
         self._look = np.array(look_at, dtype=np.float64)
         self._orbit = position - self._look
         self._aside = self._look - subject
@@ -101,13 +102,13 @@ class Cameras:
     """The cameras of all browsers.
 
     Args:
-        server: Of viser.
-        stages: What they look at.
+        server: The viser server.
+        stages: The stages in view.
         home: The camera that sees everything, for a window's width and height [pixels].
 
     Attributes:
-        stages: As given; may be changed.
-        following: Whether they go along with people; set it as you like.
+        stages: The stages in view; may be changed.
+        following: Whether the cameras follow people; may be set at any time.
     """
 
     def __init__(
@@ -116,25 +117,25 @@ class Cameras:
         self._server = server
         self.stages = stages
         self._home = home
-        # Of every browser: its window when it was last brought home, and where that was.
+        # Per browser: its window when its camera was last set home, and that camera.
         self._homes: dict[int, tuple[tuple[int, int], Camera]] = {}
         self._followers: dict[int, Follower] = {}
         self._last = time.monotonic()
         self.following = False
 
     def home(self, client: Any) -> None:
-        """Back to where everything is seen."""
+        """Set a browser's camera to the view of everything."""
         window = _window(client)
         camera = self._home(window)
         self._homes[client.client_id] = window, camera
         self._put(client, camera)
 
     def watch(self) -> None:
-        """Browsers that have come go home; call it now and then.
+        """Set the cameras of new browsers home; call it regularly.
 
-        So do cameras that were never turned in windows that have another shape now, and those at
-        viser's own first place, which is made for no window in particular: viser may take it
-        after it was told where home is, and its own "Reset View" goes there too.
+        Two other kinds of camera are set home, too: one that the user never moved, when its
+        window has another shape now; and one at viser's initial camera, which fits no particular
+        window: viser may apply it after the home view, and its "Reset View" goes there.
         """
         clients = self._server.get_clients()
         self._homes = {k: home for k, home in self._homes.items() if k in clients}
@@ -152,7 +153,7 @@ class Cameras:
                 self.home(client)
 
     def preset(self, client: Any, name: str) -> None:
-        """Look from one of `PRESETS`, at people as they are now."""
+        """Apply one of `PRESETS`, for the present poses of the people."""
         self._put(client, self.look(name, _window(client)))
 
     def look(self, name: str, window: tuple[int, int]) -> Camera:
@@ -178,12 +179,12 @@ class Cameras:
         return framed(points, direction, window, distance=_LEAST)
 
     def subject(self) -> Array:
-        """What is followed: the middle of the people's pelvises (3,) [m]."""
+        """The point that cameras follow: the mean of the people's pelvises (3,) [m]."""
         result: Array = np.mean([person[0] for person in self._people()], axis=0)
         return result
 
     def follow(self) -> None:
-        """Carry the cameras along; call after what they look at has moved."""
+        """Move the cameras with the people; call after the stages have changed."""
         now = time.monotonic()
         dt, self._last = now - self._last, now
         clients = self._server.get_clients() if self.following else {}
@@ -207,15 +208,15 @@ class Cameras:
             follower.put(camera.position, camera.target, self.subject())
 
     def _shown(self) -> list[Stage]:
-        """Stages that are not hidden; where all are, as if they were not."""
+        """The visible stages; all stages if none is visible."""
         return [stage for stage in self.stages if stage.visible] or list(self.stages)
 
     def _people(self) -> list[Array]:
-        """Joints of all people as shown now (55, 3) [m]."""
+        """Joints (55, 3) of each person as shown now, in the world [m]."""
         return [p + stage.offset for stage in self._shown() for p in stage.joints()]
 
     def _hands(self) -> Array:
-        """Joints of the hands that touch something now; where none does, of all (n, 3) [m]."""
+        """Joints of the hands in contact now; of all hands if none is (n, 3) [m]."""
         touching, every = [], []
         for stage in self._shown():
             contacts = stage.drawing.result.contacts
@@ -235,12 +236,12 @@ def _window(client: Any) -> tuple[int, int]:
 
 
 def _reshaped(before: tuple[int, int], now: tuple[int, int]) -> bool:
-    """Whether a window has another shape; a page that is slow draws fewer pixels in the same."""
+    """Whether a window's shape changed; a slow page draws fewer pixels in the same shape."""
     return abs(math.log(now[0] / now[1] * before[1] / before[0])) > _SHAPE
 
 
 def _at(client: Any, position: Array, look_at: Array) -> bool:
-    """Whether a browser says that it looks from there."""
+    """Whether a browser reports this position and look-at point."""
     camera = client.camera
     return bool(
         np.allclose(camera.position, position, rtol=0.0, atol=_SAME)

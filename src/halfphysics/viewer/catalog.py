@@ -1,4 +1,4 @@
-"""What the playground can play: built-in scenarios, files, and one's motion in another's scene."""
+"""The playground's choices: scenarios, files, and the motion of one in the scene of another."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 from halfphysics.simulation.sequence import Sequence
 
-#: The motion that a scenario brings along.
+#: The scenario's own motion.
 OWN = "its own"
 
-# Options of scenarios that have a slider of their own in the playground, or none.
+# Options of scenarios with another slider in the playground, or with none.
 _ELSEWHERE = ("fps", "mass", "friction", "body", "other")
 
 
 @dataclass(frozen=True)
 class Option:
-    """A number that a scenario is built with.
+    """A numeric option of a scenario.
 
     Attributes:
-        name: As `scenarios.load` has it.
-        low, high, step: Of a slider.
-        value: What the scenario takes where nothing is said.
+        name: Name of the option in `scenarios.load`.
+        low, high, step: Range and step of the slider.
+        value: The default.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Option:
     value: float
 
 
-# Where 0 to twice the default is not what a slider should offer: (low, high, value).
+# Ranges of sliders other than 0 to twice the default: (low, high, value).
 _RANGES: Mapping[tuple[str, str], tuple[float, float, float]] = MappingProxyType(
     {
         ("close_drawer", "travel"): (0.05, 0.3, 0.28),
@@ -55,7 +55,7 @@ _RANGES: Mapping[tuple[str, str], tuple[float, float, float]] = MappingProxyType
 
 
 def options(scenario: str) -> tuple[Option, ...]:
-    """What a built-in scenario can be built with besides mass and friction; a file has none."""
+    """Options of a built-in scenario besides mass and friction; a file has none."""
     if scenario not in scenarios.names():
         return ()
     found = []
@@ -74,18 +74,18 @@ def options(scenario: str) -> tuple[Option, ...]:
 
 
 def _decimals(span: float) -> int:
-    """Decimals of a slider with at least a hundred steps, three at most."""
+    """Decimals of a slider with at least 100 steps, three at most."""
     return next((n for n in range(3) if span * 10**n >= 100.0), 3)
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What is played.
+    """A choice of scenario and motion.
 
     Attributes:
-        scenario: Where: a built-in scenario or a file with what was recorded around it.
-        motion: What the person does: another scenario or file, or `OWN`.
-        options: Numbers that the scenario is built with.
+        scenario: The source of the scene: a built-in scenario or a file.
+        motion: The source of the motion: another scenario or file, or `OWN`.
+        options: Values of the scenario's numeric options.
     """
 
     scenario: str
@@ -97,10 +97,10 @@ class Choice:
 
 
 class Catalog:
-    """All that can be chosen.
+    """The available scenarios and motions.
 
     Args:
-        files: Name -> what loads it.
+        files: Name -> function that loads the file.
     """
 
     def __init__(self, files: Mapping[str, Callable[[], Sequence]] | None = None) -> None:
@@ -112,11 +112,11 @@ class Catalog:
         self.motions: tuple[str, ...] = (OWN, *self.scenarios)
 
     def load(self, choice: Choice) -> Sequence:
-        """What to simulate.
+        """The sequence to simulate for a choice.
 
         Raises:
-            InputError: An unknown name, or an impossible option.
-            FileError: A file that cannot be used.
+            InputError: An unknown name, or an invalid option.
+            FileError: A file cannot be used.
         """
         place = self._sequence(choice.scenario, choice.options)
         if choice.motion == OWN:
@@ -133,6 +133,6 @@ class Catalog:
             raise InputError(f"play: found {name!r}, expected one of {', '.join(self.scenarios)}")
         known = {option.name for option in options(name)}
         for option, value in chosen.items():
-            if option in known:  # `scenarios.load` tells of those that it does not know
+            if option in known:  # `scenarios.load` refuses unknown options
                 number(value, f"{name}: {option}")
         return scenarios.load(name, **chosen)

@@ -1,8 +1,9 @@
-"""Parts of people coloured by the force on them: patches of skin that are shown while they touch.
+"""Body parts coloured by the force on them: patches of skin, visible during contact.
 
-A skinned mesh in the browser has one colour. So every part that ever touches gets a patch, the
-faces that follow its joint most, a hair above the skin. A patch has bones of its own, only those
-that move it, and they are only sent while it is shown: parts without contact cost nothing.
+A skinned mesh in the browser has one colour. So every part that ever is in contact gets a patch:
+the faces with the largest weight of its joint, slightly above the skin. A patch has its own copy
+of the bones that move it; they are only sent while it is visible: parts without contact cost
+nothing.
 """
 
 from __future__ import annotations
@@ -34,14 +35,14 @@ RAMP: tuple[Color, ...] = (
     (0.55, 0.05, 0.20),
 )
 
-# How far above the skin a patch is [m].
+# Height of a patch above the skin [m].
 _ABOVE = 0.0012
-# Weights below this are left out: a bone less to send.
+# Smaller skin weights are left out, which saves bones to send.
 _LEAST = 0.02
 
 
 def part_forces(result: Result, person: int) -> Array:
-    """Sizes of the forces on the parts of a person, added up per frame (T, 55) [N]."""
+    """Sum of the force magnitudes on each part of a person per frame (T, 55) [N]."""
     contacts = result.contacts
     mine = np.asarray(contacts.person) == person
     force = np.zeros((len(result.motion), N_JOINTS))
@@ -61,10 +62,10 @@ def patch(
     """The part of a surface on which a field is not negative, cut along its zero line.
 
     Args:
-        field: Of the vertices (V,); linear in the faces.
+        field: Values at the vertices (V,); linear in the faces.
         vertices: (V, 3).
         faces: (F, 3).
-        weights: What else belongs to vertices (V, K), linear likewise.
+        weights: Other values at the vertices (V, K); linear in the faces.
 
     Returns:
         Vertices (N, 3), faces (M, 3) and weights (N, K) of the patch.
@@ -72,7 +73,7 @@ def patch(
     inside = field >= 0.0
     count = inside[faces].sum(axis=1)
     whole = faces[count == 3]
-    # Turned so that the vertex that is alone on its side comes first.
+    # Rotate the corners so that the only vertex on its side of the line comes first.
     cut = []
     for alone in (1, 2):
         some = faces[count == alone]
@@ -105,7 +106,7 @@ def patch(
 
 
 class Patch:
-    """The skin of one part over the body's, hidden until it is shown."""
+    """The skin of one part, drawn over the body's skin; hidden until `show`."""
 
     def __init__(self, server: Any, name: str, figure: Figure, part: int) -> None:
         body = figure.body
@@ -114,7 +115,7 @@ class Patch:
         above = shrunk(np.asarray(body.rest_vertices), body.faces, -_ABOVE)
         vertices, faces, weights = patch(share[:, part] - rest, above, body.faces, figure.weights)
         weights = strongest(np.where(weights < _LEAST, 0.0, weights))
-        #: Which of the figure's bones move it.
+        #: The figure's bones that move the patch.
         self.bones: Ints = np.flatnonzero(weights.any(axis=0))
         at_rest = np.zeros((len(self.bones), 4))
         at_rest[:, 0] = 1.0
@@ -134,12 +135,12 @@ class Patch:
         self._sender = Bones([self.handle])
 
     def hide(self) -> None:
-        """Away with it, until `show`."""
+        """Hide the patch until `show`."""
         if self.handle.visible:
             self.handle.visible = False
 
     def show(self, positions: Array, quaternions: Array, step: int) -> None:
-        """In the pose of the figure's bones (B, 3) [m] and (B, 4), in a colour of `RAMP`."""
+        """Show the patch at the figure's bone pose (B, 3) [m] and (B, 4), in `RAMP[step]`."""
         self._sender.send(positions[self.bones], quaternions[self.bones])
         if step != self.level:
             self.level = step
@@ -152,12 +153,12 @@ class Touched:
     """Patches of all people of a result.
 
     Args:
-        server: Of viser.
-        stage: Where the result is shown; it calls `show` from then on.
+        server: The viser server.
+        stage: The stage of the result; it calls `show` from then on.
 
     Attributes:
-        forces: Of every person (T, 55) [N].
-        patches: Of every person, part -> `Patch`, of parts that ever touch.
+        forces: Forces on the parts of each person (T, 55) [N].
+        patches: For each person, part -> `Patch`, for all parts that ever are in contact.
     """
 
     def __init__(self, server: Any, stage: Stage) -> None:
@@ -177,7 +178,7 @@ class Touched:
 
     @property
     def visible(self) -> bool:
-        """Whether parts are coloured. Nothing is sent while they are not."""
+        """Whether parts are coloured. If not, nothing is sent."""
         return self._visible
 
     @visible.setter
@@ -191,7 +192,7 @@ class Touched:
                     one.hide()
 
     def show(self, frame: int) -> None:
-        """Colour what touches in a frame, in the pose that the figures have."""
+        """Colour the parts in contact in a frame, in the present pose of the figures."""
         self._frame = frame
         if not self._visible:
             return

@@ -1,4 +1,4 @@
-"""Contacts of a frame in the scene: points, and arrows as long as the forces are large."""
+"""Contacts of a frame in the scene: points, and arrows whose length shows the force."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Kind:
-    """What touches: the label and colour of points and arrows."""
+    """A kind of contact: the label and colour of its points and arrows."""
 
     label: str
     color: Color
 
 
-#: Kinds of contacts by number: a person's with what stands, objects and people; things' own.
+#: Kinds by number: contacts of a person with statics, objects, people; contacts of objects only.
 KINDS: tuple[Kind, ...] = (
     Kind("on a person, by the scene", (0.05, 0.48, 0.22)),
     Kind("on a person, by an object", (0.76, 0.05, 0.48)),
@@ -39,7 +39,7 @@ KINDS: tuple[Kind, ...] = (
 SCENE, OBJECT, PERSON, NO_PERSON = range(4)
 
 #: Length of an arrow [m]: `SHORTEST` up to 1 N, `TENFOLD` more for ten times the force, up to
-#: `LARGEST` [N]. A finger's 3 N and a foot's 600 N are both to be seen.
+#: `LARGEST` [N], so that 3 N on a finger and 600 N on a foot are both visible.
 SHORTEST, TENFOLD, LARGEST = 0.06, 0.08, 1e4
 
 _POINT = 0.011  # radius [m]
@@ -47,7 +47,7 @@ _SHAFT, _HEAD, _HEAD_LENGTH = 0.0055, 0.0145, 0.042  # [m]
 
 
 def arrow_lengths(force: Array) -> Array:
-    """Lengths of arrows (n,) [m] for forces (n,) [N]: logarithmic, see `SHORTEST`."""
+    """Lengths of arrows (n,) [m] for forces (n,) [N], logarithmic: see `SHORTEST`."""
     return SHORTEST + TENFOLD * np.log10(np.clip(force, 1.0, LARGEST))
 
 
@@ -58,8 +58,8 @@ class FrameContacts:
     Attributes:
         rows: Rows of `Result.contacts` (n,).
         kind: Index into `KINDS` (n,).
-        position: Where (n, 3) [m].
-        force: On the part: impulse over the length of the frame (n, 3) [N].
+        position: World position (n, 3) [m].
+        force: Force on the part: impulse over the length of the frame (n, 3) [N].
     """
 
     rows: Ints
@@ -68,7 +68,7 @@ class FrameContacts:
     force: Array
 
     def arrows(self) -> Array:
-        """Start and end of the arrows of those that carry a force (m, 2, 3) [m]."""
+        """Start and end of the arrows of the contacts with a force (m, 2, 3) [m]."""
         size = np.linalg.norm(self.force, axis=1)
         some = size > 0.0
         along = self.force[some] / size[some, None] * arrow_lengths(size[some])[:, None]
@@ -76,7 +76,7 @@ class FrameContacts:
         return np.stack([start, start + along], axis=1)
 
     def of(self, kind: int) -> FrameContacts:
-        """Those of one kind."""
+        """The contacts of one kind."""
         keep = self.kind == kind
         return FrameContacts(
             rows=self.rows[keep],
@@ -90,17 +90,17 @@ class ContactSource(Protocol):
     """Contacts by frame.
 
     Attributes:
-        kind: Of every contact there may be (n,), an index into `KINDS`.
+        kind: Kind of each possible contact (n,), an index into `KINDS`.
     """
 
     kind: Ints
 
     def at(self, frame: int) -> FrameContacts:
-        """Those of (frame - 1, frame]."""
+        """The contacts of (frame - 1, frame]."""
 
 
 class ContactFrames:
-    """A result's contacts, by frame."""
+    """A result's contacts by frame."""
 
     def __init__(self, result: Result) -> None:
         contacts = result.contacts
@@ -110,7 +110,7 @@ class ContactFrames:
         self._first = np.searchsorted(contacts.frame, np.arange(len(result.motion) + 1))
 
     def at(self, frame: int) -> FrameContacts:
-        """Those of (frame - 1, frame]."""
+        """The contacts of (frame - 1, frame]."""
         rows = np.arange(self._first[frame], self._first[frame + 1])
         return FrameContacts(
             rows=rows,
@@ -121,13 +121,13 @@ class ContactFrames:
 
 
 def kinds(result: Result) -> Ints:
-    """What kind every contact of a result is (n,), an index into `KINDS`."""
+    """Kind of each contact of a result (n,), an index into `KINDS`."""
     count = len(result.names), len(result.objects), len(result.people)
     return kinds_of(result.contacts, *count)
 
 
 def kinds_of(contacts: Contacts | ContactRows, names: int, objects: int, persons: int) -> Ints:
-    """The same of contacts between so many names in all, objects and people among them."""
+    """As `kinds`, from the numbers of all names, of objects and of people among the names."""
     people = names - persons
     objects = people - objects
     other = np.asarray(contacts.other)
@@ -136,16 +136,16 @@ def kinds_of(contacts: Contacts | ContactRows, names: int, objects: int, persons
 
 
 class ContactNodes:
-    """Points and arrows of one result: two nodes a kind, whatever the number of contacts.
+    """Points and arrows of one result: two nodes per kind, for any number of contacts.
 
     Args:
-        server: Of viser.
-        stage: Where the result is shown; it calls `show` from then on.
-        frames: Contacts by frame that are not the result's; None: the result's.
+        server: The viser server.
+        stage: The stage of the result; it calls `show` from then on.
+        frames: Other contacts by frame than the result's; None: the result's.
 
     Attributes:
         frames: The contacts.
-        points, arrows: viser's handles by kind, of kinds that the result has.
+        points, arrows: viser's handles by kind, for the kinds that occur.
     """
 
     def __init__(self, server: Any, stage: Stage, frames: ContactSource | None = None) -> None:
@@ -157,7 +157,7 @@ class ContactNodes:
         ball, faces = _ball(_POINT)
         for kind in np.unique(self.frames.kind).tolist():
             color = rgb(KINDS[kind].color)
-            # Each has something to start with: the browser builds its buffers from it.
+            # Start with one point and one arrow: the browser builds its buffers from them.
             self.points[kind] = server.scene.add_batched_meshes_simple(
                 stage.path(f"contact/points-{kind}"),
                 ball,
@@ -183,7 +183,7 @@ class ContactNodes:
 
     @property
     def visible(self) -> bool:
-        """Whether contacts are drawn. Nothing is sent while they are not."""
+        """Whether contacts are drawn. If not, nothing is sent."""
         return self._visible
 
     @visible.setter
@@ -196,7 +196,7 @@ class ContactNodes:
                 handle.visible = False
 
     def show(self, frame: int) -> None:
-        """The contacts of a frame."""
+        """Draw the contacts of a frame."""
         self._frame = frame
         if not self._visible:
             return

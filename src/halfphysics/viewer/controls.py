@@ -1,4 +1,4 @@
-"""The panel of the viewer: play, scrub, speed, step, loop, what to show."""
+"""The panel of the viewer: play, scrub, speed, step, loop, layers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from halfphysics.viewer.timeline import SPEEDS
 if TYPE_CHECKING:
     from halfphysics.viewer.view import Viewer
 
-# The slider follows the time this often [s], and leaves a hand alone that moved it this long.
+# Update interval of the slider, and its pause after the user moved it [s].
 _FOLLOW, _HANDS_OFF = 0.1, 0.6
 # Step of the slider [s].
 _GRAIN = 0.01
@@ -25,7 +25,7 @@ _START, _BACK, _ON = "Start", "◀", "▶"
 
 
 class Controls:
-    """Buttons and sliders for a `Viewer`; what they ask for is done by its own thread."""
+    """Buttons and sliders for a `Viewer`; its own thread changes the scene."""
 
     def __init__(self, viewer: Viewer) -> None:
         self._viewer = viewer
@@ -145,7 +145,7 @@ class Controls:
         self._now()
 
     def _scrubbed(self, event: Any) -> None:
-        if event.client_id is None:  # we moved it ourselves
+        if event.client_id is None:  # the program moved the slider
             return
         self._touched = time.monotonic()
         self._timeline.seek(self._slider.value)
@@ -156,7 +156,7 @@ class Controls:
         self._viewer.changed()
 
     def refresh(self) -> None:
-        """All that is read as the timeline is; a few times a second at most."""
+        """Update time, slider, plots and numbers, a few times per second at most."""
         now = time.monotonic()
         if now - self._followed < _FOLLOW:
             return
@@ -177,5 +177,5 @@ class Controls:
 
 
 def slider_end(duration: float) -> float:
-    """End of the slider [s]: the last frame, up to a whole step; a way to go for a single one."""
+    """End of the slider [s]: the last frame, rounded up to a whole step, at least one step."""
     return round(max(math.ceil(duration / _GRAIN - 1e-6), 1) * _GRAIN, 2)

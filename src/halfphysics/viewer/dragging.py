@@ -1,4 +1,4 @@
-"""Objects that are pulled about by the pointer: a critically damped pull, by velocity."""
+"""Objects dragged by the pointer: a critically damped pull that sets their velocity."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from halfphysics.simulation.simulator import Simulator
 
 Array = NDArray[np.float64]
 
-#: Natural frequency of the pull [1/s]: a still pointer is reached to 2 % within 0.3 s.
+#: Natural frequency of the pull [1/s]: an object reaches a still pointer to 2 % within 0.3 s.
 FREQUENCY = 20.0
-#: Fastest that anything is pulled [m/s]: quicker than a hand throws a ball across a room.
+#: Largest speed of a pulled object [m/s]: faster than a hand throws a ball across a room.
 FASTEST = 12.0
 
 
 def draggable(simulator: Simulator, name: str) -> bool:
-    """Whether the pointer can pull it: a free object that is not held."""
+    """Whether the pointer can pull this object: it is free and not held."""
     item = simulator.world.scene.objects.get(name)
     return item is not None and not isinstance(item, KinematicObject) and name not in simulator.held
 
 
 @dataclass
 class Drag:
-    """An object in the grip of a pointer.
+    """An object dragged by a pointer.
 
-    Its origin keeps the offset that it had from the pointer. What it turns with dies away. Let
-    go, it has the velocity that it has.
+    The object's origin keeps its offset from the pointer. Its angular velocity decays. A released
+    object keeps its velocity.
 
     Attributes:
-        name: Of the object.
-        pointer: Where the pointer is in the world (3,) [m].
-        offset: From the pointer to the object's origin when it was taken (3,) [m].
+        name: Name of the object.
+        pointer: World position of the pointer (3,) [m].
+        offset: From the pointer to the object's origin at the start of the drag (3,) [m].
     """
 
     name: str
@@ -46,16 +46,16 @@ class Drag:
 
     @staticmethod
     def begin(simulator: Simulator, name: str, at: object, pointer: object) -> Drag:
-        """Take an object.
+        """Start to drag an object.
 
         Args:
-            simulator: Its simulation.
-            name: Of a free object.
-            at: The point of it that is taken, in the world (3,) [m].
-            pointer: Where the pointer is already (3,) [m].
+            simulator: The simulator of the object.
+            name: Name of a free object.
+            at: The grabbed point of the object, in the world (3,) [m].
+            pointer: Present position of the pointer (3,) [m].
 
         Raises:
-            InputError: Something that cannot be pulled, or no vector.
+            InputError: An object that cannot be pulled, or an invalid vector.
         """
         if not draggable(simulator, name):
             raise InputError(f"drag: found {name!r}, expected an object that moves freely")
@@ -65,26 +65,26 @@ class Drag:
         return Drag(name, np.array(vector(pointer, "drag: pointer", unit="m")), origin - grip)
 
     def follow(self, pointer: object) -> None:
-        """The pointer has moved.
+        """Set the position of the pointer.
 
         Raises:
-            InputError: No vector.
+            InputError: An invalid vector.
         """
         self.pointer = np.array(vector(pointer, "drag: pointer", unit="m"))
 
     def pull(self, simulator: Simulator, dt: float) -> None:
-        """Give the object its velocity for the frame of length `dt` [s] that comes.
+        """Set the object's velocity for the next frame, `dt` [s] long.
 
-        What it meets on the way stops it: the velocity is only what it sets out with.
+        This is the initial velocity of the frame: contacts still stop the object.
         """
         place = next(p for p in simulator.world.objects if p.name == self.name)
         origin, _ = place.pose(simulator.world.stepper.qpos())
         speed, spin = simulator.velocity(self.name)
-        # Gravity adds to the velocity during a frame; half of that is what the way is off by.
+        # Gravity adds to the velocity during a frame; half of that is the mean error in velocity.
         half = 0.5 * dt * simulator.world.scene.gravity
         off = origin - (self.pointer + self.offset)
         decay = math.exp(-FREQUENCY * dt)
-        # Where a critically damped spring would have it after the frame.
+        # Offset that a critically damped spring would leave after the frame.
         later = (off + (speed - half + FREQUENCY * off) * dt) * decay
         wanted = (later - off) / dt - half
         fast = float(np.linalg.norm(wanted))

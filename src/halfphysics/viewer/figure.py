@@ -1,4 +1,4 @@
-"""A person as a skinned mesh in the browser: the mesh is sent once, then only its bones move."""
+"""A person as a skinned mesh in the browser: the mesh is sent once, then only its bones."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# A ghost's skin is drawn this far inside its true place [m]: where ghost and body agree the
-# body hides it, instead of the two flickering.
+# A ghost's skin is drawn this far inside its true position [m]: where ghost and body agree, the
+# body hides the ghost; otherwise the two flicker.
 _INSIDE = 0.003
-_INFLUENCES = 4  # joints per vertex that the browser can take
+_INFLUENCES = 4  # most joints per vertex in the browser
 
 
 def rgb(color: Color) -> tuple[int, int, int]:
-    """A colour of 0 to 1 as one of 0 to 255."""
+    """Convert a colour from 0 to 1 to 0 to 255."""
     r, g, b = (round(255 * c) for c in color)
     return r, g, b
 
 
 class Figure:
-    """A person, or the ghost of one: linear blend of the four strongest joints.
+    """A person or a ghost: linear blend of the four strongest joints.
 
     Args:
-        server: Of viser.
+        server: The viser server.
         name: Path of the node.
-        surface: How it is drawn; vertices at rest. Translucent surfaces are ghosts.
-        body: The body of that skin.
-        bones: Joints that have a bone (B,), parents among them; a joint without one moves with the
-            nearest ancestor that has. None: all 55.
+        surface: The surface at rest and its appearance. Translucent surfaces are ghosts.
+        body: The body of the surface.
+        bones: Joints with a bone (B,), with their parents; a joint without a bone moves with the
+            nearest ancestor with one. None: all 55.
         fast: As in `Bones`.
 
     Attributes:
-        body: As given.
-        joints: Joints that have a bone (B,).
+        body: The body of the surface.
+        joints: Joints with a bone (B,).
         weights: Skin weights of the bones (V, B).
     """
 
@@ -72,14 +72,14 @@ class Figure:
         }
         if surface.alpha < 1.0:
             vertices = shrunk(vertices, surface.faces, _INSIDE)
-            # Unseen, but it leaves its depth: of a ghost only the nearest layer is drawn then.
+            # An invisible mesh writes the depth: only the nearest layer of a ghost is drawn.
             self._add("-depth", vertices, surface.faces, opacity=0.0, **look)
             look["opacity"] = surface.alpha
         self.handle = self._add("", vertices, surface.faces, **look)
         self._bones = Bones(self._meshes, fast=fast)
 
     def _add(self, suffix: str, vertices: Array, faces: NDArray[np.integer], **look: Any) -> Any:
-        """A mesh that moves with the bones. None is ever removed: viser's page fails there."""
+        """Add a mesh that moves with the bones. None is ever removed: viser's page fails then."""
         rest = np.zeros((len(self.joints), 4))
         rest[:, 0] = 1.0
         handle = self._server.scene.add_mesh_skinned(
@@ -97,7 +97,7 @@ class Figure:
 
     @property
     def visible(self) -> bool:
-        """Whether it is drawn. Nothing is sent for what is not; it is up to date once it is."""
+        """Whether the figure is drawn. If not, poses are only sent when it is shown again."""
         return self._visible
 
     @visible.setter
@@ -110,15 +110,15 @@ class Figure:
 
     @property
     def bone_pose(self) -> tuple[Array, Array] | None:
-        """Where the bones are: (B, 3) [m] and wxyz (B, 4); None: never posed."""
+        """Positions (B, 3) [m] and quaternions wxyz (B, 4) of the bones; None: never posed."""
         return self._pose
 
     def pose(self, positions: Array, quaternions: Array) -> None:
-        """Move.
+        """Set the pose.
 
         Args:
-            positions: Of the joints (55, 3) [m].
-            quaternions: Of the joints, wxyz (55, 4).
+            positions: Positions of the joints (55, 3) [m].
+            quaternions: Quaternions of the joints, wxyz (55, 4).
         """
         self._pose = positions[self.joints], quaternions[self.joints]
         if self._visible:
@@ -130,13 +130,13 @@ class Figure:
 
 
 def moving_joints(*quaternions: Array, least: float = 1e-4) -> NDArray[np.integer]:
-    """Joints that ever turn against their parent in any of the world rotations (T, 55, 4).
+    """Joints that ever rotate relative to their parent in the world rotations (T, 55, 4).
 
-    Fingers that stay as they are need no bones of their own: the wrist's carries them, exactly.
+    Fingers without relative rotation need no bones: they move exactly with the wrist's.
 
     Args:
-        quaternions: World from joint, wxyz.
-        least: Smaller turns do not count [rad].
+        quaternions: World rotations of the joints, wxyz.
+        least: Smaller rotations are ignored [rad].
     """
     parents = PARENTS
     keep = np.asarray(parents < 0)
@@ -149,7 +149,7 @@ def moving_joints(*quaternions: Array, least: float = 1e-4) -> NDArray[np.intege
 
 
 def _gathered(weights: Array, bones: NDArray[np.integer]) -> Array:
-    """Skin weights (V, J) as those of the bones (V, B): each joint's to its bone."""
+    """Sum skin weights of joints (V, J) to weights of the bones that carry them (V, B)."""
     column = {int(joint): k for k, joint in enumerate(bones)}
     out = np.zeros((len(weights), len(bones)))
     for joint in range(weights.shape[1]):
@@ -161,7 +161,7 @@ def _gathered(weights: Array, bones: NDArray[np.integer]) -> Array:
 
 
 def strongest(weights: Array) -> Array:
-    """Skin weights with only the strongest joints of each vertex, adding up to 1."""
+    """Skin weights of only the strongest joints of each vertex, normalized to sum 1."""
     weights = np.array(weights, dtype=np.float64)
     drop = np.argsort(-weights, axis=1, kind="stable")[:, _INFLUENCES:]
     np.put_along_axis(weights, drop, 0.0, axis=1)

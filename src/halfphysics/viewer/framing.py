@@ -1,4 +1,4 @@
-"""A camera that has everything in the part of a window that the panel leaves free."""
+"""A camera that frames a scene in the part of a window that the panel leaves free."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from halfphysics.render.viewpoint import FOV
 
 Array = NDArray[np.float64]
 
-#: A usual window [pixels]: where browsers look from before theirs is known is made for it.
+#: Assumed window [pixels] until a browser reports its own.
 WINDOW = (1280, 720)
-# The panel takes this much of the right side of a window that is wide [pixels].
+# A window wider than `_WIDE` has the panel, `_PANEL` wide, on its right side [pixels].
 _WIDE, _PANEL = 580, 335
-# In a narrow one, and one this much higher than wide (a phone with small pixels), it is a sheet
-# under this part of the height.
+# In a narrower window, and in one this many times higher than wide (a phone with small pixels),
+# the panel is a sheet below this fraction of the height.
 _TALL, _ABOVE = 1.5, 0.4
-# Nearest to a point that the camera comes [m], and how much of the free part is filled.
+# Least distance of the camera to a point [m], and the filled fraction of the free part.
 _NEAR, _FILLED = 0.5, 0.92
 
 
 def free_part(width: float, height: float) -> tuple[float, float]:
-    """Width and height of what the panel leaves free, from the upper left corner [pixels]."""
+    """Width and height of the free part, from the upper left corner [pixels]."""
     if width > _WIDE and height < _TALL * width:
         return width - _PANEL, height
     return width, _ABOVE * height
@@ -33,11 +33,11 @@ def free_part(width: float, height: float) -> tuple[float, float]:
 def framed(
     points: Array, direction: Array, window: tuple[float, float], *, distance: float = 0.0
 ) -> Camera:
-    """The nearest camera that has everything in what the panel leaves free of a window.
+    """The nearest camera that has all points in the free part of a window.
 
     Args:
-        points: What must be seen (N, 3) [m].
-        direction: From there to the camera, not straight up (3,).
+        points: Points that must be in view (N, 3) [m].
+        direction: From the points to the camera, not straight up (3,).
         window: Width and height [pixels].
         distance: Least distance from the middle of the points [m].
     """

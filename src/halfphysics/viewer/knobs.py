@@ -1,4 +1,4 @@
-"""The sliders of the playground as numbers: what they make of settings and of a scene."""
+"""Values of the playground's sliders, and their effect on settings and on a scene."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _STANDARD_GRAVITY = 9.80665
 
-#: Name of a strength -> part of a person's; None: whatever it takes.
+#: Name of a strength -> fraction of a person's strength; None: unlimited.
 STRENGTHS: Mapping[str, float | None] = MappingProxyType(
     {"unlimited": None, "human": 1.0, "half": 0.5, "weak": 0.2, "very weak": 0.05}
 )
@@ -29,16 +29,16 @@ STRENGTHS: Mapping[str, float | None] = MappingProxyType(
 
 @dataclass(frozen=True, kw_only=True)
 class Knobs:
-    """What the sliders say; None and absent: as the scenario has it.
+    """Values of the sliders; None or absent: the scenario's value.
 
     Attributes:
         stiffness: Firmness lambda of the joints.
-        substeps: Per frame.
+        substeps: Number of substeps per frame.
         strength: A name of `STRENGTHS`.
         drive_time: Time constant of the drive [s].
-        paper: The paper's Algorithm 1 instead of a drive with a time constant, or not.
-        masses: Name of a thing -> its mass [kg]; of an articulated one, of all its links.
-        frictions: Name of a thing -> its friction.
+        paper: Whether to use the paper's Algorithm 1 instead of a drive with a time constant.
+        masses: Name of an object -> its mass [kg]; of an articulated object: of all its links.
+        frictions: Name of an item of the scene -> its friction.
     """
 
     stiffness: float | None = None
@@ -50,7 +50,7 @@ class Knobs:
     frictions: Mapping[str, float] = field(default_factory=dict)
 
     def settings(self, base: Settings, body: Body) -> Settings:
-        """The scenario's settings with what the sliders say.
+        """The scenario's settings with the values of the sliders.
 
         Raises:
             InputError: An impossible value.
@@ -65,17 +65,17 @@ class Knobs:
         if self.strength is not None:
             changes["strength"] = _strength(self.strength, body)
         if self.paper:
-            # Algorithm 1 sets velocities, whatever force that takes.
+            # Algorithm 1 sets velocities with unlimited force.
             changes |= {"drive_time": None, "strength": None}
         elif self.paper is not None and base.drive_time is None and self.drive_time is None:
             changes["drive_time"] = type(base).drive_time
         return replace(base, **changes)
 
     def scene(self, base: Scene) -> Scene:
-        """The scenario's scene with what the sliders say; the same one if they say nothing.
+        """The scenario's scene with the values of the sliders; the same object if none is set.
 
         Raises:
-            InputError: An impossible value, or something that is not there.
+            InputError: An impossible value, or a name that the scene does not have.
         """
         if not self.masses and not self.frictions:
             return base
@@ -98,13 +98,13 @@ class Knobs:
 
 
 def movable(scene: Scene) -> dict[str, Any]:
-    """Name -> what has a mass that counts: free objects and articulated ones."""
+    """Name -> free or articulated object: those whose mass has an effect."""
     free = {n: o for n, o in scene.objects.items() if not isinstance(o, KinematicObject)}
     return {**free, **scene.articulated}
 
 
 def mass_of(item: Any) -> float:
-    """Mass of a free object, or of the links of an articulated one that move [kg]."""
+    """Mass of a free object, or of the movable links of an articulated object [kg]."""
     if hasattr(item, "links"):
         return float(sum(link.mass for link in item.links if not link.fixed))
     return float(item.mass)
@@ -125,7 +125,7 @@ def _heavier(item: Any, mass: float) -> Any:
 
 
 def _put(scene: Scene, item: Any) -> None:
-    """In its place, so that the order of names stays."""
+    """Replace an item in its group; the order of names stays."""
     for group in (scene._statics, scene._objects, scene._articulated):
         if item.name in group:
             group[item.name] = item

@@ -1,4 +1,4 @@
-"""What a stage shows of contacts: its layers beside bodies and things."""
+"""The layers of a stage that show contacts, beside those of bodies and objects."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from halfphysics.viewer.stage import Layer, Stage
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
-#: How much is left of a body that is seen through.
+#: Opacity of a translucent body.
 GLASS = 0.55
 
 
 class Glass:
-    """Bodies and what is on them as glass, to see contacts that they hide: a part of a `Layer`.
+    """Bodies and their patches drawn as glass, to show hidden contacts: a part of a `Layer`.
 
     Args:
-        handles: Of viser, with an opacity.
+        handles: viser's handles that have an opacity.
     """
 
     def __init__(self, handles: list[Any]) -> None:
@@ -31,7 +31,7 @@ class Glass:
 
     @property
     def visible(self) -> bool:
-        """Whether it is glass."""
+        """Whether the bodies are drawn as glass."""
         return self._visible
 
     @visible.setter
@@ -42,11 +42,11 @@ class Glass:
 
 
 def add_layers(server: Any, stage: Stage) -> None:
-    """Contacts, parts that touch and a body to see through, as `layers` of a stage.
+    """Add contacts, touched parts and a translucent body to the `layers` of a stage.
 
     Args:
-        server: Of viser.
-        stage: With a whole result.
+        server: The viser server.
+        stage: A stage of a complete result.
     """
     if not len(stage.drawing.result.contacts.frame):
         return
@@ -59,7 +59,7 @@ def add_layers(server: Any, stage: Stage) -> None:
 
 
 def legend(results: Sequence[Result]) -> str:
-    """What the arrows and colours of these results mean, for the panel."""
+    """HTML legend of the arrows and colours of these results, for the panel."""
     there = sorted({int(kind) for result in results for kind in kinds(result)})
     rows = [
         f'<div><span style="{_DOT};background:{_css(KINDS[k].color)}"></span>'

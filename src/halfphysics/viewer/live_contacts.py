@@ -1,4 +1,4 @@
-"""Contacts of a simulation that runs: those of its last frame, for `ContactNodes`."""
+"""Contacts of the last frame of a running simulation, for `ContactNodes`."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 
 class LiveContacts:
-    """What touches in the frame that a session made last, whatever frame is asked for.
+    """The contacts of a session's last frame, for any requested frame.
 
     Attributes:
-        kind: Every kind: which will occur is not known yet.
+        kind: All kinds: those that will occur are not known yet.
     """
 
     def __init__(self, session: Session) -> None:
@@ -24,7 +24,7 @@ class LiveContacts:
         self.kind: Ints = np.arange(len(KINDS))
 
     def at(self, frame: int) -> FrameContacts:
-        """Those of the session's frame."""
+        """The contacts of the session's last frame."""
         session, touches = self._session, self._session.frame.contacts
         simulator = session.simulator
         count = len(simulator.names), len(session.frame.objects), len(simulator.bodies)

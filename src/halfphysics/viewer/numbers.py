@@ -1,4 +1,4 @@
-"""The frame in numbers: clearance, contacts by name with their forces, deviation."""
+"""Numbers of a frame: clearance, contacts by name with their forces, deviation."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from halfphysics.viewer.contacts import KINDS, NO_PERSON, ContactFrames
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
-# Contacts that are listed; what is more is counted.
+# Most contacts in the list; the rest is summed up in one row.
 _MOST = 8
 _CELL = "padding:1px 0;vertical-align:top;line-height:1.3"
 
 
 class Numbers:
-    """What there is to say about the frames of a result.
+    """The numbers of the frames of a result.
 
     Args:
-        result: Whose.
-        label: What it is called; empty: the only one.
+        result: The result.
+        label: Name of the result; empty: it is the only one.
     """
 
     def __init__(self, result: Result, label: str = "") -> None:
@@ -34,10 +34,10 @@ class Numbers:
         self._off = [1e3 * person.joint_errors()[1] for person in result.people]
 
     def contacts(self, frame: int) -> list[tuple[str, str, float, int]]:
-        """Which part touches what in a frame, the strongest first.
+        """The contacts of a frame, the largest force first.
 
         Returns:
-            Part or object, what it touches, force [N], index into `KINDS`.
+            Part or object, the other part or item, force [N], index into `KINDS`.
         """
         here = self._frames.at(frame)
         size = np.linalg.norm(here.force, axis=1)
@@ -63,11 +63,11 @@ class Numbers:
         return f"{self._result.people[person].name}: {name}"
 
     def deviation(self, frame: int) -> list[tuple[str, float, str, float]]:
-        """How far people are from what was asked of them.
+        """Deviation of people from their references.
 
         Returns:
-            Of every person: name, mean over the joints [mm], the joint that is farthest, by how
-            much [mm].
+            For each person: name, mean over the joints [mm], the joint with the largest
+            deviation, that deviation [mm].
         """
         out = []
         for person, off in zip(self._result.people, self._off, strict=True):
@@ -77,7 +77,7 @@ class Numbers:
         return out
 
     def html(self, frame: int) -> str:
-        """All of it, for the panel."""
+        """All numbers of a frame as HTML, for the panel."""
         clearance = 1e3 * float(self._result.clearance[frame])
         reach = 1e3 * float(self._result.settings.clearance_range)
         near = f"{clearance:.1f} mm" if np.isfinite(clearance) else f"over {reach:.0f} mm"
@@ -117,9 +117,9 @@ class NumbersPanel:
     """The numbers of all results in the panel.
 
     Args:
-        gui: Of viser, within the folder or tab where they belong.
-        results: Whose.
-        labels: What they are called.
+        gui: viser's GUI, within the folder or tab of the numbers.
+        results: The results.
+        labels: Names of the results.
     """
 
     def __init__(self, gui: Any, results: Sequence[Result], labels: Sequence[str]) -> None:
@@ -132,7 +132,7 @@ class NumbersPanel:
         self._shown = [-1] * len(results)
 
     def show(self, frames: Sequence[int]) -> None:
-        """The numbers of a frame of each."""
+        """Show the numbers of one frame of each result."""
         for k, frame in enumerate(frames):
             if frame != self._shown[k]:
                 self._shown[k] = frame

@@ -1,4 +1,4 @@
-"""When the next frame is due, and how much of real time is kept."""
+"""The time when the next frame is due, and the fraction of real time achieved."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-# Frames that the read-out looks back on.
+# Number of last frames that `kept` covers.
 _WINDOW = 60
 
 
 class Pace:
-    """Frames at a rate, as far as the machine can: what is missed is never caught up.
+    """Paces frames at a rate as far as the machine can; missed time is never caught up.
 
-    A machine too slow plays in slow motion; nothing piles up.
+    A slow machine plays in slow motion; no delay accumulates.
 
     Args:
         now: A clock [s].
@@ -26,25 +26,25 @@ class Pace:
         self._done: deque[tuple[float, float]] = deque(maxlen=_WINDOW)
 
     def wait(self) -> float:
-        """Until the next frame is due [s]; 0: it is."""
+        """Time until the next frame is due [s]; 0: it is due."""
         return max(self._due - self._now(), 0.0)
 
     def made(self, period: float) -> None:
-        """A frame was begun that stands for `period` [s] of the clock on the wall."""
+        """Record the start of a frame that covers `period` [s] of wall-clock time."""
         now = self._now()
-        # A little late (a sleep that was too long) is made up for; a frame late is not.
+        # A delay below one frame (a long sleep) is made up for; a longer one is not.
         begun = now if self._due == -math.inf else max(self._due, now - period)
         self._due = begun + period
         self._done.append((now, period))
 
     def rest(self) -> None:
-        """It stood still: time begins anew with the next frame."""
+        """Playing was paused: timing restarts with the next frame."""
         self._due = -math.inf
         self._done.clear()
 
     @property
     def kept(self) -> float | None:
-        """Part of real time that was kept lately, 1: all; None: too early to tell."""
+        """Fraction of real time achieved over the last frames, at most 1; None: too few frames."""
         if len(self._done) < _WINDOW // 4:
             return None
         passed = self._done[-1][0] - self._done[0][0]

@@ -1,4 +1,4 @@
-"""One HTML file that plays a result: no network, no server, opened with a double click."""
+"""One HTML file that plays a result offline: it needs no network and no server."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from halfphysics.viewer.stage import Stage, aim, light
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
-#: A page plays at most this many frames per second; faster results are thinned.
+#: A page plays at most this many frames per second; frames of faster results are skipped.
 MAX_FPS = 30.0
 _VIEW = (1280, 720)
 
@@ -38,13 +38,13 @@ def save_page(
 
     People are skinned in the browser from the poses of the joints (linear blend of the four
     strongest joints, without pose blend shapes). The page contains the skin of each person's
-    body: pass on the page of a licensed body model only as its licence allows.
+    body: share the page of a licensed body model only as its licence allows.
 
     Args:
-        result: What to show.
-        path: The file to write; whole or not at all.
+        result: The result to show.
+        path: The file to write; written completely or not at all.
         title: Title of the page.
-        max_fps: Frames played per second at most; of a faster result every n-th frame is kept.
+        max_fps: Most frames played per second; a faster result keeps every n-th frame.
         progress: Shows a progress bar on stderr.
 
     Returns:
@@ -52,7 +52,7 @@ def save_page(
 
     Raises:
         InputError: `max_fps` is not above 0.
-        FileError: The file cannot be written, or the machine refuses a local port.
+        FileError: The file cannot be written, or no local port can be opened.
         MissingDependencyError: viser is not installed.
     """
     from halfphysics.base.atomic import atomic_write
@@ -67,7 +67,7 @@ def save_page(
         row = arrange([drawing], _VIEW)
         stage, contacts = _build(server, drawing, row)
         bar = _bar(len(frames), progress)
-        # No browser listens: without this the server's thread is woken for every bone and frame.
+        # Without this the server's thread wakes for every bone and frame, with no browser to serve.
         with server.atomic():
             for frame in frames:
                 stage.show(frame)
@@ -89,7 +89,7 @@ def _bar(total: int, progress: bool) -> Any:
 
 @contextlib.contextmanager
 def _quiet_server() -> Iterator[Any]:
-    """viser writes pages from a server's scene; nothing connects to it."""
+    """A viser server whose scene becomes the page; no browser connects to it."""
     server = open_server("127.0.0.1", 0)
     try:
         yield server
@@ -98,7 +98,7 @@ def _quiet_server() -> Iterator[Any]:
 
 
 def _build(server: Any, drawing: Drawing, row: Arrangement) -> tuple[Stage, list[int]]:
-    """Adds everything to the scene; returns the kinds of contacts, too."""
+    """Build the scene; returns the stage and the kinds of contacts that occur."""
     aim(server, row.camera(_VIEW))
     light(server)
     stage = Stage(server, drawing, faint=row.faint[0])

@@ -1,4 +1,4 @@
-"""What a page has beside the player: a key, and a camera that fits the window it is opened in."""
+"""A page's additions to the player: a colour key, and a camera that fits its window."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from halfphysics.viewer.figure import rgb
 
 Array = NDArray[np.float64]
 
-# Shapes of windows that there is a camera for, width over height: of the widest that is not wider
-# than the window, so that the whole story is in view.
+# Window shapes with a camera, width over height. The widest that is not wider than the window is
+# used, so that all motion is in view.
 _SHAPES = (0.4, 0.46, 0.55, 0.7, 0.85, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5)
 _HEIGHT = 720
-# The bar below the scene [pixels].
+# Height of the bar below the scene [pixels].
 _BAR = 42
 
 _STYLE = """
@@ -36,7 +36,7 @@ _STYLE = """
 .mantine-Select-input, .mantine-NumberInput-input { font-size: 12px !important; }
 """
 
-# The player reads where to look from in the address; what is asked for there stays.
+# The player reads the camera from the address; a camera that the user put there stays.
 _AIM = """
 (() => {
   const known = new URLSearchParams(location.search);
@@ -65,24 +65,24 @@ def head(title: str, drawing: Drawing, row: Arrangement, contacts: Sequence[int]
     """HTML for the head of a page.
 
     Args:
-        title: Of the page.
-        drawing: What it shows.
-        row: Where it is looked at from.
-        contacts: Kinds of contacts that it shows, indices into `KINDS`.
+        title: Title of the page.
+        drawing: The drawing that the page shows.
+        row: The arrangement that gives the camera.
+        contacts: Kinds of contacts on the page, indices into `KINDS`.
     """
     cameras = []
     for shape in _SHAPES:
         camera = row.camera((round(shape * _HEIGHT), _HEIGHT))
         cameras.append([shape, _text(camera.position), _text(camera.target)])
     aim = _AIM % {"bar": _BAR, "cameras": json.dumps(cameras), "first": json.dumps(cameras[0])}
-    # A title may hold anything, also what would end a script.
+    # A title may hold any text, even the end tag of a script.
     key = json.dumps(_key(title, drawing, contacts)).replace("<", "\\u003c")
     style = _STYLE % {"bottom": _BAR + 10}
     return f"<style>{style}</style><script>{aim}{_SHOW % key}</script>"
 
 
 def _key(title: str, drawing: Drawing, contacts: Sequence[int]) -> str:
-    """The title and what the colours mean."""
+    """HTML of the title and the meaning of the colours."""
     people = len(drawing.result.people)
     bodies = [PEOPLE[k % len(PEOPLE)] for k in range(people)]
     entries = [([GHOST], "asked for"), (bodies, "with a body" if people == 1 else "with bodies")]

@@ -1,4 +1,4 @@
-"""`halfphysics play`: a simulation in a browser that runs while one plays with it."""
+"""`halfphysics play`: an interactive simulation in a browser."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from halfphysics.viewer.session import Command, Grab, LetGo, Pull, Session
 from halfphysics.viewer.stage import Layer, Stage, aim, light
 from halfphysics.viewer.wardrobe import Wardrobe
 
-# A look at whether there is anything to do while it stands still [s].
+# Interval between checks for commands while the simulation is paused [s].
 _IDLE = 0.1
-# The picture that decides where to look from [pixels]: a small one is drawn quickly.
+# Size of the picture that decides the camera [pixels]: small, to be drawn quickly.
 _PICTURE = (640, 360)
-# Of the time that sending a frame takes, how much a single one counts in the read-out.
+# Weight of the last frame in the moving averages of the times shown.
 _SMOOTH = 0.1
 
 
@@ -35,22 +35,22 @@ class Playground(Served):
     Its thread owns the session, the simulator and the scene.
 
     Args:
-        catalog: What can be chosen.
-        choice: What is played first.
+        catalog: The available choices.
+        choice: The first choice to play.
         host: Address to listen on.
-        port: Port to listen on; where it is in use, the next one that is free.
+        port: Port to listen on; the next free one if it is in use.
 
     Attributes:
-        session: What is played. Use `post` to have something done to it.
-        server: Of viser.
-        stage: What is shown of it now.
-        cameras: Where browsers look from.
-        pace: How well real time is kept.
-        simulating, sending: What a frame takes lately [s].
-        updates: Frames shown so far.
+        session: The session. Use `post` to send it commands.
+        server: The viser server.
+        stage: The present stage.
+        cameras: The cameras of the browsers.
+        pace: Timing of the frames against real time.
+        simulating, sending: Moving averages of the time per frame [s].
+        updates: Number of frames shown so far.
 
     Raises:
-        HalfPhysicsError: The first choice cannot be played, no port can be had, viser is missing.
+        HalfPhysicsError: The first choice cannot be played, no port is free, viser is missing.
     """
 
     _what = "the playground is"
@@ -87,7 +87,7 @@ class Playground(Served):
         return f"Playground({self._state})"
 
     def post(self, command: Command) -> None:
-        """Have something done to the session before its next frame."""
+        """Queue a command for the session, to be executed before its next frame."""
         self.session.post(command)
         self._wake.set()
 
@@ -98,7 +98,7 @@ class Playground(Served):
         return self.pace.wait() if busy else _IDLE
 
     def _round(self) -> None:
-        """What was asked for, then a frame if one is due, and all of it shown."""
+        """Execute the commands, make a frame if one is due, and show the result."""
         session = self.session
         asked = session.obey()
         if session.story != self._story:
@@ -108,7 +108,7 @@ class Playground(Served):
             self.pace.rest()
         elif self.pace.wait() == 0.0:
             self.pace.made(1.0 / (session.fps * session.speed))
-            # Not `advance`: what is posted meanwhile may be another story, for another stage.
+            # Not `advance`: a command posted meanwhile may start a story that needs another stage.
             if session.make() is not None:
                 self.simulating += _SMOOTH * (session.seconds - self.simulating)
         self._show()
@@ -116,7 +116,7 @@ class Playground(Served):
         self.panel.refresh(now=asked)
 
     def _show(self) -> None:
-        """Show the frame, if it is not shown yet and a browser is connected."""
+        """Show the frame if it is new and a browser is connected."""
         session = self.session
         if session.frame is self._shown or (self.updates and not self.server.get_clients()):
             return
@@ -136,7 +136,7 @@ class Playground(Served):
         self.sending += _SMOOTH * (time.perf_counter() - start - self.sending)
 
     def _set_stage(self) -> None:
-        """The scene of what was chosen."""
+        """Build the stage of the present choice."""
         session = self.session
         drawing = Drawing(provisional(session))
         old = getattr(self, "stage", None)
@@ -180,7 +180,7 @@ class Playground(Served):
     def _let_drag(self, name: str) -> None:
         handle = self.stage.object(name)
 
-        # In the event loop, one after the other: in the thread pool an end may overtake a start.
+        # Handled in order by the event loop: in the thread pool an end may overtake a start.
         async def dragged(event: Any) -> None:
             key = (event.client_id, name)
             if event.phase == "start":
@@ -201,23 +201,23 @@ def play(
     port: int = 8080,
     block: bool = True,
 ) -> Playground:
-    """Play with a simulation in a browser. Prints the address.
+    """Open an interactive simulation in a browser. Prints the address.
 
     Args:
-        catalog: What can be chosen.
-        choice: What is played first.
-        host: Address to listen on; "0.0.0.0": any machine that reaches this one can play.
-        port: Port to listen on; where it is in use, the next one that is free, and it says so.
+        catalog: The available choices.
+        choice: The first choice to play.
+        host: Address to listen on; "0.0.0.0": any machine that can reach this one can play.
+        port: Port to listen on; the next free one if it is in use, with a message.
         block: Wait until Ctrl-C; False: return at once.
 
     Returns:
         The running playground with `.url` and `.stop()`; a context manager.
 
     Raises:
-        InputError: An impossible choice, host or port.
-        FileError: A file that cannot be used, or no port can be had.
+        InputError: An invalid choice, host or port.
+        FileError: A file cannot be used, or no port is free.
         MissingDependencyError: viser cannot be imported.
-        KeyboardInterrupt: Ctrl-C while it blocks; the playground has been stopped.
+        KeyboardInterrupt: Ctrl-C while blocking; the playground has been stopped.
     """
     playground = Playground(catalog, choice, host=host, port=port)
     playground.say(block)

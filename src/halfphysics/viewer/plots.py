@@ -1,4 +1,4 @@
-"""Clearance, speed and contact force over time, with a line at the time that is shown."""
+"""Clearance, speed and contact force over time, with a line at the present time."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Colours of lines, one a result or person; the motion as asked for is grey and dashed.
+#: Colours of lines, one per result or person; the reference motion is grey and dashed.
 COLORS = ("#1f6fd6", "#d9480f", "#2b8a3e", "#9c36b5", "#0b7285", "#c2255c")
 _ASKED = "#8a94a0"
 
-#: What speed can be shown of, beside objects: label -> joint.
+#: Points whose speed can be plotted, beside objects: label -> joint.
 POINTS = {"pelvis": "pelvis", "left hand": "left_wrist", "right hand": "right_wrist"}
 
-# Of a plot [pixels]: its height, the axis on its left, the room on its right.
+# Size of a plot [pixels]: height, width of the left axis, padding on the right.
 _HEIGHT, _LEFT, _RIGHT = 92, 44, 14
 _AXIS, _TOP, _LABEL = 24, 6, 14
-# Points of a line at most; a panel is narrower than that.
+# Most points of a line; a panel has fewer pixels across.
 _POINTS = 600
 
 
@@ -36,10 +36,10 @@ class Line:
     """One line of a plot.
 
     Attributes:
-        label: What it is.
+        label: Name of the line.
         time: (T,) [s].
-        value: (T,); nan where there is none.
-        dashed: Drawn so, in grey: the motion as asked for.
+        value: (T,); nan where there is no value.
+        dashed: Draw dashed and grey: the reference motion.
     """
 
     label: str
@@ -49,7 +49,7 @@ class Line:
 
 
 def clearance(results: Sequence[Result], labels: Sequence[str]) -> list[Line]:
-    """Smallest distance from what stands [mm], one line a result; nan beyond what is measured."""
+    """Minimum distance to static geometry [mm], a line per result; nan beyond its range."""
     lines = []
     for result, label in zip(results, labels, strict=True):
         value = 1e3 * np.asarray(result.clearance, dtype=np.float64)
@@ -59,7 +59,7 @@ def clearance(results: Sequence[Result], labels: Sequence[str]) -> list[Line]:
 
 
 def force(results: Sequence[Result], labels: Sequence[str]) -> list[Line]:
-    """Sizes of all forces on people, added up [N], one line a result."""
+    """Sum of the magnitudes of all forces on people [N], one line per result."""
     lines = []
     for result, label in zip(results, labels, strict=True):
         contacts = result.contacts
@@ -74,7 +74,7 @@ def force(results: Sequence[Result], labels: Sequence[str]) -> list[Line]:
 def speed(results: Sequence[Result], labels: Sequence[str], what: str) -> list[Line]:
     """Speed of a point of the people (see `POINTS`) or of an object [m/s].
 
-    One line a result and person, and of the first result what was asked of its people.
+    One line per result and person, and the reference of the people of the first result.
     """
     lines = []
     for index, (result, label) in enumerate(zip(results, labels, strict=True)):
@@ -96,7 +96,7 @@ def speed(results: Sequence[Result], labels: Sequence[str], what: str) -> list[L
 
 
 def items(results: Sequence[Result]) -> list[str]:
-    """What speed can be shown of: points of people and names of objects."""
+    """Choices for `speed`: points of people and names of objects."""
     return [*POINTS, *dict.fromkeys(name for result in results for name in result.objects)]
 
 
@@ -113,10 +113,10 @@ def _times(result: Result) -> Array:
 
 
 def aligned(lines: Sequence[Line], duration: float) -> tuple[Array, ...]:
-    """Times and the values of all lines at them, as a plot wants it.
+    """Times and the values of all lines at these times, in the form of a plot's data.
 
-    Of a line with more frames than there are times, the largest of each few is kept, so that no
-    peak is lost.
+    A line with more frames than times keeps the largest value of each interval, so that no peak
+    is lost.
     """
     count = min(max((len(line.time) for line in lines), default=2), _POINTS)
     time = np.linspace(0.0, duration, max(count, 2))
@@ -133,7 +133,7 @@ def aligned(lines: Sequence[Line], duration: float) -> tuple[Array, ...]:
 
 
 def _interpolated(time: Array, line: Line) -> Array:
-    """A line at other times: nan where its nearest frame is, and after its end."""
+    """Values of a line at other times: nan where the nearest frame's is, and after its end."""
     there = np.isfinite(line.value)
     if not there.any():
         return np.full(len(time), np.nan)
@@ -146,15 +146,15 @@ def _interpolated(time: Array, line: Line) -> Array:
 
 
 class Plots:
-    """Plots in the panel, one under the other, and a line at the time that is shown.
+    """Plots in the panel, one below the other, with a line at the present time.
 
-    The plots are sent once; the line is a few bytes of its own that lie over them.
+    The plots are sent once; the line is a separate small element over each plot.
 
     Args:
-        gui: Of viser, within the folder or tab where they belong.
-        results: What they are of.
-        labels: What the results are called.
-        duration: Of the time axis [s].
+        gui: viser's GUI, within the folder or tab of the plots.
+        results: The results to plot.
+        labels: Names of the results.
+        duration: Length of the time axis [s].
     """
 
     def __init__(
@@ -203,7 +203,7 @@ class Plots:
         chart.data = aligned(lines, self._duration)
 
     def show(self, time: float) -> None:
-        """Move the lines to a time [s]."""
+        """Move the time lines to a time [s]."""
         share = min(max(time / self._duration, 0.0), 1.0)
         at = f"{share:.4f}"
         if at == self._at:
@@ -218,7 +218,7 @@ _LOOK = {"font": _FONT, "gap": 3, "ticks": {"size": 4, "width": 1, "stroke": "#c
 
 
 def _cursor(share: str) -> str:
-    """A line over the plot that comes next, without a height of its own."""
+    """A time line over the next plot, as an element of zero height."""
     return (
         f'<div style="position:relative;height:0;z-index:2;pointer-events:none">'
         f'<div style="position:absolute;top:{12 + _TOP}px;height:{_HEIGHT - _TOP - _AXIS}px;'
@@ -243,7 +243,7 @@ def _colors(lines: Sequence[Line]) -> list[str]:
 
 
 def _range(lines: Sequence[Line]) -> tuple[float, float]:
-    """From 0, or below it where values are, to a little above the largest."""
+    """From 0, or just below the smallest negative value, to just above the largest value."""
     values = np.concatenate([line.value for line in lines]) if lines else np.zeros(0)
     values = values[np.isfinite(values)]
     if not len(values):

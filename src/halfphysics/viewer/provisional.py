@@ -1,4 +1,4 @@
-"""What is to be played as a result in which nothing has happened yet: something to draw."""
+"""A provisional result for the viewer to draw, before the simulation starts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def provisional(session: Session) -> Result:
-    """People on their reference, objects that stay where they are at this moment."""
+    """A result with people on their references and objects at their present poses."""
     count, simulator = session.frames, session.simulator
     motions = session.sequence.motions
     names = simulator.names[len(simulator.names) - len(motions) :]

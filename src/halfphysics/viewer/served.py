@@ -1,4 +1,4 @@
-"""What browsers are shown by one thread, which makes frames and does in between what is asked."""
+"""Base of the viewers: one thread makes frames for browsers and runs tasks between frames."""
 
 from __future__ import annotations
 
@@ -14,33 +14,33 @@ from typing import Any, Self
 from halfphysics.viewer.address import announcement, url
 from halfphysics.viewer.server import close_server, open_server
 
-# A look at whether to stop waiting [s].
+# Interval between checks for the end of waiting [s].
 _LOOK = 0.1
-# The thread is given so long to end [s].
+# Longest wait for the thread to end [s].
 _PATIENCE = 10.0
 
 
 class Served(ABC):
-    """Shown in browsers until `stop`, or the end of a `with` block.
+    """A scene served to browsers until `stop`, or the end of a `with` block.
 
-    One thread owns all that is shown; what others ask for waits until it has made its frame.
+    One thread owns the scene; tasks of other threads wait until it has made its frame.
 
     Args:
         label: Title of the panel.
         host: Address to listen on.
-        port: Port to listen on; where it is in use, the next one that is free.
+        port: Port to listen on; the next free one if it is in use.
 
     Attributes:
-        server: Of viser.
-        port: That it listens on.
+        server: The viser server.
+        port: The port in use.
 
     Raises:
-        HalfPhysicsError: An impossible host or port, no port can be had, viser is missing.
+        HalfPhysicsError: An invalid host or port, no port is free, viser is missing.
     """
 
-    #: What it is, for the line that says where.
+    #: Start of the announcement, before "at" and the address.
     _what: str
-    #: Of it in a notebook [pixels].
+    #: Height in a notebook [pixels].
     _height: int
 
     def __init__(self, label: str, host: str, port: int) -> None:
@@ -61,7 +61,7 @@ class Served(ABC):
         return url(self._host, self.port)
 
     def announce(self) -> str:
-        """Where it can be seen, and how from another machine."""
+        """The address, and how to reach it from another machine."""
         return announcement(self._what, self._host, self.port, self._asked_port)
 
     @property
@@ -69,7 +69,7 @@ class Served(ABC):
         return "stopped" if self._stopping.is_set() else self.url
 
     def _repr_html_(self) -> str:
-        """In a notebook: the page itself."""
+        """The page itself, for notebooks."""
         if self._stopping.is_set():
             return f"<pre>{html.escape(repr(self))}</pre>"
         frame = f'width="100%" height="{self._height}" style="border:0"'
@@ -82,12 +82,12 @@ class Served(ABC):
         self.stop()
 
     def do(self, task: Callable[[], object]) -> None:
-        """Have something done between two frames, by the thread that makes them."""
+        """Run a task between two frames, in the thread that makes them."""
         self._tasks.put(task)
         self._wake.set()
 
     def stop(self) -> None:
-        """End it; browsers see that it has gone. Once is enough, twice does no harm."""
+        """Stop serving; browsers lose the connection. Further calls have no effect."""
         if self._stopping.is_set():
             return
         self._stopping.set()
@@ -97,10 +97,10 @@ class Served(ABC):
         close_server(self.server)
 
     def wait(self) -> None:
-        """Until `stop` is called elsewhere, or Ctrl-C.
+        """Wait until another thread calls `stop`, or Ctrl-C.
 
         Raises:
-            KeyboardInterrupt: Ctrl-C; it has been stopped.
+            KeyboardInterrupt: Ctrl-C; serving has been stopped.
         """
         try:
             while not self._stopping.wait(_LOOK):
@@ -110,10 +110,10 @@ class Served(ABC):
             self.stop()
 
     def say(self, block: bool) -> None:
-        """Print where it can be seen; `block`: and wait.
+        """Print the address; with `block`, wait.
 
         Raises:
-            KeyboardInterrupt: Ctrl-C while it blocks; it has been stopped.
+            KeyboardInterrupt: Ctrl-C while blocking; serving has been stopped.
         """
         print(self.announce(), flush=True)
         if not block:
@@ -125,30 +125,30 @@ class Served(ABC):
             print("", file=sys.stderr)
             raise
 
-    # -- by those that are shown ---------------------------------------------------------------
+    # -- by subclasses -------------------------------------------------------------------------
 
     @contextlib.contextmanager
     def _starting(self) -> Iterator[None]:
-        """The first frame is built; then the thread begins. What fails leaves nothing open."""
+        """Build the first frame, then start the thread; an error closes the server."""
         try:
             yield
         except BaseException:
             close_server(self.server)
             raise
-        # A browser has come: show it everything, now.
+        # Wake the thread for a new browser.
         self.server.on_client_connect(lambda _: self._wake.set())
         self._thread.start()
 
     @abstractmethod
     def _due(self) -> float:
-        """How long there is nothing to do if no request comes [s]."""
+        """Time until the next round if no task comes [s]."""
 
     @abstractmethod
     def _round(self) -> None:
-        """One look at what is to be done, and a frame if one is due."""
+        """Run the waiting tasks, and make a frame if one is due."""
 
     def _do_tasks(self) -> None:
-        """What was asked for by `do`, in that order."""
+        """Run the tasks given to `do`, in order."""
         while True:
             try:
                 task = self._tasks.get_nowait()

@@ -1,4 +1,4 @@
-"""A viser server that says nothing of its own; its address and what goes wrong are ours to say."""
+"""A viser server without its own output: address and errors are reported by this package."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from typing import Any
 from halfphysics.base.validation import is_whole
 from halfphysics.errors import FileError, InputError, MissingDependencyError
 
-#: Ports tried, from the one that was asked for.
+#: Number of ports tried, from the requested one.
 TRIES = 50
 
 
 def open_server(host: str, port: int, *, label: str | None = None) -> Any:
-    """A viser server on `port`, or on the next one that is free; 0: any.
+    """Open a viser server on `port`, or on the next free one; 0: any.
 
     Args:
-        host: Address to listen on; 0.0.0.0: all of this machine's.
+        host: Address to listen on; 0.0.0.0: all addresses of this machine.
         port: 0 to 65535.
-        label: Title of its panel.
+        label: Title of the panel.
 
     Raises:
-        InputError: An impossible host or port.
-        FileError: No port can be had.
+        InputError: An invalid host or port.
+        FileError: No port is free.
         MissingDependencyError: viser cannot be imported.
     """
     try:
@@ -35,9 +35,9 @@ def open_server(host: str, port: int, *, label: str | None = None) -> Any:
         raise MissingDependencyError(
             f"showing this needs viser, which cannot be imported ({error}). pip install viser"
         ) from None
-    # viser tries a thousand ports without a word, and waits for ever where none can be had.
+    # viser silently tries a thousand ports, and waits for ever if none is free.
     port = free_port(host, port)
-    # Browsers open connections that they do not use; not worth a traceback.
+    # Browsers open connections that they do not use: no traceback for these.
     logging.getLogger("websockets.server").addFilter(_worth_telling)
     with quiet():
         return viser.ViserServer(host=host, port=port, label=label, verbose=False)
@@ -48,14 +48,14 @@ def _worth_telling(record: logging.LogRecord) -> bool:
 
 
 def close_server(server: Any) -> None:
-    """Stop it, without a word."""
+    """Stop a server without output."""
     with quiet():
         server.stop()
 
 
 @contextlib.contextmanager
 def quiet() -> Iterator[None]:
-    """viser prints through rich's console: not in here."""
+    """Suppress viser's output, which it prints through rich's console."""
     import rich
 
     console = rich.get_console()
@@ -67,11 +67,11 @@ def quiet() -> Iterator[None]:
 
 
 def free_port(host: str, port: int) -> int:
-    """The first port from `port` on that is free on `host`; 0 stays 0.
+    """The first free port of `host`, from `port` on; 0 stays 0.
 
     Raises:
-        InputError: An impossible host or port.
-        FileError: None is free, or the machine refuses.
+        InputError: An invalid host or port.
+        FileError: No port is free, or opening one is not permitted.
     """
     if not is_whole(port, least=0) or port > 65535:
         raise InputError(f"port: found {port!r}, expected a whole number from 0 to 65535")
@@ -108,7 +108,7 @@ def _family(host: str) -> socket.AddressFamily:
 
 
 def icon(name: str) -> Any:
-    """viser's picture of that name for a button, such as "HOME"."""
+    """viser's icon of this name for a button, such as "HOME"."""
     import viser
 
     return getattr(viser.Icon, name)

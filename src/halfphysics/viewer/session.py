@@ -1,6 +1,6 @@
-"""A simulation that is played with: commands in, frames out; knows nothing of a browser.
+"""An interactive simulation: commands in, frames out; independent of a browser.
 
-One thread owns it and its `Simulator` and calls `advance`. All other threads call `post`.
+One thread owns the session and its `Simulator` and calls `advance`. Others call `post`.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ if TYPE_CHECKING:
 
 
 class Command(Protocol):
-    """Something to do between two frames."""
+    """A command to execute between two frames."""
 
     def do(self, session: Session) -> None:
-        """Do it. Raises `HalfPhysicsError` where that is impossible."""
+        """Execute the command. Raises `HalfPhysicsError` if that is impossible."""
 
 
 @dataclass(frozen=True)
 class Choose:
-    """Another scenario, motion, or number of a scenario; starts from the beginning."""
+    """Change the scenario, motion or options; the motion starts from the beginning."""
 
     choice: Choice
 
@@ -46,7 +46,7 @@ class Choose:
 
 @dataclass(frozen=True)
 class Turn:
-    """A knob (a field of `Knobs`), at this moment; `thing` where it has one for each."""
+    """Set a knob (a field of `Knobs`) now; `item` names the item of a mass or friction."""
 
     name: str
     value: Any
@@ -58,14 +58,14 @@ class Turn:
         value = self.value
         if self.item is not None:
             if self.item not in session.names:
-                return  # said of a scenario that has been left meanwhile
+                return  # an item of a previous scenario
             value = {**getattr(session.knobs, self.name), self.item: value}
         session.turn(replace(session.knobs, **{self.name: value}))
 
 
 @dataclass(frozen=True)
 class Untouched:
-    """All knobs as the scenario has them."""
+    """Reset all knobs to the scenario's values."""
 
     def do(self, session: Session) -> None:
         session.turn(Knobs())
@@ -73,7 +73,7 @@ class Untouched:
 
 @dataclass(frozen=True)
 class Play:
-    """Go on, or stand still."""
+    """Play or pause."""
 
     playing: bool = True
 
@@ -83,7 +83,7 @@ class Play:
 
 @dataclass(frozen=True)
 class Step:
-    """One frame, then stand still."""
+    """Make one frame, then pause."""
 
     def do(self, session: Session) -> None:
         session.playing = False
@@ -92,7 +92,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Restart:
-    """From the first frame, with the knobs as they are."""
+    """Restart from the first frame with the present knobs."""
 
     def do(self, session: Session) -> None:
         session.restart()
@@ -100,7 +100,7 @@ class Restart:
 
 @dataclass(frozen=True)
 class Change:
-    """`loop`, `frozen` or `speed` of the session."""
+    """Set `loop`, `frozen` or `speed` of the session."""
 
     name: str
     value: Any
@@ -116,7 +116,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Grab:
-    """The pointer `key` takes an object at a point of it (3,) [m]; ignored where it has gone."""
+    """The pointer `key` grabs an object at the point `at` (3,) [m]; ignored if it is gone."""
 
     key: object
     name: str
@@ -131,7 +131,7 @@ class Grab:
 
 @dataclass(frozen=True)
 class Pull:
-    """The pointer `key` is somewhere else now (3,) [m]; ignored where it holds nothing."""
+    """The pointer `key` moves to `pointer` (3,) [m]; ignored if it holds no object."""
 
     key: object
     pointer: tuple[float, float, float]
@@ -143,7 +143,7 @@ class Pull:
 
 @dataclass(frozen=True)
 class LetGo:
-    """The pointer `key` lets go; the object keeps its velocity."""
+    """The pointer `key` releases its object, which keeps its velocity."""
 
     key: object
 
@@ -152,7 +152,7 @@ class LetGo:
 
 
 def _supersedes(later: Command, command: Command) -> bool:
-    """Whether a command need not be done where another follows at once: a slider on its way."""
+    """Whether `later` makes `command` unnecessary, as during the drag of a slider."""
     if isinstance(later, Turn) and isinstance(command, Turn):
         return (later.name, later.item) == (command.name, command.item)
     if isinstance(later, Pull) and isinstance(command, Pull):
@@ -160,7 +160,7 @@ def _supersedes(later: Command, command: Command) -> bool:
     return isinstance(later, Choose) and isinstance(command, Choose)
 
 
-#: Slowest and fastest playing, in parts of the motion's own rate.
+#: Smallest and largest speed, in multiples of the motion's own rate.
 SPEEDS = (0.05, 4.0)
 
 
@@ -175,25 +175,25 @@ class Session:
     """The state of the playground.
 
     Args:
-        catalog: What can be chosen.
-        choice: What is played first.
+        catalog: The available choices.
+        choice: The first choice to play.
 
     Attributes:
-        catalog, choice: As given, and as chosen since.
-        story: What is simulated: number of it, counting up with every choice.
-        sequence: The motion, scene, body and settings as the scenario has them.
-        simulator: Owned by the thread that calls `advance`.
-        knobs: What the sliders say.
-        frame: The last one that was made.
-        index: Of the frame, in the motion; stays at the last one.
-        made: Frames made since the start.
-        playing, stepping: Whether frames are to be made, and how many besides.
-        loop: Start again at the end; else the last pose is held and physics goes on.
-        frozen: The motion stands still, physics goes on.
-        speed: In parts of the motion's own rate.
-        drags: Pointer -> the object that it pulls.
-        trouble: What went wrong with the last command or frame, "" if nothing did.
-        seconds: What the last frame took to simulate [s].
+        catalog, choice: The catalog, and the present choice.
+        story: Number of the present simulation; every choice increases it by 1.
+        sequence: The scenario's motion, scene, body and settings.
+        simulator: The simulator, owned by the thread that calls `advance`.
+        knobs: Values of the sliders.
+        frame: The last frame.
+        index: Index of the frame in the motion; stays at the last frame.
+        made: Number of frames made since the start.
+        playing, stepping: Whether it is playing, and the number of single frames to make.
+        loop: Start again at the end; else the last pose is held and the simulation goes on.
+        frozen: The reference pose is held while the simulation goes on.
+        speed: Multiple of the motion's own rate.
+        drags: Pointer -> drag of its object.
+        trouble: Error of the last command or frame; "": none.
+        seconds: Time to simulate the last frame [s].
 
     Raises:
         HalfPhysicsError: The first choice cannot be played.
@@ -221,16 +221,16 @@ class Session:
     # -- from any thread ---------------------------------------------------------------------
 
     def post(self, command: Command) -> None:
-        """Have something done before the next frame; from any thread."""
+        """Queue a command to execute before the next frame; from any thread."""
         self._commands.put(command)
 
     # -- by its own thread -------------------------------------------------------------------
 
     def obey(self) -> bool:
-        """Do what was posted; what cannot be done changes nothing and is in `trouble`.
+        """Execute the posted commands; one that fails changes nothing and sets `trouble`.
 
         Returns:
-            Whether there was anything.
+            Whether there was a command.
         """
         commands = []
         while True:
@@ -256,7 +256,7 @@ class Session:
         return self.make()
 
     def make(self) -> Frame | None:
-        """The next frame; None: it stands still, or it could not be made."""
+        """Make the next frame; None: the session is paused, or the frame failed."""
         if not self.playing and not self.stepping:
             return None
         self.stepping = max(self.stepping - 1, 0)
@@ -281,10 +281,10 @@ class Session:
         self.made += 1
 
     def choose(self, choice: Choice) -> None:
-        """Play something else, from its beginning. Knobs of things are forgotten.
+        """Play another choice from its beginning. A new scenario resets the knobs of items.
 
         Raises:
-            HalfPhysicsError: It cannot be played; all stays as it is.
+            HalfPhysicsError: The choice cannot be played; the session is unchanged.
         """
         sequence = self.catalog.load(choice)
         kept = getattr(self, "choice", None)
@@ -295,14 +295,14 @@ class Session:
         self.story += 1
 
     def restart(self) -> None:
-        """From the first frame, as `simulate` would do it with these knobs."""
+        """Restart from the first frame, as `simulate` does with these knobs."""
         self._begin(self.sequence, self.knobs, again=self._as_built)
 
     def turn(self, knobs: Knobs) -> None:
-        """Other knobs, from this moment on; where nothing has happened yet, from the start.
+        """Change the knobs now; before the first step, from the start.
 
         Raises:
-            HalfPhysicsError: An impossible value; all stays as it is.
+            HalfPhysicsError: An invalid value; the session is unchanged.
         """
         if knobs == self.knobs:
             return
@@ -322,7 +322,7 @@ class Session:
         self.simulator, self.knobs, self._as_built = simulator, knobs, False
 
     def _begin(self, sequence: Sequence, knobs: Knobs, again: bool = False) -> None:
-        """The first frame. `again`: with the simulator that is there."""
+        """Make the first frame. `again`: reuse the present simulator."""
         simulator = self.simulator if again else self._built(sequence, knobs)
         frame = simulator.reset([motion[0] for motion in sequence.motions])
         self.sequence, self.simulator, self.knobs, self.frame = sequence, simulator, knobs, frame
@@ -339,26 +339,26 @@ class Session:
         settings = knobs.settings(sequence.settings, bodies_of(sequence)[0])
         return settings, knobs.scene(sequence.scene)
 
-    # -- what there is -----------------------------------------------------------------------
+    # -- properties of the sequence ----------------------------------------------------------
 
     @property
     def fps(self) -> float:
-        """Of the motion."""
+        """Frame rate of the motion [1/s]."""
         return self.sequence.motions[0].fps
 
     @property
     def frames(self) -> int:
-        """Of the motion."""
+        """Number of frames of the motion."""
         return len(self.sequence.motions[0])
 
     @property
     def at_end(self) -> bool:
-        """Whether the motion is."""
+        """Whether the motion is at its last frame."""
         return self.index >= self.frames - 1
 
     @property
     def names(self) -> Collection[str]:
-        """What has knobs of its own."""
+        """Names of the items that have knobs."""
         scene = self.sequence.scene
         return (*scene.statics, *scene.objects, *scene.articulated)
 
@@ -368,5 +368,5 @@ class Session:
 
 
 def bodies_of(sequence: Sequence) -> list[Body]:
-    """The bodies of all people; the default one where the source names none."""
+    """The bodies of all people; the default body if the source has none."""
     return [Body.default() if body is None else body for body in sequence.bodies]

@@ -31,11 +31,11 @@ _KINDS = ("person", "ghost")
 
 @dataclass(eq=False)
 class Layer:
-    """Things that are shown and hidden together.
+    """Parts of a scene that are shown and hidden together.
 
     Attributes:
-        label: For people to read.
-        parts: What has a `visible`: handles of viser, figures.
+        label: Name in the panel.
+        parts: Objects with a `visible`: viser's handles, figures.
     """
 
     label: str
@@ -61,23 +61,23 @@ class Stage:
     `PREFIX/static/NAME`, as in `Drawing`.
 
     Args:
-        server: Of viser.
-        result: What to show, or its `Drawing`.
-        prefix: Path of the node that all of it hangs on, such as "/second"; empty: the root.
-        offset: Where that node stands [m]; needs a prefix.
-        faint: Names of statics (`static/NAME`) to draw as glass.
+        server: The viser server.
+        result: The result to show, or its `Drawing`.
+        prefix: Path of the parent node of all nodes, such as "/second"; empty: the root.
+        offset: Position of that node (3,) [m]; needs a prefix.
+        faint: Names of statics (`static/NAME`) to draw translucent.
         without: Names of statics to leave out.
-        live: Every joint gets a bone, for poses that the result does not have.
-        figure: What makes people and ghosts, with the arguments of `Figure`.
+        live: Give every joint a bone, for poses that are not in the result.
+        figure: Function that creates people and ghosts, with the arguments of `Figure`.
 
     Attributes:
-        drawing: What is drawn.
+        drawing: The drawing of the result.
         prefix, offset: As given.
-        layers: Name -> `Layer`: "body", "ghost", "objects" and "scene" where there is any; more
+        layers: Name -> `Layer`: "body", "ghost", "objects" and "scene", without empty ones; more
             may be added.
-        people, ghosts: A `Figure` each.
-        followers: Called by `show` with the frame, for what else belongs to it.
-        frame: What `show` showed last; -1: nothing yet.
+        people, ghosts: A `Figure` for each person.
+        followers: Functions that `show` calls with the frame, to update other content.
+        frame: The last frame that `show` showed; -1: none yet.
     """
 
     def __init__(
@@ -136,7 +136,7 @@ class Stage:
         }
 
     def _add_people(self, figure: Callable[..., Figure], live: bool) -> None:
-        """Add a figure for every person and one for their ghost."""
+        """Add a figure and a ghost for every person."""
         self._frames: list[tuple[tuple[Array, Array], ...]] = []
         self._joints: list[Array] = []
         self.people: list[Figure] = []
@@ -161,7 +161,7 @@ class Stage:
         return f"{self.prefix}/{name}"
 
     def show(self, frame: int) -> None:
-        """Everything as it is at a frame; frames before the first or after the last are those."""
+        """Show a frame, clipped to the first and the last."""
         frame = min(max(int(frame), 0), len(self) - 1)
         with self._lock, self._server.atomic():
             for k, frames in enumerate(self._frames):
@@ -179,10 +179,10 @@ class Stage:
         """Move one person or ghost.
 
         Args:
-            person: Which, from 0.
-            positions: Of the joints in the world (55, 3) [m], as `Body.joint_frames` gives them.
-            quaternions: Of the joints, wxyz (55, 4).
-            ghost: The ghost instead.
+            person: Index of the person.
+            positions: World positions of the joints (55, 3) [m], from `Body.joint_frames`.
+            quaternions: World quaternions of the joints, wxyz (55, 4).
+            ghost: Move the ghost instead.
         """
         with self._lock:
             (self.ghosts if ghost else self.people)[person].pose(positions, quaternions)
@@ -190,7 +190,7 @@ class Stage:
                 self._joints[person] = positions
 
     def joints(self) -> list[Array]:
-        """Of all people as posed now: joints (55, 3) [m] in the frame of the prefix."""
+        """Joints of each person in the present pose (55, 3) [m], in the frame of the prefix."""
         with self._lock:
             return list(self._joints)
 
@@ -209,16 +209,16 @@ class Stage:
             handle.position, handle.wxyz = position, quaternion
 
     def object(self, name: str) -> Any:
-        """viser's handle of an object, such as to make it clickable."""
+        """viser's handle of an object, for example to make it clickable."""
         return self._objects[name]
 
     def static(self, name: str) -> Any:
-        """viser's handle of something that stands around."""
+        """viser's handle of a static."""
         return self._statics[name]
 
     @property
     def visible(self) -> bool:
-        """Whether any of it is drawn; needs a prefix."""
+        """Whether the stage is drawn; it can only be hidden with a prefix."""
         return self._root is None or self._root.visible
 
     @visible.setter
@@ -234,7 +234,7 @@ class Stage:
 
 
 def light(server: Any) -> None:
-    """A sky and a ground that reflects: the viewer's own surroundings bleach skin."""
+    """Add light from a sky and a reflecting ground: viser's environment map bleaches skin."""
     server.scene.configure_environment_map(hdri=None)
     server.scene.add_light_hemisphere(
         "/light/sky", sky_color=_SKY, ground_color=_GROUND, intensity=_SKY_STRENGTH
@@ -242,7 +242,7 @@ def light(server: Any) -> None:
 
 
 def aim(server: Any, camera: Camera) -> None:
-    """Where browsers that come look from."""
+    """Set the initial camera of new browsers."""
     server.initial_camera.position = tuple(camera.position)
     server.initial_camera.look_at = tuple(camera.target)
     server.initial_camera.up = (0.0, 0.0, 1.0)
@@ -250,9 +250,9 @@ def aim(server: Any, camera: Camera) -> None:
 
 
 def add_mesh(server: Any, name: str, item: Item, opacity: float | None) -> Any:
-    """A thing with its own frame, at its first pose; `opacity` below 1: glass."""
+    """Add the mesh of an item at its first pose; `opacity` below 1: translucent."""
     surface = item.surface
-    # Seen from outside only, where there is an outside: no shadow stripes, one layer of glass.
+    # A closed mesh is drawn one-sided: no shadow stripes, and one layer if translucent.
     solid = is_closed(surface.faces, len(surface.vertices))
     return server.scene.add_mesh_simple(
         name,
@@ -288,7 +288,7 @@ def _add_floor(server: Any, name: str, item: Item, drawing: Drawing) -> Any:
 
 
 def _upright(corners: Array) -> Array:
-    """Quaternion that turns the x-y plane into the square of these corners."""
+    """Quaternion that rotates the x-y plane into the square of these corners."""
     x = corners[1] - corners[0]
     y = corners[3] - corners[0]
     axes = [x / np.linalg.norm(x), y / np.linalg.norm(y)]

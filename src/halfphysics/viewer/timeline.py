@@ -1,4 +1,4 @@
-"""The clock of a viewer: play, pause, scrub, speed, step, loop. Pure; it draws nothing."""
+"""The clock of a viewer: play, pause, scrub, speed, step, loop. It draws nothing."""
 
 from __future__ import annotations
 
@@ -9,33 +9,33 @@ from collections.abc import Callable
 
 from halfphysics.errors import InputError
 
-#: Slowest and fastest playing, as parts of the motion's own rate.
+#: Smallest and largest speed, in multiples of the motion's own rate.
 SPEEDS = (0.1, 4.0)
 
-# Of a frame: a time that is a frame's own is never a hair before it.
+# Tolerance in frames, so that rounding never assigns a frame's time to the frame before.
 _EPS = 1e-6
 
 
 class Timeline:
-    """Time of one or several recordings that are looked at together.
+    """The common time of one or several recordings.
 
-    Recordings start together and share time in seconds; one that is shorter stays at its last
-    frame. The time is worked out from the moment playing started, never added up: it does not
-    drift. Safe to use from several threads.
+    Recordings start together and share time in seconds; a shorter one stays at its last frame.
+    The time is computed from the start of playing, not accumulated, so that it does not drift.
+    Thread-safe.
 
     Args:
-        *recordings: (frames, frames per second) of each.
+        *recordings: (number of frames, frames per second) of each.
         loop: Start again at the end.
-        speed: Part of the motion's own rate, see `SPEEDS`.
+        speed: Multiple of the motion's own rate, see `SPEEDS`.
         now: A clock [s].
 
     Attributes:
-        recordings: As given.
-        duration: Time of the last frame of the longest [s].
-        fps: The highest frame rate: what `step` goes by.
+        recordings: The recordings.
+        duration: Time of the last frame of the longest recording [s].
+        fps: The highest frame rate, which `step` uses.
 
     Raises:
-        InputError: No recording, or one without frames or frame rate; an impossible speed.
+        InputError: No recording, one without frames or frame rate, or an invalid speed.
     """
 
     def __init__(
@@ -61,26 +61,26 @@ class Timeline:
         self._loop = bool(loop)
         self._speed = _checked_speed(speed)
         self._playing = False
-        # The time was `_start` when the clock said `_since`.
+        # The time was `_start` when the clock read `_since`.
         self._start, self._since = 0.0, now()
 
     @property
     def time(self) -> float:
-        """Where it is [s], 0 to `duration`; in a loop the last frame stays as long as others do."""
+        """Present time [s], 0 to `duration`; in a loop the last frame lasts as long as others."""
         with self._lock:
             self._settle()
             return min(self._raw(), self.duration)
 
     @property
     def playing(self) -> bool:
-        """Whether time goes on; without a loop it stops at the end."""
+        """Whether time advances; without a loop it stops at the end."""
         with self._lock:
             self._settle()
             return self._playing
 
     @property
     def speed(self) -> float:
-        """Part of the motion's own rate."""
+        """Multiple of the motion's own rate."""
         return self._speed
 
     @speed.setter
@@ -92,7 +92,7 @@ class Timeline:
 
     @property
     def loop(self) -> bool:
-        """Whether it starts again at the end."""
+        """Whether playing starts again at the end."""
         return self._loop
 
     @loop.setter
@@ -102,7 +102,7 @@ class Timeline:
             self._loop = bool(loop)
 
     def play(self) -> None:
-        """Go on; from the end, start again."""
+        """Start playing; at the end, from the beginning."""
         with self._lock:
             self._settle()
             if not self._playing:
@@ -111,14 +111,14 @@ class Timeline:
                 self._playing = True
 
     def pause(self) -> None:
-        """Stay where it is."""
+        """Stop at the present time."""
         with self._lock:
             self._settle()
             self._anchor(min(self._raw(), self.duration))
             self._playing = False
 
     def toggle(self) -> None:
-        """Play, or pause."""
+        """Switch between playing and pause."""
         with self._lock:
             if self.playing:
                 self.pause()
@@ -126,12 +126,12 @@ class Timeline:
                 self.play()
 
     def seek(self, time: float) -> None:
-        """Go to a time [s]; before the start or after the end is there. Playing goes on."""
+        """Go to a time [s], clipped to the duration. Playing goes on."""
         with self._lock:
             self._anchor(min(max(float(time), 0.0), self.duration))
 
     def step(self, frames: int = 1) -> None:
-        """Pause and go some frames on, or back if negative; in a loop, round the ends."""
+        """Pause and go `frames` forward, or back if negative; a loop wraps around."""
         with self._lock:
             self.pause()
             last = round(self.duration * self.fps)
@@ -140,11 +140,11 @@ class Timeline:
             self._anchor(frame / self.fps)
 
     def frame(self, recording: int = 0) -> int:
-        """The frame of a recording that is shown now."""
+        """The present frame of a recording."""
         return self._frame_at(recording, self.time)
 
     def frames(self) -> tuple[int, ...]:
-        """The frames of all recordings at one moment."""
+        """The present frames of all recordings, at the same time."""
         time = self.time
         return tuple(self._frame_at(k, time) for k in range(len(self.recordings)))
 
@@ -169,7 +169,7 @@ class Timeline:
         return self.duration + 1.0 / self.fps
 
     def _raw(self) -> float:
-        """The time, which in a loop may be after the last frame."""
+        """The unclipped time: in a loop it may be after the last frame."""
         if not self._playing:
             return self._start
         time = self._start + (self._now() - self._since) * self._speed

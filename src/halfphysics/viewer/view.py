@@ -1,4 +1,4 @@
-"""`hp.view`: recorded results in a browser, to play, scrub and compare."""
+"""`hp.view`: plays, scrubs and compares recorded results in a browser."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from halfphysics.viewer.timeline import Timeline
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
 
-# Updates are at least this far apart [s]: 30 a second with room for a late one.
+# Least time between updates [s]: allows 30 per second with some jitter.
 _SPACING = 1.0 / 40.0
-# How often it looks whether a browser is connected, and whether it should stop [s].
+# Interval between checks for browsers and for `stop` [s].
 _IDLE = 0.25
-# Names hang this far above the head's joint [m].
+# Height of name labels above the head's joint [m].
 _HEAD, _OVER = JOINT_INDEX["head"], 0.3
 
 
@@ -38,18 +38,18 @@ class Viewer(Served):
     """A running viewer, stopped by `stop` or at the end of a `with` block.
 
     Args:
-        results: What to show, side by side.
-        labels: What to call them; None: by number, and by stiffness where that differs.
+        results: The results to show side by side.
+        labels: Names of the results; None: their numbers, with the stiffness if it differs.
         host: Address to listen on.
-        port: Port to listen on; where it is in use, the next one that is free.
-        title: Of the panel.
+        port: Port to listen on; the next free one if it is in use.
+        title: Title of the panel.
 
     Attributes:
-        server: Of viser.
-        stages: One a result.
-        labels: What they are called.
-        timeline: The clock. Change it as you like, then say `changed`.
-        cameras: Where browsers look from.
+        server: The viser server.
+        stages: One stage per result.
+        labels: Names of the results.
+        timeline: The clock. It may be changed; then call `changed`.
+        cameras: The cameras of the browsers.
     """
 
     _height = 560
@@ -71,7 +71,7 @@ class Viewer(Served):
         self.timeline = Timeline(*((len(d), d.result.fps) for d in drawings))
         room = _OVER if len(drawings) > 1 else 0.0
         row = arrange(drawings, WINDOW, headroom=room)
-        self._last = -math.inf  # when something was sent
+        self._last = -math.inf  # time of the last update
         super().__init__(title, host, port)
         with self._starting():
             light(self.server)
@@ -88,7 +88,7 @@ class Viewer(Served):
         floors: dict[float, Any] = {}
         for k, drawing in enumerate(drawings):
             levels = {n: floor_height(item) for n, item in drawing.statics.items()}
-            # One floor for all that stand on one level: two in one place flicker.
+            # Results on one level share a floor: two floors in one place flicker.
             shared = {n for n, z in levels.items() if z is not None and round(z, 6) in floors}
             stage = Stage(
                 self.server,
@@ -112,7 +112,7 @@ class Viewer(Served):
         return stages
 
     def _name(self, stage: Stage, text: str) -> None:
-        """A label over the head of the first person, which goes with them."""
+        """Add a label that follows the head of the first person."""
         person = stage.drawing.result.people[0]
         over = person.body.joints(person.motion)[:, _HEAD] + np.array([0.0, 0.0, _OVER])
         over = np.round(over, 3)
@@ -130,7 +130,7 @@ class Viewer(Served):
         return f"Viewer({', '.join(self.labels)}: {self._state})"
 
     def changed(self) -> None:
-        """Look at the timeline again, now."""
+        """Update at once after a change of the timeline."""
         self._wake.set()
 
     def _due(self) -> float:
@@ -139,7 +139,7 @@ class Viewer(Served):
 
     def _round(self) -> None:
         self._do_tasks()
-        # No browser is connected: time goes on, nothing is sent.
+        # Without a browser time goes on, but nothing is sent.
         if self.server.get_clients() and self._update():
             self._last = time.monotonic()
 
@@ -163,26 +163,26 @@ def view(
     port: int = 8080,
     block: bool = True,
 ) -> Viewer:
-    """Show results in a browser: body and ghost, objects, scene; play, pause, scrub, compare.
+    """Show results in a browser: body, ghost, objects and scene, with play, pause, scrub, compare.
 
-    Prints the address. Works without a display: open the address elsewhere through an SSH tunnel.
+    Prints the address. Needs no display: an SSH tunnel opens the address on another machine.
 
     Args:
-        result: What to show.
-        more: Further results, side by side with the first and at the same time.
-        labels: What to call them.
-        host: Address to listen on; "0.0.0.0": any machine that reaches this one can look.
-        port: Port to listen on; where it is in use, the next one that is free, and it says so.
+        result: The result to show.
+        more: Further results, shown beside the first and synchronously.
+        labels: Names of the results.
+        host: Address to listen on; "0.0.0.0": any machine that can reach this one can view.
+        port: Port to listen on; the next free one if it is in use, with a message.
         block: Wait until Ctrl-C; False: return at once, as in a notebook.
 
     Returns:
         The running viewer with `.url` and `.stop()`; a context manager.
 
     Raises:
-        InputError: Not a result, an impossible host or port, another number of labels.
-        FileError: No port can be had.
+        InputError: Not a result, an invalid host or port, or a wrong number of labels.
+        FileError: No port is free.
         MissingDependencyError: viser cannot be imported.
-        KeyboardInterrupt: Ctrl-C while it blocks; the viewer has been stopped.
+        KeyboardInterrupt: Ctrl-C while blocking; the viewer has been stopped.
     """
     viewer = Viewer((result, *more), labels=labels, host=host, port=port)
     viewer.say(block)
@@ -213,7 +213,7 @@ def _labels(results: Sequence[Result], labels: Sequence[str] | None) -> tuple[st
 
 
 def differences(results: Sequence[Result]) -> list[str]:
-    """What tells results apart, to be put behind their names: ", stiffness 0.5", or nothing."""
+    """Suffixes that distinguish the results' names, such as ", stiffness 0.5"; may be empty."""
     values = [getattr(getattr(r, "settings", None), "stiffness", None) for r in results]
     numbers = [f"{v:g}" if isinstance(v, int | float) else None for v in values]
     if len(set(numbers)) == 1:

@@ -1,4 +1,4 @@
-"""Figures that are hidden and used again: viser's page fails where a skinned mesh is removed."""
+"""Reuse of hidden figures: viser's page fails when a skinned mesh is removed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from halfphysics.viewer.figure import Figure
 
 
 class Wardrobe:
-    """Makes figures, or gives those that were put away: one for each body and role."""
+    """Creates figures, or reuses hidden ones: one for each body and role."""
 
     def __init__(self) -> None:
         self._figures: dict[Any, Figure] = {}
@@ -20,7 +20,7 @@ class Wardrobe:
     def figure(
         self, server: Any, name: str, surface: Surface, body: Body, bones: Any = None
     ) -> Figure:
-        """A figure as `Figure` makes it; `name` counts but for its first part."""
+        """A `Figure` with these arguments; the first part of `name` is ignored."""
         role = name.split("/", 2)[2]
         key = (role, surface.color, np.asarray(body.rest_vertices).tobytes())
         if key not in self._figures:

@@ -1,6 +1,6 @@
 """Files of animated scenes: the body with its skin, the objects, the room.
 
-A new kind is one file here with a function ``write(take, path)`` and one line below.
+A new format is one file here with a function ``write(take, path)`` and one line below.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def export(
     Raises:
         FileError: The folder does not exist or cannot be written.
         InputError: Another suffix.
-        MissingDependencyError: A package that the kind needs is not installed (USD: usd-core).
+        MissingDependencyError: A package that the format needs is not installed (USD: usd-core).
     """
     from halfphysics.writers.take import take_of
 

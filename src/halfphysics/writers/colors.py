@@ -1,4 +1,4 @@
-"""Colours of a take's people and props, the same as in pictures and on the page."""
+"""Colours of a take's people and props, the same as in pictures and in the viewer."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from halfphysics.writers.take import Actor, Prop
 
 
 def actors_coloured(actors: Iterable[Actor]) -> Iterator[tuple[Actor, Color]]:
-    """Each person with their colour (sRGB)."""
+    """Each person with a colour (sRGB)."""
     for k, actor in enumerate(actors):
         yield actor, PEOPLE[k % len(PEOPLE)]
 
@@ -31,5 +31,5 @@ def props_coloured(props: Iterable[Prop]) -> Iterator[tuple[Prop, Color]]:
 
 
 def linear(color: Color) -> list[float]:
-    """Light (3,) of an sRGB colour."""
+    """Linear light (3,) of an sRGB colour."""
     return [round(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4, 5) for c in color]

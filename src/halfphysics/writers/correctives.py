@@ -2,9 +2,9 @@
 
 SMPL models add B vec(R_local - I) to the skin at rest: 486 columns B of V x 3 numbers, 60 MB. A
 take uses few directions of that space: with the features F (T, 486) of its frames, the singular
-value decomposition of C = F B^T, what they add (T, 3 V), gives weights and shapes of which a few
-dozen are enough. F = Q R and the eigenvectors of (R B^T)(R B^T)^T are those of C C^T, so that
-nothing larger than 486 x 3 V is made, however long the take.
+value decomposition of their offsets C = F B^T (T, 3 V) gives weights and shapes; a few dozen are
+enough. With F = Q R, the eigenvectors of C C^T are Q times those of (R B^T)(R B^T)^T, so no array
+is larger than 486 x 3 V for takes of any length.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from halfphysics.base import rotations as rot
 
 Array = NDArray[np.float64]
 
-#: Largest error of a vertex at rest compared with all the shapes [m].
+#: Largest error of a vertex at rest, relative to all shapes [m].
 TOLERANCE = 5e-6
 
 
 def correctives(
     posedirs: Array, rotations: Array, tolerance: float = TOLERANCE
 ) -> tuple[Array, Array]:
-    """Shapes and their weights in every frame: weights @ shapes is what the pose adds.
+    """Shapes and their weights in every frame: weights @ shapes are the offsets of the pose.
 
     Args:
         posedirs: Pose blend shapes [m], shape (V, 3, 486).
         rotations: Axis-angle [rad] in the parents' frames, shape (T, 55, 3).
-        tolerance: Bound on what is left out, of any vertex in any frame [m].
+        tolerance: Bound on the error of any vertex in any frame [m].
 
     Returns:
         Shapes (k, V, 3) [m] and weights (T, k), the largest of each shape being 1.
@@ -40,7 +40,7 @@ def correctives(
     vectors = vectors[:, ::-1]  # the largest first
     weights = basis @ vectors
     shapes = (vectors.T @ offsets).reshape(-1, len(posedirs), 3)
-    # Of the shapes from k on a vertex gets at most |weights| |shapes| (Cauchy and Schwarz).
+    # The shapes from k on move a vertex by at most |weights| |shapes| (Cauchy-Schwarz).
     left = _tail(np.square(weights)).max(axis=1) * _tail(np.square(shapes).sum(axis=2).T).max(
         axis=1
     )

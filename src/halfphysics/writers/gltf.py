@@ -1,12 +1,12 @@
-"""glTF 2.0, binary (.glb) or as text (.gltf): skinned people and rigid things, animated.
+"""glTF 2.0, binary (.glb) or as text (.gltf): skinned people and rigid props, animated.
 
-One scene, y-up: the node "world" turns it from z-up. Below it stand every person's 55 joints,
+One scene, y-up: the node "world" turns it from z-up. Its children are every person's 55 joints,
 as nodes named as `JOINT_NAMES`, and the props; the skins are beside it, because glTF ignores the
-poses of nodes that carry a skin. The nodes hold the first frame, so that a constant channel is left
-out, and a program without animation shows the first frame.
+poses of nodes with a skin. The nodes have the pose of the first frame, so constant channels are
+left out, and programs without animation show the first frame.
 
-The skinning of glTF is that of SMPL without pose blend shapes; where a body has them, they are
-morph targets (`correctives`), which act before the skinning, as they must.
+The skinning of glTF is that of SMPL without pose blend shapes; if a body has them, they are
+morph targets (`correctives`), which glTF applies before the skinning, as required.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from halfphysics.writers.take import Actor, Prop, Take
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 
-#: Largest number of joints of a vertex in the file; the weights of others are added to these.
+#: Largest number of joints per vertex in the file; the remaining weights are distributed over them.
 MOST_INFLUENCES = 8
 
 _Y_UP = [-float(np.sqrt(0.5)), 0.0, 0.0, float(np.sqrt(0.5))]  # -90 degrees about x, xyzw
@@ -98,7 +98,7 @@ class _Builder:
         self.samplers: list[dict[str, Any]] = []
         self.fps = take.fps
         self.times = (np.arange(take.frames) / take.fps).astype(np.float32)
-        self._time: int | None = None  # accessor of `times`, once a channel is animated
+        self._time: int | None = None  # accessor of `times`; None without animation
         self._of_body: dict[int, tuple[dict[str, int], int, int]] = {}
 
     def document(self) -> tuple[dict[str, Any], bytes]:
@@ -167,7 +167,7 @@ class _Builder:
             self._animate(skinned, "weights", weights)
 
     def _add_skeleton(self, actor: Actor) -> tuple[int, int]:
-        """Nodes of a person and the animated joints; the person's node and the first joint's."""
+        """Add a person's node and animated joints; returns the node and the first joint's."""
         body, motion = actor.body, actor.motion
         root = body.joint_frames(motion)[0][:, 0]
         turns = rot.continuous(rot.exp(motion.rotations))
@@ -199,7 +199,7 @@ class _Builder:
                 attributes[f"JOINTS_{k}"] = add(joints, VERTICES)
                 attributes[f"WEIGHTS_{k}"] = add(weights, VERTICES)
             bind = np.tile(np.eye(4), (N_JOINTS, 1, 1))
-            bind[:, 3, :3] = -body.rest_joints  # columns one after the other
+            bind[:, 3, :3] = -body.rest_joints  # stored by columns
             self._of_body[id(body)] = (
                 attributes,
                 self._indices(body.faces),
@@ -207,7 +207,7 @@ class _Builder:
             )
         return self._of_body[id(body)]
 
-    # -- things --------------------------------------------------------------------------------
+    # -- props ---------------------------------------------------------------------------------
 
     def add_prop(self, prop: Prop, color: Color) -> None:
         """Add a prop: its mesh, with sharp edges, and its animation."""
@@ -232,7 +232,7 @@ class _Builder:
             self._animate(index, "translation", prop.position)
             self._animate(index, "rotation", turns)
 
-    # -- parts of both -------------------------------------------------------------------------
+    # -- shared parts --------------------------------------------------------------------------
 
     def _node(self, node: dict[str, Any], parent: int | None = None) -> int:
         self.nodes.append(node)
@@ -241,7 +241,7 @@ class _Builder:
         return len(self.nodes) - 1
 
     def _indices(self, faces: NDArray[np.integer]) -> int:
-        # The largest index of a type is no vertex.
+        # glTF reserves the largest index of a type.
         small = faces.max() < np.iinfo(np.uint16).max
         return self.buffer.add(faces.ravel().astype(np.uint16 if small else np.uint32), INDICES)
 
@@ -263,7 +263,7 @@ class _Builder:
         self._animate_all([node], path, values[None])
 
     def _animate_all(self, nodes: range | list[int], path: str, values: Array) -> None:
-        """Channels of nodes (n) with values (n, T, k), of those whose value changes."""
+        """Add channels of nodes (n) with values (n, T, k); constant ones are left out."""
         if path == "rotation":
             values = values[..., [1, 2, 3, 0]]
         single = values.astype(np.float32)
@@ -281,9 +281,9 @@ class _Builder:
 
 
 def influences(weights: Array) -> list[tuple[NDArray[np.uint8], Floats]]:
-    """The joints (V, 4) that a vertex hangs on and their weights, in sets of four, largest first.
+    """Skinning joints (V, 4) of each vertex and their weights, in sets of four, largest first.
 
-    Programs that know only four joints for a vertex (JOINTS_0) get the four largest.
+    Programs with only four joints per vertex (JOINTS_0) read the four largest.
     """
     used = int(np.count_nonzero(weights, axis=1).max())
     count = 4 if used <= 4 else MOST_INFLUENCES
@@ -298,7 +298,7 @@ def influences(weights: Array) -> list[tuple[NDArray[np.uint8], Floats]]:
 
 
 def _numbers(values: Array) -> list[float]:
-    """Numbers as they are in the buffer; quaternions (4,) as x, y, z, w."""
+    """Numbers in single precision, as in the buffer; quaternions (4,) as x, y, z, w."""
     if values.shape == (4,):
         values = values[[1, 2, 3, 0]]
     return [float(v) for v in values.astype(np.float32)]

@@ -1,4 +1,4 @@
-"""The binary half of a glTF file: arrays in one buffer, and the JSON that says where they are."""
+"""The binary half of a glTF file: arrays in one buffer, and the JSON of their places."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SHAPES = {(): "SCALAR", (3,): "VEC3", (4,): "VEC4", (16,): "MAT4"}
 
 
 class Buffer:
-    """Grows by `add`; `data`, `views` and `accessors` are what the file holds."""
+    """Grows by `add`; `data`, `views` and `accessors` are the content of the file."""
 
     def __init__(self) -> None:
         self.data = bytearray()
@@ -23,19 +23,19 @@ class Buffer:
         self.accessors: list[dict[str, Any]] = []
 
     def add(self, array: NDArray[Any], target: int | None = None, *, bounds: bool = False) -> int:
-        """The accessor of an array (n,) or (n, k) in a view of its own.
+        """Add an array (n,) or (n, k) in its own view; returns its accessor.
 
         Args:
             array: float32 or unsigned integers; little endian in the file.
-            target: `VERTICES`, `INDICES`, or None for all else.
-            bounds: Say what its smallest and largest entries are, per column.
+            target: `VERTICES`, `INDICES`, or None for other data.
+            bounds: Write its smallest and largest entries per column.
         """
         return self.add_all([array], target, bounds=bounds)[0]
 
     def add_all(
         self, arrays: list[NDArray[Any]], target: int | None = None, *, bounds: bool = False
     ) -> list[int]:
-        """The accessors of arrays that share one view."""
+        """Add arrays that share one view; returns their accessors."""
         self.data += b"\0" * (-len(self.data) % 4)
         start = len(self.data)
         first = len(self.accessors)
@@ -50,7 +50,7 @@ class Buffer:
             }
             if len(self.data) > start:
                 accessor["byteOffset"] = len(self.data) - start
-            if bounds:  # of the numbers as they are in the file
+            if bounds:  # of the numbers as stored in the file
                 rows = little.reshape(len(little), -1)
                 accessor["min"] = rows.min(axis=0).tolist()
                 accessor["max"] = rows.max(axis=0).tolist()

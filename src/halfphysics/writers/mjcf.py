@@ -1,4 +1,4 @@
-"""MJCF with keyframes: the people's 55 parts, the objects, the room; stock MuJoCo opens it.
+"""MJCF with keyframes: the people's 55 parts, the objects, the room; readable by stock MuJoCo.
 
 One file that contains the meshes. Bodies are named as in the scene, those of people "NAME/JOINT".
 Keyframe k is frame k: `qpos`, `qvel` (towards the next frame) and, for kinematic objects, the pose
@@ -51,7 +51,7 @@ def write(take: Take, path: Path) -> None:
         InputError: MuJoCo cannot compile it.
 
     Warns:
-        HalfPhysicsWarning: Statics that are not convex: they are drawn and do not collide.
+        HalfPhysicsWarning: Statics that are not convex are drawn and do not collide.
     """
     root = _model(take, path)
     model = _compiled(root, path)
@@ -71,7 +71,7 @@ def _model(take: Take, path: Path) -> Element:
     """The model without keyframes."""
     scene = take.scene
     root = ElementTree.Element("mujoco", model=path.stem)
-    # A flat mesh that is only drawn has moments A + B = C, but for rounding.
+    # A flat visual mesh has moments A + B = C, up to rounding.
     compiler = {"angle": "radian", "autolimits": "true", "balanceinertia": "true"}
     ElementTree.SubElement(root, "compiler", compiler)
     ElementTree.SubElement(root, "option", gravity=text(scene.gravity))
@@ -144,7 +144,7 @@ def _object(world: Element, geoms: Geoms, name: str, item: Object) -> None:
 
 
 def _articulated(world: Element, geoms: Geoms, item: Articulated) -> None:
-    """Links and joints as `scene.articulated.places` looks for them, but for the names."""
+    """Links and joints as in `scene.articulated.add_bodies`, with other names."""
     bodies: list[Element] = []
     for link, name in zip(item.links, item.link_names, strict=True):
         parent = world if link.parent < 0 else bodies[link.parent]
@@ -175,14 +175,14 @@ def _link_geoms(body: Element, geoms: Geoms, name: str, link: Link, friction: fl
 
 
 def _is_recorded(take: Take, item: Articulated) -> bool:
-    """Whether the poses of its links are known and those of its joints are not."""
+    """Whether the poses of its links are known, but not the values of all its joints."""
     moving = any(prop.moves and prop.name in item.link_names for prop in take.props)
     joints = [f"{item.name}/{joint.name}" for link in item.links for joint in link.joints]
     return moving and not all(name in take.joints for name in joints)
 
 
 def _excluded(contact: Element, take: Take) -> None:
-    """Pairs that do not collide: those that the scene ignores, and links of one object."""
+    """Exclude pairs that do not collide: ignored pairs of the scene, links of one object."""
     scene = take.scene
     bodies = {name: [_called(name)] for name in (*scene.statics, *scene.objects)}
     pairs = list(scene.ignored_pairs)
@@ -195,7 +195,7 @@ def _excluded(contact: Element, take: Take) -> None:
     for a, b in pairs:
         for first in bodies[a]:
             for second in bodies[b]:
-                # Pairs of one group with itself come twice.
+                # Pairs within one group come twice.
                 if a != b or first < second:
                     ElementTree.SubElement(contact, "exclude", body1=first, body2=second)
 
@@ -242,7 +242,7 @@ def _coordinates(take: Take, model: Any) -> tuple[Array, Array]:
 
 
 def _velocities(model: Any, qpos: Array, fps: float) -> Array:
-    """Velocities (T, nv) with which a frame comes to the one after; the last goes on."""
+    """Velocities (T, nv) from each frame to the next; the last frame repeats the one before."""
     import mujoco
 
     qvel = np.zeros((len(qpos), model.nv))

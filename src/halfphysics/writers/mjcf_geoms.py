@@ -1,4 +1,4 @@
-"""Shapes as MJCF geoms: primitives where there is one, meshes written out in the file."""
+"""Shapes as MJCF geoms: primitives where MuJoCo has one, else meshes inside the file."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 Array = NDArray[np.float64]
 Element = ElementTree.Element
 
-#: A solid whose hull is larger by no more than this part of it is convex.
+#: A solid is convex if its volume is below its hull's by at most this fraction.
 _CONVEX = 1e-6
 #: MuJoCo refuses meshes of fewer vertices.
 _LEAST_VERTICES = 4
-#: Groups of geoms: MuJoCo's viewer shows 0 to 2.
+#: Geom groups: MuJoCo's viewer shows 0 to 2.
 _SEEN, _HIDDEN = "2", "3"
 _COLOUR = "0.72 0.66 0.58 1"
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 class Geoms:
-    """Adds geoms to bodies, and the meshes they need to `assets`."""
+    """Adds geoms to bodies, and their meshes to `assets`."""
 
     def __init__(self, assets: Element) -> None:
         self._assets = assets
@@ -45,16 +45,16 @@ class Geoms:
         hidden: bool = False,
         convex: bool = False,
     ) -> bool:
-        """A geom that touches; False, and nothing added, where MuJoCo has none such.
+        """Add a geom that collides; False: MuJoCo has no such shape, and no geom was added.
 
         Args:
-            body: What to add it to.
-            name: Of its mesh, where it needs one.
-            shape: Any; a mesh only if it is convex.
+            body: The body of the geom.
+            name: Name of its mesh, if it needs one.
+            shape: Any shape; a mesh only if it is convex.
             friction: Coulomb coefficient.
-            position, quaternion: Of the shape's frame in the body's.
-            hidden: Put where viewers do not show it.
-            convex: Take a mesh for convex without looking.
+            position, quaternion: Pose of the shape in the body's frame.
+            hidden: Put it in a group that viewers do not show.
+            convex: The mesh is known to be convex: no test.
         """
         position = np.zeros(3) if position is None else position
         said: dict[str, str] = {}
@@ -94,7 +94,7 @@ class Geoms:
         return True
 
     def drawn(self, body: Element, name: str, shape: Shape) -> None:
-        """A geom that is only to be seen: the triangles of the shape."""
+        """Add a visual geom without contacts: the triangles of the shape."""
         vertices, faces = shape.triangles()
         if len(vertices) < _LEAST_VERTICES:
             vertices, faces = _finer(vertices, faces)
@@ -119,7 +119,7 @@ class Geoms:
 
 
 def _finer(vertices: Array, faces: NDArray[np.int32]) -> tuple[Array, NDArray[np.int32]]:
-    """Each triangle in three, about its middle: the same surface."""
+    """The same surface with each triangle split in three at its centre."""
     middle = vertices[faces].mean(axis=1)
     new = len(vertices) + np.arange(len(faces))
     a, b, c = faces.T
@@ -138,7 +138,7 @@ def _is_convex(mesh: Mesh) -> bool:
 
 
 def _z_to(normal: Array) -> Array:
-    """A rotation (4,) that takes z to a unit vector."""
+    """A quaternion (4,) that rotates z to a unit vector."""
     half = np.array([1.0 + normal[2], -normal[1], normal[0], 0.0])
     if np.linalg.norm(half) < 1e-9:
         return np.array([0.0, 1.0, 0.0, 0.0])

@@ -8,17 +8,17 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Faces = NDArray[np.integer]
 
-# What a vertex without a face, or with nothing but slivers around it, is given.
+# Normal of a vertex without faces, or with degenerate faces only.
 _NO_NORMAL = np.array([0.0, 0.0, 1.0])
 
 
 def vertex_normals(vertices: Array, faces: Faces) -> Array:
-    """Unit normals (V, 3) of a smooth surface: of the faces around, weighted by their angle."""
+    """Unit normals (V, 3) of a smooth surface: face normals, weighted by their angle."""
     return _summed(faces.ravel(), _corner_normals(vertices, faces), len(vertices))
 
 
 def creased(vertices: Array, faces: Faces, degrees: float) -> tuple[Array, Faces, Array]:
-    """The same surface with vertices of their own on both sides of its sharp edges.
+    """The same surface with separate vertices on both sides of its sharp edges.
 
     Args:
         vertices: (V, 3).
@@ -26,7 +26,7 @@ def creased(vertices: Array, faces: Faces, degrees: float) -> tuple[Array, Faces
         degrees: Edges that bend by less stay smooth.
 
     Returns:
-        Vertices (W, 3), faces (F, 3) and unit normals (W, 3); what no face uses is left out.
+        Vertices (W, 3), faces (F, 3) and unit normals (W, 3); unused vertices are left out.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -34,7 +34,7 @@ def creased(vertices: Array, faces: Faces, degrees: float) -> tuple[Array, Faces
     corner_normals = _corner_normals(vertices, faces)
     size = np.linalg.norm(corner_normals, axis=1, keepdims=True)
     unit = (corner_normals / np.where(size > 0.0, size, 1.0)).reshape(-1, 3, 3)
-    # Half edges: corner k to corner k + 1 of a face, sorted so that those of one edge are in a row.
+    # Half edges: corner k to corner k + 1 of a face, sorted so that those of one edge are adjacent.
     corner = np.arange(3 * len(faces)).reshape(-1, 3)
     start, stop = corner.ravel(), np.roll(corner, -1, axis=1).ravel()
     flat = faces.ravel()
@@ -56,7 +56,7 @@ def creased(vertices: Array, faces: Faces, degrees: float) -> tuple[Array, Faces
 
 
 def _corner_normals(vertices: Array, faces: Faces) -> Array:
-    """The faces' normals times the angle at every corner, shape (3 F, 3); 0 of slivers."""
+    """The faces' normals times the angle at every corner (3 F, 3); 0 for degenerate faces."""
     corners = vertices[faces]
     forward = np.roll(corners, -1, axis=1) - corners
     backward = np.roll(corners, 1, axis=1) - corners
@@ -70,7 +70,7 @@ def _corner_normals(vertices: Array, faces: Faces) -> Array:
 
 
 def _summed(index: Faces, values: Array, count: int) -> Array:
-    """Unit sums (count, 3) of `values` (n, 3) that have the same index."""
+    """Normalised sums (count, 3) of the `values` (n, 3) with the same index."""
     total = np.stack([np.bincount(index, column, count) for column in values.T], axis=1)
     size = np.linalg.norm(total, axis=1, keepdims=True)
     return np.where(size > 1e-12, total / np.where(size > 0.0, size, 1.0), _NO_NORMAL)

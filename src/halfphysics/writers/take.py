@@ -40,7 +40,7 @@ class Actor:
 class Prop:
     """A prop: a mesh (V, 3), (F, 3) in its own frame [m] and that frame's pose over time.
 
-    `position` (T, 3) [m] and `quaternion` (T, 4) in the z-up world; one row where it never moves.
+    `position` (T, 3) [m] and `quaternion` (T, 4) in the z-up world; one row for a static prop.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Prop:
 
     @property
     def moves(self) -> bool:
-        """Whether it has a pose of its own in every frame."""
+        """Whether it has a pose per frame."""
         return len(self.position) > 1
 
 

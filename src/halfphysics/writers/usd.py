@@ -1,9 +1,9 @@
-"""USD (.usd, .usdc, .usda, .usdz): skinned people and rigid things, animated. Needs usd-core.
+"""USD (.usd, .usdc, .usda, .usdz): skinned people and rigid props, animated. Needs usd-core.
 
-z-up, metres, a time code a frame. Below "/World" stand every person (a SkelRoot with skeleton,
-skin and animation; joints named as `JOINT_NAMES`) and the things (an Xform with a mesh). The
-skinning of UsdSkel is that of SMPL without pose blend shapes; where a body has them, they are
-blend shapes (`correctives`), which act before the skinning, as they must.
+z-up, metres, one time code per frame. Below "/World" are every person (a SkelRoot with skeleton,
+skin and animation; joints named as `JOINT_NAMES`) and every prop (an Xform with a mesh). The
+skinning of UsdSkel is that of SMPL without pose blend shapes; if a body has them, they are
+blend shapes (`correctives`), which UsdSkel applies before the skinning, as required.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from halfphysics.writers.take import Actor, Prop, Take
 
 Array = NDArray[np.float64]
 
-# A zip has the local time of what is in it: the same in every one, so that the same take gives the
-# same bytes.
+# A zip stores the local time of its content: a fixed time, so that the same take gives the same
+# bytes.
 _STAMP = time.mktime((1980, 1, 2, 0, 0, 0, 0, 0, -1))
 _ROOT, _LOOKS = "/World", "/World/Looks"
 
@@ -53,7 +53,7 @@ def write(take: Take, path: Path) -> None:
         builder.add_prop(prop, color)
     suffix = path.suffix.lower()
     with atomic_write(path) as handle, tempfile.TemporaryDirectory() as folder:
-        # USD writes files of its own only, and takes their kind from the suffix.
+        # USD writes only to a path, and takes the format from its suffix.
         made = Path(folder) / f"take{'.usdc' if suffix == '.usdz' else suffix}"
         builder.stage.GetRootLayer().Export(str(made))
         if suffix == ".usdz":
@@ -86,7 +86,7 @@ def _pxr() -> Any:
 
 
 class _Builder:
-    """Adds people and things to a stage."""
+    """Adds people and props to a stage."""
 
     def __init__(self, pxr: Any, take: Take) -> None:
         self.pxr = pxr
@@ -104,7 +104,7 @@ class _Builder:
     # -- people --------------------------------------------------------------------------------
 
     def add_actor(self, actor: Actor, color: Color) -> None:
-        """A person: a skeleton, a skin that hangs on it, and how they move."""
+        """Add a person: a skeleton, its skin and their animation."""
         skel, body = self.pxr.UsdSkel, actor.body
         path = self._new(actor.name)
         root = skel.Root.Define(self.stage, path)
@@ -179,10 +179,10 @@ class _Builder:
         for k, row in enumerate(weights.astype(np.float32)):
             attribute.Set(vt.FloatArray.FromNumpy(row), k)
 
-    # -- things --------------------------------------------------------------------------------
+    # -- props ---------------------------------------------------------------------------------
 
     def add_prop(self, prop: Prop, color: Color) -> None:
-        """A thing: its mesh, sharp where it bends, and how it moves."""
+        """Add a prop: its mesh, with sharp edges, and its animation."""
         gf, path = self.pxr.Gf, self._new(prop.name)
         xform = self.pxr.UsdGeom.Xform.Define(self.stage, path)
         xform.GetPrim().SetDisplayName(prop.name)
@@ -199,10 +199,10 @@ class _Builder:
             mesh.CreateDoubleSidedAttr(True)
             self._paint(mesh, path, color)
 
-    # -- parts of both -------------------------------------------------------------------------
+    # -- shared parts --------------------------------------------------------------------------
 
     def _new(self, name: str) -> str:
-        """A path of a prim's own for what is called `name`."""
+        """A new, unused prim path for `name`."""
         path = f"{_ROOT}/{self.pxr.Tf.MakeValidIdentifier(name)}"
         while path in self._taken:
             path += "_"
@@ -239,14 +239,14 @@ class _Builder:
         return self.pxr.Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, dtype=np.float32))
 
     def _shifts(self, places: Array) -> Any:
-        """Matrices of USD (rows are vectors) that shift by `places` (n, 3)."""
+        """USD matrices (for row vectors) of translations by `places` (n, 3)."""
         matrices = np.tile(np.eye(4), (len(places), 1, 1))
         matrices[:, 3, :3] = places
         return self.pxr.Vt.Matrix4dArray.FromNumpy(matrices)
 
 
 def _influences(body: Body) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """The joints (V, n) that a vertex hangs on and their weights, none left out."""
+    """All skinning joints (V, n) of each vertex and their weights."""
     count = int(np.count_nonzero(body.weights, axis=1).max())
     order = np.argsort(-body.weights, axis=1, kind="stable")[:, :count]
     values = np.take_along_axis(body.weights, order, axis=1)
@@ -254,7 +254,7 @@ def _influences(body: Body) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
 
 
 def _reach(actor: Actor) -> Array:
-    """Corners (2, 3) of a box that holds the skin in all frames [m]."""
+    """Corners (2, 3) of a box that contains the skin in all frames [m]."""
     body = actor.body
     nearest = body.rest_joints[body.weights.argmax(axis=1)]
     margin = 1.5 * float(np.linalg.norm(body.rest_vertices - nearest, axis=1).max())

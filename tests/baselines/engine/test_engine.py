@@ -1,4 +1,4 @@
-"""Modes that run in plain MuJoCo: what they do, and what of it is right and wrong."""
+"""Modes that run in plain MuJoCo: their behaviour, correct and incorrect."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def walled():
 
 
 def speeds(result, name):
-    """Speed of an object on the way to every frame but the first (T - 1,) [m/s]."""
+    """Speed of an object before every frame but the first (T - 1,) [m/s]."""
     way = np.diff(result.objects[name].position, axis=0)
     return np.linalg.norm(way, axis=1) * result.fps
 
 
 def kicked(body, mass, settings):
-    """Speed of a weightless ball of 22 cm after the swing of a leg has left it [m/s]."""
+    """Speed of a weightless ball of 22 cm after a leg's swing has kicked it [m/s]."""
     ball = {"radius": 0.11, "ahead": 0.39, "height": 0.2}
     scene = before_the_foot(body, mass, **ball)
     return speeds(simulate(swing(body, 30.0), scene, body=body, settings=settings), "ball")[-1]
@@ -60,16 +60,16 @@ def test_mocap_bodies_walk_through_a_wall(body):
     np.testing.assert_array_equal(result.motion.rotations, motion.rotations)
     assert result.clearance.min() < -0.1
     assert result.clearance[0] > 0.0
-    assert not len(result.contacts)  # nothing that could answer
+    assert not len(result.contacts)  # no body could respond
     assert not result.lost_time.any()
     assert len(result.diagnostics) == 0
 
 
 def test_clearance_is_what_the_parts_say(body):
-    """Measured as everywhere else, at the poses of the frames."""
+    """Measured as in all modes, at the poses of the frames."""
     result = simulate(along_x(1.0, 40, start=-0.5), walled(), body=body, settings=KINEMATIC)
     np.testing.assert_array_equal(result.clearance, result.parts().clearance.min(axis=1))
-    # The first frame is clear, and there the native core says the same.
+    # The first frame is clear, and the native core gives the same distance there.
     start = Simulator(walled(), body=body).reset(result.motion[0])
     assert result.clearance[0] == pytest.approx(start.clearance, abs=1e-9)
 
@@ -77,7 +77,7 @@ def test_clearance_is_what_the_parts_say(body):
 def test_the_peer_is_stopped_softly(body):
     motion = along_x(1.0, 40, start=-0.5)
     result = simulate(motion, walled(), body=body, settings=VELOCITY)
-    # Measured: 29 mm past where it should be, and held there.
+    # Measured: 29 mm past its target, and held there.
     assert -0.1 < result.clearance.min() < -0.005
     assert result.motion.translation[-1, 0] < motion.translation[-1, 0] - 0.3
 
@@ -108,7 +108,7 @@ def test_it_is_the_peer_of_the_bench(body):
     scene = before_the_foot(body, 5.0)
     ours = simulate(motion, scene, body=body, settings=VELOCITY)
     peer = MujocoLoop(body, 30.0, 8, scene).run(motion)
-    assert metrics.mpjpe_global(ours.motion, motion, body) > 1.0  # contact there was
+    assert metrics.mpjpe_global(ours.motion, motion, body) > 1.0  # contact occurred
     assert metrics.mpjpe_global(ours.motion, peer, body) < 1e-3
 
 
@@ -128,14 +128,14 @@ def test_a_ball_rests_on_the_floor(body, settings):
     assert (last.person == -1).all()
     assert (last.part == -1).all()
     assert (last.other_part == -1).all()
-    # It carries the weight, upwards, where the ball is.
+    # The contact carries the weight, upwards, at the ball's position.
     np.testing.assert_allclose(last.impulse[0] * result.fps, [0.0, 0.0, 2.0 * 9.81], atol=1e-6)
     np.testing.assert_allclose(last.normal[0], [0.0, 0.0, 1.0], atol=1e-12)
     np.testing.assert_allclose(last.position[0], [0.0, 0.0, 0.0], atol=5e-4)
 
 
 def squeezed(body, settings):
-    """Who glides at 0.5 m/s against a ball that lies before a wall."""
+    """A person glides at 0.5 m/s against a ball in front of a wall."""
     floor = SOLES - 0.01
     scene = Scene()
     scene.add_static("floor", Plane(), position=(0.0, 0.0, floor))
@@ -145,7 +145,7 @@ def squeezed(body, settings):
 
 
 def test_a_squeezed_object_is_ejected(body):
-    """Nothing gives way: the ball leaves through the person, five times as fast as they came.
+    """Neither side yields: the ball leaves through the person at five times the person's speed.
 
     Measured: 2.7 m/s; the peer's stays under 0.6 m/s and before the person.
     """
@@ -177,7 +177,7 @@ def test_contacts_name_part_and_thing(body):
 
 
 def test_what_pushes_is_what_the_ball_gets(body):
-    """Impulses on a weightless ball sum up to its momentum."""
+    """Impulses on a weightless ball sum to its momentum."""
     scene = before_the_foot(body, 5.0, radius=0.11, ahead=0.39, height=0.2)
     result = simulate(swing(body, 30.0), scene, body=body, settings=VELOCITY)
     on_foot = result.contacts[result.contacts.person == 0].impulse.sum(axis=0)
@@ -199,7 +199,7 @@ def test_two_people_push_each_other(body):
     np.testing.assert_allclose(mine.impulse, -its.impulse, atol=1e-12)
     assert (mine.impulse.sum(axis=0) @ [1.0, 0.0, 0.0]) < 0.0
     assert result.people[1].motion.translation[-1, 0] > -0.2  # pushed along
-    # Mocap bodies have nothing that could answer.
+    # Mocap bodies cannot respond.
     kinematic = simulate(motions, settings=KINEMATIC)
     assert not len(kinematic.contacts)
 

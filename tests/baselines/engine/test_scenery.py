@@ -1,4 +1,4 @@
-"""A scene in MuJoCo: where things are, what touches what, and with which friction."""
+"""A scene in MuJoCo: poses, contact pairs and their friction."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def body():
 
 
 def compiled(scene, *bodies):
-    """The model and data of a scene, and its geoms' things; people called a/, b/, ..."""
+    """The model and data of a scene, and the item of each geom; people are named a/, b/, ..."""
     spec = mujoco.MjSpec()
     people = [f"{chr(ord('a') + i)}/" for i in range(len(bodies))]
     for prefix, body in zip(people, bodies, strict=True):
@@ -37,7 +37,7 @@ def compiled(scene, *bodies):
 
 
 def touching(model, data, owner):
-    """(thing or person's geom, the other) -> friction of their contacts."""
+    """(item or person's geom, the other) -> friction of their contacts."""
     found = {}
     for contact in data.contact:
         pair = sorted(owner.get(n, n) for n in (model.geom(g).name for g in contact.geom))
@@ -46,7 +46,7 @@ def touching(model, data, owner):
 
 
 def slab(scene, name, z, friction, static=False):
-    """A box of 1 m a side that overlaps what is 1 m lower by a centimetre."""
+    """A box of 1 m a side that overlaps the box 1 m lower by a centimetre."""
     shape, place = Box((1.0, 1.0, 1.0)), (5.0, 0.0, 0.99 * z)
     if static:
         scene.add_static(name, shape, position=place, friction=friction)
@@ -87,7 +87,7 @@ def test_what_is_said_of_pairs_holds():
 
 def test_what_is_said_of_people_and_parts_holds(body):
     scene = Scene()
-    # All of the person is in it.
+    # The whole person is in it.
     scene.add_static("bath", Box((4.0, 4.0, 4.0)))
     scene.add_object("ball", Sphere(0.6), mass=1.0, position=(0.0, 0.0, 2.5))
     assert touching(*compiled(scene, body))[("a/pelvis", "bath")] == {1.0}
@@ -117,7 +117,7 @@ def test_an_ignored_static_stays_where_it_is(body):
 
 
 def two_boxes():
-    """An L of two boxes as one mesh: convex solids that only their hulls' union fills."""
+    """An L of two boxes as one mesh: two convex solids, smaller than their hull."""
     vertices, faces = [], []
     for size, centre in (((1.0, 0.2, 0.2), (0.0, 0.0, 0.1)), ((0.2, 0.2, 1.0), (0.6, 0.0, 0.5))):
         v, f = Box(size).triangles()
@@ -127,7 +127,7 @@ def two_boxes():
 
 
 def test_a_mesh_touches_as_its_convex_pieces(body):
-    """A ball rests in the corner of an L, where a hull would have thrown it out."""
+    """A ball rests in the corner of an L; a hull would throw it out."""
     scene = Scene()
     scene.add_static("corner", two_boxes())
     scene.add_object("ball", Sphere(0.05), mass=1.0, position=(0.4, 0.0, 0.25))

@@ -28,12 +28,12 @@ def wrong(cause):
 
 
 def bug():
-    """A mistake of ours."""
+    """An error of our own."""
     return {}["nothing"]
 
 
 def dies(once=""):
-    """Kills its process; with `once`, a file that is not there, only the first time."""
+    """Kills its process; with `once` (path of a missing file), only the first time."""
     if once and Path(once).exists():
         return Outcome(values={"alive": True})
     if once:
@@ -42,12 +42,12 @@ def dies(once=""):
 
 
 def endless():
-    """Not a number."""
+    """A result of NaN."""
     return Outcome(values={"x": float("nan")})
 
 
 def meddles(path, how):
-    """A square, while somebody else is busy with the file that it is of."""
+    """A square, while its input file is removed or changed."""
     if how == "removes":
         Path(path).unlink()
     elif how == "writes":

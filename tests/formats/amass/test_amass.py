@@ -1,4 +1,4 @@
-"""AMASS files in their SMPL-X, SMPL-H and SMPL layouts: what is read and written."""
+"""AMASS files in their SMPL-X, SMPL-H and SMPL layouts: fields read and written."""
 
 from __future__ import annotations
 
@@ -176,7 +176,7 @@ def test_a_motion_from_arrays_is_written_as_its_model(tmp_path):
         motion.save(tmp_path / "a.npz")
         with np.load(tmp_path / "a.npz") as out:
             assert out["poses"].shape == (4, width)
-            assert out["betas"].ndim == 1  # as the Blender add-on wants it
+            assert out["betas"].ndim == 1  # as the Blender add-on requires it
             assert str(out["gender"]) == "neutral"
         again = Motion.load(tmp_path / "a.npz")
         assert again.betas is None
@@ -207,7 +207,7 @@ def test_saving_is_deterministic_and_whole(tmp_path):
     )
     with pytest.raises(FileError, match="does not exist"):
         motion.save(tmp_path / "none" / "c.npz")
-    with pytest.raises(ValueError):  # an object array fails half way: the old file stays
+    with pytest.raises(ValueError):  # an object array fails half way: the old file is kept
         npz.write_npz(tmp_path / "b.npz", {"a": np.zeros(3), "b": np.array([{}], dtype=object)})
     assert (tmp_path / "b.npz").read_bytes() == first
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.npz", "b.npz", "plain"]
@@ -242,7 +242,7 @@ def test_a_file_with_y_up_puts_the_same_vertices_into_the_world(tmp_path, seed):
     y_up = Motion.load(path, up="y")
     assert np.abs(body.vertices(y_up) - body.vertices(z_up)).max() < 1e-9
     assert np.abs(body.joints(y_up[1]) - body.joints(z_up[1])).max() < 1e-9  # a pose as well
-    y_up.save(tmp_path / "back.npz")  # writers turn back
+    y_up.save(tmp_path / "back.npz")  # the directory says so
     with np.load(path) as old, np.load(tmp_path / "back.npz") as new:
         assert np.abs(new["trans"] - old["trans"]).max() < 1e-12
         assert np.abs(new["poses"][:, 3:] - old["poses"][:, 3:]).max() == 0.0

@@ -1,4 +1,4 @@
-"""Fields of AMASS files: what the caller says of them, and what is refused."""
+"""Fields of AMASS files: options of the caller, and refused fields."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_mean_hands_are_stored_flat_and_written_back(tmp_path, monkeypatch):
     path = write(tmp_path / "a.npz", content)
     (tmp_path / "SMPLH_FEMALE.npz").write_bytes(b"model")
     motion = Motion.load(path, hands="mean", model=tmp_path / "SMPLH_FEMALE.npz")
-    # A file is taken as it is named; of a folder, the one of the clip's gender.
+    # A file is taken as named; from a folder, the file of the clip's gender.
     assert asked == {"path": str(tmp_path / "SMPLH_FEMALE.npz"), "gender": None}
     Motion.load(path, hands="mean", model=tmp_path)
     assert asked == {"path": str(tmp_path), "gender": "female"}
@@ -97,7 +97,7 @@ def test_mean_hands_are_stored_flat_and_written_back(tmp_path, monkeypatch):
     assert motion.model == "smplh"
     motion.save(tmp_path / "b.npz")
     with np.load(tmp_path / "b.npz") as out:
-        assert np.abs(out["poses"] - content["poses"]).max() < 1e-14  # added, taken away
+        assert np.abs(out["poses"] - content["poses"]).max() < 1e-14  # added, then subtracted
     smpl = write(tmp_path / "c.npz", fields("smpl"))
     with pytest.raises(InputError, match="has no fingers"):
         Motion.load(smpl, hands="mean", model=tmp_path / "SMPLH_FEMALE.npz")
@@ -219,7 +219,7 @@ def test_damaged_archives_are_refused_at_every_length(tmp_path):
         with pytest.raises(FileError):
             Motion.load(path)
     rng = np.random.default_rng(0)
-    for _ in range(60):  # bytes flipped anywhere: an error of ours, or a value that was not used
+    for _ in range(60):  # flipped bytes: an error of ours, or an unused value
         bad = bytearray(whole)
         bad[rng.integers(len(bad))] ^= 1 << rng.integers(8)
         path.write_bytes(bytes(bad))

@@ -1,4 +1,4 @@
-"""BVH files: the text, what is written, and what no reader may take."""
+"""BVH files: the text, the writer, and the files that every reader refuses."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def motion_of(frames: int = 12, up: str = "z", seed: int = 0) -> hp.Motion:
 
 
 def read(path, **options) -> hp.Motion:
-    """Read with what is said about the skeleton left unsaid."""
+    """Read without the warning about the skeleton."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", HalfPhysicsWarning)
         return hp.Motion.load(path, **options)
@@ -86,7 +86,7 @@ def test_bvhio_has_the_same_joints(tmp_path):
     for frame in (0, 7, 29):
         root.loadPose(frame)
         places = {joint.Name: np.array(joint.PositionWorld) for joint, _, _ in root.layout()}
-        # bvhio counts in single precision: 1e-6 m is what is left of it.
+        # bvhio computes in single precision: it is accurate to 1e-6 m.
         theirs = np.stack([places[name] for name in skeleton.JOINT_NAMES]) / 100.0
         assert np.abs(theirs - ours[frame]).max() < SAME
 
@@ -100,7 +100,7 @@ def test_the_skeleton_at_rest_is_the_body_at_rest(tmp_path):
         rest[joint] = rest[bvh.parents[joint]] + bvh.offsets[joint] / 100.0
     order = [bvh.names.index(name) for name in skeleton.JOINT_NAMES]
     assert np.abs(rest[order] - body.rest_joints).max() < SAME
-    assert np.array_equal(bvh.offsets[0], np.zeros(3))  # readers differ in what a root's offset is
+    assert np.array_equal(bvh.offsets[0], np.zeros(3))  # readers disagree on a root's offset
     leaves = set(range(56)) - {p for p in bvh.parents if p >= 0}
     assert set(bvh.ends) == leaves
 
@@ -133,7 +133,7 @@ def test_angles_of_a_wild_dance_change_no_faster_than_the_joints(tmp_path, share
 
 
 def test_convert_there_and_back(tmp_path, capsys):
-    """The default body is whose it is, if nobody is named."""
+    """Without a body argument the default body is used."""
     body, motion = hp.Body.default(), motion_of()
     motion.save(tmp_path / "a.npz")
     assert main(["convert", str(tmp_path / "a.npz"), str(tmp_path / "b.bvh")]) == 0
@@ -227,7 +227,7 @@ def swap(old: str, new: str, count: int = 1):
 
 
 def row(number: int, how):
-    """A row of numbers changed: `how` of its words."""
+    """A changed row of numbers: `how` of its words."""
 
     def spoil(text: str) -> str:
         lines = text.rstrip("\n").split("\n")
@@ -315,7 +315,7 @@ def test_one_frame_and_options_that_do_not_fit(tmp_path, good):
 
 
 def test_truncated_anywhere_is_an_error_of_ours(tmp_path, good):
-    """A cut within the last number cannot be seen; every other one is."""
+    """A cut within the last number cannot be detected; every other cut is."""
     path = tmp_path / "a.bvh"
     last = len(good) - len(good.rstrip("\n").split(" ")[-1]) - 2
     for length in np.linspace(1, last, 60).astype(int):

@@ -19,7 +19,7 @@ from support.files.bvh_files import MIXAMO, pointing, retold, text_of
 from support.files.layouts import movement
 
 SAME = 1e-6  # metres: files have 1e-9 of a centimetre or degree
-# Where bones are taken to be along an axis at rest: the default body's are to a few micrometres.
+# Where bones are assumed along an axis at rest: the default body's are to a few micrometres.
 NEAR = 2e-5
 BODY = hp.Body.default()
 ARMS = ("shoulder", "elbow", "wrist")
@@ -50,7 +50,7 @@ def off(one: hp.Motion, other: hp.Motion) -> float:
 @pytest.mark.parametrize("up", ["y", "z"])
 @pytest.mark.parametrize("unit", [1.0, 100.0, 17.7])
 def test_units_and_axes(tmp_path, unit, up):
-    """Metres, centimetres, anything: the legs say it. The body says which way is up."""
+    """Metres, centimetres or any unit: found by the legs. The body shows which way is up."""
     motion = motion_of()
     own = None
     if up == "z":  # at the zero pose it stands along z, too
@@ -106,7 +106,7 @@ def along_x(seed: int = 0) -> np.ndarray:
 
 
 def test_zero_pose_that_is_no_posture(tmp_path):
-    """Frames along the bones: hinges, branches and the mean tell the rest, to the last digit."""
+    """Frames along the bones: hinges, branches and the mean give the rest, to the last digit."""
     translation, rotations = movement(24)
     t = np.linspace(0.0, 1.0, 24)
     moved = np.zeros_like(rotations)
@@ -131,7 +131,7 @@ def test_zero_pose_that_is_no_posture(tmp_path):
 
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 5])
 def test_spine_chains(tmp_path, count):
-    """However many joints, spine3 is turned as the last of them, the arms as the arms."""
+    """However many joints, spine3 turns as the last of them, the arms as the arms."""
     rng = np.random.default_rng(count)
     keep = [j for j in sorted(MIXAMO) if not JOINT_NAMES[j].startswith("spine")]
     names = ["Hips", *(f"Spine{k or ''}" for k in range(count))]
@@ -183,7 +183,7 @@ def test_joints_split_in_one_place(tmp_path):
         for side in ("left", "right")
         for ours, theirs in (("wrist", "Hand"), ("middle1", "FingerBase"), ("index1", "Twist"))
     }
-    # The wrist's turn is told by what stands in for its only finger; a twist joint turns nothing.
+    # The substitute for its only finger gives the wrist's turn; a twist joint turns nothing.
     places = np.array(BODY.rest_joints)
     rotations = np.array(motion.rotations)
     rotations[:, 25:] = 0.0
@@ -224,7 +224,7 @@ def test_joints_that_are_not_there_stay_at_rest_and_are_said_once(tmp_path):
 
 CLIPS = {
     # Name -> farthest a bone may point from the source's [degrees]: 0 where both skeletons have
-    # the bone by itself; collars and feet keep the rest pose, where the skeletons differ.
+    # an equal bone; collars and feet keep the rest pose, where the skeletons differ.
     "dab": {"collar": 3.0, "ankle": 1.0},
     "jumping": {"collar": 3.0, "ankle": 1.0},
     "jumping_jacks": {"collar": 14.0, "ankle": 3.0},
@@ -267,14 +267,14 @@ def test_real_clips_are_upright_on_the_floor_and_slow_enough(shared_data, clip):
     motion = read(shared_data / "motion" / f"animdraw_{clip}.bvh")
     joints = BODY.joints(motion)
     assert (joints[:, JOINT_INDEX["head"], 2] > joints[:, 0, 2] + 0.3).mean() > 0.9
-    # Faces forward of the pelvis as the toes do: left is left.
+    # Faces the way the toes do from the pelvis: left is left.
     left = joints[:, 16] - joints[:, 17]
     toes = (joints[:, 10] + joints[:, 11] - joints[:, 7] - joints[:, 8]) / 2
     ahead = np.cross(left, [0.0, 0.0, 1.0])
     assert ((ahead * toes).sum(axis=1) > 0.0).mean() > 0.8
     lowest = BODY.vertices(motion, frames=slice(None, None, 5))[..., 2].min()
     assert -0.05 < lowest < 0.03
-    # Knees and elbows bend the way they do, about the hinge only.
+    # Knees and elbows bend in the right direction, about the hinge only.
     for side, out in (("left", 1.0), ("right", -1.0)):
         assert motion.rotations[:, JOINT_INDEX[f"{side}_knee"], 0].mean() > 0.2
         elbow = motion.rotations[:, JOINT_INDEX[f"{side}_elbow"]]
@@ -302,7 +302,7 @@ def test_fingers_of_the_dance_are_curled_as_in_the_source(shared_data):
 
 
 def test_moving_fingers_move(tmp_path):
-    """Each joint of each finger by itself, in frames along the bones, on the vertices."""
+    """Each joint of each finger alone, in frames along the bones, on the vertices."""
     translation, rotations = movement(16)
     rotations[:, 1:25] = 0.0
     bent = np.abs(rotations[:, 25:, 2:])

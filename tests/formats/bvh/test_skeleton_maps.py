@@ -110,7 +110,7 @@ def test_names(tmp_path, style):
 
 
 REAL = {
-    # What the data sets' own files have, beyond what one joint per joint shows.
+    # Names in the data sets' own files, beyond one joint per joint.
     "LAFAN1": (
         "Hips LeftUpLeg LeftLeg LeftFoot LeftToe RightUpLeg RightLeg RightFoot RightToe Spine"
         " Spine1 Spine2 Neck Head LeftShoulder LeftArm LeftForeArm LeftHand RightShoulder RightArm"

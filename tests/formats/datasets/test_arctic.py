@@ -1,4 +1,4 @@
-"""ARCTIC files: a pickled npy of the body, and beside it a thing of two parts with a hinge."""
+"""ARCTIC files: a pickled npy of the body, and beside it an object of two hinged parts."""
 
 from __future__ import annotations
 
@@ -182,7 +182,7 @@ def test_replayed_parts(data_set):
 
 
 def test_another_axis_up_turns_all_alike(data_set):
-    """Where somebody says that the file is y-up, person and object turn together."""
+    """With the y-up option, person and object turn together."""
     as_z, as_y = (quiet(data_set, up=up, objects="replayed") for up in ("z", "y"))
     turn = as_y.motion.axes
     body = hp.Body.default()
@@ -209,7 +209,7 @@ def test_a_free_object_has_a_hinge(data_set):
     hinge = box.links[1].joints[0]
     assert (hinge.name, hinge.lower) == ("hinge", 0.0)
     assert poses()[:, 0].max() <= hinge.upper < poses()[:, 0].max() + 2e-3
-    # Where the simulation puts the links at the start is where the data set has them.
+    # The simulation starts with the links where the data set has them.
     simulator = hp.Simulator(sequence.scene, body=[], fps=30.0)
     first = simulator.reset([])
     assert abs(first.joints["box/hinge"] - 0.3) < ROUNDING
@@ -383,7 +383,7 @@ def test_hostile_files(data_set, tmp_path):
     with pytest.raises(hp.HalfPhysicsError, match=r"object\.npy.*unsafe or unknown content"):
         hp.load_sequence(path)
     assert not mark.exists()
-    assert pickle.loads(pickle.dumps(Boom(mark))) is None  # it would have run
+    assert pickle.loads(pickle.dumps(Boom(mark))) is None  # the plain unpickler runs the payload
     assert mark.exists()
 
 

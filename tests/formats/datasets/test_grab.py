@@ -171,7 +171,7 @@ def test_a_cup_on_the_table_stays_there(data_set, tmp_path):
 
 
 def test_another_axis_up_turns_all_alike(data_set):
-    """Where somebody says that the file is y-up, person, object and table turn together."""
+    """With the y-up option, person, object and table turn together."""
     as_z, as_y = (quiet(data_set, up=up) for up in ("z", "y"))
     turn = as_y.motion.axes
     body = hp.Body.default()
@@ -225,7 +225,7 @@ def test_in_a_library(data_set):
 
 
 def inside(part: str, spoil):
-    """Spoils the parameters of a part of the file."""
+    """Spoil the parameters of a part of the file."""
     return lambda f: spoil(f[part]["params"])
 
 

@@ -1,4 +1,4 @@
-"""InterMimic tensors: a person as a robot, whose shape must be found, and an object."""
+"""InterMimic tensors: a person as a robot, with an unknown shape, and an object."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ FINGERS = ("index", "middle", "pinky", "ring", "thumb")
 
 @contextlib.contextmanager
 def told(*patterns: str):
-    """Warnings in which each of these is found; besides at most those of the shape and the mass."""
+    """Warnings that contain each of these; besides them at most those of the shape and the mass."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield
@@ -166,7 +166,7 @@ def test_the_default_body_of_that_size(tmp_path):
         motion = hp.Motion.load(path)
     assert (motion.fps, motion.model, motion.betas) == (30.0, "smplx", None)
     assert np.abs(tall.vertices(motion) - tall.vertices(person())).max() < SINGLE
-    # Turned by the option, it is the pelvis that turns about the world's origin.
+    # With the option, the pelvis turns about the world's origin.
     with told("say up='z'"):
         y_up = hp.Motion.load(path, up="y")
     turned = tall.vertices(person()) @ axes_of("y").T
@@ -179,7 +179,7 @@ def test_the_default_body_of_that_size(tmp_path):
 def test_the_shape_is_found(tmp_path, models):
     body = hp.Body.load(models / "SMPLX_MALE.npz", BETAS)
     path = written(tmp_path / NAME, rows(body))
-    # Of a file, and of a folder, where the gender is that which fits.
+    # From a file, and from a folder, where the fitting gender is chosen.
     for given in (models / "SMPLX_MALE.npz", models):
         motion = hp.Motion.load(path, model=given)
         assert (motion.model, motion.gender) == ("smplx", "male")
@@ -258,7 +258,7 @@ def test_written_as_it_came(tmp_path, models):
     motion.save(tmp_path / "sub3_largebox_004.pt", body=own)
     first, again = (stored.read(tmp_path / f"sub3_largebox_00{n}.pt") for n in (3, 4))
     assert again.dtype == np.float32
-    # Of quaternions both signs are the same rotation.
+    # Both signs of a quaternion are the same rotation.
     for start in (3, 321, *range(383, WIDTH, 4)):
         for array in (first, again):
             quaternion = array[:, start : start + 4]
@@ -372,7 +372,7 @@ def test_broken_bytes(tmp_path):
 
 
 def test_a_damaged_model_in_a_folder_is_said(tmp_path):
-    """A folder need not have all genders; what is there and cannot be read is no missing one."""
+    """A folder need not have all genders; an unreadable file is not treated as missing."""
     folder = tmp_path / "models"
     folder.mkdir()
     model(folder, "neutral")

@@ -113,7 +113,7 @@ def test_a_file_is_read_once_for_all_its_clips(tmp_path, monkeypatch):
     monkeypatch.setattr(stored, "read", lambda path: times.append(path) or plain(path))
     assert [len(clip.motion()) for clip in hp.clips(path)] == [12] * 5
     assert times == [path]
-    # A file that was asked for by its path is read anew: it may have changed.
+    # A file given by its path is read anew: it may have changed.
     assert len(hp.Motion.load(path, clip="sub1_largebox_003")) == 12
     assert times == [path] * 2
 
@@ -177,12 +177,12 @@ def test_a_size_that_varies_is_said(tmp_path, assets):
     content = fields()
     content["obj_scale"] = np.linspace(0.25, 0.252, 12)
     path = written(tmp_path / "a.p", content)
-    hp.load_sequence(path, assets, objects="replayed")  # warns of nothing
+    hp.load_sequence(path, assets, objects="replayed")  # without warnings
     content["obj_scale"] = np.linspace(0.25, 0.26, 12)
     path = written(tmp_path / "b.p", content)
     with pytest.warns(hp.HalfPhysicsWarning, match="'obj_scale'.*size by 4 %; .* 0.25, is taken"):
         sequence = hp.load_sequence(path, assets, objects="replayed")
-    # Its middle is where the data set has it, frame by frame.
+    # The object's middle is where the data set has it, frame by frame.
     mesh = trimesh.load(assets / "captured_objects" / "largebox_cleaned_simplified.obj")
     middle = mesh.bounds.mean(axis=0)
     for frame in (0, 5, 11):
@@ -211,7 +211,7 @@ def test_written_as_it_came(tmp_path, assets):
             assert again[1][key] == value
         else:
             assert np.abs(again[1][key] - value).max() < ROUNDING, key
-    # Between the frames, too: the objects along with the person, their matrices still rotations.
+    # Between the frames too: the objects along with the person, and matrices stay rotations.
     motion.resample(60.0).save(tmp_path / "c.p")
     back = hp.load_sequence(tmp_path / "c.p", assets, objects="replayed")
     assert len(back.recorded["mop_bottom"].position) == len(back.motion) == 23

@@ -146,8 +146,8 @@ def test_objects_and_scene(tmp_path):
     assert np.array_equal(thing.position, track.position[0])
     replayed = hp.load_sequence(folder, [assets], clip="walk@1", objects="replayed")
     assert np.array_equal(replayed.scene.objects["cup"].positions, track.position)
-    assert not hp.load_sequence(folder, assets, clip="sit@2").recorded  # it is not in that clip
-    for kind in ("Object_mesh", "Scene_mesh"):  # beside the arrays they are found without a word
+    assert not hp.load_sequence(folder, assets, clip="sit@2").recorded  # without the object
+    for kind in ("Object_mesh", "Scene_mesh"):  # beside the arrays they are found without an option
         (assets / kind).rename(folder / kind)
     inside = hp.load_sequence(folder, clip="walk@1", objects="replayed")
     assert list(inside.scene.statics) == ["hall"]

@@ -1,4 +1,4 @@
-"""What damaged, incomplete and foreign files say when they are read as results."""
+"""Messages for damaged, incomplete and foreign files that are read as results."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_truncated(tmp_path, saved, share):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_changed_byte_is_found_or_harmless(tmp_path, saved, seed):
-    """Whatever is damaged: the arrays that come back are right, or it is a FileError."""
+    """After any damage the arrays that come back are right, or a FileError is raised."""
     rng = np.random.default_rng(seed)
     path = tmp_path / "r.npz"
     refused = 0
@@ -59,7 +59,7 @@ def test_a_changed_byte_is_found_or_harmless(tmp_path, saved, seed):
 
 @pytest.mark.parametrize("at", [60, 100, 140])
 def test_a_damaged_array_header(tmp_path, saved, at):
-    """numpy reads headers as Python source, which fails in ways of its own."""
+    """numpy reads headers as Python source, which fails in many ways."""
     with zipfile.ZipFile(tmp_path / "r.npz", "w") as archive:
         for key, value in saved[0].items():
             stream = io.BytesIO()

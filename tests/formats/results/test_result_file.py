@@ -1,4 +1,4 @@
-"""Result files: every bit comes back, motion readers open them, nothing licensed is in them."""
+"""Result files: exact round trip, readable as motions, free of licensed data."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_a_motion_reader_opens_it(tmp_path, body, axes, model):
     result = make_result(body, axes=axes, model=model)
     result.save(tmp_path / "r.npz")
     motion = Motion.load(tmp_path / "r.npz")
-    # AMASS is z-up whatever the motion came from; rounding only, of numbers of size 1.
+    # AMASS is z-up whatever the motion's source; rounding only, of numbers of size 1.
     np.testing.assert_allclose(
         body.joints(motion),
         body.joints(result.motion),
@@ -179,7 +179,7 @@ def test_a_mesh_that_has_gone_is_left_out_with_a_warning(tmp_path, body):
     scene = mesh_scene(tmp_path)
     make_result(body, scene=scene).save(tmp_path / "r.npz")
     (tmp_path / "tetra.obj").unlink()
-    result = Result.load(tmp_path / "r.npz")  # nothing is said until the scene is asked for
+    result = Result.load(tmp_path / "r.npz")  # no warning until the scene is used
     assert result.names == ("floor", "rock", "person0")
     with pytest.warns(HalfPhysicsWarning, match=r"rock \(.*tetra.obj is not there\).*scene="):
         assert list(result.scene.statics) == ["floor"]

@@ -1,4 +1,4 @@
-"""Distances of all shapes at any poses: right, and unnoticed by the simulation."""
+"""Distances of all shapes at any pose: correct, and without effect on the simulation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from halfphysics.simulation.simulator import Simulator
 from support.judges.coal_shapes import coal_hull
 from support.people import along_x, violent
 
-SAME = 1e-9  # two ways to one distance, in doubles [m]
+SAME = 1e-9  # two computations of one distance, in doubles [m]
 COAL = 3e-6  # coal stops at 1e-6 of the squared distance; measured 1.1e-6 [m]
 PARTS = Settings(contact="parts")
 
@@ -26,7 +26,7 @@ def body():
 
 
 def measured(simulator, motion, reach):
-    """Distances (T, shapes) and nearest statics of a motion's poses."""
+    """Distances (T, shapes) and nearest statics at a motion's poses."""
     world = simulator.world
     qpos = np.array([world.start([motion[t]])[0] for t in range(len(motion))])
     static = np.full((len(qpos), len(world.shape_name)), 7, dtype=np.int32)
@@ -44,7 +44,7 @@ def part_points(simulator, qpos):
 
 
 def test_from_a_half_space_by_hand(body):
-    """Both signs: the lowest vertex of a part is what it is off a floor."""
+    """Both signs: a part's distance from a floor is the height of its lowest vertex."""
     scene = Scene()
     normal = np.array([0.6, 0.0, 0.8])
     scene.add_static("slope", Plane(normal=normal, offset=0.1))
@@ -60,21 +60,21 @@ def test_from_a_half_space_by_hand(body):
 
 
 def test_hulls_of_the_skin_by_its_vertices(body):
-    """Every vertex is in some hull of the skin, and no hull reaches farther than its vertices."""
+    """Every vertex is in a skin hull, and no hull extends beyond its vertices."""
     scene = Scene()
     scene.add_static("floor", Plane(offset=-0.4))
     simulator = Simulator(scene, body=body, settings=Settings(contact="skin"))
     motion = violent(frames=4)
     dist, _, _ = measured(simulator, motion, 100.0)
     parts = simulator.world.shape_part
-    assert len(parts) > len(set(parts))  # some have several
+    assert len(parts) > len(set(parts))  # some parts have several hulls
     lowest = body.vertices(motion)[..., 2].min(axis=1) + 0.4
     assert lowest.min() < 0.0
     np.testing.assert_allclose(dist.min(axis=1), lowest, atol=SAME)
 
 
 def test_from_boxes_and_triangles_by_coal(body):
-    """A box as a solid and as twelve triangles, each nearest where it is."""
+    """A box as a solid and as twelve triangles, each nearest at its own place."""
     scene = Scene()
     box = Box((0.1, 1.0, 2.0))
     turn = rot.exp([0.2, 0.1, 0.4])
@@ -132,7 +132,7 @@ def test_beyond_the_range_ignored_and_objects(body):
 
 
 def test_the_simulation_does_not_notice(body):
-    """The smallest is what the stepper says of its own pose; the run goes on bit for bit."""
+    """The minimum equals the stepper's value at its own pose; the run continues bit for bit."""
     scene = Scene()
     scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.5, 0.0, 0.0))
     motion = along_x(1.5, 30, start=-0.2)

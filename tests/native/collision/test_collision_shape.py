@@ -1,4 +1,4 @@
-"""Hulls of the skin in the core: their corners and Jacobians against the body's own skinning."""
+"""Skin hulls in the core: their corners and Jacobians against the body's own skinning."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from halfphysics.base import rotations as rot
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.world import World
 
-ROUNDING = 1e-13  # of coordinates of a metre [m]
-STEP = 1e-5  # of the finite differences [rad, m]
-# Central differences of positions of a metre: their rounding over the step, and its square.
+ROUNDING = 1e-13  # rounding of coordinates of about 1 m [m]
+STEP = 1e-5  # step of the finite differences [rad, m]
+# Central differences of positions of about 1 m: their rounding over the step, and its square.
 DIFFERENCES = 1e-7
 
 
 @cache
 def body(bent: bool) -> hp.Body:
-    """The default body, or the same with random pose blend shapes of centimetres."""
+    """The default body, or the same body with random pose blend shapes of centimetres."""
     plain = hp.Body.default()
     if not bent:
         return plain
@@ -59,7 +59,7 @@ def test_corners_are_the_skins_vertices(bent: bool, seed: int) -> None:
 
 @pytest.mark.parametrize("bent", [False, True])
 def test_jacobians_are_the_derivatives_of_the_skin(bent: bool) -> None:
-    """Every dof: the root's six, and the three of each joint, in the child's frame."""
+    """All dofs: six of the root, and three of each joint, in the child's frame."""
     built, pose = world(bent), random_pose(7)
     qpos, hulls = built.targets([pose]), body(bent).skin_corners
     rng = np.random.default_rng(1)
@@ -84,7 +84,7 @@ def test_jacobians_are_the_derivatives_of_the_skin(bent: bool) -> None:
 
 
 def test_rigid_parts_and_skin_carry_one_mass() -> None:
-    """What touches does not change what weighs."""
+    """The collision shape does not change the mass."""
     skin, parts = world(False), build_world([body(False)], hp.Scene(), hp.Settings(contact="parts"))
     qpos = skin.targets([random_pose(3)])
     np.testing.assert_array_equal(
@@ -94,7 +94,7 @@ def test_rigid_parts_and_skin_carry_one_mass() -> None:
 
 @pytest.mark.parametrize("drive_time", [None, 0.02])
 def test_a_skin_with_blend_shapes_is_held_exactly(drive_time: float | None) -> None:
-    """A hand with random blend shapes slapped through a table top: no vertex passes its face."""
+    """A hand with random blend shapes strikes a table top: no vertex passes its face."""
     bent = body(True)
     rotations = np.zeros((31, 55, 3))
     rotations[:, 0] = [np.pi / 2, 0.0, 0.0]

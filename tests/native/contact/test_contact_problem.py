@@ -1,7 +1,7 @@
 """Whole contact problems w = beta + A p: against a QP solver, and against the law itself.
 
-The problems are those of mechanisms: chains of links with masses a thousandth to a thousand times
-each other's, several points on one link, links against the world and against each other.
+The problems are those of mechanisms: chains of links with mass ratios of a thousandth to a
+thousand, several points on one link, links against the world and against each other.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from halfphysics.simulation.simulator import Simulator
 from support.judges.person_hulls import CONTACTS
 from support.people import along_x
 
-#: Of a substep of 1/240 s, as the stepper asks for it [m/s]; and the sweeps it allows.
+#: For a substep of 1/240 s, the stepper's tolerance [m/s]; and its limit of sweeps.
 TOLERANCE = 1e-6 * 240
 SWEEPS = 50
-#: What the solver is content with when it takes long; more is left of friction only.
+#: The solver's tolerance when it takes long; only friction may miss it.
 ENOUGH = 5 * TOLERANCE
-#: Shares of the problems of a run that may be left unsettled when solved from nothing, and of those
-#: whose normals may; the core does not solve them that way. Points of several hulls of the skin lie
-#: on each other, 119 of a limp body where the parts have 76: measured are 0, 1 and 5 of 31, and
-#: once, of a limp skin, normals 0.02 m/s off.
+#: Shares of a run's problems that may stay unsettled when solved from zero, and those with such
+#: normals; the core does not solve them that way. Points of several skin hulls coincide:
+#: 119 on a limp body where the parts have 76. Measured are 0, 1 and 5 of 31, and
+#: once, for a limp skin, normals 0.02 m/s off.
 FROM_NOTHING = {
     ("parts", None, 1.0): (0.0, 0.0),
     ("parts", 0.02, 1.0): (0.0, 0.0),
@@ -45,7 +45,7 @@ def cross_matrix(r):
 
 
 def chain(rng, links):
-    """Point Jacobian (link, point) -> (3, nv), M, and where the links are.
+    """Point Jacobian (link, point) -> (3, nv), M, and the links' positions.
 
     Coordinates: the first joint's velocity, then the links' absolute angular velocities.
     """
@@ -72,7 +72,7 @@ def chain(rng, links):
 
 
 def mechanism(rng):
-    """J (3n, nv), M, v* and pairs (n,) of a random problem; standing still obeys it."""
+    """J (3n, nv), M, v* and pairs (n,) of a random problem; zero velocity obeys it."""
     chains = [chain(rng, int(rng.integers(1, 7))) for _ in range(rng.integers(1, 4))]
     first = np.cumsum([0] + [len(M) for _, M, _ in chains])
     M = np.zeros((first[-1], first[-1]))
@@ -112,7 +112,7 @@ def symmetric(A):
 def test_frictionless_problems_agree_with_a_qp_solver():
     """Least change of motion: min |M^1/2 (v - v*)| with J_n v >= 0, by non-negative least squares.
 
-    The normal velocities are unique, whatever is redundant.
+    The normal velocities are unique, even with redundant contacts.
     """
     rng = np.random.default_rng(0)
     worst = 0.0
@@ -134,8 +134,8 @@ def test_frictionless_problems_agree_with_a_qp_solver():
 
 
 def test_law_of_contact_over_random_mechanisms():
-    """1,000 problems, cold and warm: the law to the tolerance in nearly all of them; what the
-    solver says is left is what is left; and where friction does not settle nothing penetrates."""
+    """1,000 problems, cold and warm: nearly all obey the law to the tolerance; the
+    reported residual is the true one; and where friction does not settle normals still hold."""
     rng = np.random.default_rng(1)
     missed = {"cold": 0, "warm": 0}
     for _ in range(500):
@@ -147,24 +147,24 @@ def test_law_of_contact_over_random_mechanisms():
             b = J @ v
             p, sweeps, residual, normal = solve(A, b, mu, pairs, warm)
             left = contact_residual(A, b, mu, p)
-            # The report, but for the little that is added to the diagonal of A.
+            # The report, up to the small term added to the diagonal of A.
             assert residual == pytest.approx(left.max(), rel=1e-6, abs=1e-3 * TOLERANCE)
             assert normal == pytest.approx(left[:, 0].max(), rel=1e-6, abs=1e-3 * TOLERANCE)
             assert normal <= ENOUGH
             assert (np.hypot(p[:, 1], p[:, 2]) <= mu * p[:, 0] * (1 + 1e-12)).all()
             w = A @ p.ravel() + b
-            # The solver neither gains energy nor, where it has ended, does friction push along.
+            # The solver gains no energy and, where it has converged, friction does not accelerate.
             energy = p.ravel() @ (b + 0.5 * A @ p.ravel())
             assert energy <= 3 * len(mu) * ENOUGH * np.abs(p).max()
             if residual <= TOLERANCE:
                 along = np.einsum("ij,ij->i", p[:, 1:], w.reshape(-1, 3)[:, 1:])
                 assert (along <= 3 * TOLERANCE * np.abs(p).max(axis=1)).all()
             missed[start] += residual > TOLERANCE
-            assert sweeps <= SWEEPS + 12  # and rounds of normals
-            # The next substep: everything a little different.
+            assert sweeps <= SWEEPS + 12  # plus rounds of normals
+            # The next substep: all values change a little.
             v = v + 0.02 * rng.normal(size=len(v))
             warm = p.ravel().copy()
-    # Those that do not end (2 to 3 in a hundred) are near jamming: mu |A_nt| > A_nn.
+    # Problems that do not converge (2 to 3 %) are near jamming: mu |A_nt| > A_nn.
     assert missed["cold"] <= 25
     assert missed["warm"] <= 25
 
@@ -174,8 +174,8 @@ def test_law_of_contact_over_random_mechanisms():
 def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, contact):
     """The problems of a real run, set up in numpy, 50 to 120 points at once.
 
-    What the core has found obeys the law. Solved once more from nothing, all points at once, nearly
-    all of them settle; what the solver says is left is what is left.
+    The core's solution obeys the law. Solved again from zero, all points at once, nearly
+    all problems settle; the reported residual is the true one.
     """
     body = Body.default()
     motion = along_x(1.5, 26, start=-0.1).grounded(body, 0.0005).resample(240.0)

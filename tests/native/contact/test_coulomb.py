@@ -1,4 +1,4 @@
-"""One Coulomb contact on its own: the native answer obeys the law, exactly, always."""
+"""One Coulomb contact alone: the native solution obeys the law exactly."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from halfphysics import _native
 from halfphysics.reference import contact as reference_contact
 
-#: Of the velocities that come in, and of those that the impulse makes (rounding: A may lose six
+#: Relative to the incoming velocities and those of the impulse (rounding: A may lose six
 #: digits).
 EXACT = 1e-9
 ROUNDING = 1e-11
@@ -25,7 +25,7 @@ def ill_conditioned(rng):
 
 
 def jamming(rng):
-    """Pushing makes it slide and sliding makes it push: mu |A_nt| > A_nn (Painleve)."""
+    """Pushing causes sliding and sliding causes pushing: mu |A_nt| > A_nn (Painleve)."""
     angle, coupling = rng.uniform(0.0, 2 * np.pi), rng.uniform(1.0, 10.0)
     u = np.array([1.0, coupling * np.cos(angle), coupling * np.sin(angle)])
     return np.outer(u, u) + 10.0 ** rng.uniform(-3.0, 0.0) * np.eye(3)
@@ -48,7 +48,7 @@ def solve(A, mu, r, old=(0.0, 0.0, 0.0)):
 
 
 def violation(A, mu, r, p):
-    """Of the law of contact, relative to the velocities there are."""
+    """Violation of the law of contact, relative to the velocities."""
     size = EXACT * np.abs(r).max() + ROUNDING * np.abs(A).max() * np.abs(p).max()
     own = np.array([np.hypot(p[1], p[2]) - mu * p[0], -p[0]]) * A[0, 0]
     law = reference_contact.contact_residual(A, r, np.array([mu]), p[None])
@@ -57,7 +57,7 @@ def violation(A, mu, r, p):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_law_holds(kind):
-    """Complementarity, cone, and slip opposed; from any guess of the direction of slip."""
+    """Complementarity, cone, and opposed slip; from any guess of the slip direction."""
     rng = np.random.default_rng(1)
     slipping = jammed = 0
     for k in range(3000):
@@ -67,16 +67,16 @@ def test_the_law_holds(kind):
         assert violation(A, mu, r, p) < 1.0, (A.tolist(), mu, r.tolist())
         slipping += p[0] > 0 and np.hypot(p[1], p[2]) > (1 - 1e-9) * mu * p[0]
         jammed += p[0] > 0 and mu * np.hypot(A[0, 1], A[0, 2]) > A[0, 0]
-    assert slipping > 300  # each regime is met
+    assert slipping > 300  # each regime occurs
     if kind is jamming:
         assert jammed > 1000
 
 
 @pytest.mark.parametrize("edge", [1e-15, 1e-12, 1e-9, 1e-6, 1.0])
 def test_the_law_holds_at_the_edge_of_sticking(edge):
-    """The answer is known: it slips by next to nothing, or next to nothing holds it.
+    """The solution is known: it slips slightly, or a slight force holds it.
 
-    Here the directions that friction could take lie close together.
+    Here the possible directions of friction lie close together.
     """
     rng = np.random.default_rng(2)
     for k in range(4000):
@@ -92,7 +92,7 @@ def test_the_law_holds_at_the_edge_of_sticking(edge):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_equal_to_the_reference(kind):
-    """Where there is one answer it is the reference's; of several it is one of them."""
+    """A unique solution equals the reference's; of several it is one of the reference's."""
     rng = np.random.default_rng(3)
     several = 0
     for _ in range(1000):
@@ -109,7 +109,7 @@ def test_equal_to_the_reference(kind):
 
 
 def test_the_reference_finds_what_a_search_of_all_directions_finds():
-    """Slow and simple: 20,000 directions of slip, each sign change."""
+    """Slow and simple: 20,000 slip directions, each sign change."""
     rng = np.random.default_rng(4)
     a = np.linspace(0.0, 2 * np.pi, 20001)
     d, across = np.array([np.cos(a), np.sin(a)]), np.array([-np.sin(a), np.cos(a)])

@@ -1,7 +1,7 @@
-"""Squeezed, wedged, driven into corners: what gives way, what goes on, and what is reported.
+"""Squeezed and wedged bodies: which conflicts reduce margins, which motion continues, the report.
 
-Where a clear pose exists nothing penetrates, whatever presses. Where none does the result says so.
-Either way nothing flies off, no frame takes long, and limbs that nothing holds follow their motion.
+No overlap occurs if a clear pose exists, at any pressure. If none exists the result says so.
+In both cases no body flies off, no frame is slow, and unblocked limbs follow their motion.
 """
 
 from __future__ import annotations
@@ -30,26 +30,26 @@ from support.starts.solids import EXACT, Hulls, box, ground
 
 pytestmark = pytest.mark.slow
 
-#: No vertex of the skin gets faster than the motion asks, or what hits it is, by more [m/s]: a
-#: hand whips when its arm is hit by half a tonne. What explodes has tens.
+#: No skin vertex exceeds the speed of the motion or of the hitting object by more [m/s]: a
+#: hand whips when half a tonne hits its arm. An instability has tens.
 FASTER = 6.0
-#: Things get no faster than they fall or were pushed, by more than this [m/s].
+#: Objects exceed their speed of fall or push by no more than this [m/s].
 THROWN = 1.0
-#: What nothing holds is this near to its target [rad].
+#: Unblocked joints are this near to their targets [rad].
 FREE = np.deg2rad(1.0)
-#: The same where a hand that is pressed hard slips now and then, and the trunk jerks.
+#: The same where a hard-pressed hand slips now and then, and the trunk jerks.
 SLIPS = np.deg2rad(2.0)
-#: And where friction holds a body from both sides and one hold snaps to another: it nods by 17.
+#: The same where friction holds a body from both sides and contacts snap over: it nods by 17.
 WEDGED = np.deg2rad(12.0)
-#: Solving is exact to this, at either of two sides [m].
+#: Tolerance of the solver, at either of two sides [m].
 SOLVED = Settings().tolerance
-#: Way of a pressed body's root in a second [m]; how much its ways of two frames differ [m].
+#: Displacement of a pressed body's root in a second [m]; its largest change between two frames [m].
 CREEP, TREMBLE = 5e-3, 1e-4
-#: The slowest run that is no standstill [frames/s].
+#: The slowest run that still progresses [frames/s].
 RATE = 5.0
-#: A frame may take longer while others make up for it [s].
+#: A frame may take longer if other frames compensate [s].
 GRACE = 2.0
-#: Poses looked at together: bounds the memory.
+#: Poses processed together: bounds the memory.
 CHUNK = 240
 
 
@@ -65,13 +65,13 @@ def hulls(body):
 
 @dataclass
 class Run:
-    """What came out, in metres, seconds and radians."""
+    """Results of a run in metres, seconds and radians."""
 
     frames: list
-    gap: float  # smallest distance from a solid at any pose, negative: depth
-    start: float  # that of the first pose
-    fast: float  # largest speed of a vertex, less what the motion asks
-    free: float  # largest deviation of the joints that were said to be free
+    gap: float  # minimum distance to a solid over all poses, negative: depth
+    start: float  # the same at the first pose
+    fast: float  # largest speed of a vertex, less the motion's own
+    free: float  # largest deviation of the joints declared free
     things: dict
     rate: float
 
@@ -81,7 +81,7 @@ class Run:
 
 
 def upright(body, frames, fps=30.0, z=0.003, arms=1.25):
-    """Standing on z, the pelvis over the origin, facing +x, arms down."""
+    """A person standing on z, the pelvis over the origin, facing +x, arms down."""
     turns = np.zeros((frames, 55, 3))
     turns[:, 0] = FACING_X
     turns[:, J["left_shoulder"]] = (0.0, 0.0, -arms)
@@ -93,7 +93,7 @@ def upright(body, frames, fps=30.0, z=0.003, arms=1.25):
 
 
 def waving(motion, joint="neck", size=0.3):
-    """The same with one joint that nods."""
+    """The same motion with one nodding joint."""
     turns = motion.rotations.copy()
     t = np.arange(len(motion)) / motion.fps
     swing = size * np.sin(2 * np.pi * t)[:, None] * [1.0, 0.0, 0.0]
@@ -102,7 +102,7 @@ def waving(motion, joint="neck", size=0.3):
 
 
 def put(scene, solids, kind):
-    """Boxes as statics: each a primitive or a mesh, or all of them one mesh."""
+    """Boxes as statics: each a primitive or a mesh, or all of them in one mesh."""
     planes = [s for s in solids if s.half is None]
     boxes = [s for s in solids if s.half is not None]
     if kind == "merged":
@@ -160,7 +160,7 @@ def follow(body, hulls, motion, scene, solids, free=("neck",), **settings):
 
 
 def _gaps(posed, solids):
-    """Smallest distance of every pose from the solids: a lower bound where clear, else exact."""
+    """Minimum distance of every pose to the solids: a lower bound if clear, else exact."""
     best = np.full(len(posed.joints), np.inf)
     for solid in solids:
         for h, points in enumerate(posed.points):
@@ -173,7 +173,7 @@ def _gaps(posed, solids):
 
 
 def goes_on(run, hit=0.0, free=FREE):
-    """What holds however hard it is; `hit`: speed of what comes along [m/s]."""
+    """Conditions that hold at any pressure; `hit`: speed of the hitting object [m/s]."""
     assert run.fast <= FASTER + hit
     assert run.free <= free
     assert run.rate >= RATE
@@ -191,7 +191,7 @@ def alley(width):
 
 @pytest.mark.parametrize(("kind", "narrow"), [("boxes", 0.06), ("merged", 0.06), ("boxes", 0.16)])
 def test_a_body_between_walls_too_near_to_each_other(body, hulls, kind, narrow):
-    """The shoulders are 3 to 8 cm in either wall: at most they turn and are out."""
+    """The shoulders are 3 to 8 cm in each wall: at most they turn and are out."""
     motion = waving(upright(body, 46, arms=0.0))
     turns = motion.rotations.copy()
     # Both arms ahead, out of the walls.
@@ -204,9 +204,9 @@ def test_a_body_between_walls_too_near_to_each_other(body, hulls, kind, narrow):
     put(scene, solids, kind)
     run = follow(body, hulls, motion, scene, solids)
     goes_on(run, free=WEDGED)
-    assert run.gap < -0.02  # it is as narrow as it was meant to be
-    assert run.gap >= run.start - EXACT  # and nothing gets deeper
-    assert min(f.clearance for f in run.frames) < -0.02  # which is reported
+    assert run.gap < -0.02  # it is as narrow as intended
+    assert run.gap >= run.start - EXACT  # and no depth increases
+    assert min(f.clearance for f in run.frames) < -0.02  # the result reports it
 
 
 @pytest.mark.parametrize("mass", [20.0, 500.0])
@@ -236,7 +236,7 @@ def test_a_heavy_box_falls_on_a_foot(body, hulls, mass):
     scene.add_object("box", Box((0.2, 0.2, 0.2)), mass=mass,
                      position=(toes[0] + 0.12, toes[1], 0.45))  # fmt: skip
     run = follow(body, hulls, motion, scene, solids)
-    goes_on(run, hit=2.5)  # half a metre of fall
+    goes_on(run, hit=2.5)  # a fall of half a metre
     assert run.gap >= -EXACT
     assert run.things["fresh"] <= EXACT
     assert "box" in _touched(run, scene)
@@ -264,7 +264,7 @@ def test_a_drawer_closes_on_a_hand(body, hulls):
     ]
     scene = Scene(gravity=0.0)
     put(scene, solids, "boxes")
-    # It would shut flush with the frame; the hand is in between.
+    # It would close flush with the frame; the hand is in between.
     size = 0.3
     scene.add_object(
         "drawer",
@@ -299,7 +299,7 @@ def test_between_two_boxes_that_are_pushed_together(body, hulls, mass):
 
 @pytest.mark.parametrize("kind", ["merged"])
 def test_a_hand_in_a_corner_for_ten_seconds(body, hulls, kind):
-    """The motion goes on into the corner for eight seconds, hand first, and stays there."""
+    """The motion continues into the corner for eight seconds, hand first, and stays there."""
     motion = waving(upright(body, 301))
     turns = motion.rotations.copy()
     turns[:, J["left_shoulder"]] = (0.0, -1.5, 0.0)
@@ -320,7 +320,7 @@ def test_a_hand_in_a_corner_for_ten_seconds(body, hulls, kind):
     goes_on(run, free=SLIPS)
     assert run.gap >= -EXACT
     assert run.lost <= 0.01 * len(motion) / motion.fps
-    # In the last second it creeps at most, and does not tremble.
+    # In the last second it creeps at most, without trembling.
     last = np.array([f.pose.translation for f in run.frames[-30:]])
     assert np.ptp(last, axis=0).max() <= CREEP
     assert np.abs(np.diff(last, 2, axis=0)).max() <= TREMBLE
@@ -328,7 +328,7 @@ def test_a_hand_in_a_corner_for_ten_seconds(body, hulls, kind):
 
 @pytest.mark.parametrize("kind", ["boxes", "merged"])
 def test_a_thing_between_statics_that_leave_no_room(body, hulls, kind):
-    """A box 1 cm inside three things that overlap each other: it may stay, or leave slowly."""
+    """A box 1 cm inside three objects that overlap each other: it may stay, or leave slowly."""
     motion = waving(upright(body, 46))
     solids = [
         ground(),

@@ -1,4 +1,4 @@
-"""Trees that nobody drives, on their own in the core: against MuJoCo, without contact."""
+"""Undriven trees alone in the core: against MuJoCo, without contact."""
 
 import mujoco
 import numpy as np
@@ -8,7 +8,7 @@ from halfphysics import _native
 from halfphysics.simulation.compiled_model import joint_arrays, model_arrays
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
-#: Rounding of forces of some hundred N m.
+#: Rounding of torques of some hundred N m.
 EXACT = 1e-11
 
 
@@ -88,7 +88,7 @@ def test_inertia_and_bias_are_those_of_mujoco():
 
 
 def test_damped_steps_are_those_of_mujoco():
-    """Its Euler steps take damping at the end of the step too: the same numbers."""
+    """MuJoCo's Euler steps also take damping at the end of the step: the same numbers."""
     body = PENDULUM.format(a='damping="0.3"', b='damping="0.05" armature="0.01"')
     model = compiled(body, 'timestep="0.002"')
     data = mujoco.MjData(model)
@@ -101,7 +101,7 @@ def test_damped_steps_are_those_of_mujoco():
 
 
 def errors_of(model, qpos, qvel, seconds, steps):
-    """Largest errors at the end for several numbers of steps, against RK4 at a fine one."""
+    """Largest errors at the end for several step counts, against RK4 with a fine step."""
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
     model.opt.timestep = 1e-4
     data = mujoco.MjData(model)
@@ -117,7 +117,7 @@ def errors_of(model, qpos, qvel, seconds, steps):
     ("a", "b"), [("", ""), ('stiffness="3" springref="20"', 'stiffness="1" damping="0.05"')]
 )
 def test_converges_to_the_exact_motion(a, b):
-    """First order: half the step, half the error."""
+    """First order: half the step gives half the error."""
     model = compiled(PENDULUM.format(a=a, b=b))
     found = errors_of(model, [0.3, -0.8], [0.5, 1.0], 1.0, (1000, 2000, 4000))
     assert found[0] < 0.02
@@ -139,7 +139,7 @@ def test_spring_with_mass_is_the_closed_form():
 
 
 def test_stiff_springs_stay_bounded():
-    """Springs act with the velocity at the end of the step: no step is too long for them."""
+    """Springs act with the velocity at the end of the step: stable at any step length."""
     model = compiled(
         '<body><joint type="slide" axis="1 0 0" stiffness="1e7" springref="0"/>'
         '<geom size="0.1" mass="1"/></body>'
@@ -150,7 +150,7 @@ def test_stiff_springs_stay_bounded():
 
 
 def test_links_follow_their_joints():
-    """Body frames are those of the coordinates, whatever the joints."""
+    """Body frames follow from the coordinates, for all joint types."""
     model = compiled(ROBOT)
     rng, data = np.random.default_rng(5), mujoco.MjData(model)
     mujoco.mj_integratePos(model, data.qpos, rng.normal(size=model.nv), 1.0)
@@ -160,7 +160,7 @@ def test_links_follow_their_joints():
 
 
 def test_limits_are_reached_and_never_passed():
-    """Doors with closers and a drawer on a slope: stop at their ends and stay there."""
+    """Doors with closers and a drawer on a slope stop at their limits and stay there."""
     model = compiled(
         '<body><joint type="hinge" axis="0 0 1" range="-20 90" damping=".2"/>'
         '<geom type="box" pos=".4 0 0" size=".4 .02 1" mass="20"/>'
@@ -177,7 +177,7 @@ def test_limits_are_reached_and_never_passed():
 
 
 def test_an_end_takes_the_momentum_and_nothing_more():
-    """A chain stops at an end of one joint: what is left is the projection, by the exact M."""
+    """A chain stops at one joint's limit: the remaining velocity is the projection by exact M."""
     model = compiled(PENDULUM.format(a='range="-180 20"', b=""))
     h, start = 1e-4, np.array([np.deg2rad(20.0) - 1e-9, -0.8])
     stepper = stepper_of(model, gravity=np.zeros(3))

@@ -10,7 +10,7 @@ from halfphysics import _native
 from halfphysics.reference import step as reference
 from halfphysics.simulation.compiled_model import model_arrays
 
-# Everything the trees know: free, ball, hinge (two on one body) and slide joints, offsets, turned
+# All features of the trees: free, ball, hinge (two on one body) and slide joints, offsets, turned
 # frames and inertias, branches, armature, two trees.
 MJCF = """
 <mujoco>

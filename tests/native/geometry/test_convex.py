@@ -13,10 +13,10 @@ from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Sphere
 from support.judges.coal_shapes import coal_hull, coal_shape
 
 MICROMETRE = 1e-6
-#: Where it stops, GJK's bounds of a distance between two round shapes are this far apart [m].
+#: At termination, GJK's bounds of a distance between two round shapes differ by this much [m].
 BOUNDS = 1e-8
-#: The nearest points are apart along the normal; where they are along sides that are as near,
-#: thin triangles of GJK say less exactly [m].
+#: The nearest points are separated along the normal; where several sides are equally near,
+#: GJK on thin triangles is less exact [m].
 WITNESS = 5e-5
 
 
@@ -56,13 +56,13 @@ def test_distance_of_hulls_agrees_with_coal():
         if expected > 1e-6:
             checked += 1
             assert dist == pytest.approx(expected, abs=MICROMETRE)
-            # The witness: nearest points at that distance, and a plane that truly separates.
+            # The witness: nearest points at that distance, and a plane that separates the shapes.
             np.testing.assert_allclose(pa - pb, dist * normal, atol=1e-9)
             gap = (a @ normal).min() - ((b + shift) @ normal).max()
             assert gap == pytest.approx(expected, abs=MICROMETRE)
         elif expected < -1e-6:
             assert dist < 0.0
-            # An upper bound of the depth, and moving by it along the normal does separate.
+            # An upper bound of the depth: moving by it along the normal separates the shapes.
             gap = (a @ normal).min() - ((b + shift) @ normal).max()
             assert gap == pytest.approx(dist, abs=1e-9)
             assert -dist >= -expected - MICROMETRE
@@ -70,7 +70,7 @@ def test_distance_of_hulls_agrees_with_coal():
 
 
 def some_shape(kind, rng):
-    """A collider of random size and the same as a coal geometry."""
+    """A collider of random size, and the same shape as a coal geometry."""
     if kind == "hull":
         points = 0.15 * rng.normal(size=(rng.integers(4, 30), 3))
         return hull_collider(points), coal_hull(points)
@@ -86,7 +86,7 @@ def some_shape(kind, rng):
 
 @pytest.mark.parametrize("kind", ["box", "sphere", "capsule", "cylinder", "hull"])
 def test_primitives_are_exact(kind):
-    """1,000 placements a kind against all kinds: bounded from both sides, and as coal has it."""
+    """1,000 placements per kind against all kinds: bounded from both sides, and equal to coal."""
     rng = np.random.default_rng([2, len(kind)])
     request = coal.DistanceRequest()
     request.gjk_tolerance, request.gjk_max_iterations = 1e-10, 1000
@@ -107,9 +107,9 @@ def test_primitives_are_exact(kind):
             continue
         apart += 1
         assert dist == pytest.approx(expected, abs=MICROMETRE)
-        # No less: a plane separates them by as much. No more: these two points are theirs.
+        # Lower bound: a plane separates them by this. Upper bound: these two points are on them.
         assert lowest(a, normal) + lowest(b, -normal) >= dist - BOUNDS
-        assert normal @ (pa - pb) == pytest.approx(dist, abs=1e-7)  # may name a face's own normal
+        assert normal @ (pa - pb) == pytest.approx(dist, abs=1e-7)  # may be a face's own normal
         for collider, point in ((a, pa), (b, pb)):
             at = hull_collider(point[None])
             assert distance(collider, at)[0] <= WITNESS
@@ -132,7 +132,7 @@ def test_cylinders_side_by_side_and_end_to_end():
 
 @pytest.mark.parametrize("deep", [1e-7, 1e-4, 0.02])
 def test_the_way_out_of_an_overlap_leads_out(deep):
-    """Cylinders on their sides, crossed and parallel, and on an end, in a box and each other."""
+    """Cylinders on their sides, crossed and parallel, and on an end, in a box and in each other."""
     cylinder, box = convex_collider(Cylinder(0.1, 0.4)), convex_collider(Box((0.3, 0.3, 0.3)))
     on_side = rot.to_matrix(rot.exp([0.0, np.pi / 2, 0.0]))
     across = rot.to_matrix(rot.exp([np.pi / 2, 0.0, 0.0]))
@@ -150,9 +150,9 @@ def test_the_way_out_of_an_overlap_leads_out(deep):
 
 
 def test_rounding_makes_no_overlap():
-    """Where a plane shows a gap there is one, however flat a tetrahedron GJK comes upon.
+    """A separating plane implies a gap, however flat GJK's tetrahedron is.
 
-    Pairs from piles, a millimetre or two apart, which one time in a hundred seemed to overlap.
+    Pairs from piles, 1 to 2 mm apart; about 1 % of them seemed to overlap.
     """
     rng = np.random.default_rng(5)
     pairs = [
@@ -184,13 +184,13 @@ def test_rounding_makes_no_overlap():
                 for shape, x, q in ((a, xa, qa), (b, xb, qb))
             ]
             found.append(distance(*moved)[0])
-        assert np.ptp(found) < 2e-5  # as far as they are moved
+        assert np.ptp(found) < 2e-5  # as far as the shapes are moved
         assert min(found) > 9e-4
 
 
 @pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-5])
 def test_what_a_plane_separates_is_that_far_apart(gap):
-    """Random and parallel faces, sides and rims, set `gap` apart along a normal."""
+    """Random and parallel faces, sides and rims, placed `gap` apart along a normal."""
     rng = np.random.default_rng(6)
     turns = [[0.0, 0.0, 0.0], [np.pi / 2, 0.0, 0.0], [0.0, np.pi / 2, 0.0], [0.0, 0.0, 0.3]]
     for case in range(1000):
@@ -209,15 +209,15 @@ def test_what_a_plane_separates_is_that_far_apart(gap):
 def soup(rng, triangles):
     corners = rng.uniform(-1.0, 1.0, size=(triangles, 1, 3))
     corners = corners + rng.normal(size=(triangles, 3, 3)) * 0.15
-    corners[0] = corners[0, 0]  # a triangle of no extent
-    corners[1, 2] = corners[1, 1]  # and one of no area
+    corners[0] = corners[0, 0]  # a triangle without extent
+    corners[1, 2] = corners[1, 1]  # a triangle without area
     vertices = corners.reshape(-1, 3)
     return vertices, np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
 
 
 @pytest.mark.parametrize("kind", ["hull", "cylinder"])
 def test_planes_separate_from_every_triangle_in_reach(kind):
-    """Planes are the whole truth: beyond all of them nothing within reach is met."""
+    """The planes are complete: beyond all of them no triangle is within reach."""
     rng = np.random.default_rng(3)
     vertices, faces = soup(rng, 300)
     corners = vertices[faces]

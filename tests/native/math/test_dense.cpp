@@ -1,4 +1,4 @@
-// Dense equations: what is solved for gives the right side back; singular matrices are refused.
+// Dense equations: the solution reproduces the right side; singular matrices are refused.
 #include "math/dense.h"
 
 #include <random>
@@ -19,7 +19,7 @@ void elimination_solves(int n, unsigned seed) {
   for (int i = 0; i < n; i++) {
     double s = 0;
     for (int j = 0; j < n; j++) s += a[i * n + j] * x[j];
-    CHECK_NEAR(s, b[i], 1e-9);  // conditions of random matrices are in the thousands
+    CHECK_NEAR(s, b[i], 1e-9);  // condition numbers of random matrices are in the thousands
   }
 }
 

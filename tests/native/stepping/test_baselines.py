@@ -1,5 +1,5 @@
-"""Internal forces, joint damping and PD torques: against the plain numpy reference, against MuJoCo,
-and against what mechanics says of them."""
+"""Internal forces, joint damping and PD torques: against the plain numpy reference, MuJoCo
+and mechanics."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from halfphysics.reference import step as reference
 from halfphysics.simulation.simulator import Simulator
 from support.people import along_x, t_pose, violent
 
-#: What is left is the conditioning of M (fingers of grams on 60 kg), as in reference/test_step.py.
+#: The rest is M's conditioning (fingers of grams on 60 kg), as in reference/test_step.py.
 VELOCITY = 1e-9
 H = 1.0 / 240.0
 LIMP = {"drive_time": None, "stiffness": 0.0}
@@ -39,7 +39,7 @@ def body():
 
 
 def swinging(frames=20, fps=30.0, seed=5, speed=0.0):
-    """Arms, legs and trunk swing at up to 8 rad/s while the root moves, on along x at `speed`."""
+    """Arms, legs and trunk swing at up to 8 rad/s while the root moves along x at `speed`."""
     rng = np.random.default_rng(seed)
     t = np.arange(frames)[:, None] / fps
     motion = t_pose(
@@ -88,7 +88,7 @@ def v_star(own, model, qpos, qvel, h):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ABLATIONS)
 def test_free_velocities_are_equal(body, name):
-    """Some substeps of a lively motion computed twice, without contact."""
+    """Some substeps of a fast motion computed twice, without contact."""
     motion = swinging().resample(240.0)[:38]
     settings = from_options({"substeps": 1, **ABLATIONS[name]})
     simulator = started(body, settings, motion)
@@ -109,8 +109,8 @@ def test_free_velocities_are_equal(body, name):
 
 @pytest.mark.parametrize("name", ABLATIONS)
 def test_velocities_with_contact_are_equal(body, name):
-    """A wall and a ball in the way: free velocities, what contacts make of them, and what the drive
-    exerts, computed twice."""
+    """A wall and a ball in the way: free velocities, velocities after contact, and the drive's
+    torques, computed twice."""
     motion = along_x(1.5, 10, start=0.2).resample(240.0)
     scene = hp.Scene()
     scene.add_static("wall", hp.Box((0.01, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
@@ -129,7 +129,7 @@ def test_velocities_with_contact_are_equal(body, name):
         own.begin_frame(targets[t], H, qpos, qvel)
         frame = simulator.step(motion[t])
         new = np.array(stepper.qvel())
-        if t % 14 or frame.diagnostics["shortened"]:  # what is made in pieces has several M
+        if t % 14 or frame.diagnostics["shortened"]:  # a split step has several M
             own.end_substep(new)
             continue
         trace = stepper.trace()
@@ -144,14 +144,14 @@ def test_velocities_with_contact_are_equal(body, name):
         problem = reference.contact_problem(model, qpos, v_free, M_hat, H, trace["contacts"])
         np.testing.assert_allclose(trace["v"], problem.velocity(problem.found), atol=VELOCITY)
         contacts += len(trace["contacts"]["dist"])
-        # Newton's second law: all that changes velocities, but contacts and the forces of its own.
+        # Newton's second law: contacts and the person's own forces explain all changes of velocity.
         e = new[own.dofs] - own.v_ref - own.deviation
         by_contacts = (M_hat @ (new - v_free))[own.dofs]
         damped = H * reference_ablations.damping(own) * new[own.dofs]
         impulse = M[mine] @ e - by_contacts + H * c + damped
         expected = np.zeros((55, 3))
         expected[reference.depth_first()] = impulse[3:].reshape(-1, 3) / H
-        # Up to 1e4 N m times what is left of conditioning.
+        # Up to 1e4 N m times the error by conditioning.
         np.testing.assert_allclose(frame.torque, expected, atol=1e-4)
         own.end_substep(new)
     assert contacts > 10
@@ -200,7 +200,7 @@ def test_internal_forces_and_damping_are_those_of_mujoco(body, damping):
 
 
 def test_torques_are_those_of_mujoco(body):
-    """Springs and dampers at the end of the step are MuJoCo's with h kp added to the damping."""
+    """Springs and dampers at the end of the step equal MuJoCo's with h kp added to the damping."""
     motion = swinging().resample(240.0)
     settings = Torque(substeps=1, frequency=60.0, damping=0.7)
     simulator = started(body, settings, motion)
@@ -229,7 +229,7 @@ def momentum(simulator, qvel):
 
 
 def flight(body, substeps, **options):
-    """One limp frame of 0.1 s: what it sets out with, and ends with."""
+    """One limp frame of 0.1 s: its initial and its final values."""
     motion = swinging(fps=10.0)
     simulator = started(body, from_options({"substeps": substeps, **options, **LIMP}), motion)
     targets = simulator.world.motion_coordinates([motion])
@@ -255,14 +255,14 @@ def test_a_limp_body_in_flight_keeps_momentum_and_energy_to_first_order(body):
     damped, _ = drift(400, internal_forces=True, joint_damping=0.5)
     assert damped[2] > 0.1 * energy
     np.testing.assert_allclose(damped[:2], 0.0, atol=1.5 * coarse[:2].max())
-    # The paper's own free motion, without them, keeps velocities instead.
+    # The paper's own free motion, without internal forces, keeps velocities instead.
     plain, _ = drift(400)
     assert np.all(plain[:2] > 20.0 * fine[:2])
 
 
 @pytest.mark.parametrize("drive", [None, 0.02])
 def test_damping_slows_joints(body, drive):
-    """The more the more; limp joints of Algorithm 1 lose energy by it, which nothing gives back."""
+    """More damping slows joints more; limp joints of Algorithm 1 lose energy by it for good."""
     motion = swinging(fps=10.0)
     speeds, energies = [], []
     for damping in (0.0, 0.1, 1.0, 10.0):
@@ -303,7 +303,7 @@ def test_the_same_again_and_from_a_state_in_the_middle(body, name):
 
 
 def test_what_each_costs_on_a_dance(body):
-    """As in the paper's Tables 3 and 4 all of them cost something, and half-physics nothing."""
+    """As in the paper's Tables 3 and 4 all baselines have an error, and half-physics has none."""
     motion = swinging(90)
 
     def errors(**options):
@@ -319,7 +319,7 @@ def test_what_each_costs_on_a_dance(body):
     assert both[1] > inner[1]
     assert torque[0] > 10.0
     assert torque[1] > 5.0
-    # Tuned: neither softer nor harder follows better.
+    # Tuned: neither softer nor harder gains follow better.
     for frequency in (30.0, 300.0):
         assert errors(mode="torque", torque_frequency=frequency)[0] > torque[0]
 

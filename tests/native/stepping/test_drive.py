@@ -1,4 +1,4 @@
-"""Firmness per joint and over time, limited strength, and the torques that the drive exerts."""
+"""Stiffness per joint and over time, limited strength, and the torques that the drive exerts."""
 
 from __future__ import annotations
 
@@ -108,8 +108,8 @@ def wall(x=0.6):
 
 
 def knee_and_body(body, stiffness):
-    """A person walks with a shin into a ball that does not give: largest bend of the knee [deg]
-    and way of the pelvis beside its path [m]."""
+    """A person walks with a shin into a fixed ball: largest bend of the knee [deg]
+    and lateral displacement of the pelvis from its path [m]."""
     motion = along_x(1.0, 31, start=-0.5).grounded(body, 0.002)
     shin = body.joints(motion)[0, [KNEE, JOINT_INDEX["right_ankle"]]].mean(axis=0)
     scene = hp.Scene()
@@ -150,7 +150,7 @@ def test_over_time_is_set_stiffness_step_by_step(body, drive_time):
     simulator.reset(motion[0])
     for t in range(1, 24):
         simulator.set_stiffness(firm[t])
-        if t == 15:  # in the wall; what another simulator does in between is forgotten
+        if t == 15:  # in the wall; a second simulator's steps in between have no effect
             state = simulator.get_state()
             simulator.set_stiffness(7.0)
             simulator.step(motion[t])
@@ -179,7 +179,7 @@ def test_two_people_each_with_their_own(body):
     limp, firm = np.full(24, 0.1), np.full(24, 5.0)
     both = hp.simulate([one, two], wall(), body=body, stiffness=[limp, firm])
     alone = hp.simulate(one, wall(), body=body, stiffness=limp)
-    # Passes are shared: one more for the other changes what the slack of a gap leaves.
+    # Solver passes are shared: a further pass for one changes the remaining slack of the other.
     np.testing.assert_allclose(both.people[0].motion.rotations, alone.motion.rotations, atol=0.03)
     assert np.abs(both.people[1].motion.rotations - alone.motion.rotations).max() > 1.0
     simulator = hp.Simulator(wall(), body=[body, body])
@@ -198,7 +198,7 @@ def test_two_people_each_with_their_own(body):
 
 
 def test_a_number_or_groups_for_each_person(body):
-    """As the same over time, to the bit; one of them alone is that of the settings."""
+    """Equal to the same values over time, to the bit; one value alone is that of the settings."""
     one = along_x(1.5, 12, start=-0.1)
     two = one.with_frames(one.translation + np.array([0.0, 2.0, 0.0]), one.rotations)
     given = [0.1, {"arms": 5.0, "left_hand": 0.0}]
@@ -238,7 +238,7 @@ def test_free_motion_takes_no_torque_and_stays_exact(body, strength):
 
 
 def lever(body, result, frame, joint):
-    """Torque about a joint (3,) [N m] of the frame's contact forces on what hangs on it, in the
+    """Torque about a joint (3,) [N m] of the frame's contact forces on its subtree, in the
     frame of the joint's child: a row of the Jacobian transposed times the forces."""
     motion = result.motion
     below, todo = set(), [joint]
@@ -261,7 +261,7 @@ def lever(body, result, frame, joint):
 
 
 def test_torque_balances_the_wall(body):
-    """Hands are held to a wall: the joints' torques are what the forces make."""
+    """Hands are held to a wall: the joints' torques balance the contact forces."""
     motion = reach_forward(body, 60, 0.15)
     tip = body.joints(motion)[0, :, 0].max() + 0.03
     settings = Settings(contact="parts")
@@ -275,7 +275,7 @@ def test_torque_balances_the_wall(body):
 
 
 def reach_forward(body, frames, way, lift=0.0, level=-1.4):
-    """Arms straight ahead; the body goes forward by `way` [m] in a second, then up by `lift`."""
+    """Arms straight ahead; the body moves forward by `way` [m] in a second, then up by `lift`."""
     t = np.linspace(0.0, 1.0, frames)
     path = np.zeros((frames, 3))
     path[:, 0] = way * np.clip(2 * t, 0.0, 1.0)
@@ -306,7 +306,7 @@ def lifted(body, mass, strength):
 
 
 def pushed_up(body, mass, strength):
-    """How far a box over the head is thrust up [m] by a body that rises by 0.6 m at 3 m/s."""
+    """Rise [m] of a box over the head, pushed up by a body that rises by 0.6 m at 3 m/s."""
     path = np.zeros((21, 3))
     path[:, 2] = np.clip(3.0 * (np.arange(21) / 30.0 - 0.1), 0.0, 0.6)
     motion = t_pose(path)
@@ -334,7 +334,7 @@ def test_no_torque_above_its_limit(body, mass):
     torque = np.linalg.norm(result.people[0].torque, axis=-1)
     _, limits = limits_of("human", body)
     assert (torque <= (1.0 + 1e-6) * limits).all()
-    assert (torque >= 0.9 * limits).any()  # they are what holds it back
+    assert (torque >= 0.9 * limits).any()  # the limits restrict the motion
 
 
 def test_the_whole_body_pushes_no_harder_than_it_can(body):
@@ -365,7 +365,7 @@ def test_fingers_are_graded():
 
 
 def test_the_floor_may_carry(body):
-    """Limits are of the drive alone: a foot in the floor is no reason to be weak elsewhere."""
+    """Limits apply to the drive alone: a foot in the floor does not weaken other joints."""
     scene = hp.Scene()
     scene.add_static("floor", Plane())
     motion = along_x(0.0, 20, start=0.0).grounded(body, 0.002)

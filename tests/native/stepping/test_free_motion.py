@@ -1,6 +1,6 @@
-"""What keeps bodies out of things must not hold them back: sliding, resting, free limbs, no ghosts.
+"""Contact must not hold bodies back: sliding, resting, free limbs, no ghost contacts.
 
-`campaigns/test_clear.py` would be content with a body that never moves. These tests would not.
+`campaigns/test_clear.py` would accept a body that never moves. These tests do not.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from support.throws import curled, stair
 
 trimesh = pytest.importorskip("trimesh")
 
-#: Of the speed along a frictionless wall, in every frame and of the momentum; and in the mean.
+#: Relative error of speed (each frame) and momentum along a frictionless wall; and its mean.
 SLIDING, SLIDING_MEAN = 0.02, 0.005
-#: The same of a limp body's root, which also moves with what its limbs do: 0.033 was seen, where
-#: the wall had given 0.013 N s.
+#: The same for a limp body's root, which also moves with its limbs: 0.033 was seen, with an
+#: impulse of the wall of 0.013 N s.
 SLIDING_LIMP = 0.05
 #: A body at rest at a wall is this near [m]: twice the clearance.
 RESTING = 0.002
-#: Of joints that are not on the way to what is blocked [rad].
+#: Deviation of joints outside the blocked chain [rad].
 FREE_JOINTS = np.deg2rad(1.0)
-#: Joint positions in motion that nothing disturbs [m]; the goal is 1e-6 mm.
+#: Error of joint positions in undisturbed motion [m]; the goal is 1e-6 mm.
 EXACT = 1e-9
-#: Passing by [m], [m/s].
+#: Passing distance [m] and speed [m/s].
 EDGE, PASSING = 0.010, 3.0
 DRIVES = pytest.mark.parametrize("drive", [None, 0.02], ids=["alg1", "tau"])
 
@@ -55,7 +55,7 @@ def finely(mesh, times=3):
 
 
 def wall(kind, normal):
-    """A wall through the origin whose outward normal (horizontal) is `normal`."""
+    """A wall through the origin with the outward normal (horizontal) `normal`."""
     scene, normal = Scene(), np.asarray(normal, float)
     turn = rot.exp([0.0, 0.0, np.arctan2(normal[1], normal[0])])
     size = (0.2, 12.0, 4.0)
@@ -76,8 +76,8 @@ def wall(kind, normal):
 WALLS = pytest.mark.parametrize("kind", ["plane", "box", "mesh", "sheet"])
 
 
-# The body faces the wall: pressed at both sides alike it does not turn, and the velocity of its
-# root along the wall is that of every other point of it.
+# The body faces the wall: pressed at both sides alike it does not turn, and its root's velocity
+# along the wall is that of all its points.
 @pytest.mark.slow
 @DRIVES
 @WALLS
@@ -128,8 +128,8 @@ def test_who_is_stopped_rests_at_the_wall(body, contact, kind, drive, stiffness)
     assert sum(f.lost_time for f in rest) == 0.0
 
 
-#: Left out: the jaw, light and on a short arm, swings by 1.5 degrees as the trunk gives way. That
-#: is the drive's inertia, not the contact's doing.
+#: Left out: the jaw, light and on a short arm, swings by 1.5 degrees as the trunk gives way. The
+#: drive's inertia causes this, not the contact.
 FACE = ("jaw", "left_eye_smplhf", "right_eye_smplhf")
 ARM = ("left_shoulder", "left_elbow", "left_wrist", *(f"left_{f}{k}" for f in
        ("thumb", "index", "middle", "ring", "pinky") for k in (1, 2, 3)))  # fmt: skip
@@ -144,7 +144,7 @@ def test_a_blocked_arm_leaves_the_rest_alone(body, drive, shape):
     rotations[:, 0] = FACING_X
     swing = np.minimum(np.arange(T) / fps / 0.5, 1.0)
     rotations[:, JOINT_NAMES.index("left_shoulder"), 1] = -0.3 * swing
-    # Everything else moves too, so that following it is no matter of standing still.
+    # All other joints move too, so that standing still does not pass the test.
     for name, axis in (("right_shoulder", 2), ("right_knee", 0), ("left_hip", 0), ("neck", 1)):
         rotations[:, JOINT_NAMES.index(name), axis] = 0.5 * np.sin(4 * swing)
     motion = Motion(np.zeros((T, 3)), rotations, fps)
@@ -186,7 +186,7 @@ def passer(pose, fps):
 
 
 def obstacle(kind, rng):
-    """Something with edges, and how it is turned."""
+    """An obstacle with edges, and its orientation."""
     any_way = rot.normalize(rng.normal(size=4))
     if kind == "box":
         return Box((0.5, 0.4, 0.3)), any_way
@@ -200,14 +200,14 @@ def obstacle(kind, rng):
         return Cylinder(0.01, 3.0), any_way
     if kind == "stair":
         return stair(), np.array([1.0, 0.0, 0.0, 0.0])
-    if kind == "wall":  # its face along the way: nothing but finely divided edges pass by
+    if kind == "wall":  # its face along the way: a body only passes by finely divided edges
         return finely(trimesh.creation.box((2.0, 0.1, 2.0))), np.array([1.0, 0.0, 0.0, 0.0])
     corners = rng.uniform(-0.4, 0.4, size=(12, 1, 3)) + 0.1 * rng.normal(size=(12, 3, 3))
     return trimesh.Trimesh(corners.reshape(-1, 3), np.arange(36).reshape(12, 3)), any_way
 
 
 def swept_hulls(body, motion):
-    """Hulls of every piece's way in a motion that keeps its pose, and the middle of them all."""
+    """Hulls of each piece's sweep in a motion with a constant pose, and the centre of them all."""
     simulator = Simulator(Scene(), body=body, fps=motion.fps)
     (pieces,) = pieces_of(simulator)
     world = simulator.world
@@ -221,7 +221,7 @@ def swept_hulls(body, motion):
 def beside(swept, shapes, rng, turn):
     """Where `shapes` (coal geometries in one frame, turned) are `EDGE` from all swept hulls.
 
-    They come nearer along a random direction across the way, from afar.
+    The shapes approach along a random direction across the way, from afar.
     """
     hulls, middle = swept
     here = coal.Transform3s()
@@ -264,7 +264,7 @@ KINDS = ("box", "mesh", "sheet", "pole", "stair", "wall", "soup")
 
 @cache
 def edge(kind, case, pose):
-    """Shape, place and turn of an obstacle that a passer in this pose passes at `EDGE`."""
+    """Shape, position and orientation of an obstacle that this pose passes at `EDGE`."""
     rng = np.random.default_rng([KINDS.index(kind), case])
     shape, turn = obstacle(kind, rng)
     geometry = coal_shape(Scene().add_static("it", shape).shape, solid=False)
@@ -288,7 +288,7 @@ def test_passing_by_an_edge_is_exact(body, kind, fps, substeps, drive):
 
 @cache
 def company(case, pose):
-    """A thing and how it is turned, another person's root rotation, and where both are passed."""
+    """An object and its orientation, another person's root rotation, and where both are passed."""
     rng = np.random.default_rng([99, case])
     body = Body.default()
     swept = swept_hulls(body, passer(pose, 30.0))
@@ -314,7 +314,7 @@ def turned_person(facing, frames, fps, place=(0.0, 0.0, 0.0)):
 @STEPS
 @pytest.mark.parametrize("whom", ["thing", "person"])
 def test_passing_by_people_and_things_is_exact(body, whom, fps, substeps, drive):
-    """Neither they nor whom they pass notice."""
+    """Neither the passer nor the passed bodies and objects change their motion."""
     settings = Settings(substeps=substeps, drive_time=drive)
     for case, pose in enumerate(("tpose", "tpose", "curled")):
         shape, at, turn, facing, place = company(case, pose)

@@ -1,4 +1,4 @@
-"""Things on given trajectories: where they should be; they push and carry by closed forms."""
+"""Kinematic objects: they follow their trajectories; they push and carry by closed forms."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from halfphysics.simulation.simulator import Simulator
 from support.people import t_pose
 
 G = 9.81
-EXACT = 1e-9  # of what nothing touches [m]
+EXACT = 1e-9  # error of an untouched object [m]
 
 
 def run(scene, seconds, fps=30.0, **settings):
@@ -54,7 +54,7 @@ def test_lands_on_its_trajectory(fps, loop):
     np.testing.assert_allclose(position, place, atol=EXACT)
     apart = rot.log(rot.multiply(rot.conjugate(turn), quaternion))
     assert np.abs(apart).max() < EXACT
-    # At its own frames it is what was given, before its end and after.
+    # Its pose is the given one at its own frames, before its end and after.
     k = np.flatnonzero(np.abs(time * fps - np.round(time * fps)) < 1e-9)
     row = np.round(time[k] * fps).astype(int)
     row = row % 40 if loop else np.minimum(row, 39)
@@ -62,7 +62,7 @@ def test_lands_on_its_trajectory(fps, loop):
 
 
 def test_a_platform_carries_a_box():
-    """mu g > a: the box goes with it; at rest it is where it was."""
+    """mu g > a: the box moves with the platform and keeps its place on it."""
     scene = Scene()
     scene.add_moving("deck", Box((2, 2, 0.1)), ride(2.0, 1.0) - [0, 0, 0.05], fps=240.0)
     scene.add_object("box", Box((0.2, 0.3, 0.2)), mass=3.0, friction=0.5, position=(0, 0, 0.1))
@@ -82,9 +82,9 @@ def test_a_platform_that_starts_too_fast_slips_under_the_box():
     scene.add_object("block", Box((0.3, 0.3, 0.1)), mass=1.0, friction=mu, position=(0, 0.5, 0.05))
     tracks, _ = run(scene, seconds, substeps=8)
     block = tracks["block"][0][:, 0]
-    # Symplectic Euler: half a substep of the speed.
+    # Symplectic Euler: an offset of half a substep's way.
     np.testing.assert_allclose(block[-1], 0.5 * mu * G * seconds**2, atol=mu * G * seconds / 480)
-    # A ball does too while it slips: 7/2 mu g < a.
+    # A ball accelerates likewise while it slips: 7/2 mu g < a.
     ball = tracks["ball"][0][:, 0]
     np.testing.assert_allclose(ball[-1], 0.5 * 0.1 * G * seconds**2, atol=0.1 * G * seconds / 480)
 
@@ -101,13 +101,13 @@ def test_a_ball_that_is_hit_flies(restitution, share):
     )
     tracks, _ = run(scene, 1.0)
     ball, bat = tracks["ball"][0], tracks["bat"][0]
-    np.testing.assert_allclose(bat, path, atol=EXACT)  # it feels nothing
+    np.testing.assert_allclose(bat, path, atol=EXACT)  # contact does not move it
     speed = np.diff(ball[-5:, 0]) * 30.0
     np.testing.assert_allclose(speed, share * v, atol=1e-4)  # tolerance / substep
 
 
 def test_nothing_pushes_it():
-    """Hit by something heavy and fast it stays, and what hit it comes back."""
+    """A heavy, fast object hits it: it stays, and the object rebounds."""
     scene = Scene(gravity=0.0)
     scene.add_moving("post", Box((0.2, 0.2, 0.2)), [[0.0, 0.0, 0.0]], fps=30.0)
     scene.add_object(
@@ -136,7 +136,7 @@ def test_it_meets_no_static():
 
 @pytest.mark.parametrize("contact", ["skin", "parts"])
 def test_a_wall_pushes_a_person(contact):
-    """1.2 m at 1 m/s: the skin stays in front of it and the root goes with it."""
+    """1.2 m at 1 m/s: the skin stays in front of the wall and the root moves with it."""
     body = Body.default()
     motion = t_pose(np.zeros((46, 3)))
     scene = Scene()
@@ -152,14 +152,14 @@ def test_a_wall_pushes_a_person(contact):
         gap = skin[..., 0].min(axis=1) - (wall[:, 0] + 0.05)
         assert gap[0] > 0.1
         assert gap.min() > 0.0
-        assert gap[36] < 2e-3  # it has been pushed all the way
+        assert gap[36] < 2e-3  # the wall has pushed it all the way
     assert moved.translation[-1, 0] > 0.1
     assert np.abs(moved.translation[0]).max() == 0.0
     assert (result.contacts.impulse[:, 0] > 0).any()
 
 
 def test_who_is_wedged_stops_the_wall():
-    """Between a wall that comes and one that stands nobody is crushed: the wall waits."""
+    """A person between a moving and a fixed wall is not crushed: the moving wall waits."""
     body = Body.default()
     motion = t_pose(np.zeros((43, 3)))
     scene = Scene()
@@ -174,7 +174,7 @@ def test_who_is_wedged_stops_the_wall():
     assert (skin.min(axis=1) > wall + 0.05).all()
     assert (skin.max(axis=1) < 0.35).all()
     assert result.lost_time.sum() > 0
-    assert wall[-1] < path[-1, 0] - 0.01  # late
+    assert wall[-1] < path[-1, 0] - 0.01  # behind its path
 
 
 def test_runs_repeat_and_resume_to_the_bit():

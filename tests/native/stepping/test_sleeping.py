@@ -1,4 +1,4 @@
-"""Things that are held until something touches them."""
+"""Sleeping objects: they are held until another body touches them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def run(scene, frames):
 
 
 def test_it_hangs_in_the_air_until_it_is_hit():
-    """Then it is what an awake one would be, from the same substep on."""
+    """From the same substep on it moves as an awake object does."""
 
     def scene(start, gravity):
         made = Scene(gravity=gravity)
@@ -54,7 +54,7 @@ def test_it_stays_to_the_last_digit_and_for_good():
 
 
 def test_what_lies_on_it_wakes_too():
-    """The shelf is hit from below; what stood on it does not hang in the air."""
+    """The shelf is hit from below; the objects on it do not stay in the air."""
     scene = Scene()
     scene.add_static("floor", Plane())
     scene.add_object("shelf", Box((1, 1, 0.1)), mass=5, position=(0, 0, 1.3), start="asleep")

@@ -1,4 +1,4 @@
-"""What a person can exert bounds what the drive does in every substep, however hard the blow."""
+"""A person's strength limits bound the drive's torques in every substep, at any impact."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from halfphysics.motion.skeleton import JOINT_INDEX
 from support.held import HAND, holding, pointing
 from support.people import along_x, violent
 
-#: Of rounding, relative: a limit is met exactly.
+#: Relative rounding: a limit is met exactly.
 ROUNDING = 1e-6
 
 
@@ -29,7 +29,7 @@ def walled(x=1.0):
 
 
 def thrown(mass, x=1.0):
-    """A box that flies at 8 m/s into somebody who stands."""
+    """A box that flies at 8 m/s into a standing person."""
     scene = hp.Scene(gravity=0.0)
     scene.add_object(
         "box", Box((0.5, 0.5, 0.5)), mass=mass, position=(x, 0.0, 0.2), velocity=(-8.0, 0.0, 0.0)
@@ -53,7 +53,7 @@ def cases():
 @pytest.mark.parametrize("case", cases())
 @pytest.mark.parametrize("contact", ["skin", "parts"])
 def test_no_torque_above_its_limit_in_any_substep(body, case, contact):
-    """One substep a frame, so that what is reported is that of every one."""
+    """One substep a frame, so that the reported torque is that of every substep."""
     motion, scene = cases()[case]
     settings = Settings(strength="human", contact=contact)
     assert settings.substeps_for(1.0 / motion.fps) == 1
@@ -67,11 +67,11 @@ def test_no_torque_above_its_limit_in_any_substep(body, case, contact):
         torque.append(np.linalg.norm(frame.torques[0], axis=-1))
     share = np.array(torque) / limits
     assert share.max() <= 1.0 + ROUNDING
-    assert share.max() >= 0.9  # it is what they did
+    assert share.max() >= 0.9  # the limits were reached
 
 
 def test_without_limits_the_same_blow_takes_more(body):
-    """The case is one: the drive alone would exert many times what a neck can."""
+    """In the same case the drive alone would exert many times a neck's strength."""
     motion, scene = cases()["runs into a wall at 6 m/s"]
     result = hp.simulate(motion, scene, body=body)
     _, limits = limits_of("human", body)
@@ -88,7 +88,7 @@ def test_who_was_hit_gets_back_to_the_motion(body):
 
 
 def test_a_limp_arm_leaves_the_rest_its_strength(body):
-    """What is hit gets back where it was; the arm, which nothing drives, swings on."""
+    """The joints that were hit recover; the arm, which is not driven, swings on."""
     arm = [f"right_{j}" for j in ("shoulder", "elbow", "wrist")]
     held = along_x(0.0, 90, start=0.0)
     settings = Settings(strength=dict.fromkeys(arm, 0.0))
@@ -104,7 +104,7 @@ def test_a_limp_arm_leaves_the_rest_its_strength(body):
 
 @pytest.mark.parametrize("mass", [1.0, 8.0])
 def test_what_is_held_counts_on_impacts_too(body, mass):
-    """A stick held ahead runs into a wall at 3 m/s: what the load and the blow ask for together
+    """A stick held ahead hits a wall at 3 m/s: the torques for load and impact together
     stays within the limits, in every substep."""
     motion = pointing(path=along_x(3.0, 60, start=0.0, fps=240.0).translation, fps=240.0)
     tip = body.joints(motion[0])[HAND, 0] + 0.55 + 0.3

@@ -1,4 +1,4 @@
-"""Where a step cannot be made at once: clearances give way, and the rest is made up in pieces."""
+"""Steps that conflicts forbid as a whole: margins are reduced, and the rest is made in pieces."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from campaigns.clear import not_clear, run, set_up, throw_cases
 from support.judges.clear_judge import Judge
 
 DRIVES = pytest.mark.parametrize("drive", [None, 0.02], ids=["alg1", "tau"])
-#: Throws of which a hundredth to a third of the time was once lost.
+#: Throws that once lost 1 to 33 % of the time.
 JAMMED = (
     "throw-tpose-plate-5x-60fps-N1-l0-alg1",
     "throw-curled-sheet-5x-30fps-N2-l10-alg1",
     "throw-curled-mesh_pole-5x-30fps-N4-l0-alg1",
     "throw-tumbling-stair-1x-30fps-N1-l1-alg1",
 )
-#: Of the time.
+#: Largest lost share of the time.
 LOST = 0.005
-#: The clearance, and what it gives way to where it must; gaps under the floor are only worn away
-#: by what solving is inexact [m].
+#: The margin, its reduced minimum, and the minimum gap: below the second only the solver's
+#: residual reduces gaps [m].
 CLEARANCE, LEAST, FLOOR = 1e-3, 1e-4, 2e-5
 
 
@@ -51,7 +51,7 @@ def test_a_jam_takes_no_time(name, contact):
 
 
 def alley(width, z=0.0):
-    """Two walls facing each other across y, open to both ends."""
+    """Two walls that face each other across y, open to both ends."""
     scene = Scene()
     for side in (-1.0, 1.0):
         scene.add_static(
@@ -61,7 +61,7 @@ def alley(width, z=0.0):
 
 
 def arms_out(body, frames, fps=30.0):
-    """From arms down to the T-pose and back, the pelvis in the origin."""
+    """From arms down to the T-pose and back, the pelvis at the origin."""
     rotations = np.zeros((frames, 55, 3))
     rotations[:, 0] = FACING_X
     down = 1.2 * np.abs(np.linspace(-1.0, 1.0, frames))
@@ -75,7 +75,7 @@ def arms_out(body, frames, fps=30.0):
 @pytest.mark.parametrize("substeps", [1, 4, 8])
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_arms_that_do_not_fit_between_walls_stop_nobody(body, contact, drive, substeps):
-    """The arms would reach 0.2 m into each wall: they stay out, and come back as they went."""
+    """The targets are 0.2 m inside each wall: the arms stay out, and return the same way."""
     motion = arms_out(body, 61)
     settings = Settings(contact=contact, substeps=substeps, drive_time=drive, record="substeps")
     simulator = Simulator(alley(1.3), body=body, settings=settings, fps=30.0)
@@ -85,7 +85,7 @@ def test_arms_that_do_not_fit_between_walls_stop_nobody(body, contact, drive, su
     assert verdict.gap >= FLOOR
     assert sum(len(f.contacts.part) > 0 for f in frames) > 10
     assert sum(f.lost_time for f in frames) == 0.0
-    # What gave way was given back: nothing is near the walls at the end, and the joints arrive.
+    # The reduced margins recover: no wall is near at the end, and the joints reach their targets.
     turned = rot.log(
         rot.multiply(
             rot.conjugate(rot.exp(motion[60].rotations[1:])), rot.exp(frames[60].pose.rotations[1:])
@@ -97,7 +97,7 @@ def test_arms_that_do_not_fit_between_walls_stop_nobody(body, contact, drive, su
 @DRIVES
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_a_clearance_that_gave_way_is_regained(body, contact, drive):
-    """Walls that press from both sides a little under the clearance; then the pressing ends."""
+    """Walls press from both sides at a little under the clearance; then the pressing ends."""
     frames = 60
     motion = arms_out(body, 2 * frames - 1)
     settings = Settings(contact=contact, substeps=8, drive_time=drive)
@@ -105,7 +105,7 @@ def test_a_clearance_that_gave_way_is_regained(body, contact, drive):
     simulator.reset(motion[0])
     pressed = [simulator.step(motion[t]).clearance for t in range(1, frames)]
     assert FLOOR <= min(pressed) <= CLEARANCE
-    # Held where the arms are: nothing pulls on, the motion being where the body is.
+    # The reference pose is the body's own: no target pulls on the arms.
     held = simulator.step(motion[frames - 1]).pose
     gaps = [simulator.step(held).clearance for _ in range(30)]
     assert gaps[-1] >= 0.98 * CLEARANCE
@@ -134,8 +134,8 @@ def test_a_state_resumes_bit_for_bit_where_steps_are_made_in_pieces():
 
 @DRIVES
 def test_who_is_jammed_does_not_hold_up_the_others(body, drive):
-    """One is thrown into a plate, in steps so coarse that they are made in pieces; another walks
-    by without a touch and is where the motion has it, exactly."""
+    """One is thrown into a plate, with steps so coarse that they are split; another walks
+    by without contact and follows its motion exactly."""
     case = next(c for c in throw_cases() if c.id == JAMMED[0])
     motion, scene = set_up(case, None)
     aside = np.array([0.0, 30.0, 0.0])

@@ -1,4 +1,4 @@
-"""Films: what is in the file is what was drawn, in the right order, at the right times."""
+"""Films: the file holds the drawn pictures, in the right order, at the right times."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ BEST = np.array([0.5, -0.8, 0.33]) / np.linalg.norm([0.5, -0.8, 0.33])
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
-    """The best direction is looked for once in these tests: that takes longer than they do."""
+    """The best direction is computed once in these tests: it takes longer than they do."""
     monkeypatch.setattr("halfphysics.render.film.tracking.choose_direction", lambda *_: BEST)
 
 

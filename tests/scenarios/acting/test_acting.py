@@ -1,4 +1,4 @@
-"""Acting: what is asked of pelvis, hands and feet is where they are, and when."""
+"""Acting: pelvis, hands and feet reach their targets, at the right times."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_it_begins_standing_on_the_floor(stature):
     motion = Act(body).motion(0.1, 30.0)
     height = body.vertices(motion)[..., 2]
     assert abs(height.min() - LIFT) < 1e-4
-    # The legs stay a little behind what makes the feet stand: nearly straight knees.
+    # The pelvis is slightly lowered so that both feet reach the ground: nearly straight knees.
     assert np.abs(motion.rotations[:, JOINT_INDEX["left_knee"], 0]).max() < np.radians(30.0)
 
 
@@ -49,7 +49,7 @@ def test_hands_and_feet_go_where_they_are_asked_to(body, act):
     assert np.allclose(joint(body, motion, "left_wrist")[-1], hand, atol=1e-6)
     assert np.allclose(joint(body, motion, "right_wrist")[-1], hand * mirror, atol=1e-6)
     assert np.allclose(joint(body, motion, "left_ankle")[-1], foot, atol=1e-6)
-    # Palms: fingers along what was asked for, their backs outward.
+    # Palms: fingers along the requested direction, their backs outward.
     turns = body.joint_frames(motion)[1]
     for side, y in (("left", 1.0), ("right", -1.0)):
         frame = rot.to_matrix(turns[-1, JOINT_INDEX[f"{side}_wrist"]])
@@ -69,7 +69,7 @@ def test_moves_of_one_control_add_up_and_steps_return(body, act):
     assert np.allclose(pelvis[0], start, atol=1e-9)
     assert np.allclose(pelvis[-1], start + np.array([0.2, 0.1, 0.0]), atol=1e-9)
     assert np.isclose(pelvis[75, 2], start[2] - 0.05)
-    # From rest to rest, and the two in between are one movement.
+    # The motion starts and ends at rest, and the two in between are one movement.
     speed = np.linalg.norm(np.diff(pelvis, axis=0), axis=1) * 100.0
     assert speed[0] < 0.01
     assert speed[-1] < 1e-9
@@ -91,7 +91,7 @@ def test_what_is_out_of_reach_is_approached_without_a_snap(body, act):
         assert 0.985 * longest < reach[-1] < longest
         elbow = np.linalg.norm(np.diff(arm[1], 2, axis=0), axis=1) * fps**2
         fastest.append(elbow.max())
-    # An elbow that stops at once is stopped the faster the finer one looks.
+    # An elbow that stops at once decelerates the faster the higher the sampling rate.
     assert fastest[1] < 1.5 * fastest[0]
 
 

@@ -1,4 +1,4 @@
-"""Arms that are told where their hand goes."""
+"""Arms solved from hand targets."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ N = 60
 
 
 def reaching(body, side, wrist, hand, pole):
-    """Joint frames of a standing body whose arm is solved for."""
+    """Joint frames of a standing body with a solved arm."""
     arm = arm_of(body, side)
     rotations = np.zeros((N, 55, 3))
     rotations[:, 0] = rot.matrix_to_rotvec(WORLD_FROM_REST)
@@ -59,7 +59,7 @@ def test_out_of_reach_is_approached_along_its_line():
 
 
 def test_a_hand_that_turns_all_the_way_round_turns_evenly():
-    """Past half a turn nothing flips: elbow and wrist go on by the same small steps."""
+    """Past half a turn no joint flips: elbow and wrist go on by the same small steps."""
     turn = np.linspace(0.0, 2.0 * np.pi, N)
     way, pole = np.tile([0.3, -0.2, -0.2], (N, 1)), np.tile([0.0, -0.3, -1.0], (N, 1))
     hand = about(2, np.full(N, np.pi)) @ about(0, turn)

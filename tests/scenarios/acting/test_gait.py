@@ -1,4 +1,4 @@
-"""Walking: feet that stay where they stand, legs that reach, natural proportions."""
+"""Walking: stance feet do not slide, legs reach, natural proportions."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_feet_do_not_slide(body, plan):
     motion = walk(body, plan, fps=60.0)
     skin = body.vertices(motion)
     height = skin[..., 2] - plan.lift
-    # Soles are on the ground and nothing is under it (float32 skin: 0.1 um).
+    # Soles are on the ground and no vertex is below it (float32 skin: 0.1 um).
     assert height.min() > -1e-4
     assert height.min(axis=1).max() < 5e-4
     # Skin that is within 1 mm of the ground in two frames stays where it is. The exception is
@@ -101,7 +101,7 @@ def test_the_kick_is_fast_and_clears_the_ground(body):
     toe = body.joints(motion)[:, foot]
     speed = np.linalg.norm(np.diff(toe, axis=0), axis=1) * motion.fps
     assert 5.0 < speed.max() < 12.0
-    assert toe[:, 2].max() > 0.3  # it follows through
+    assert toe[:, 2].max() > 0.3  # the leg follows through
     assert body.vertices(motion)[..., 2].min() > plan.lift - 1e-4
 
 

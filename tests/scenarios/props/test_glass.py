@@ -1,4 +1,4 @@
-"""A wine glass, hollow, with stem and foot, in one hand: as its own wedges and as coacd cuts it."""
+"""A hollow wine glass with stem and foot, in one hand: as its own wedges and cut by coacd."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def played(fps):
 
 
 def judged(times, grasp):
-    """What must hold of any glass in the hand; the force may differ where the bowl narrows."""
+    """Conditions on any held glass; the force may differ where the bowl narrows."""
     begin, end = times["grasp"][1], times["open"][0]
     assert grasp.slip(begin, end) <= SLIP
     assert grasp.turned(begin, end) <= TURN

@@ -1,4 +1,4 @@
-"""A drawer and a laptop's lid moved by a hand: by their joints, to their stops, by its force."""
+"""A drawer and a laptop's lid, moved by a hand: by their joints, to their stops, by its force."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from support.judges.jointed import Jointed
 
 #: Fingers whose joints have no stiffness bend rather than lift a lid.
 LIMP = ("open_laptop", 0.0)
-#: The hand is within this of what it pushes [m]: the clearance, 1 mm, and as much again.
+#: The hand is within this of the pushed link [m]: the clearance, 1 mm, and as much again.
 TOUCH = 0.002
-#: Fingers that push bend back by so much [m], and lie on things at an angle.
+#: Pushing fingers bend back by this much [m], and touch at an angle.
 GIVE = 0.025
 
 
@@ -33,18 +33,18 @@ def test_it_moves_about_its_joint_to_its_stop_and_nobody_is_in_it(name, stiffnes
     assert value[0] == start
     if (name, stiffness) != LIMP:
         np.testing.assert_allclose(np.abs(value - end).min(), 0.0, atol=1e-6)
-        # A hand that unhooks may take it along a little.
+        # A hand that unhooks may move it a little.
         assert abs(value[-1] - end) < 0.01 * abs(end - start)
     assert result.lost_time.sum() == 0.0
     force = np.linalg.norm(thing.force(link), axis=1)
     touched = np.flatnonzero(force > 0.5)
     assert len(touched) > 30
-    # A light push: these are things that one moves with a few fingers.
+    # A light push: people move these objects with a few fingers.
     if (name, stiffness) != LIMP:
         assert 2.0 < force.max() < 25.0
-    # Where nobody touched it yet it stood still.
+    # Before the first contact it stood still.
     assert np.ptp(value[: touched[0]]) < 1e-6
-    # Other joints stay where they are.
+    # Other joints keep their positions.
     own = [v for n, v in result.joints.items() if v is not value]
     assert all(np.ptp(v) == 0.0 for v in own)
     near = np.arange(max(0, touched[0] - 6), min(len(value), touched[-1] + 7), 2)
@@ -58,13 +58,13 @@ def test_it_moves_about_its_joint_to_its_stop_and_nobody_is_in_it(name, stiffnes
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MOVED)
 def test_the_motion_asked_for_goes_through_it(name):
-    """So that nothing passes through is the simulation's doing."""
+    """The reference penetrates: the simulation prevents it, not the authored motion."""
     sequence, result, seen, *_ = done(name)
     asked, found = seen.penetration(sequence.motion), seen.penetration(result.motion)
     thing, link, *_ = MOVED[name]
     assert asked.by_name[f"{thing}/{link}"].max() > 3.0  # of half their 8 and 20 mm
     assert found.depth_max_mm == 0.0
-    # The other judge can tell, too.
+    # The other judge detects it, too.
     frames = np.arange(0, len(sequence.motion), 4)
     assert seen.gap(frames, [link], sequence.motion).min() < -0.003
 
@@ -88,15 +88,15 @@ def test_the_same_at_other_frame_rates(name, stiffness):
 
 @pytest.mark.parametrize("name", ["close_drawer", "open_drawer"])
 def test_the_drawer_gets_what_the_hand_gives(name):
-    """Impulse along the rail: momentum gained and what the rail's damping took."""
+    """Impulse along the rail: momentum gained plus the loss to the rail's damping."""
     mass, damping = (hp.scenarios.options(name)[n] for n in ("mass", "damping"))
     sequence, _, thing, link, out = done(name, 120.0)
     fps, (*_, start, end) = sequence.motion.fps, MOVED[name]
     given = -np.cumsum(thing.force(link)[:, 0]) / fps  # the rail leads toward -x
     speed = np.gradient(out, 1.0 / fps)
     moved = np.abs(out - start) / abs(end - start)
-    first = int(np.argmax(moved > 0.05))  # off the stop it starts at, which took some, too
-    for share in (0.3, 0.5, 0.8):  # before the other stop takes any
+    first = int(np.argmax(moved > 0.05))  # off its first stop, which also gave an impulse
+    for share in (0.3, 0.5, 0.8):  # before contact with the other stop
         t = int(np.argmax(moved > share))
         expected = mass * (speed[t] - speed[first]) + damping * (out[t] - out[first])
         assert given[t] - given[first] == pytest.approx(expected, rel=0.02)
@@ -104,7 +104,7 @@ def test_the_drawer_gets_what_the_hand_gives(name):
 
 
 def test_the_drawer_goes_with_the_finger_pads():
-    """As far as they were meant to, from where they meet the front to where that stops."""
+    """By the intended distance, from the contact with the front to the front's stop."""
     sequence, result, thing, link, out = done("close_drawer", 60.0, 1.0)
     skin = sequence.body.vertices(sequence.motion)
     part = np.argmax(sequence.body.weights, axis=1)
@@ -116,7 +116,7 @@ def test_the_drawer_goes_with_the_finger_pads():
     assert np.ptp(out[pushing]) > 0.2
     np.testing.assert_allclose(front[pushing], ahead[pushing], atol=GIVE)
     np.testing.assert_allclose(np.ptp(front), 0.28, atol=1e-6)
-    assert ahead.max() > front.max() + 0.01  # and they want to go on
+    assert ahead.max() > front.max() + 0.01  # and the reference goes on
 
 
 def test_the_lid_gets_what_the_fingers_give():
@@ -131,7 +131,7 @@ def test_the_lid_gets_what_the_fingers_give():
     np.add.at(moment, contacts.frame[rows], twist)
     half = 0.5 * np.array([laptop.DEPTH, laptop.LID])
     about = mass * ((half**2).sum() * 4.0 / 3.0)
-    # The middle of the lid hangs before the hinge by so much; its weight shuts the lid.
+    # The lid's centre is this far before the hinge; its weight shuts the lid.
     before = half[0] * np.cos(angle) - half[1] * np.sin(angle)
     weight = np.cumsum(-mass * 9.81 * before) / fps
     speed = np.gradient(angle, 1.0 / fps)
@@ -200,7 +200,7 @@ def test_motions_are_smooth_and_wrists_bend_as_wrists_do(name):
 
 
 def test_limp_fingers_bend_and_do_not_lift_the_lid():
-    """Who has no stiffness is moved by the lid, not the lid by them; the fingers stay below it."""
+    """The lid moves a person without stiffness, not the reverse; the fingers stay below it."""
     sequence, result, *_, angle = done("open_laptop")
     assert angle.max() < 0.5 * laptop.OPEN
     knuckles = [k for k, n in enumerate(hp.JOINT_NAMES) if n.startswith("right_middle")]

@@ -1,4 +1,4 @@
-"""Scenes with furniture: what was inside is not any more, and all else is as it was asked for."""
+"""Scenes with furniture: penetrations are removed, and the rest follows the reference."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from halfphysics.simulation.simulate import simulate
 from support.judges.scene_judge import judge
 from support.judges.skin_judge import SkinJudge
 
-#: Scenario -> what its motion goes into, and how deep at least [mm].
+#: Scenario -> static that its motion penetrates, and the least depth [mm].
 SCENES = {
     "climb_onto_bed": {"mattress": 30.0},
     "crawl_under_table": {"table": 20.0},
@@ -28,7 +28,7 @@ SCENES = {
     "step_back_onto_cabinet": {"cabinet": 60.0, "wall": 20.0},
     "stretch_on_bed": {"mattress": 50.0, "headboard": 50.0},
 }
-#: Those whose motion is made by `acting` and not by `gait`.
+#: Scenarios whose motion is made by `acting` and not by `gait`.
 ACTED = (*sorted(set(SCENES) - {"doorway", "leg_through_table"}), "fly_with_ball")
 
 
@@ -38,7 +38,7 @@ def judged(name):
 
 
 def check(verdict):
-    """The bounds on every scene: clear, near, and otherwise as asked for."""
+    """The bounds on every scene: clear, near, and otherwise as in the reference."""
     assert verdict.after.depth_max_mm == 0.0
     assert verdict.after.rate_percent == 0.0
     assert verdict.result.lost_time.sum() == 0.0
@@ -58,7 +58,7 @@ def test_nothing_is_entered_and_the_intent_is_kept(name):
 
 @pytest.mark.slow
 def test_half_of_a_body_goes_round_the_wall_it_was_asked_through():
-    """The jamb is near the middle of the way: what blocks is gone round, what was meant goes on."""
+    """The jamb is near the middle of the way: the body goes round it, and the walk goes on."""
     verdict = judge(scenarios.load("doorway", right_jamb=-0.10))
     assert verdict.asked.share.max() > 15.0  # of all the skin, within a wall 12 cm thick
     assert verdict.after.depth_max_mm == 0.0
@@ -69,7 +69,7 @@ def test_half_of_a_body_goes_round_the_wall_it_was_asked_through():
     at = int(np.argmax(pelvis[0][:, 0] > 2.3))  # beyond the wall
     aside = pelvis[1][at] - pelvis[0][at]
     assert 0.05 < aside[1] < 0.3  # to the left, as far as the shoulder is wide
-    assert pelvis[1][-1, 0] > pelvis[0][-1, 0] - 0.4  # and through
+    assert pelvis[1][-1, 0] > pelvis[0][-1, 0] - 0.4  # and past the wall
 
 
 @pytest.mark.slow
@@ -77,7 +77,7 @@ def test_half_of_a_body_goes_round_the_wall_it_was_asked_through():
 def test_other_frame_rates(name, fps):
     verdict = judge(scenarios.load(name, fps=fps))
     check(verdict)
-    # One story: the same places at the same times, to what a path of the solver leaves open.
+    # Alike at all rates: the same places at the same times, to the tolerance of the solver's path.
     at = round(fps / 30.0)
     other = judged(name)
     assert np.abs(verdict.pelvis[::at] - other.pelvis).max() < 0.01
@@ -108,7 +108,7 @@ def test_the_skin_meets_nothing_and_passes_through_nothing(name):
     frames = range(0, len(sequence.motion), 5)
     judge_ = SkinJudge(sequence.body, sequence.scene)
     asked = judge_.judge_motion(sequence.motion[:: frames.step], coal_every=4)
-    assert not asked.clear  # it can tell
+    assert not asked.clear  # the measure can fail
     verdict = judge_.judge_motion(judged(name).result.motion[:: frames.step], coal_every=4)
     assert verdict.clear, str(verdict)
     assert verdict.gap > 0.0
@@ -123,10 +123,10 @@ def test_a_ball_in_flight_is_held_by_two_palms():
     assert ball[-1, 2] - ball[0, 2] > 0.5
     joints = body.joints(result.motion)
     hands = [joints[:, JOINT_INDEX[f"{side}_middle1"]] for side in ("left", "right")]
-    held = round(1.0 * result.fps)  # has been taken
+    held = round(1.0 * result.fps)  # the object has been taken
     way = (ball - 0.5 * (hands[0] + hands[1]))[held:]
     assert np.linalg.norm(way - way[0], axis=1).max() < 0.02
-    # Nothing but the two hands touches it once it has left its stand.
+    # Only the two hands touch it once it has left its stand.
     contacts, names = result.contacts, result.names
     ball_rows = contacts.other == names.index("ball")
     for side in ("left", "right"):

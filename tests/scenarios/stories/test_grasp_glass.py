@@ -35,7 +35,7 @@ RATES = (30.0, 60.0, 120.0)
 
 @cache
 def played(fps, **options):
-    """A grasp of the default body as it came out: sequence, times of the stages, result, judge."""
+    """A grasp of the default body: sequence, times of the stages, result, judge."""
     sequence, times = grasp_glass.planned(fps=fps, **options)
     result = simulate(sequence.motion, sequence.scene, body=sequence.body)
     return sequence, times, result, judge(result, sequence.body)
@@ -117,7 +117,7 @@ def test_all_fingers_and_the_thumb_take_part(fps):
     contacts, last = result.contacts, grasp.rows(*times["hold"])[-1]
     parts = contacts.part[(contacts.frame == last) & (contacts.person == 0)]
     assert all(np.isin(finger, parts).any() for finger in FINGERS)
-    assert not result.diagnostics["shortened"].any()  # no time was lost
+    assert not result.diagnostics["shortened"].any()  # no lost time
 
 
 @pytest.mark.slow
@@ -127,7 +127,7 @@ def test_a_slippery_glass_is_not_held(fps):
     assert grasp.slip(times["grasp"][1], times["hold"][1]) > 100.0
     assert grasp.world[-1, 2] < grasp.world[0, 2] + 0.01
     # It may lean on the hand where it ends (a shift of 1e-6 m decides where), but friction, a tenth
-    # of what presses, holds less than a tenth of its weight.
+    # of the normal force, holds less than a tenth of its weight.
     assert grasp.normal[-5:].max() < 0.3 * 9.81
 
 
@@ -186,7 +186,7 @@ def test_fingers_close_until_they_touch_and_squeeze_beyond():
     for joint in FINGERS[:, 1:].ravel() - first:
         assert np.isclose(np.linalg.norm(squeezed[joint]) - np.linalg.norm(closed[joint]), 0.2)
     around = found.fingers(np.zeros(1), 0.2)[0]
-    for finger in FINGERS[:4] - first:  # open is open, whatever the squeeze
+    for finger in FINGERS[:4] - first:  # open fingers stay open at any squeeze
         assert np.linalg.norm(around[finger]) < 0.5 * np.linalg.norm(closed[finger])
 
 

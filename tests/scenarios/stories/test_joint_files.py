@@ -22,7 +22,7 @@ _BOX = """<collision><origin xyz="{at[0]} {at[1]} {at[2]}"/>
 
 
 def urdf(mass, damping):
-    """The laptop of `scenarios.laptop`, written anew in the other format."""
+    """The laptop of `scenarios.laptop`, written again in the other format."""
     rear = laptop.DEPTH - laptop.RECESS_DEEP
     beside = 0.5 * laptop.WIDTH - laptop.RECESS_HALF
     middle = laptop.FEET + 0.5 * laptop.BASE
@@ -66,7 +66,7 @@ def test_a_laptop_from_urdf_closes_as_the_one_from_mjcf(stiffness):
     other = hp.simulate(
         sequence.motion, scene, body=sequence.body, settings=hp.Settings(stiffness=stiffness)
     )
-    # The numbers in the text are the same but for their last digits; contact does not blow that up.
+    # The numbers in the text agree up to their last digits; contact does not amplify that.
     np.testing.assert_allclose(other.joints["laptop/hinge"], angle, atol=1e-9)
     np.testing.assert_allclose(other.motion.rotations, result.motion.rotations, atol=1e-9)
     thing = Jointed(other, "laptop")
@@ -74,7 +74,7 @@ def test_a_laptop_from_urdf_closes_as_the_one_from_mjcf(stiffness):
     assert thing.beyond() <= 0.0
 
 
-#: Top of the table that the scissors lie on, and where their rivet is on it [m].
+#: Top of the table under the scissors, and the position of their rivet on it [m].
 TABLE, RIVET = 1.05, (0.44, -0.06)
 #: Blades cross at the rivet; handles stand on edge, so that a hand meets them.
 OPEN, SHUT = np.radians([45.0, 12.0])
@@ -91,7 +91,7 @@ SCISSORS = """
 
 
 def cut(free, stiffness=0.0, fps=30.0):
-    """A right hand presses the handle of the second blade toward the first one's, and leaves it."""
+    """A right hand presses the second blade's handle toward the first one's, and leaves it."""
     body = stage.actor(None)
     base = stage.held(body, pose_at(body, Walk(distance=1.0), 0.0), round(2.6 * fps) + 1, fps)
     base = base.with_frames(
@@ -120,7 +120,7 @@ def cut(free, stiffness=0.0, fps=30.0):
         friction=0.3,
         joints={"rivet": OPEN},
     )
-    if free:  # what it is pressed against
+    if free:  # the handle is pressed against this
         peg = hp.Box((0.10, 0.02, 0.04))
         scene.add_static("peg", peg, position=(RIVET[0] - 0.06, RIVET[1] + 0.017, TABLE + 0.02))
     settings = hp.Settings(stiffness=stiffness)
@@ -134,7 +134,7 @@ def test_scissors_close_when_a_hand_presses_the_handle(free, stiffness):
     thing, angle = Jointed(result, "scissors"), result.joints["scissors/rivet"]
     assert max(thing.off()) < 1e-12
     assert thing.beyond() <= 0.0
-    # Shut to the stop and left there; before the hand was there they stood open.
+    # Shut to the stop and left there; before the hand came they were open.
     force = np.linalg.norm(thing.force("two"), axis=1)
     touched = np.flatnonzero(force > 0.0)
     assert np.abs(angle[: touched[0]] - OPEN).max() < (1e-3 if free else 1e-9)
@@ -143,11 +143,11 @@ def test_scissors_close_when_a_hand_presses_the_handle(free, stiffness):
     assert 5.0 < force.max() < 50.0
     assert result.lost_time.sum() == 0.0
     assert thing.gap(np.arange(touched[0], touched[-1] + 3, 2)).min() > 0.0
-    # The hand wanted to go on beyond the stop: through the handle, had it been in the way.
+    # The reference goes on beyond the stop: through the handle, if it were in the way.
     asked, found = thing.penetration(motion), thing.penetration(result.motion)
     assert asked.by_name["scissors/two"].max() > 3.0  # of 6 mm, half the handle's thickness
     assert found.depth_max_mm == 0.0
-    # They lie where they lay: pressed against the peg, or held by what does not move.
+    # They do not move: pressed against the peg, or held by a static part.
     place = result.objects["scissors/one"].position
     assert np.abs(place - place[0])[: touched[-1]].max() < (0.01 if free else 1e-12)
 

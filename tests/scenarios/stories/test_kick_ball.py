@@ -69,7 +69,7 @@ def test_a_light_ball_flies_five_times_as_fast_as_a_heavy_one(body, back):
 
 
 def test_algorithm_1_kicks_harder_at_a_higher_frame_rate(body):
-    """What the time constant is for: setting the velocity every frame adds momentum every frame."""
+    """Reason for the time constant: setting the velocity every frame adds momentum every frame."""
     settings = Settings(drive_time=None)
     speed = peaks(body, 200.0, True, settings, **BALLS["weightless"])
     assert speed[2] > 1.5 * speed[0]
@@ -78,11 +78,11 @@ def test_algorithm_1_kicks_harder_at_a_higher_frame_rate(body):
 @pytest.mark.parametrize("stiffness", [0.0, 1.0])
 @pytest.mark.parametrize("drive", DRIVES)
 def test_momentum_of_body_and_ball(body, drive, stiffness):
-    """Nothing else is near: what the ball gains in a solve the body loses, over a whole kick too.
+    """In free space the body loses what the ball gains in a solve, over a whole kick too.
 
     With a time constant the drive makes the body s times heavier, and it loses 1/s of it.
     """
-    fps = 240.0  # one substep a frame, so that every one can be looked at
+    fps = 240.0  # one substep a frame, so that every substep is visible
     settings = Settings(drive_time=DRIVES[drive], stiffness=stiffness)
     scene = before_the_foot(body, 5.0, **BALLS["weightless"])
     motion = swing(body, 30.0).resample(fps)
@@ -136,7 +136,7 @@ def authored(fps, **options):
 
 
 def test_the_authored_kick():
-    """Sampled per frame the run-up differs a little by frame rate, and so does what is hit."""
+    """Sampled per frame, the run-up and the point of contact differ a little by frame rate."""
     speed = {
         mass: np.array([authored(fps, mass=mass)[0] for fps in RATES]) for mass in (0.5, 5.0, 200.0)
     }
@@ -189,7 +189,7 @@ def test_a_limp_leg_bends_past_a_fixed_ball_and_a_firm_one_moves_the_body(speed)
 
 def struck(body, motion, radius, low):
     """Centre of a ball that the right foot meets where it is fastest, on the floor if `low`, and
-    that nothing of the body has touched before; the foot's speed there [m/s]."""
+    that the body has not touched before; the foot's speed there [m/s]."""
     step = np.diff(body.joints(motion)[:, JOINT_INDEX["right_foot"]], axis=0)
     t = int(np.linalg.norm(step, axis=1).argmax())
     ahead = step[t] * (1.0, 1.0, 0.0 if low else 1.0)
@@ -223,11 +223,11 @@ def test_a_real_kick(body, shared_data, clip, low):
         scene.add_object("ball", Sphere(0.11), mass=mass, position=position)
         runs = (played(motion.resample(fps), scene, body)[1].max() for fps in RATES)
         speed[mass] = np.array(list(runs))
-        # Along the floor the foot goes on pushing, and by how much differs by some percent.
+        # Along the floor the foot goes on pushing, and the amount differs by some percent.
         assert speed[mass].max() <= (1.06 if low else 1.01) * speed[mass].min()
     assert speed[0.5].min() >= 5.0 * speed[200.0].max()
     # On the floor the foot goes on pushing 0.5 and 5 kg alike.
     assert (speed[0.5] > (0.98 if low else 1.0) * speed[5.0]).all()
-    # An inelastic hit by something heavy on its way: about as fast as the foot.
+    # An inelastic hit by a heavy moving body: about as fast as the foot.
     assert 0.7 * foot < speed[0.5].min()
     assert speed[0.5].max() < 1.2 * foot

@@ -1,4 +1,4 @@
-"""Two flat palms and a suitcase, and a monitor that nobody touches."""
+"""Two flat palms and a suitcase, and a monitor without contact."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from halfphysics.simulation.simulate import simulate
 pytestmark = pytest.mark.slow
 
 RATES = (30.0, 60.0, 120.0)
-# At 30 fps as long as it is judged; at the others too where HALFPHYSICS_LONG is set.
+# At 30 fps to the end of the judged part; at the others too where HALFPHYSICS_LONG is set.
 LONG = bool(os.environ.get("HALFPHYSICS_LONG"))
 # The time over which forces are compared, from when the walk begins [s].
 WALKED = 1.5
@@ -31,7 +31,7 @@ def play(name, **options):
 
 
 def turned(story, result):
-    """How far every joint is from what the motion has, largest over the frames (55,) [degrees]."""
+    """Angle between every joint and its reference, maximum over the frames (55,) [degrees]."""
     asked, found = rot.exp(result.reference.rotations), rot.exp(result.motion.rotations)
     away = rot.log(rot.multiply(rot.conjugate(asked), found))
     return np.degrees(np.linalg.norm(away, axis=-1).max(axis=0))
@@ -70,7 +70,7 @@ def test_the_lift_is_the_same_at_every_frame_rate(lifts):
     assert 0.9 * RISE < np.mean(rises) < RISE
     for values in (rises, swings, forces):
         assert np.ptp(values) < 0.05 * np.mean(values)
-    # 10 cm up and 10 cm down, and what firm arms give as 5 kg turn round.
+    # 10 cm up and 10 cm down, and the give of firm arms as 5 kg turn round.
     assert 0.18 < np.mean(swings) < 0.23
 
 

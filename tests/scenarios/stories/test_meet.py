@@ -10,7 +10,7 @@ from support.judges.pair_judge import PairJudge
 
 pytestmark = pytest.mark.slow
 
-#: Who stands still moves less than this in the last 0.2 s [m/s].
+#: A standing person moves less than this in the last 0.2 s [m/s].
 STILL = 0.01
 
 
@@ -28,10 +28,10 @@ def motions(result):
 
 
 def check_clear(sequence, result, asked_depth):
-    """Clear of each other and of the floor where the motions alone are deep inside."""
+    """Clear of each other and of the floor where the references alone are deep inside."""
     judge, step = PairJudge(sequence.body), round(result.fps / 7.5)
     asked = judge.judge([p.reference[::step] for p in result.people], skin_every=10**9)
-    assert asked.gap < -asked_depth  # it can tell
+    assert asked.gap < -asked_depth  # the measure can fail
     verdict = judge.judge(motions(result), skin_every=24)
     assert verdict.clear, str(verdict)
     assert verdict.near > 0
@@ -40,7 +40,7 @@ def check_clear(sequence, result, asked_depth):
 
 
 def pelvis(result):
-    """Of both people (T, 2, 3) [m]."""
+    """Pelvis positions of both people (T, 2, 3) [m]."""
     return np.stack([p.body.joints(p.motion)[:, 0] for p in result.people], axis=1)
 
 
@@ -57,7 +57,7 @@ def test_two_people_who_meet_stop_clear_of_each_other(stature):
     apart = at[:, 1, 0] - at[:, 0, 0]
     assert apart.min() > 0.15
     asked = [p.body.joints(p.reference)[-1, 0, 0] for p in result.people]
-    assert asked[0] - asked[1] > 1.5  # where they wanted to be
+    assert asked[0] - asked[1] > 1.5  # their references
     last = round(0.2 * result.fps)
     assert np.linalg.norm(np.diff(at[-last:], axis=0), axis=2).max() * result.fps < STILL
 
@@ -73,7 +73,7 @@ def test_beside_each_other_they_pass_untouched():
 
 
 def test_each_with_their_own_firmness():
-    """Of two alike who meet, the limp one's joints give more; exchanged, the other's."""
+    """Of two equal people who meet, the limp one's joints give more; the same when exchanged."""
     sequence = hp.scenarios.load("meet", stature=hp.Body.default().stature)
     given = []
     for stiffness in ([0.05, 10.0], [10.0, 0.05]):

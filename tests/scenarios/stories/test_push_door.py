@@ -1,4 +1,4 @@
-"""A hand pushes a door open: it turns about its hinge, nobody goes through it."""
+"""A hand pushes a door open: it turns about its hinge, and the person does not pass through it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_the_hand_opens_it_and_the_walk_goes_on(opened):
     door = result.names.index("door/panel")
     first = result.contacts.part[result.contacts.other == door][0]
     assert hp.JOINT_NAMES[first].startswith("right_")
-    # A door of 20 kg hardly holds anybody back.
+    # A door of 20 kg hardly slows a person.
     apart = np.linalg.norm(result.motion.translation - sequence.motion.translation, axis=1)
     assert apart.max() < 0.02
 
@@ -48,7 +48,7 @@ def test_nobody_is_in_the_door(opened):
 
 
 def closed(result):
-    """The objects' motions had nobody touched them."""
+    """The objects' motions without any contact."""
     return {
         name: ObjectTrack(
             position=np.repeat(track.position[:1], len(track.position), axis=0),

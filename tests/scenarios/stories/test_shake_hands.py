@@ -35,10 +35,10 @@ def motions(result):
 
 
 def check_clear(sequence, result, asked_depth):
-    """Clear of each other and of the floor where the motions alone are deep inside."""
+    """Clear of each other and of the floor where the references alone are deep inside."""
     judge, step = PairJudge(sequence.body), round(result.fps / 7.5)
     asked = judge.judge([p.reference[::step] for p in result.people], skin_every=10**9)
-    assert asked.gap < -asked_depth  # it can tell
+    assert asked.gap < -asked_depth  # the measure can fail
     verdict = judge.judge(motions(result), skin_every=24)
     assert verdict.clear, str(verdict)
     assert verdict.near > 0
@@ -70,7 +70,7 @@ def test_hands_are_clasped_shaken_and_let_go(fps, stature):
     assert force[frames].min() > 20.0
     assert force.max() < 300.0
     assert set(contacts.part[rows]) >= {JOINT_INDEX[f"right_{n}3"] for n in ("index", "thumb")}
-    # Nothing else touches: before and after the clasp nobody is near the other.
+    # No other contact: before and after the clasp the bodies are apart.
     people = contacts.other_part >= 0
     assert rows.sum() == people[contacts.person == 0].sum()
     assert np.flatnonzero(force).min() > frames[0] - round(0.7 * fps)
@@ -86,14 +86,14 @@ def test_hands_are_clasped_shaken_and_let_go(fps, stature):
     assert height.min() < -0.03
     signs = np.sign(height[np.abs(height) > 0.015])
     assert np.count_nonzero(np.diff(signs)) == 5
-    # They stand where they wanted to stand.
+    # They stand at their reference positions.
     for person in result.people:
         off = person.motion.translation - person.reference.translation
         assert np.linalg.norm(off, axis=1).max() < 0.01
 
 
 def test_limp_and_firm_hands():
-    """The firmer both are, the harder they hold; a limp hand gives way to a firm one."""
+    """The firmer both hands are, the harder they hold; a limp hand yields to a firm one."""
     sequence = hp.scenarios.load("shake_hands", shakes=1)
     begin, end = (round(t * 30.0) for t in shake_hands.held(1))
     force, bent = [], []

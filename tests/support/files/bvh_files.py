@@ -1,4 +1,4 @@
-"""BVH files made from first principles, and an independent reader of them: what the tests trust.
+"""BVH files made from first principles, and an independent reader of them, used as references.
 
 The layout: joints as nested blocks with OFFSET and CHANNELS, then `MOTION`, `Frames: T`, `Frame
 Time: s` and a row of numbers per frame. A joint turns by the product of its channels' rotations in
@@ -64,7 +64,7 @@ def text_of(
     """A file of joints with local quaternions (T, J, 4) and root places (T, 3).
 
     `order` may differ from joint to joint; `places`: position channels on every joint; `tips`
-    (J, 3): the End Sites of those that are leaves.
+    (J, 3): the End Sites of leaf joints.
     """
     tips = 0.5 * offsets if tips is None else tips
     orders = [order] * len(names) if isinstance(order, str) else list(order)
@@ -111,11 +111,11 @@ def retold(
     up: str = "y",
     **options,
 ) -> str:
-    """The motion of `body` as another program would have it: other names, frames and units.
+    """The motion of `body` as another program would write it: other names, frames and units.
 
     Args:
         motion: In the z-up world.
-        body: Whose joints it has.
+        body: The body that gives the joints.
         names: SMPL-X joint -> name, of the joints that are in the file.
         own: SMPL-X joint from the file's joint, quaternions (55, 4): frames that are turned
             against SMPL-X's. At the file's zero pose the body is in the pose with world rotations
@@ -155,7 +155,7 @@ def retold(
 
 
 def pointing(joint: int, body: hp.Body) -> np.ndarray:
-    """Where the bone of an SMPL-X joint points at rest, a direction."""
+    """The direction of the bone of an SMPL-X joint at rest."""
     name, rest = JOINT_NAMES[joint], body.rest_joints
     if name == "head":
         return np.array([0.0, 1.0, 0.0])

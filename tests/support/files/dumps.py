@@ -1,4 +1,4 @@
-"""What torch.save and joblib.dump write, without torch and joblib."""
+"""The bytes that torch.save and joblib.dump write, without torch and joblib."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 
 class Named:
-    """Pickled as the name of a thing in a module that is not there."""
+    """Pickled as a name in a module that does not exist."""
 
     def __init__(self, module: str, name: str) -> None:
         self.module, self.name = module, name
@@ -24,7 +24,7 @@ class Tensor:
 
 
 class _Pickler(pickle._Pickler):
-    """Writes what torch writes: globals by name, storages as persistent objects."""
+    """Write as torch does: globals by name, storages as persistent objects."""
 
     def save(self, obj, save_persistent_id=True):
         if isinstance(obj, Named):
@@ -56,7 +56,7 @@ def torch_saved(path: Path, data, storages, byteorder: str | None = "little") ->
 
 
 class Wrapper:
-    """An array as joblib writes it: what it is, and its bytes right behind."""
+    """An array as joblib writes it: its description, directly followed by its bytes."""
 
     def __init__(self, array: np.ndarray, order: str = "C") -> None:
         self.array, self.order = array, order

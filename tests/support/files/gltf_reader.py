@@ -54,13 +54,13 @@ class Gltf:
         return out if width == 1 else out.reshape(-1, width)
 
     def node(self, name: str) -> int:
-        """The node of a name that only one has."""
+        """The node with a unique name."""
         (found,) = (i for i, n in enumerate(self.json["nodes"]) if n.get("name") == name)
         return found
 
     @property
     def times(self) -> np.ndarray:
-        """When there are keys [s]."""
+        """The times of the keys [s]."""
         (animation,) = self.json["animations"]
         (accessor,) = {s["input"] for s in animation["samplers"]}  # one for all
         return self.array(accessor)
@@ -143,7 +143,7 @@ class Gltf:
         return out[:, :3]
 
     def check(self) -> None:
-        """Rules of the specification (sections 3.6 to 3.11) that such files can break."""
+        """Check rules of the specification (sections 3.6 to 3.11) that such files can break."""
         text = self.json
         assert text["asset"]["version"] == "2.0"
         views = text["bufferViews"]
@@ -201,7 +201,7 @@ class Gltf:
             joints = np.concatenate([self.array(attributes[f"JOINTS_{k}"]) for k in sets], axis=1)
             weights = np.concatenate([self.array(attributes[f"WEIGHTS_{k}"]) for k in sets], axis=1)
             assert (weights >= 0.0).all()
-            assert (np.diff(weights, axis=1) <= 0.0).all()  # who reads four gets the largest
+            assert (np.diff(weights, axis=1) <= 0.0).all()  # a reader of four gets the largest
             np.testing.assert_allclose(weights.astype(float).sum(axis=1), 1.0, atol=5e-7)
             assert joints.max() < 55
             assert (joints[weights == 0.0] == 0).all()

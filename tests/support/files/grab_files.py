@@ -99,6 +99,6 @@ def written(root: Path, content: dict) -> Path:
 
 
 def template() -> np.ndarray:
-    """Another than the model's own."""
+    """A template other than the model's own."""
     own = np.random.default_rng(11).uniform(-0.7, 0.7, (VERTICES, 3))
     return own.astype(np.float32).astype(np.float64)

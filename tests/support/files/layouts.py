@@ -10,12 +10,12 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.simulation.sequence import Sequence
 
-#: An upright body in files with z up stands turned by this about x.
+#: An upright body in files with z up is turned by this about x.
 UPRIGHT = {"y": np.zeros(3), "z": np.array([np.pi / 2, 0.0, 0.0])}
 
 
 def movement(frames: int = 12, seed: int = 0, up: str = "z") -> tuple[np.ndarray, np.ndarray]:
-    """Translation (T, 3) and rotations (T, 55, 3) of an upright person who moves all joints.
+    """Translation (T, 3) and rotations (T, 55, 3) of an upright person with all joints moving.
 
     At a person's speeds up to 120 frames per second.
     """
@@ -30,7 +30,7 @@ def movement(frames: int = 12, seed: int = 0, up: str = "z") -> tuple[np.ndarray
 
 
 def quiet(path, **options) -> Sequence:
-    """What `load_sequence` reads, without its warnings."""
+    """The result of `load_sequence`, without its warnings."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", hp.HalfPhysicsWarning)
         return hp.load_sequence(path, **options)

@@ -1,4 +1,4 @@
-"""Skinning as the SMPL paper writes it: what body models and their templates are held to."""
+"""Skinning as in the SMPL paper: the reference for body models and their templates."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from support.files.model_files import (
 def lbs(
     model: str, content: dict[str, Any], betas: np.ndarray, rotations: np.ndarray
 ) -> np.ndarray:
-    """Skinning as the SMPL paper writes it, on the file's own joints, one at a time."""
+    """Skinning as in the SMPL paper, on the file's own joints, one at a time."""
     shaped = content["v_template"] + content["shapedirs"][:, :, : len(betas)] @ betas
     rest = content["J_regressor"] @ shaped
     local = rot.rotvec_to_matrix(rotations)

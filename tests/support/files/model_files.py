@@ -67,7 +67,7 @@ def write_pkl(path: Path, content: dict[str, Any], protocol: int = 2) -> Path:
 
 
 class chumpy_stand_in:
-    """While it lasts, there is a package `chumpy` to pickle objects of; never to unpickle them."""
+    """Context with a package `chumpy` to pickle objects of; never to unpickle them."""
 
     def __enter__(self) -> chumpy_stand_in:
         for module, name in (("chumpy.ch", "Ch"), ("chumpy.reordering", "Select")):
@@ -88,14 +88,14 @@ CLASSES = {
 
 
 def chumpy(array: np.ndarray) -> Any:
-    """What chumpy.array(array) leaves in a pickle."""
+    """The pickled form of chumpy.array(array)."""
     out = CLASSES["chumpy.ch.Ch"]()
     out.__dict__.update(x=array, _dirty_vars=set(), _itr=None, _depends_on_deps=False)
     return out
 
 
 def chumpy_select(array: np.ndarray, indices: np.ndarray, shape: tuple[int, ...]) -> Any:
-    """What chumpy's slicing leaves in a pickle."""
+    """The pickled form of a chumpy slice."""
     out = CLASSES["chumpy.reordering.Select"]()
     out.__dict__.update(a=chumpy(array), idxs=indices, preferred_shape=shape)
     return out

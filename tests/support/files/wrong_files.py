@@ -1,7 +1,7 @@
-"""Files that no loader may take: each ends in one clear error and runs nothing.
+"""Files that every loader refuses: each ends in one clear error and runs nothing.
 
 A case is a name and a function that spoils the fields of a good file; how fields become a file is
-the format's own business (`write`). Broken bytes are the same for all formats.
+the format's own task (`write`). Broken bytes are the same for all formats.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def spoilt(key: str, index: Any, value: float) -> Callable[[Fields], Any]:
 
 
 def usual(key: str) -> list[Case]:
-    """What goes wrong with numbers per frame, `key` (T, n)."""
+    """Faults of numbers per frame, `key` (T, n)."""
     return [
         (f"no {key}", without(key), rf"'{key}' is missing"),
         (f"{key} too wide", changed(key, lambda a: np.hstack([a, a])), rf"'{key}'.*expected"),

@@ -1,1 +1,1 @@
-"""Judges: they look at a result from outside, with another library or plain numpy."""
+"""Judges: they check a result independently, with another library or plain numpy."""

@@ -1,26 +1,26 @@
-"""Judges a recorded run from outside: were the people clear of all statics, and did they stay so?
+"""Judges a recorded run independently: are the people clear of all statics, and do they stay so?
 
-Two questions about the convex pieces that are kept clear (`person_hulls`: hulls of the skin, or the
-rigid parts), neither answered with anything of the core but coordinates and body frames:
+Two questions about the convex pieces that must stay clear (`person_hulls`: hulls of the skin, or
+the rigid parts). The core supplies only coordinates and body frames:
 
 1. *Clear*: at every committed pose, does a piece meet a static? Distances by `coal`, hull against
-   triangles or primitive; where a plane proves that one is farther than the smallest known, that
-   will do.
+   triangles or primitive; a plane that proves one farther than the smallest known distance
+   is enough.
 2. *Side*: between two committed poses, could the piece get from one to the other without meeting
    the static? A single sheet, a pole or a rod has no inside that a jump could end in, so poses
-   alone do not tell. Asked for is a witness, a continuous motion of the piece that meets nothing:
+   alone do not tell. The judge requires a witness, a continuous motion of the piece:
 
    - the sum of the distances at both ends exceeds the longest way of a vertex; or
    - a plane that has both hulls on one side and the obstacle on the other; or
-   - the hull of both sets of vertices is disjoint from the obstacle, or, the step cut into
-     pieces, those of the pieces are: the vertices move straight; or
+   - the hull of both sets of vertices is disjoint from the obstacle, or, the step split into
+     pieces, their hulls are: the vertices move straight; or
    - the motion of the body (root straight, rotations by the shortest arc) is clear, by
      conservative advancement; or
-   - two or four such motions are, over poses stepped back a little (`DETOURS`): a step that was
-     made in pieces may bend around an edge.
+   - two or four such motions are, over poses stepped back a little (`DETOURS`): a split
+     step may bend around an edge.
 
-   With a witness the piece is where it could have got to: on its side. Without any it has crossed.
-   Only the last three can miss a way that exists, and only where the obstacle stands in all.
+   With a witness the piece is on its side of the static. Without any it has crossed.
+   Only the last three can miss a way that exists, and only near obstacles.
 """
 
 from __future__ import annotations
@@ -36,24 +36,24 @@ from halfphysics.geometry.shapes import Mesh, Plane
 from support.judges.coal_shapes import coal_hull, coal_shape
 from support.judges.person_hulls import pieces_of
 
-#: Pairs farther apart than this are not looked at [m].
+#: Farther pairs are skipped [m].
 NEAR = 0.005
-#: coal's own distances are good to this [m].
+#: Accuracy of coal's own distances [m].
 ROUNDING = 1e-6
-#: Poses looked at together: bounds the memory.
+#: Poses processed together: bounds the memory.
 CHUNK = 64
-#: Planes that held last are tried first.
+#: The planes that separated last are tried first.
 RECENT = 3
-#: A step without witness is cut in halves at most this often.
+#: A step without witness is halved at most this often.
 STRAIGHT_DEPTH, ARC_DEPTH, BENT_DEPTH = 4, 12, 1
-#: How far a piece may step back from an obstacle on its way from one pose to the next [m]: not far
-#: enough to get around anything that it was thrown at.
+#: How far a piece may step back from an obstacle on its way from one pose to the next [m]: too
+#: little to get around any obstacle of the throws.
 DETOURS = (0.005, 0.02)
 
 
 @dataclass
 class Verdict:
-    """What was found: distances [m], and where."""
+    """Results: distances [m], and their places."""
 
     poses: int = 0
     start: float = np.inf
@@ -64,7 +64,7 @@ class Verdict:
 
     @property
     def clear(self) -> bool:
-        """No committed pose intersects anything and nothing was crossed between two."""
+        """No committed pose intersects a static and no step crosses one."""
         return self.gap >= -ROUNDING and not self.crossed
 
 
@@ -77,11 +77,11 @@ class _Static:
     high: np.ndarray
     plane: tuple[np.ndarray, float] | None = None
     triangles: np.ndarray | None = None  # (F, 3, 3), in the world
-    lows: np.ndarray | None = None  # of the triangles (F, 3)
+    lows: np.ndarray | None = None  # lower corners of the triangles' boxes (F, 3)
     highs: np.ndarray | None = None
 
     def within(self, low, high):
-        """The same, with the triangles that meet the box around these boxes (n, 3) alone."""
+        """The same solid, with only the triangles that meet the box around these boxes (n, 3)."""
         if self.triangles is None:
             return self
         kept = (self.lows <= high.max(axis=0)) & (self.highs >= low.min(axis=0))
@@ -120,9 +120,9 @@ def _static(s):
 
 
 class Judge:
-    """Looks at the committed poses of one simulator.
+    """Judges the committed poses of one simulator.
 
-    `contact`: whether at the hulls of the "skin", the rigid "parts" or "both"; None: at what the
+    `contact`: the hulls of the "skin", the rigid "parts" or "both"; None: the pieces that the
     simulator keeps clear.
     """
 
@@ -139,7 +139,7 @@ class Judge:
         return self.judge_poses(np.concatenate([start[None], *(f.substeps for f in frames)]))
 
     def judge_poses(self, poses) -> Verdict:
-        """`poses`: coordinates (T, nq) of one after the other, the first at index 0."""
+        """`poses`: consecutive coordinates (T, nq), the first at index 0."""
         verdict = Verdict(poses=len(poses) - 1)
         for first in range(0, max(1, len(poses) - 1), CHUNK):
             for pieces in self.pieces:
@@ -176,7 +176,7 @@ class Judge:
                             verdict)  # fmt: skip
 
     def _steps(self, at, i, s, steps, first, verdict):
-        """Piece i and what of a static is near it in these steps of a chunk."""
+        """Piece i and the nearby triangles of a static in these steps of a chunk."""
         name, known, recent = at.pieces.names[i], {}, []
 
         def exact(k):
@@ -188,11 +188,11 @@ class Judge:
 
         for k in map(int, steps):
             both = np.concatenate([at.points(i, k), at.points(i, k + 1)])
-            # Beyond these planes nothing is nearer than what is known, at either pose or between.
+            # Beyond these planes no distance is below the known one, at either pose or between.
             if first + k > 0 and _behind(s, both, recent, max(min(verdict.gap, NEAR), 0.0)):
                 continue
             before, after = exact(k), exact(k + 1)
-            # One that is proved is enough: the others are not looked at as patiently.
+            # One proven crossing is enough: later steps get fewer attempts.
             patient = not verdict.crossed
             if s.plane is None and not self._kept(_Way(at, i, k), s, before, after, patient):
                 verdict.crossed.append((name, s.name, first + k + 1))
@@ -206,7 +206,7 @@ class Judge:
             verdict.gap, verdict.where = float(gap), (name, s.name, pose)
 
     def _distance(self, points, solid, s):
-        """Distance and a normal from the static to the piece (any, where they meet)."""
+        """Distance and a normal from the static to the piece (any normal if they meet)."""
         if s.plane is not None:
             return (points @ s.plane[0]).min() - s.plane[1], s.plane[0]
         result = coal.DistanceResult()
@@ -248,7 +248,7 @@ class Judge:
         return _Stop(share, offset, gap, away)
 
     def _bent(self, way, s, a, b, depth):
-        """The body's motion in two, and those in two, over poses stepped back from the middle."""
+        """The body's motion in two halves, and in four, over poses stepped back from the middle."""
         ends = [stop.away / max(np.linalg.norm(stop.away), 1e-12) for stop in (a, b)]
         out = [*ends, ends[0] + ends[1]]
         for share, n, detour in product((0.5, 0.0, 1.0), out, DETOURS):
@@ -277,7 +277,7 @@ class Judge:
 
 
 class _Way:
-    """The motion of a piece from one pose to the next, if nothing else moves it."""
+    """The motion of a piece from one pose to the next, without other influence."""
 
     def __init__(self, at, i, k):
         self._at, self._i, self._k = at, i, k
@@ -293,7 +293,7 @@ class _Way:
 
 @dataclass
 class _Stop:
-    """On a way, at a share of it and moved by an offset (3,): distance there, and whither it is."""
+    """A point of a way, at a share of it and moved by an offset (3,): distance and direction."""
 
     share: float
     offset: np.ndarray
@@ -302,7 +302,7 @@ class _Stop:
 
 
 def _near(s, low, high):
-    """Which boxes (..., 3) meet what a static is in."""
+    """Which boxes (..., 3) meet the box of a static."""
     if s.plane is not None:
         n, offset = s.plane
         return np.where(n > 0.0, low, high) @ n < offset
@@ -310,7 +310,7 @@ def _near(s, low, high):
 
 
 def _keep(recent, away):
-    """The direction that was found last comes first."""
+    """Puts the latest direction first."""
     length = np.linalg.norm(away)
     if length > 0.0:
         recent.insert(0, away / length)
@@ -318,7 +318,7 @@ def _keep(recent, away):
 
 
 def _behind(s, points, normals, far=0.0):
-    """Whether planes of these normals prove that nothing is within `far` of the points (n, 3).
+    """Whether planes of these normals prove that no static is within `far` of the points (n, 3).
 
     Of a mesh every triangle has to be behind one of the planes, or away from the points' box.
     """
@@ -343,7 +343,7 @@ def _behind(s, points, normals, far=0.0):
 
 
 def _highest(s, n):
-    """The farthest that a convex primitive reaches along n (an upper bound by its hull)."""
+    """A convex primitive's largest extent along n (an upper bound by its hull)."""
     turn, x = s.place.getRotation(), s.place.getTranslation()
     local, shape = turn.T @ n, s.shape
     if isinstance(shape, coal.Box):

@@ -1,4 +1,4 @@
-"""A run looked at from outside: distances by coal, poses of people by `person_hulls`."""
+"""Independent checks of a run: distances by coal, poses of people by `person_hulls`."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from support.judges.coal_shapes import coal_shape
 from support.judges.person_hulls import pieces_of
 from support.judges.scene_solids import fixed_links, owners, solids_of
 
-#: Farther than this two things are not looked at [m].
+#: Pairs beyond this distance are skipped [m].
 NEAR = 0.02
 HERE = coal.Transform3s()
 
 
 @dataclass
 class _Solid:
-    """What is somewhere: box [m], whose, and coal's geometry and place, made when asked for.
+    """A posed solid: box [m], owner, and coal's geometry and place, made on request.
 
-    `owner`: a static, an object, an articulated object or a person; what is not `moves` nothing
-    pushes.
+    `owner`: a static, an object, an articulated object or a person; contact does not push
+    a solid without `moves`.
     """
 
     owner: str
@@ -51,7 +51,7 @@ def _bounds(geometry, turn, position):
 
 
 class Watch:
-    """Distances between all that a simulator moves and all that stands there.
+    """Distances between all moving and all static solids of a simulator.
 
     Attributes:
         people: The pieces of every person (`person_hulls`), as the simulator keeps them clear.
@@ -64,7 +64,7 @@ class Watch:
         self.people = pieces_of(simulator)
         world, standing = simulator.world, fixed_links(self.scene)
         self.owner = owners(self.scene)
-        # Pieces of objects, geoms of links, with the place that they go with.
+        # Pieces of objects, geoms of links, with their poses.
         self.things = [
             (t, solid, coal_shape(solid.shape, solid=True))
             for t in world.tracked
@@ -101,7 +101,7 @@ class Watch:
         return out
 
     def _placed(self, name, solid, shape, pose, moves):
-        """A solid of a thing whose frame is at a pose (3,), (4,)."""
+        """A solid of an item whose frame is at a pose (3,), (4,)."""
         position, turn = solid.at(pose[0], rot.to_matrix(rot.normalize(pose[1])))
         place = coal.Transform3s(turn, position)
         low, high = _bounds(shape, turn, position)
@@ -122,16 +122,16 @@ class Watch:
         return self.scene.ignores(*names)
 
     def gap(self, qpos, against_objects=True, statics="all"):
-        """Smallest distance at one pose (inf: beyond `NEAR`), and between which two.
+        """Smallest distance at one pose (inf: beyond `NEAR`), and the two items.
 
-        statics: Whose distance from them counts: "all", "things" (not the people's) or "none".
+        statics: The solids whose distance to them counts: "all", "things" (not people's) or "none".
         """
         found = self.gaps(qpos, against_objects, statics)
         d, *pair = min(found, default=(np.inf, "", ""))
         return (d, tuple(pair)) if d < NEAR else (np.inf, ("", ""))
 
     def gaps(self, qpos, against_objects=True, statics="all"):
-        """Distances of all that are near each other at a pose: (distance, one, the other)."""
+        """Distances of all near pairs at a pose: (distance, one, the other)."""
         movers = self._movers(qpos)
         pairs = [(movers[i], self.statics[k]) for i, k in self._near(movers, self.statics)]
         if statics != "all":

@@ -1,8 +1,8 @@
-"""The gap that is seen: how far a pole or an edge that meets the hulls stays from the skin.
+"""The visible gap: the distance of a pole or an edge that touches the hulls from the skin.
 
-A pole (a cylinder of 2 cm radius) and a 90 degree edge, both endless, come up to a posed body from
-somewhere outside until they touch the union of its convex hulls. What is then left between them and
-the skin is the gap. Both problems are flat: everything is projected along the pole.
+A pole (a cylinder of 2 cm radius) and a 90 degree edge, both endless, approach a posed body from
+outside until they touch the union of its convex hulls. The gap is their remaining distance from
+the skin. Both problems are flat: everything is projected along the pole.
 
 As a script, the whole table::
 
@@ -28,12 +28,12 @@ from halfphysics.motion.pose import Pose
 from halfphysics.motion.skeleton import JOINT_INDEX
 
 RADIUS = 0.02
-#: How far [m] around the place of contact skin is looked for: gaps over it count as it.
+#: Range [m] of the search for skin around the contact point: larger gaps count as this.
 NEAR = 0.2
 
 
 class Gaps(NamedTuple):
-    """Of n first contacts: pole or edge, gap [m], nearest skin vertex."""
+    """Arrays over n first contacts: pole or edge, gap [m], nearest skin vertex."""
 
     pole: np.ndarray  # (n,) bool
     gap: np.ndarray  # (n,)
@@ -118,7 +118,7 @@ def first_contacts(
     Args:
         skin: Posed vertices (V, 3).
         faces: (F, 3).
-        edges: Of the hulls, as `union_edges` gives them.
+        edges: Edges of the hulls, as `union_edges` gives them.
     """
     normals = vertex_normals(skin, faces)
     start, end = edges
@@ -127,7 +127,7 @@ def first_contacts(
     )
     pole, gap, vertex = [], [], []
     for v in targets:
-        a = normals[v] + 0.6 * rng.normal(size=3)  # from where it comes
+        a = normals[v] + 0.6 * rng.normal(size=3)  # the direction of approach
         a /= np.linalg.norm(a)
         e = np.cross(a, rng.normal(size=3))  # along the pole
         e /= np.linalg.norm(e)
@@ -142,7 +142,7 @@ def first_contacts(
             pole.append(True)
             gap.append(distance - RADIUS)
             vertex.append(nearest)
-        # edge: its two flanks at 45 degrees to where it comes from, its ridge through y
+        # edge: its two flanks at 45 degrees to the approach, its ridge through y
         plane = np.stack([a + b, a - b]) / np.sqrt(2.0)
         shift = np.array([y, -y]) / np.sqrt(2.0)
         p, q, flat = (points @ plane.T - shift for points in (start, end, skin))
@@ -208,7 +208,7 @@ def regions(body: Body) -> dict[str, np.ndarray]:
 
 
 def bends() -> dict[str, np.ndarray]:
-    """Poses (55, 3) in which people touch things: hollows open and close."""
+    """Poses (55, 3) in which people touch objects: hollows open and close."""
 
     def pose(**turns: tuple[float, float, float]) -> np.ndarray:
         rotations = np.zeros((55, 3))
@@ -265,7 +265,7 @@ def split(hulls: SkinHulls) -> list[np.ndarray]:
 
 
 def joint_sets(body: Body) -> list[np.ndarray]:
-    """One set of whole faces for each joint that has any."""
+    """One set of whole faces for each joint with skin."""
     joint = body.weights[body.faces].sum(axis=1).argmax(axis=1)
     return [np.unique(body.faces[joint == k]) for k in np.unique(joint)]
 
@@ -280,7 +280,7 @@ def gaps(
     """First contacts of `trials` poles and edges at every pose; every region has as many.
 
     Args:
-        sets: Vertex sets of the hulls; None: the 55 rigid parts, which skin may stick out of (their
+        sets: Vertex sets of the hulls; None: the 55 rigid parts; skin may protrude from them (their
             gaps count as zero there).
     """
     rng = np.random.default_rng(seed)

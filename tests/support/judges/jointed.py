@@ -1,6 +1,6 @@
-"""Articulated things in a result, looked at from outside: MuJoCo poses their links, coal measures.
+"""Articulated objects in a result, checked independently: links by MuJoCo, distances by coal.
 
-Of the simulator are only the joints' values, the people's motions and the contacts.
+The simulator supplies only the joints' values, the people's motions and the contacts.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from halfphysics.results.result import ObjectTrack
 from support.judges.coal_shapes import coal_hull, coal_shape
 from support.judges.posed_skin import Skinner
 
-#: Farther than this two things are not looked at [m].
+#: Pairs beyond this distance are skipped [m].
 NEAR = 0.03
 
 
 @dataclass(frozen=True)
 class Jointed:
-    """One articulated thing of a result at all T frames.
+    """One articulated object of a result at all T frames.
 
     Attributes:
-        result: Where it is.
-        name: Of the articulated thing.
+        result: The result.
+        name: The articulated object's name.
     """
 
     result: object
@@ -38,19 +38,19 @@ class Jointed:
         return self.result.scene.articulated[self.name]
 
     def values(self):
-        """MuJoCo's own model of the same text, and of every joint the values (T, ...)."""
+        """MuJoCo's own model of the same text, and the values (T, ...) of every joint."""
         own = {n.split("/", 1)[1]: v for n, v in self.result.joints.items()}
         model = mujoco.MjModel.from_xml_string(self.thing.xml)
         return model, [own[model.joint(j).name] for j in range(model.njnt)]
 
     def poses(self):
-        """Link -> where MuJoCo has it: positions (T, 3), rotations (T, 3, 3)."""
+        """Link -> its pose by MuJoCo: positions (T, 3), rotations (T, 3, 3)."""
         model, values = self.values()
         data = mujoco.MjData(model)
         out = {}
         base, origin = rot.to_matrix(self.thing.quaternion), self.thing.position
         free = [j for j in range(model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_FREE]
-        # A free joint's coordinates are of the world, all others are of the thing's frame.
+        # A free joint's coordinates are in the world, all others in the object's frame.
         loose = {int(model.body_rootid[model.jnt_bodyid[j]]) for j in free}
         for t in range(len(values[0])):
             data.qpos[:] = np.concatenate([np.atleast_1d(v[t]) for v in values])
@@ -66,7 +66,7 @@ class Jointed:
         }
 
     def off(self):
-        """How far links are from where their joints have them: [m], and as matrices."""
+        """Deviation of links from their joints' poses: [m], and as matrices."""
         worst = [0.0, 0.0]
         for name, (position, turn) in self.poses().items():
             track = self.result.objects.get(f"{self.name}/{name}")
@@ -77,7 +77,7 @@ class Jointed:
         return tuple(worst)
 
     def beyond(self):
-        """How far joints are past their limits at most, in MuJoCo's reading [rad or m]."""
+        """How far joints are past their limits at most, by MuJoCo's model [rad or m]."""
         model, values = self.values()
         limited = [j for j in range(model.njnt) if model.jnt_limited[j]]
         low = [model.jnt_range[j, 0] - values[j].min() for j in limited]
@@ -87,7 +87,7 @@ class Jointed:
     def gap(self, frames, links=None, motion=None):
         """Smallest distances of the person's skin hulls from solids of links [m], (frames,).
 
-        `motion`: another than the result's; negative where it is inside.
+        `motion`: in place of the result's; negative where it is inside.
         """
         person = self.result.people[0]
         hulls = person.body.skin_corners
@@ -126,7 +126,7 @@ class Jointed:
         return out
 
     def penetration(self, motion, every=4):
-        """`metrics.penetration` of a motion, things where the result has them; some frames."""
+        """`metrics.penetration` of a motion at some frames, objects posed as in the result."""
         objects = {
             name: ObjectTrack(
                 position=track.position[::every], quaternion=track.quaternion[::every]
@@ -137,7 +137,7 @@ class Jointed:
         return penetration(motion[::every], body, scene, objects=objects)
 
     def force(self, link):
-        """Of the person on a link, mean over each frame [N], (T, 3)."""
+        """The person's force on a link, mean over each frame [N], (T, 3)."""
         contacts, fps = self.result.contacts, self.result.fps
         rows = self.rows(link)
         out = np.zeros((len(self.result.people[0].motion), 3))
@@ -145,7 +145,7 @@ class Jointed:
         return out
 
     def rows(self, link):
-        """Which contacts are of the person with a link."""
+        """Which contacts are between the person and a link."""
         contacts = self.result.contacts
         other = self.result.names.index(f"{self.name}/{link}")
         return (contacts.person == 0) & (contacts.other == other)

@@ -1,4 +1,4 @@
-"""Contact labels judged from outside: every distance is coal's, none is ours."""
+"""Contact labels judged independently: coal computes every distance."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Mesh, Plane
 from support.judges.coal_shapes import coal_shape
 
-#: Of the other library's own distances [m].
+#: Accuracy of the other library's distances [m].
 ROUNDING = 1e-6
 _DOT = 1e-7
 
 
 @dataclass
 class Verdict:
-    """What was found of one result's labels.
+    """Results for one result's labels.
 
-    `vertices`, `points`: labelled vertices of skins and objects that were asked of, `farthest` of
+    `vertices`, `points`: checked labelled vertices of skins and objects, `farthest` of
     them [m]; `unlabelled`: vertices without a label that are nearer than the threshold;
     `impulses`: contacts of people with an impulse; `bare`: those of a part without any label;
-    `with_vertex`: those of which a vertex of the two sides has a label at the frame; `gaps`: the
+    `with_vertex`: those with a label at a vertex of either side in the frame; `gaps`: the
     distances of both sides of the others [m]; `between`: contacts between people, whose vertices
     have no labels.
     """
@@ -40,7 +40,7 @@ class Verdict:
 
 
 def solids(scene):
-    """Name -> [(coal geometry or Plane, position (3,), turn (3, 3))] in the thing's frame."""
+    """Name -> [(coal geometry or Plane, position (3,), turn (3, 3))] in the item's frame."""
     found = {}
     for name, static in scene.statics.items():
         found[name] = [(static.shape, not isinstance(static.shape, Mesh), np.zeros(3), np.eye(3))]
@@ -62,7 +62,7 @@ def solids(scene):
 
 
 def pose(result, name, frame):
-    """Where a thing is: position (3,), turn (3, 3)."""
+    """Pose of an item: position (3,), turn (3, 3)."""
     if name in result.scene.statics:
         static = result.scene.statics[name]
         return np.array(static.position), rot.to_matrix(static.quaternion)
@@ -71,7 +71,7 @@ def pose(result, name, frame):
 
 
 def from_thing(geometry, position, turn, points):
-    """Distances (n,) [m] of points (n, 3) from a thing at a pose; 0 or less inside."""
+    """Distances (n,) [m] of points (n, 3) to an item at a pose; 0 or less inside."""
     out = np.full(len(points), np.inf)
     for shape, own, own_turn in geometry:
         place, way = position + turn @ own, turn @ own_turn
@@ -88,7 +88,7 @@ def from_thing(geometry, position, turn, points):
 
 
 def judge(result, labels, *, most=60, seed=0):
-    """Asks of at most `most` vertices of each kind, person and thing, drawn evenly."""
+    """Checks at most `most` vertices of each kind, person and item, drawn evenly."""
     rng, verdict = np.random.default_rng(seed), Verdict()
     geometry, names = solids(result.scene), [item.name for item in labels.objects]
     standing = [name for name in geometry if name not in names]
@@ -101,7 +101,7 @@ def judge(result, labels, *, most=60, seed=0):
             apart = _apart(result, person, geometry, things, frame, vertex)
             verdict.vertices += len(apart)
             verdict.farthest = max(verdict.farthest, apart.max(initial=0.0))
-            # Of all other vertices in the same frames none may be as near.
+            # No other vertex in the same frames may be as near.
             other = rng.integers(0, ids.shape[1], len(frame) + most)
             when = (
                 rng.choice(frame, len(other))

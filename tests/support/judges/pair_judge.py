@@ -1,6 +1,6 @@
-"""Judges two people of a run from outside: did they stay out of each other, and how near are they?
+"""Judges two people of a run independently: do they stay apart, and how near are they?
 
-Of every pose three questions, answered with nothing of the core but coordinates:
+For every pose three questions; the core supplies only coordinates:
 
 - the convex pieces of both (`person_hulls`), those of one against those of the other, by `coal`;
 - the skins themselves, triangles against triangles, by `coal`;
@@ -19,15 +19,15 @@ from support.judges.person_hulls import pieces_of
 from support.judges.posed_skin import Skinner
 from support.judges.triangle_soup import RAY, Soup
 
-#: Distances up to this are measured [m], beyond it is inf.
+#: Distances up to this are measured [m]; larger ones are inf.
 NEAR = 0.004
-#: Poses looked at together: bounds the memory.
+#: Poses processed together: bounds the memory.
 CHUNK = 64
 
 
 @dataclass
 class PairVerdict:
-    """What was found.
+    """Results of a comparison.
 
     Attributes:
         gaps: Smallest distance of the pieces at every pose (T,) [m], negative by depth, inf
@@ -51,7 +51,7 @@ class PairVerdict:
 
     @property
     def clear(self):
-        """Nothing of one was in the other at any pose."""
+        """No pose has an overlap."""
         return self.gap > 0.0 and not self.cut and not self.inside
 
     def __str__(self):
@@ -62,10 +62,10 @@ class PairVerdict:
 
 
 class PairJudge:
-    """Looks at the first two of these people.
+    """Judges the first two of these people.
 
     Args:
-        bodies: Of everybody.
+        bodies: All people's bodies.
         contact: Pieces: hulls of the "skin", the rigid "parts" or "both".
     """
 
@@ -78,7 +78,7 @@ class PairJudge:
         self._skinners = [Skinner(who.body, samples=0) for who in self._people]
 
     def judge(self, motions, *, skin_every=1):
-        """Motions of one length, one per person; the skins at each so manieth pose."""
+        """Motions of one length, one per person; the skins at every `skin_every`-th pose."""
         poses = self._coordinates(motions)
         verdict = PairVerdict(np.full(len(poses), np.inf))
         for first in range(0, len(poses), CHUNK):
@@ -114,7 +114,7 @@ class PairJudge:
         if (low > high).any():
             return
         corners = [s[k.faces] for s, k in zip(skins, self._skinners, strict=True)]
-        # What may meet lies in the box that both boxes share.
+        # Only the intersection of both boxes can contain contacts.
         shared = [
             c[((c.min(axis=1) <= high) & (c.max(axis=1) >= low)).all(axis=1)] for c in corners
         ]
@@ -131,10 +131,10 @@ class PairJudge:
 
 def _any_inside(points, corners):
     """Whether the closed surface of triangles (n, 3, 3) winds around one of the points (k, 3)."""
-    across = np.linalg.svd(RAY[None])[2][1:].T  # two directions square to the rays
+    across = np.linalg.svd(RAY[None])[2][1:].T  # two directions normal to the rays
     low, high = (points @ across).min(axis=0), (points @ across).max(axis=0)
     seen = corners @ across
-    # Rays from the points meet none but these.
+    # Only these triangles can meet rays from the points.
     met = ((seen.min(axis=1) <= high) & (seen.max(axis=1) >= low)).all(axis=1)
     return met.any() and (Soup(corners[met]).winding(points) > 0.5).any()
 

@@ -1,8 +1,8 @@
-"""The convex pieces of people that a simulator keeps clear, posed here and by nothing of the core.
+"""The convex pieces of people that a simulator keeps clear, posed here without the core.
 
-With `contact="parts"` these are the 55 hulls of the rigid parts, carried by their bodies' frames;
-with "skin" the hulls of skinned vertices (`body.skin_corners`), skinned by `skin_judge.Skinner`. Of
-the core are only the coordinates and, of the parts, the frames of bodies.
+With `contact="parts"` these are the 55 hulls of the rigid parts, posed by their bodies' frames;
+with "skin" the hulls of skinned vertices (`body.skin_corners`), skinned by `skin_judge.Skinner`.
+The core supplies only the coordinates and, for the parts, the frames of bodies.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from support.judges.coal_shapes import coal_hull
 from support.judges.skin_judge import Skinner
 
 CONTACTS = ("skin", "parts")
-#: The skin is in the world's axes here: the root's rotation has them in it.
+#: The skin is in the world's axes here: the root's rotation contains them.
 WORLD = np.eye(3)
 
 
 def pieces_of(simulator, contact=None):
-    """Of every person its pieces.
+    """The pieces of every person.
 
     Args:
         simulator: A `halfphysics.simulation.simulator.Simulator`.
-        contact: "skin", "parts", "both"; None: what the simulator itself keeps clear.
+        contact: "skin", "parts", "both"; None: the simulator's own setting.
     """
     contact = contact or simulator.world.settings.contact
     kinds = CONTACTS if contact == "both" else (contact,)
@@ -39,9 +39,9 @@ class Parts:
     """The rigid parts of one person.
 
     Attributes:
-        name: Whose.
-        names: Of the pieces, "person/left_foot".
-        first: Where the corners of each piece begin, and their number (P + 1,).
+        name: The person's name.
+        names: Names of the pieces, "person/left_foot".
+        first: Index of each piece's first corner, and the number of corners (P + 1,).
     """
 
     def __init__(self, world, person):
@@ -56,7 +56,7 @@ class Parts:
         self.first = np.cumsum([0, *(len(p) for p in self._points)])
 
     def at(self, poses):
-        """Where they are at poses (T, nq)."""
+        """The pieces at poses (T, nq)."""
         x, q = zip(*(self._stepper.body_frames(p) for p in poses), strict=True)
         x, q = np.array(x)[:, self._bodies], np.array(q)[:, self._bodies]
         return Posed(self, poses, _PartState(self, x, rot.to_matrix(rot.normalize(q))))
@@ -80,7 +80,7 @@ class _PartState:
         return self.pieces._solids[i], coal.Transform3s(self.turn[t, i], self.x[t, i])
 
     def length(self, i, t):
-        """More than any corner of piece i travels from pose t to the next [m]."""
+        """An upper bound of the way of piece i's corners from pose t to the next [m]."""
         angle = np.linalg.norm(self._turned(i, t))
         return np.linalg.norm(self.x[t + 1, i] - self.x[t, i]) + self.pieces._size[i] * angle
 
@@ -105,7 +105,7 @@ class Skin:
         self.skinner = Skinner(person.body, samples=0)
 
     def at(self, poses):
-        """Where they are at poses (T, nq)."""
+        """The pieces at poses (T, nq)."""
         return Posed(self, poses, _SkinState(self, poses))
 
     def skinned(self, translation, rotations):
@@ -114,7 +114,7 @@ class Skin:
 
     @cached_property
     def arms(self):
-        """How fast a joint that turns at 1 rad/s moves a corner of hull h at most [m] (P, 55)."""
+        """Bounds of the speed of hull h's corners per rad/s of a joint [m] (P, 55)."""
         joints, rest = np.asarray(self.body.rest_joints), np.asarray(self.body.rest_vertices)
         length = np.linalg.norm(joints - joints[[max(p, 0) for p in PARENTS]], axis=1)
         bent = np.zeros((len(rest), N_JOINTS))  # per joint, at the vertex
@@ -132,7 +132,7 @@ class Skin:
                 reach = np.linalg.norm(rest[with_it] - joints[k], axis=1)
                 reach = (reach + 2.0 * bent[with_it].sum(axis=1)).max()
                 a = int(k)
-                while a >= 0:  # what turns about a joint is no farther off than the bones are long
+                while a >= 0:  # an axis is no farther off than the bones are long
                     far[a] = max(far[a], reach)
                     reach, a = reach + length[a], int(PARENTS[a])
             out[h] += far
@@ -156,7 +156,7 @@ class _SkinState:
         return moved + self.pieces.arms[i] @ np.linalg.norm(self._turned(t), axis=1)
 
     def between(self, i, t, share):
-        """At a share of the way: root straight, every joint by its shortest arc."""
+        """Corners at a share of the way: root straight, every joint by its shortest arc."""
         if (t, share) not in self._ways:
             q = rot.multiply(rot.exp(self.rotations[t]), rot.exp(share * self._turned(t)))
             x = self.translation[t] + share * (self.translation[t + 1] - self.translation[t])
@@ -172,7 +172,7 @@ class Posed:
     """Pieces at poses 0 to T - 1, and on their ways from each to the next.
 
     Attributes:
-        corners: Of all pieces (T, n, 3) [m].
+        corners: Corners of all pieces (T, n, 3) [m].
         low, high: Corners of boxes around the pieces (T, P, 3).
     """
 
@@ -192,7 +192,7 @@ class Posed:
         return self._state.solid(i, t, self.points(i, t))
 
     def length(self, i, t):
-        """More than any corner of piece i travels from pose t to the next [m]."""
+        """An upper bound of the way of piece i's corners from pose t to the next [m]."""
         return self._state.length(i, t)
 
     def between(self, i, t, share):

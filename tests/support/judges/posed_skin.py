@@ -1,4 +1,4 @@
-"""The skin of a pose, and points sampled on its triangles, in numpy: nothing of the core."""
+"""The skin of a pose, and points sampled on its triangles, in numpy, without the core."""
 
 from __future__ import annotations
 

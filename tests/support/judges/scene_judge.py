@@ -1,4 +1,4 @@
-"""What a scenario asks for and what comes of it: penetration, place of the pelvis, free joints."""
+"""A scenario's reference and its result: penetration, place of the pelvis, free joints."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class SceneVerdict:
 
 
 def judge(sequence):
-    """Simulates a `Sequence` and looks at what comes of it."""
+    """Simulates a `Sequence` and judges the result."""
     motion, scene, body = sequence.motion, sequence.scene, sequence.body
     result = simulate(motion, scene, body=body, settings=sequence.settings)
     there = metrics.penetration(motion, body, scene)

@@ -1,4 +1,4 @@
-"""What the things of a scene touch by, for judges from outside: convex solids in their frames."""
+"""Collision shapes of a scene's items, for independent judges: convex solids in their frames."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from halfphysics.geometry.shape_base import Shape
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A convex shape at `position` (3,) and `turn` (3, 3) in the frame of its thing."""
+    """A convex shape at `position` (3,) and `turn` (3, 3) in the frame of its item."""
 
     shape: Shape
     position: np.ndarray
     turn: np.ndarray
 
     def at(self, position, turn):
-        """Where the solid is, thing at position (..., 3) and turn (..., 3, 3): the same two."""
+        """The solid's pose, for an item at position (..., 3) and turn (..., 3, 3): the same two."""
         return position + (turn @ self.position[:, None])[..., 0], turn @ self.turn
 
 
 def owners(scene):
-    """Whose every name of a result is: an object's own, a link's articulated object."""
+    """The owner of every name in a result: an object itself, a link's articulated object."""
     links = {n: thing.name for thing in scene.articulated.values() for n in thing.link_names}
     return {**{name: name for name in scene.objects}, **links}
 
 
 def fixed_links(scene):
-    """Names of the links that no joint moves."""
+    """Names of the links without a joint."""
     things = scene.articulated.values()
     return {n for t in things for n, link in zip(t.link_names, t.links, strict=True) if link.fixed}
 

@@ -1,15 +1,15 @@
-"""Judges a run from outside by what people see: is the skin out of everything, at every pose?
+"""Judges a run independently by the visible skin: is it outside all items, at every pose?
 
-Nothing of the core is asked: the skin is posed here in numpy, things are asked by their formulas,
-by `triangle_soup` and by `coal`. Of the skin are looked at
+The core is not used: the skin is posed here in numpy, items are queried by their formulas,
+by `triangle_soup` and by `coal`. The judge checks
 
-- all vertices, and points sampled on its triangles (area weighted, fixed seed): inside or not, how
-  deep; winding numbers where a mesh is closed;
-- all triangles: does one meet the surface of a thing? By separating axes, GJK where there is none;
-- with `continuous`, all ways of triangles: does the hull of a triangle at two poses one after the
-  other meet a thing? What starts clear and whose ways are clear is on its side of every sheet;
+- all vertices, and points sampled on the skin's triangles (area weighted, fixed seed): their
+  depth; winding numbers where a mesh is closed;
+- all triangles: does one meet the surface of an item? By separating axes, GJK where there is none;
+- with `continuous`, all ways of triangles: does the hull of a triangle at two consecutive poses
+  meet an item? A clear start with clear ways stays on its side of every sheet;
 - the smallest distance of the vertices, pose by pose;
-- at chosen poses all of that again by `coal` alone: tree of the skin against tree of the thing.
+- at chosen poses all of that again by `coal` alone: tree of the skin against tree of the item.
 """
 
 from __future__ import annotations
@@ -27,31 +27,31 @@ from support.judges.scene_solids import owners, solids_of
 from support.judges.skin_obstacles import obstacles_of
 from support.judges.triangle_soup import Soup
 
-#: Distances up to this are measured [m], beyond it is inf.
+#: Distances up to this are measured [m]; larger ones are inf.
 NEAR = 0.03
-#: Formulas and skinning are good to this [m].
+#: Accuracy of formulas and skinning [m].
 ROUNDING = 1e-9
 #: Poses skinned together: bounds the memory.
 CHUNK = 64
-#: A way that is not clear as a whole is cut in halves at most this often.
+#: A way that is not clear as a whole is halved at most this often.
 HALVES = 4
-#: So many ways are cut; if one of them stays blocked, so do all.
+#: Up to this many ways are split; if one of them stays blocked, so do all.
 PATIENCE = 50
 
 
 @dataclass
 class SkinVerdict:
-    """What was found. Distances and depths [m]; `where`: thing, part, pose.
+    """Results. Distances and depths [m]; `where`: item, part, pose.
 
     Attributes:
         start: Smallest distance at the first pose, negative if inside.
         gaps: Smallest distance of the vertices from any surface at every pose, inf beyond `NEAR`.
-        depths: Deepest vertex or sample at every pose looked at for that, else 0.
+        depths: Deepest vertex or sample at every pose checked for depth, else 0.
         shares: Share of vertices inside likewise.
         cut: Poses at which a triangle of the skin meets a surface.
-        crossed: (thing, part, pose) where the way from a clear place to a clear place is blocked.
-        coal: Poses at which coal has them meet.
-        checked: How many poses were looked at for depth, and by coal.
+        crossed: (item, part, pose) where the way from a clear place to a clear place is blocked.
+        coal: Poses at which coal finds an intersection.
+        checked: Number of poses checked for depth, and by coal.
     """
 
     poses: int = 0
@@ -79,7 +79,7 @@ class SkinVerdict:
 
     @property
     def clear(self):
-        """The skin was in nothing, met nothing and went through nothing."""
+        """The skin was inside no item, met none and crossed none."""
         hit = self.cut or self.crossed or self.coal or self.swallowed
         return self.depth <= ROUNDING and not hit
 
@@ -122,7 +122,7 @@ def _matrices(quaternions):
 
 
 class SkinJudge:
-    """Looks at the skin of one person in a scene."""
+    """Judges the skin of one person in a scene."""
 
     def __init__(self, body, scene, samples=SAMPLES, seed=0):
         self.skin, self.body, self.scene = Skinner(body, samples, seed), body, scene
@@ -139,9 +139,9 @@ class SkinJudge:
         """A motion's poses; with `continuous`, its ways from each to the next too.
 
         objects: name -> (positions (T, 3), quaternions (T, 4)) of the scene's objects and links,
-            which are judged by the convex pieces that they touch by.
-        poses: only so many of the first.
-        every, coal_every: look for depth, and ask coal, at each so manieth pose (and the last).
+            which are judged by their convex pieces.
+        poses: number of first poses to judge.
+        every, coal_every: interval of poses for depth and for coal (and the last pose).
         """
         things = [*self.statics, *self._objects(objects or {})]
         count = len(motion) if poses is None else poses
@@ -179,9 +179,9 @@ class SkinJudge:
         return self.judge_motion(motion, objects, **options)
 
     def judge_frames(self, simulator, start, frames, **options):
-        """What a `Simulator` committed: `frames` with their substeps after the pose `start`.
+        """Judges a `Simulator`'s poses: `frames` with their substeps after the pose `start`.
 
-        With `simulator.world.stepper.keep_pieces(True)` that is all of it. Depths and coal: at
+        With `simulator.world.stepper.keep_pieces(True)` these are all poses. Depths and coal: at
         the ends of frames.
         """
         person, axes = simulator.world.people[0], np.asarray(start.axes)
@@ -194,14 +194,14 @@ class SkinJudge:
         return self.judge_motion(_Path(translation, rotations, axes), objects, **options)
 
     def penetration(self, motion, objects=None):
-        """`halfphysics.metrics.penetration` of it: rate [%] and depth [mm]."""
+        """`halfphysics.metrics.penetration` of a motion: rate [%] and depth [mm]."""
         found = metrics.penetration(motion, self.body, self.scene, objects=objects)
         return found.rate_percent, found.depth_max_mm
 
     def surface_distance(self, pose):
-        """Of the skin's triangles from what stands at a `Pose`, by coal [m]; planes are left out.
+        """Distance of the skin's triangles to statics at a `Pose`, by coal [m], without planes.
 
-        Not over the distance of the vertices, which are up to 6 cm apart.
+        At most the distance of the vertices, which are up to 6 cm apart.
         """
         skin = self.skin.vertices(pose.translation[None], pose.rotations[None], pose.axes)[0]
         best = np.inf
@@ -243,7 +243,7 @@ class SkinJudge:
             if t == 0:
                 self._swallowed(thing, skin, verdict)
             if thing.piece.plane and thing.piece.clear_of(thing.local(skin, t)):
-                continue  # and the way from a clear pose to a clear pose is clear
+                continue  # and the way between two clear poses is clear
             met = np.flatnonzero(_meets(low, high, below, above))
             if len(met):
                 corners = skin[self.skin.faces[met]]
@@ -254,7 +254,7 @@ class SkinJudge:
         verdict.shares[t] = inside.mean()
 
     def _boxes(self, skin, before):
-        """Boxes (F, 3) around the skin's triangles, and where they come from."""
+        """Boxes (F, 3) around the skin's triangles, and their previous positions."""
         ends = (
             (skin, skin) if before is None else (np.minimum(skin, before), np.maximum(skin, before))
         )
@@ -284,7 +284,7 @@ class SkinJudge:
         return depth
 
     def _swallowed(self, thing, skin, verdict):
-        """Small things may start within the body without touching its skin."""
+        """Small items may start within the body without touching its skin."""
         if thing.piece.plane:
             return
         at = thing.world(thing.piece.middle, 0)
@@ -295,7 +295,7 @@ class SkinJudge:
     # -- triangles -------------------------------------------------------------------------
 
     def _triangles(self, thing, which, corners, before, t, verdict):
-        """Notes which triangles (k, 3, 3) meet the thing at this pose or on the way to it."""
+        """Notes which triangles (k, 3, 3) meet the item at this pose or on the way to it."""
         piece, ends = thing.piece, thing.local(corners, t)
         if before is None:
             if len(piece.met_by(ends)):
@@ -308,9 +308,9 @@ class SkinJudge:
         cut = piece.met_by(ends[met])
         if len(cut):
             verdict.cut.add(t)
-        # Those that are cut at an end prove nothing more.
+        # Triangles that are cut at an end give no further evidence.
         met = np.delete(met, np.union1d(cut, piece.met_by(starts[met])).astype(int))
-        # Where one has crossed others are not looked at as patiently.
+        # After one crossing the others get fewer attempts.
         few = met[:: max(1, len(met) // PATIENCE)]
         if not verdict.crossed and not len(self._blocked(piece, starts[few], ends[few], HALVES)):
             met = met[self._blocked(piece, starts[met], ends[met], HALVES)]
@@ -318,7 +318,7 @@ class SkinJudge:
             verdict.crossed.append((thing.name, JOINT_NAMES[part], t))
 
     def _blocked(self, piece, a, b, halves):
-        """Which straight ways of triangles from a to b (k, 3, 3) meet the thing."""
+        """Which straight ways of triangles from a to b (k, 3, 3) meet the item."""
         met = piece.met_by(np.concatenate([a, b], axis=1))
         if halves == 0 or not len(met):
             return met
@@ -328,7 +328,7 @@ class SkinJudge:
         return met[np.union1d(first, second).astype(int)]
 
     def _coal(self, thing, corners):
-        """Whether coal has triangles (k, 3, 3) of the skin meet the thing."""
+        """Whether triangles (k, 3, 3) of the skin meet the item, by coal."""
         piece = thing.piece
         if piece.plane:
             return bool((corners @ np.asarray(piece.shape.normal) < piece.shape.offset).any())
@@ -362,7 +362,7 @@ def _meets(low, high, below, above):
 
 @dataclass
 class _Path:
-    """What `judge_motion` takes, with other steps than a motion's."""
+    """The inputs of `judge_motion`, with other steps than a motion's."""
 
     translation: np.ndarray
     rotations: np.ndarray

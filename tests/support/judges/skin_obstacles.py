@@ -1,7 +1,7 @@
-"""What the judge of the skin (`skin_judge`) asks of things: distances, insides, and separation.
+"""Queries of the skin's judge (`skin_judge`) on items: distances, insides, and separation.
 
-Primitives by their formulas, meshes by `triangle_soup`; what those cannot separate by `coal`.
-All points are in the thing's own frame.
+Primitives by their formulas, meshes by `triangle_soup`; the undecided cases by `coal`.
+All points are in the item's own frame.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane, Sph
 from support.judges.coal_shapes import coal_shape
 from support.judges.triangle_soup import Soup
 
-#: Triangle edges shorter than this are one point [m]: where meshes are glued from pieces.
+#: Triangle edges shorter than this are one point [m]: seams of meshes.
 SAME_PLACE = 1e-9
-#: So few pairs are quicker asked one by one than by another axis.
+#: Up to this many pairs, single queries are quicker than another axis.
 FEW = 8
 
 
@@ -57,7 +57,7 @@ def _closest(shape, points):
 
 
 def _support(shape, n):
-    """How far a primitive reaches along directions n (k, 3) of any length."""
+    """A primitive's extent along directions n (k, 3) of any length."""
     if isinstance(shape, Box):
         return np.abs(n) @ (0.5 * np.asarray(shape.size))
     size = np.linalg.norm(n, axis=1)
@@ -82,13 +82,13 @@ class Primitive:
         self.coal = coal_shape(shape, solid=True)
 
     def smallest(self, points, most):
-        """The smallest distance of the points (n, 3) and whose; (inf, -1) beyond `most`."""
+        """The smallest distance of the points (n, 3) and its index; (inf, -1) beyond `most`."""
         d = signed_distance(self.shape, points)
         i = int(d.argmin())
         return (float(d[i]), i) if d[i] <= most else (np.inf, -1)
 
     def depths(self, points):
-        """How deep points (n, 3) are inside, (n,) [m]: 0 outside."""
+        """Depths of points (n, 3), (n,) [m]: 0 outside."""
         return np.maximum(-signed_distance(self.shape, points), 0.0)
 
     def clear_of(self, points):
@@ -96,7 +96,7 @@ class Primitive:
         return bool((signed_distance(self.shape, points) > 0.0).all())
 
     def met_by(self, corners):
-        """Which (k,) hulls of `corners` (k, m, 3) meet it, for any reason."""
+        """Which (k,) hulls of `corners` (k, m, 3) meet it, by any of several tests."""
         k, m = corners.shape[:2]
         d = signed_distance(self.shape, corners.reshape(-1, 3)).reshape(k, m)
         if self.plane:
@@ -133,11 +133,11 @@ class Surface:
         self.coal.endModel()
 
     def smallest(self, points, most):
-        """As of `Primitive`; distances from the surface, positive inside too."""
+        """As in `Primitive`; distances from the surface, positive inside too."""
         return self.soup.smallest(points, most)
 
     def depths(self, points):
-        """How deep points (n, 3) are inside, (n,) [m]: 0 outside, and for open ones."""
+        """Depths of points (n, 3), (n,) [m]: 0 outside, and for open pieces."""
         out = np.zeros(len(points))
         if self.solid:
             near = np.flatnonzero(((points > self.low) & (points < self.high)).all(axis=1))
@@ -146,7 +146,7 @@ class Surface:
         return out
 
     def met_by(self, corners):
-        """As of `Primitive`."""
+        """As in `Primitive`."""
         item, which = self.soup.near(corners.min(axis=1), corners.max(axis=1))
         together = _not_apart(corners[item], self.soup.triangles[which])
         found = set()
@@ -160,7 +160,7 @@ class Surface:
 
 
 def _cross(a, b):
-    """Of pairs of vectors (k, 3): numpy's own spends its time on checking shapes."""
+    """Cross products of pairs of vectors (k, 3): numpy's own spends its time on checking shapes."""
     out = np.empty_like(a)
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         out[:, i] = a[:, j] * b[:, k] - a[:, k] * b[:, j]
@@ -195,7 +195,7 @@ def _not_apart(a, b):
 
 
 def hull_of(points):
-    """A coal hull of 3 or 6 points; so few are all looked at, whatever its faces."""
+    """A coal hull of 3 or 6 points; so few are all checked, for any faces."""
     if len(points) == 3:
         return coal.TriangleP(*points)
     corners, faces = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
@@ -212,7 +212,7 @@ def _collide(a, b, place):
 
 
 def obstacles_of(shape):
-    """A shape as things to ask: meshes by their closed and open pieces."""
+    """A shape as obstacles: meshes by their closed and open pieces."""
     if not isinstance(shape, Mesh):
         return [Primitive(shape)]
     vertices, faces = _merged(np.asarray(shape.vertices), np.asarray(shape.faces))
@@ -230,7 +230,7 @@ def _merged(vertices, faces):
 
 
 def _closed(vertices, faces):
-    """Which triangles (F,) belong to pieces whose every edge is used as often either way."""
+    """Which triangles (F,) belong to closed pieces: every edge is used as often either way."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

@@ -1,4 +1,4 @@
-"""The judge of `campaigns/test_clear.py` sees what goes through, and nothing else."""
+"""The judge of `campaigns/test_clear.py` detects crossings, and nothing else."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def body():
 
 @pytest.fixture(params=CONTACTS)
 def ghost(request):
-    """What the judge says of a motion that nothing holds."""
+    """The judge's verdict on an unconstrained motion."""
     return partial(_ghost, request.param)
 
 
@@ -55,7 +55,7 @@ def test_ghosts_are_seen(body, ghost, kind, pose, speed):
 @pytest.mark.slow
 @pytest.mark.parametrize("what", BARRIERS)
 def test_a_jump_over_it_is_a_crossing(body, ghost, what):
-    """No pose is anywhere near; every part that had it in its way has crossed."""
+    """No pose is near; every part with the static in its way has crossed."""
     shape = barrier(what)
     motion = t_pose([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]], fps=20.0)
     scene = Scene()  # in the middle of the body: its root turns about the pelvis
@@ -96,7 +96,7 @@ def test_passing_by_is_no_crossing(body, ghost, turns, steps):
     motion = Motion(np.outer(t, [1.0, 0.0, 0.0]), rotations, 10.0)
     everywhere = np.concatenate([body.vertices(motion, frames=[k])[0] for k in range(len(t))])
     low, high = everywhere.min(axis=0) - 0.005, everywhere.max(axis=0) + 0.005
-    # The tips go in circles between the poses.
+    # The finger tips move in circles between the poses.
     low, high = low - turns * 0.2, high + turns * 0.2
     scene = Scene()
     flat = rot.exp([0.0, np.pi / 2, 0.0])

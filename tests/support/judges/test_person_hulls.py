@@ -1,4 +1,4 @@
-"""The pieces of people that judges look at are those that the core keeps clear."""
+"""The judges' pieces of people are those that the core keeps clear."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_pieces_are_those_of_the_core(simulator):
             core = np.asarray(simulator.world.stepper.shape_points(pose, i))
             mine = at.points(i, t)
             assert len(core) == len(mine)
-            # The core has corners in an order of its own.
+            # The core's corners have their own order.
             order = [np.lexsort(np.round(p, 9).T) for p in (core, mine)]
             assert np.abs(core[order[0]] - mine[order[1]]).max() <= ROUNDING
 

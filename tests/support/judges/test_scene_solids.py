@@ -1,4 +1,4 @@
-"""The judges look at what things touch by: pieces of objects and links, not their hulls."""
+"""The judges check collision shapes: pieces of objects and links, not their hulls."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from support.people import t_pose
 from support.starts.objects_judge import ObjectJudge
 from support.starts.solids import box
 
-#: coal's distances [m].
+#: Accuracy of coal's distances [m].
 COAL = 1e-6
 TURN = rot.exp([0.3, -0.2, 0.8])
 PLACE = np.array([0.3, -0.1, 0.2])
 
-#: A case that stands, 2 cm thick, and a drawer of a bottom and a front on a rail.
+#: A fixed case, 2 cm thick, and a drawer of a bottom and a front on a rail.
 CABINET = """
 <mujoco><worldbody>
   <geom type="box" size="0.3 0.2 0.01" pos="0 0 -0.05"/>
@@ -88,7 +88,7 @@ def test_a_ball_in_a_drawer_is_as_far_as_its_front_is():
     # In the drawer's corner, 5 mm from the front and 8 mm over the bottom.
     at = np.array([0.1 + 0.2 - 0.005 - 0.02 - 0.005, 0.0, 0.005 + 0.02 + 0.008])
     scene.add_object("ball", Sphere(0.02), mass=0.1, position=PLACE + rot.rotate(TURN, at))
-    # Under the case, which stands.
+    # Under the fixed case.
     at = np.array([0.1, 0.0, -0.06 - 0.02 - 0.003])
     scene.add_object("under", Sphere(0.02), mass=0.1, position=PLACE + rot.rotate(TURN, at))
     watch, start = watched(scene)
@@ -106,7 +106,7 @@ def body():
 
 
 def test_a_person_in_a_gate_is_clear_and_in_its_hull_is_not(body):
-    """The skin's judge sees pieces; so does the measure of penetration, by the mesh itself."""
+    """The skin's judge uses pieces; the penetration metric uses the mesh itself."""
     motion = t_pose(np.zeros((3, 3)))
     skin = body.vertices(motion)[0]
     # Upside down: the bar under the feet, the posts beside the legs, the hands over them.
@@ -122,13 +122,13 @@ def test_a_person_in_a_gate_is_clear_and_in_its_hull_is_not(body):
         inside = thing.shape.depth(rot.rotate(rot.conjugate(turn), skin - position)) > 0.0
         assert inside.any() == (pieces == "hull")
         assert verdict.clear == (pieces is None)
-        # What touches is the hull, what is there is the gate.
+        # The collision shape is the hull, the visible shape is the gate.
         found = metrics.penetration(motion, body, scene, objects={"gate": track})
         assert found.depth_max_mm == 0.0
 
 
 def test_penetration_is_of_the_mesh_that_pieces_stand_for(body):
-    """Pieces that lack a post, or fill the gate: it is the post that the skin is in."""
+    """Pieces lack a post, or fill the gate: the skin penetrates the post."""
     motion = t_pose(np.zeros((2, 3)))
     skin = body.vertices(motion)[0]
     hip = body.joints(motion)[0, 1]

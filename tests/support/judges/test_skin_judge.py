@@ -1,4 +1,4 @@
-"""The judge of the skin sees what is inside, what is cut and what is crossed, and nothing else."""
+"""The judge of the skin detects overlaps, cuts and crossings, and nothing else."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from support.references.mesh_queries import closest_reference, winding_reference
 
 trimesh = pytest.importorskip("trimesh")
 
-#: Sums of some dozens of products of numbers around one [m].
+#: Rounding of some dozens of products of numbers around one [m].
 EXACT = 1e-12
 #: coal's distances [m].
 COAL = 1e-6
@@ -83,7 +83,7 @@ def test_samples_cover_the_skin_by_area(body):
     part = skin.part[np.asarray(body.faces)[:, 0]]
     expected = np.bincount(part, weights=area, minlength=55) / area.sum() * len(skin.bary)
     found = np.bincount(skin.points_part[len(body.rest_vertices) :], minlength=55)
-    # A count's own spread is its root; six of them never happen.
+    # A count's standard deviation is its square root; six of them never happen.
     assert (np.abs(found - expected) < 6.0 * np.sqrt(expected + 1.0)).all()
     assert np.array_equal(skin.bary, Skinner(body).bary)
 
@@ -157,7 +157,7 @@ def test_closed_and_open_pieces_are_told_apart():
     assert open_.depths(np.array([[2.0, 0.0, 0.0]])) == [0.0]
 
 
-# -- what is seen --------------------------------------------------------------------------
+# -- detected ------------------------------------------------------------------------------
 
 
 def test_being_inside_is_seen_and_how_deep(body):
@@ -181,7 +181,7 @@ def test_being_inside_is_seen_and_how_deep(body):
 @pytest.mark.parametrize("name", ["box", "sphere", "capsule", "cylinder"])
 @pytest.mark.parametrize("kind", ["primitive", "mesh", "finer mesh"])
 def test_things_of_any_kind_are_seen(body, name, kind):
-    """A thing at the belly, then 8 cm in it, then out again."""
+    """An item at the belly, then 8 cm in it, then out again."""
     motion = t_pose(np.outer([0.0, 0.08, 0.0], [1.0, 0.0, 0.0]))
     skin = body.vertices(motion)
     shape = SHAPES[name]
@@ -199,7 +199,7 @@ def test_things_of_any_kind_are_seen(body, name, kind):
     assert np.count_nonzero(verdict.depths) == 1
     assert verdict.depth > 0.03
     assert judge.penetration(motion)[1] > 30.0
-    # Facets are within the round thing.
+    # Facets are within the round shape.
     assert gap - EXACT < verdict.gaps[0] < 0.02
 
 
@@ -267,7 +267,7 @@ def test_a_moving_thing_is_judged_where_it_is(body):
     assert verdict.cut == verdict.coal == {2}
 
 
-# -- what is not ---------------------------------------------------------------------------
+# -- not detected --------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("steps", [2, 5, 20])
@@ -302,7 +302,7 @@ def test_around_an_edge_is_no_crossing(body):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["box", "mesh", "cylinder"])
 def test_own_answers_are_those_of_coal(body, kind, rng):
-    """Poses at random about a thing: cut where coal says so, and inside only where cut."""
+    """Random poses about an item: cut where coal finds a cut, and inside only where cut."""
     shape = {"box": Box((0.3, 0.5, 0.3)), "cylinder": Cylinder(0.02, 3.0)}.get(kind)
     if kind == "mesh":
         shape = trimesh.creation.annulus(0.15, 0.3, 0.4)

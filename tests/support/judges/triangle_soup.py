@@ -1,7 +1,7 @@
-"""Triangles in a tree of boxes, asked by many points at once: plain numpy, nothing of the core.
+"""Triangles in a tree of boxes, for queries of many points: plain numpy, without the core.
 
-For the judge of the skin (`skin_judge`): which boxes meet which triangles, how far points are,
-how often a surface winds around them.
+For the judge of the skin (`skin_judge`): which boxes meet which triangles, distances of points,
+and winding numbers of a surface.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ import numpy as np
 
 #: Items that go down the tree together: bounds the memory.
 CHUNK = 8192
-#: Levels of the tree that tell whether a point is anywhere near.
+#: Levels of the tree that tell whether a point is near.
 ROUGH = 9
-#: Rays go along this axis: oblique, so that they meet no edge of anything that people build.
+#: Rays have this direction: oblique, so that they meet no edge of typical models.
 RAY = np.array([0.2367, -0.1713, 0.9563])
 
 
@@ -23,7 +23,7 @@ class Boxes:
         depth = int(np.ceil(np.log2(max(1, len(low)))))
         fill = (1 << depth) - len(low)
         wide = ((0, fill), (0, 0))
-        # What fills up meets nothing.
+        # Padding boxes meet no item.
         low = np.pad(low, wide, constant_values=np.inf)
         high = np.pad(high, wide, constant_values=-np.inf)
         middle = 0.5 * (low + np.where(np.isinf(high), np.inf, high))
@@ -44,7 +44,7 @@ class Boxes:
         """(item, box) of all pairs that meet.
 
         items: how many there are; meets(i, low, high): whether items `i` (k,) meet boxes (k, d).
-        levels: go so far down only: (item, box of that level).
+        levels: depth limit: (item, box of that level).
         """
         down = self.levels[:levels]
         found = [np.zeros((2, 0), dtype=np.int64)]
@@ -88,7 +88,7 @@ class Soup:
         return self._boxes.pairs(len(low), meets)
 
     def smallest(self, points, most=np.inf):
-        """The smallest distance of any of the points (n, 3), and whose; (inf, -1) beyond `most`."""
+        """Smallest distance of any of the points (n, 3), and its index; (inf, -1) beyond `most`."""
         square = most * most
         item, _ = self._boxes.pairs(
             len(points), lambda i, low, high: _beside(points[i], low, high) <= square, ROUGH
@@ -96,7 +96,7 @@ class Soup:
         near = np.unique(item)
         if not len(near):
             return np.inf, -1
-        # No farther than the best that a walk straight down the tree comes upon.
+        # An upper bound: the best leaf on a walk straight down the tree.
         p = points[near]
         d = self._within(p, np.full(len(p), min(self._bound(p).min(), most)))
         i = int(d.argmin())
@@ -107,13 +107,13 @@ class Soup:
         return self._within(points, self._bound(points))
 
     def _bound(self, points):
-        """Distances (n,) of points from some triangle that is near."""
+        """Distances (n,) of points to a nearby triangle."""
         node = np.zeros(len(points), dtype=np.int64)
         for low, high in self._boxes.levels[1:]:
             two = 2 * node[:, None] + [0, 1]
             away = _beside(points[:, None], low[two], high[two])
             node = two[np.arange(len(two)), away.argmin(axis=1)]
-        # Rounding: what is that far is looked at.
+        # Rounding: triangles at exactly this distance are included.
         return (1.0 + 1e-9) * to_triangles(points, self.triangles[self._boxes.order[node]]) + 1e-12
 
     def _within(self, points, reach):
@@ -128,7 +128,7 @@ class Soup:
         return np.where(out <= reach, out, np.inf)
 
     def winding(self, points):
-        """How often the surface winds around points (n, 3): exact where it is closed."""
+        """Winding number of the surface around points (n, 3): exact where it is closed."""
         if self._shadows is None:
             flat = self._seen[..., :2]
             self._shadows = Boxes(
@@ -156,7 +156,7 @@ class Soup:
 
 
 def _beside(points, low, high):
-    """Squared distances of points from boxes, pair by pair; inf from empty ones."""
+    """Squared distances of points to boxes, pair by pair; inf for empty boxes."""
     away = np.maximum(np.maximum(low - points, points - high), 0.0)
     away *= away
     return away[..., 0] + away[..., 1] + away[..., 2]

@@ -1,1 +1,1 @@
-"""People who press themselves into furniture."""
+"""People who press into furniture."""

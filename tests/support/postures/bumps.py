@@ -24,7 +24,7 @@ _TURNED = (float(np.cos(np.pi / 8)), 0.0, 0.0, float(np.sin(np.pi / 8)))
 #: Arms that hang and bend a little, and raised ones.
 STAND = {**HANGING, "both_elbow": (0.0, -0.1, 0.0)}
 ARMS_UP = {"both_shoulder": (0.0, 0.0, 0.9)}
-#: Where: how the body stands, parts that are aimed at, which way it goes, edges along.
+#: Where: how the body stands, aimed parts, direction of motion, edges along.
 PLACES = {
     "belly": ({}, ("spine1", "pelvis"), AHEAD, LEFT),
     "back": ({}, ("spine2",), (-1.0, 0.0, 0.0), LEFT),
@@ -50,7 +50,7 @@ PLACES = {
     "elbow": ({"both_elbow": (0.0, -1.6, 0.0)}, ("left_elbow", "left_shoulder"), LEFT, UP),
     "forearm": ({}, ("left_elbow",), AHEAD, UP),
 }
-#: With what: made for a point, the edge's direction and the one toward the body.
+#: Tools: made for a point, the edge's direction and the one toward the body.
 TOOLS = {
     "pole2cm": lambda at, edge, toward: pole("tool", at, edge, 0.02),
     "pole5cm": lambda at, edge, toward: pole("tool", at, edge, 0.05, round_ends=True),
@@ -96,7 +96,7 @@ def _anywhere(tool):
 
 
 def _aimed(rig, end, place, parts, way):
-    """The point of the skin that the tool is aimed at."""
+    """The point of the skin at which the tool aims."""
     if place == "armpit":
         joint = rig.joint(end, "left_shoulder")
         under = rig.skin(end, *parts)

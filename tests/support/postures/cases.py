@@ -1,4 +1,4 @@
-"""The cases of `postures`: what body does what to which furniture.
+"""The cases of `postures`: posture and furniture of each.
 
 A case takes a `Rig` and gives (first key, last key, pieces, parts, one of which must press, and the
 direction to rub along). Furniture is put where the last key's skin is `rig.depth` inside of it.
@@ -15,9 +15,9 @@ from support.postures.hands import flat_hand
 from support.postures.postures import leaning
 
 UP, DOWN, AHEAD, LEFT = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
-#: Arms that hang.
+#: Hanging arms.
 HANGING = {"both_shoulder": (0.0, 0.0, -1.25)}
-#: How far feet are pressed into the floor at most [m].
+#: Greatest depth of feet pressed into the floor [m].
 STANDING = 0.01
 CASES = {}
 
@@ -97,7 +97,7 @@ def sit_stool_corner(rig):
 
 @_case
 def deep_squat(rig):
-    """Heels to the seat; what is behind and under is a low box."""
+    """Heels to the seat; the support behind and under is a low box."""
     legs = {"both_hip": (-2.1, 0.0, 0.15), "both_knee": (2.4, 0.0, 0.0), "both_ankle": (-0.5, 0, 0)}
     arms = {"both_shoulder": (0.0, -1.2, -0.3)}
     end = rig.key(leaning(0.2), **legs, **arms, spine1=(0.2, 0, 0), spine2=(0.2, 0, 0))
@@ -113,7 +113,7 @@ def deep_squat(rig):
 
 
 def _bed(rig, end, height, over=0.0):
-    """A bed under a body along x; `over`: so much of its length is missing at the feet's side."""
+    """A bed under a body along x, shorter by the length `over` at the feet's side."""
     points = rig.skin(end)
     head = rig.joint(end, "head")
     sign = 1.0 if head[0] > end.pelvis[0] else -1.0

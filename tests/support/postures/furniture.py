@@ -1,6 +1,6 @@
-"""Things to press a body against, as primitives, closed meshes, one merged mesh or open sheets.
+"""Objects to press a body against, as primitives, closed meshes, one merged mesh or open sheets.
 
-World frame: z up. A `Piece` is one convex thing; furniture is a list of them.
+World frame: z up. A `Piece` is one convex object; furniture is a list of them.
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ from halfphysics.base import rotations as rot
 from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Mesh, Plane
 from halfphysics.scene.scene import Scene
 
-#: primitives; a closed mesh each; all in one mesh; open sheets: the faces that are pressed, alone.
+#: primitives; a closed mesh each; all in one mesh; open sheets: only the pressed faces.
 KINDS = ("primitives", "meshes", "merged", "sheets")
-#: Meshes have no longer edge than this [m].
+#: Longest edge of a mesh [m].
 EDGE = 0.35
-#: Half the side of the box that stands for a floor in a mesh, and how thick it is [m].
+#: Half the side of the box that represents a floor in a mesh, and its thickness [m].
 FLOOR, THICK = 2.0, 0.2
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A convex thing that stands somewhere.
+    """A convex object at a fixed place.
 
     `shape`: a primitive, or (vertices, faces) of a convex mesh. `open_faces`: outward normals, in
-    its own frame, of the faces that are left of it as a sheet; empty: all but the end caps.
+    its own frame, of the faces that remain as a sheet; empty: all but the end caps.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Piece:
     open_faces: tuple[tuple[float, float, float], ...] = ()
 
     def moved(self, way):
-        """The same somewhere else."""
+        """The same piece at another place."""
         return replace(self, position=tuple(np.asarray(self.position) + way))
 
     def triangles(self, sheet=False):
@@ -63,7 +63,7 @@ class Piece:
                 kept = np.abs(normals[:, 2]) < 1.0 - 1e-6
             mesh.update_faces(kept)
         v, f = np.asarray(mesh.vertices), np.asarray(mesh.faces)
-        # All triangles alike, so that closed stays closed.
+        # All triangles are cut alike, so that a closed mesh stays closed.
         while not isinstance(shape, Plane) and _longest(v, f) > EDGE:
             v, f = trimesh.remesh.subdivide(v, f)
         return v @ turn.T + at, f
@@ -94,7 +94,7 @@ def scene_of(pieces, kind):
 
 
 def box(name, low, high, *faces):
-    """A box between two corners; `faces`: what is left of it as a sheet, such as "+z"."""
+    """A box between two corners; `faces`: the faces that remain as a sheet, such as "+z"."""
     low, high = np.asarray(low, float), np.asarray(high, float)
     normals = tuple(_axis(f) for f in faces) or tuple(_axis(f) for f in ("+z", "+x", "-x"))
     return Piece(name, Box(tuple(high - low)), tuple(0.5 * (low + high)), open_faces=normals)
@@ -157,7 +157,7 @@ def board(name, at, edge, toward, thick=0.02, depth=0.4, length=1.2):
 
 
 def _frame(x, z):
-    """Quaternion of a frame whose x axis is `x` and whose z axis is as good as `z`."""
+    """Quaternion of a frame whose x axis is `x` and whose z axis is nearest to `z`."""
     x = np.asarray(x, float) / np.linalg.norm(x)
     z = np.asarray(z, float) - x * (x @ np.asarray(z, float))
     z /= np.linalg.norm(z)

@@ -88,7 +88,7 @@ def _reaching(rig, **turns):
 
 
 def _grip(rig, thing, open_=0.1, closed=1.35):
-    """Fingers that close around a thing under the palm: it is made for a point and a radius."""
+    """Fingers that close around an object under the palm: it is made for a point and a radius."""
     start, end = _reaching(rig, curl_left=open_), _reaching(rig, curl_left=closed)
     at = rig.joint(start, "left_middle1") - (0.0, 0.0, 0.1)
     (it,) = rig.advanced(start, [thing(at)], DOWN, depth=0.0)

@@ -1,7 +1,7 @@
 """People who sit, lie, crouch, lean and poke: motions that press the skin into furniture.
 
-Each case is two keys (`Key`): a clear one and one inside, with the furniture put where the second
-is some centimetres inside of it, whatever body it is. `build` makes motion and scene of it; the
+Each case is two keys (`Key`): a clear one and one inside, with the furniture placed so that the
+second is some centimetres inside, for any body. `build` makes motion and scene of it; the
 cases are in `posture_cases`, `posture_hands` and `posture_bumps`.
 """
 
@@ -19,19 +19,19 @@ from halfphysics.scene.scene import Scene
 from support.judges.skin_obstacles import Primitive
 from support.postures.furniture import scene_of
 
-#: A case begins, goes in, and stays and rubs [s].
+#: Durations of a case: wait, approach, and stay and rub [s].
 WAIT, GO, RUB = 0.1, 0.7, 0.5
-#: How far it rubs to and fro [m], and how often a second.
+#: Amplitude of rubbing [m], and its frequency [1/s].
 RUBBING, PER_SECOND = 0.012, 1.5
-#: What is aimed at is this deep inside at the end [m], chosen by the seed.
+#: The aimed part is this deep inside at the end [m], chosen by the seed.
 DEPTHS = (0.03, 0.06)
 #: A start is clear by this [m]: more than the clearance.
 CLEAR = 0.003
-#: By how much joints differ from the case as written [rad], except for seed 0.
+#: Joint differences from the case as written [rad], except for seed 0.
 JITTER, FINGER_JITTER = 0.03, 0.15
-#: How far from its first touch a tool is taken at most, to come back, and its shortest step [m].
+#: Farthest that a tool is taken from its first touch, to come back, and its shortest step [m].
 ROOM, TOUCH = 0.3, 0.002
-#: Triangles with longer edges [m] are looked at between their corners.
+#: Triangles with longer edges [m] are also checked between their corners.
 WIDE = 0.015
 _STEPS = 4
 _BETWEEN = np.array(
@@ -47,25 +47,25 @@ FINGERS = ("index", "middle", "ring", "pinky")
 
 
 def leaning(angle):
-    """The pelvis of who leans ahead by an angle [rad]; -pi/2: on the back."""
+    """The pelvis of a body that leans ahead by an angle [rad]; -pi/2: on the back."""
     return about(1, angle) @ WORLD_FROM_REST
 
 
 @dataclass(frozen=True)
 class Key:
-    """A pose: rotations (55, 3) and where the pelvis is (3,)."""
+    """A pose: rotations (55, 3) and the pelvis position (3,)."""
 
     rotations: np.ndarray
     pelvis: np.ndarray
 
     def moved(self, *way):
-        """The same somewhere else."""
+        """The same pose at another place."""
         return Key(self.rotations, self.pelvis + np.asarray(way, float))
 
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """A case, built: what moves, among what, and parts of which at least one must press."""
+    """A built case: motion, scene, and parts of which at least one must press."""
 
     name: str
     kind: str
@@ -77,8 +77,8 @@ class Posture:
 
 @dataclass
 class Rig:
-    """Poses a body and measures its skin. `turns`: joint -> axis-angle; "both_knee" does both
-    sides, the right one mirrored; "curl_left": how far its fingers are bent [rad]."""
+    """Pose a body and measure its skin. `turns`: joint -> axis-angle; "both_knee" does both
+    sides, the right one mirrored; "curl_left": bending angle of its fingers [rad]."""
 
     body: object
     depth: float
@@ -153,13 +153,13 @@ class Rig:
         return float(self.reach(key, (0.0, 0.0, -1.0), *parts)[2])
 
     def points(self, key):
-        """Vertices, and more points where they are far apart: thin things fit between them."""
+        """Vertices, and more points where they are far apart: thin objects fit between them."""
         skin = self.skin(key)
         corners = skin[self._wide]
         return np.concatenate([skin, np.einsum("ka,fai->fki", _BETWEEN, corners).reshape(-1, 3)])
 
     def joint(self, key, name):
-        """Where a joint is (3,)."""
+        """The position of a joint (3,)."""
         return self.body.joints(self.motion([key, key]))[0, JOINT_INDEX[name]]
 
     def advanced(self, key, pieces, direction, depth=None):
@@ -210,7 +210,7 @@ def _curl(rotations, side, angle):
 def deepest(piece, points):
     """How deep the deepest of some points is in a piece [m].
 
-    Under 0: that all are outside, and at least so far.
+    Under 0: all points are outside, at least that far.
     """
     local = (points - np.asarray(piece.position)) @ rot.to_matrix(np.asarray(piece.quaternion))
     if not isinstance(piece.shape, tuple):
@@ -235,7 +235,7 @@ def cleared(rig, start, end, pieces):
         start, points = start.moved(*step), points + step
         if np.linalg.norm(start.pelvis - end.pelvis) > 1.0 or not away.any():
             raise ValueError("no clear start on the way back from the last key")
-        # What is far enough still is: it is not asked again.
+        # A point that is far enough stays so: it is not checked again.
         gaps = [g - length for g in gaps]
         gaps = [g if g > CLEAR else -deepest(p, points) for g, p in zip(gaps, pieces, strict=True)]
     return start
@@ -268,7 +268,7 @@ def cases():
 def build(name, body, kind="primitives", fps=30.0, seed=0, depth=None, pace=1.0):
     """One of `cases()` for a body, among furniture of one of `furniture.KINDS`.
 
-    seed: 0 as written; others vary the pose and the depth. pace: how many times as fast.
+    seed: 0 as written; others vary the pose and the depth. pace: factor on the speed.
     """
     low, high = DEPTHS
     share = np.random.default_rng(seed).random() if seed else 0.5

@@ -1,4 +1,4 @@
-"""What `near` says, slowly, in plain numpy: every vertex against every solid and triangle.
+"""`near`, slowly, in plain numpy: every vertex against every solid and triangle.
 
 Equation by equation, nothing left out: `tests/labels/test_reference.py` holds both equal.
 """
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 def solid_distance(solid: Solid, points: Array) -> Array:
-    """Distances (n,) [m] of points (n, 3) in the thing's frame from a solid, 0 inside it."""
+    """Distances (n,) [m] of points (n, 3) in the object's frame from a solid, 0 inside it."""
     p, shape = (points - solid.position) @ solid.turn, solid.shape
     if isinstance(shape, Mesh):
         return _mesh_distance(shape, solid.surface, p)
@@ -59,7 +59,7 @@ def _mesh_distance(shape: Mesh, surface: bool, points: Array) -> Array:
 
 
 def near_reference(body: Body, motion: Motion, target: Target) -> tuple[Near, Near]:
-    """As `near` of one target."""
+    """As `near` for one target."""
     skin, surface = [], []
     for frame, posed in enumerate(body.vertices(motion)):
         of_skin, of_surface = _in_frame(body, posed, target, frame)

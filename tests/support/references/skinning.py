@@ -30,7 +30,7 @@ def skin_reference(skin: Skin, rotations: Array, positions: Array, quaternions: 
     if skin.posedirs is not None:
         features = rot.rotvec_to_matrix(rotations[:, 1:]) - np.eye(3)
         shaped = shaped + np.einsum("vck,tk->tvc", skin.posedirs, features.reshape(-1, 486))
-    # Blended about the pelvis: the translation passes through exactly, whatever its size.
+    # Blended about the pelvis: the translation passes through exactly, at any size.
     world = rot.to_matrix(quaternions)
     shift = positions - positions[:, :1] - np.einsum("tjab,jb->tja", world, skin.rest_joints)
     blended = np.einsum("vj,tjab->tvab", skin.weights, world)

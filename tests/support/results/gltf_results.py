@@ -10,7 +10,7 @@ from halfphysics.body.body import Body
 
 
 def y_up(points):
-    """Where the z-up world's points are in a y-up one."""
+    """Points of the z-up world, in a y-up one."""
     x, y, z = np.moveaxis(points, -1, 0)
     return np.stack([x, z, -y], axis=-1)
 
@@ -25,5 +25,5 @@ def many_handed(influences, posedirs=0.0):
     shapes = None
     if posedirs:
         shapes = posedirs * rng.normal(size=(len(weights), 3, 486))
-        shapes *= 0.9 ** rng.permutation(486)  # as in real models, few directions say most
+        shapes *= 0.9 ** rng.permutation(486)  # as in real models, few directions carry most
     return dataclasses.replace(body, weights=weights, posedirs=shapes)

@@ -24,15 +24,15 @@ WRIST = JOINT_INDEX["right_wrist"]
 
 @dataclass
 class Handled:
-    """What happens: rows of contacts are added frame by frame.
+    """The events: rows of contacts are added frame by frame.
 
     Attributes:
         fps: Frames per second.
-        box: Where its frame is (T, 3) [m].
-        walk: Where the person is (T, 3) [m]; None: at the origin.
+        box: Position of its frame (T, 3) [m].
+        walk: Position of the person (T, 3) [m]; None: at the origin.
         spin: How far the box and the person have turned about z (T,) [rad]; None: not at all.
         gravity: Its size [m/s^2].
-        people: How many there are; the first is called person, the second person1.
+        people: Number of people; the first is called person, the second person1.
     """
 
     fps: float
@@ -50,7 +50,7 @@ class Handled:
             self.rows.append((frame, person, part, -1, NAMES.index("box"), at, impulse))
 
     def rest(self, frames, on="floor", up=1.0):
-        """It lies on something that bears `up` of its weight."""
+        """The box lies on a support that bears `up` of its weight."""
         for frame in frames:
             impulse = np.array([0.0, 0.0, up]) * MASS * (self.gravity or G) / self.fps
             self.rows.append(
@@ -64,7 +64,7 @@ class Handled:
         spin = np.zeros(count) if self.spin is None else self.spin
         world = rot.exp([0.0, 0.0, turn])
         own = rot.exp(np.stack([np.zeros(count), np.zeros(count), spin], axis=1))
-        # Who turns does so about the middle of the box, as one with it.
+        # A turning person turns about the middle of the box, together with it.
         middle = self.box if spin.any() else np.zeros(3)
         pelvis = rot.rotate(world, middle + rot.rotate(own, walk - middle))
         rotations = np.zeros((count, N_JOINTS, 3))
@@ -84,7 +84,7 @@ class Handled:
         columns = np.array([r[1:5] for r in rows], dtype=np.int64).reshape(-1, 4).T
         at = np.array([r[5] for r in rows], dtype=float).reshape(-1, 3)
         position = self.box[frame] + rot.rotate(own[frame], at)
-        # Of a person's hand: from the box, along x, into the palm.
+        # Contact of a person's hand: from the box, along x, into the palm.
         normal = np.where((columns[0] >= 0)[:, None], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
         impulse = np.array([r[6] for r in rows], dtype=float).reshape(-1, 3)
         track = ObjectTrack(

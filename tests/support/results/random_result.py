@@ -1,4 +1,4 @@
-"""Results of random numbers, and what it is for two results to be the same."""
+"""Results of random numbers, and exact comparison of two results."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def assert_same(a: Result, b: Result) -> None:
 
 
 def touching(frame, part, other, impulse, person=0):
-    """Contacts of given columns, of a person with things; `impulse` (n, 3) [N s]."""
+    """Contacts of given columns, of a person with objects; `impulse` (n, 3) [N s]."""
     n = len(frame)
     return Contacts(
         frame=np.asarray(frame),

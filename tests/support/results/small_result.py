@@ -19,7 +19,7 @@ FRAMES, FPS = 16, 30.0
 
 @cache
 def small_result() -> SimpleNamespace:
-    """What `simulate` returns, with the body 12 cm beside what was asked from frame 6 on."""
+    """A result as of `simulate`, with the body 12 cm beside the reference from frame 6 on."""
     body = Body.default()
     upright = rot.exp(np.array([np.pi / 2, 0.0, 0.0]))
     along_x = rot.exp(np.array([0.0, 0.0, np.pi / 2]))
@@ -52,7 +52,7 @@ def small_result() -> SimpleNamespace:
     foot, shoulder = JOINT_INDEX["right_foot"], JOINT_INDEX["right_shoulder"]
     rows = [  # frame, person, part, subject, other, impulse
         *((f, 0, foot, -1, 0, 20.0) for f in range(FRAMES)),
-        (2, 0, shoulder, -1, 2, 0.0),  # near, without touching
+        (2, 0, shoulder, -1, 2, 0.0),  # near, without contact
         (6, 0, shoulder, -1, 1, 3.0),
         (7, 0, shoulder, -1, 1, 2.0),
         (10, 0, foot, -1, 3, 1.0),

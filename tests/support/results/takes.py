@@ -1,4 +1,4 @@
-"""A small scene with one of everything, and a person who moves in it: input of exporters."""
+"""A small scene with one item of each kind, and a moving person: input of exporters."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def corner() -> hp.Mesh:
 
 
 def scene(*, meshes: bool = True) -> hp.Scene:
-    """One of everything; without `meshes` nothing that MuJoCo cannot collide."""
+    """One item of each kind; without `meshes` only shapes that MuJoCo can collide."""
     turn = rot.exp(np.array([0.1, 0.2, 0.3]))
     made = hp.Scene()
     made.add_static("floor", hp.Plane((0.0, 0.1, 1.0), -1.5), quaternion=turn)

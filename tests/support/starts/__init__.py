@@ -1,1 +1,1 @@
-"""Starts inside things: cases, and the judge of what comes of them."""
+"""Starts in penetration: cases, and the judge of their runs."""

@@ -1,7 +1,7 @@
-"""Starts inside things: people 1 to 10 cm deep in floors, furniture and walls, and what they do.
+"""Starts in penetration: people 1 to 10 cm deep in floors, furniture and walls, and their motions.
 
 A case is a kind and a seed; everything else is drawn from the two. Furniture is a few boxes
-(`starts_solids.Solid`, what the judge measures by), given to the simulator as boxes, as a mesh
+(`starts_solids.Solid`, as the judge measures), given to the simulator as boxes, as a mesh
 each, as one connected mesh, or as a piece of one whole-room mesh.
 """
 
@@ -25,7 +25,7 @@ from support.starts.meshes import box_mesh, finely, furniture, sheet_mesh, union
 from support.starts.poses import POSES, path_of, wave
 from support.starts.solids import Hulls, Solid, ground
 
-#: Per kind: the pose, where the body is pushed, and how deep [m].
+#: Per kind: the pose, the direction of the push, and the depth [m].
 KINDS = {
     "floor": ("stand", (0.0, 0.0, -1.0), (0.01, 0.10)),
     "sofa_side": ("stand", (1.0, 0.0, 0.0), (0.01, 0.10)),
@@ -41,7 +41,7 @@ KINDS = {
 }
 FORMS = ("primitives", "meshes", "merged", "room")
 TARGETS = ("still", "wave", "limb", "walk", "clip")
-#: How often; real clips stand, so they are for two kinds only.
+#: Shares of the targets; real clips stand, so they are for two kinds only.
 SHARES = ((0.3, 0.25, 0.15, 0.3, 0.0), (0.2, 0.15, 0.15, 0.15, 0.35))
 #: Frame rates and substeps: the default three times in four.
 STEPS = ((30.0, None),) * 6 + ((60.0, None), (120.0, 2))
@@ -73,11 +73,11 @@ class Start:
     """A case, built.
 
     Attributes:
-        motion: Starts inside. scene, settings: What it runs in.
-        solids: What stands there, convex and in the world; without the rest of a whole room.
-        form, target, depth: What it is; depth of the deepest group [m].
+        motion: Starts inside. scene, settings: Its world and options.
+        solids: The static geometry, convex and in the world; without the rest of a whole room.
+        form, target, depth: Its kind; depth of the deepest group [m].
         held: Whether the motion stays inside (the target is still).
-        objects: Names of things that start overlapping.
+        objects: Names of objects that start overlapping.
     """
 
     motion: Motion
@@ -92,7 +92,7 @@ class Start:
 
 
 def build(case, contact, data=None):
-    """The case as it starts: `contact` is what the depth is of, "parts" or "skin"."""
+    """The case at its start: `contact` is the measured surface, "parts" or "skin"."""
     rng = case.rng()
     for _ in range(20):
         found = _try(case, contact, data, rng)
@@ -135,7 +135,7 @@ def _try(case, contact, data, rng):
     start = shift + at * np.array(way)
     posed = posed.moved(at * np.array(way))
     if case.kind != "floor":
-        # The floor under all that; in a third of the cases the feet are in it too.
+        # The floor under all furniture; in a third of the cases the feet are in it too.
         lowest = posed.low[0, :, 2].min()
         sunk = rng.uniform(0.01, 0.05) if rng.random() < 0.33 else -rng.uniform(0.002, 0.03)
         solids = [*solids, replace(ground(z=lowest + sunk), static=one)]
@@ -169,12 +169,12 @@ def _try(case, contact, data, rng):
 
 
 def _push(posed, solids, way, want):
-    """How far to push along `way` until the deepest group is `want` deep; None: never."""
+    """Length of the push along `way` until the deepest group is `want` deep; None: never."""
 
     def depth(at):
         return max((g.depth for g in groups_at(posed.moved(at * way), 0, solids)), default=0.0)
 
-    # From where all is clear on the near side, until the first touch and on.
+    # From a clear pose on the near side, until the first touch and on.
     at, before = -0.6, -0.6
     while (deep := depth(at)) < want:
         if at > 0.7:
@@ -196,13 +196,13 @@ def _push(posed, solids, way, want):
 
 
 def _scene(solids, form, kind, turn, aside, rng, data):
-    """The solids as statics; in a "room" all of it is one mesh, with walls and more around."""
+    """The solids as statics; in a "room" all are one mesh, with walls and more around."""
     scene = Scene()
     where = {"position": aside, "quaternion": turn}
     boxes = [s for s in solids if s.half is not None]
     floors = [s for s in solids if s.half is None]
     if form in STRAIGHT:
-        # What is a plane to the judge is a large slab.
+        # A plane of the judge is a large slab.
         spans = [(s.centre - np.abs(s.turn) @ s.half, s.centre + np.abs(s.turn) @ s.half)
                  for s in boxes]  # fmt: skip
         for s in floors:
@@ -221,7 +221,7 @@ def _scene(solids, form, kind, turn, aside, rng, data):
             mesh = furniture(mesh, data / "meshes", floors[0].centre[2], rng)
         scene.add_static("room" if form == "room" else kind, mesh, **where)
         return scene
-    # Floors and walls come as open sheets too: nothing says what is behind them but the root.
+    # Floors and walls come as open sheets too: only the root tells which side is behind them.
     sheet = form == "meshes" and (kind == "floor" or kind.startswith("wall")) and rng.random() < 0.4
     for s in boxes:
         place = {
@@ -261,7 +261,7 @@ def _facing(wall):
     return out
 
 
-# -- what the motion asks --------------------------------------------------------------------
+# -- the reference ---------------------------------------------------------------------------
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Furniture that people start inside: boxes, in front of a body that faces +x."""
+"""Furniture of starts in penetration: boxes, in front of a body that faces +x."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def furniture_for(kind, form, posed, rng):
         return _sofa(rng, y)
     lying = posed.joints[0, 15, 2] < posed.joints[0, 0, 2] + 0.3
     if kind == "sofa_seat" or (kind == "root" and not lying):
-        # It faces +x too; its back rest behind the back, its front under the thighs.
+        # The chair faces +x too; its back rest behind the back, its front under the thighs.
         about = np.diag([-1.0, -1.0, 1.0])
         out = [s.moved(about, (0.0, 0.0, 0.0)) for s in _sofa(rng, y)]
         deep = 2.0 * out[0].half[0]

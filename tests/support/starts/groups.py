@@ -1,4 +1,4 @@
-"""Which hulls overlap what at the start: connected groups of hulls, and their shortest exits."""
+"""Overlapping hulls at the start: connected groups of hulls, and their shortest exits."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from halfphysics.motion.skeleton import N_JOINTS, PARENTS
 from support.starts.solids import EXACT, Solid, bounds
 
-#: Solids that a group passes on its way are left one after the other, at most so many times.
+#: Solids that a group passes on its way are left one after the other, at most this many times.
 PASSES = 30
 
 
@@ -23,7 +23,7 @@ def path(joint):
 
 
 def paths_of(joints):
-    """Which joints (55,) are on the way from the root to one of these."""
+    """Which joints (55,) are on the path from the root to one of these."""
     out = np.zeros(N_JOINTS, dtype=bool)
     for j in joints:
         out[path(j)] = True
@@ -40,7 +40,7 @@ class Group:
         beyond: Hulls that meet none, but whose bones from the root go through these solids.
         way: Unit vector (3,) of the smallest shift that frees all of them, on the root's side.
         depth: That shift [m].
-        ways: All directions that were tried and lead back to the root's side.
+        ways: All tested directions that lead back to the root's side.
     """
 
     solids: tuple[Solid, ...]
@@ -71,7 +71,7 @@ class Group:
         return r
 
     def through(self, posed, k):
-        """Do the bones of those beyond still go through?"""
+        """Do the bones of the hulls beyond still go through?"""
         joints = posed.joints[k]
         for h, s in self.beyond:
             bones = path(posed.hulls.joint[h])
@@ -81,7 +81,7 @@ class Group:
 
 
 def groups_at(posed, k, solids):
-    """The groups of one pose, none where all is clear."""
+    """The groups of one pose, none if it is clear."""
     out = []
     statics = {}
     for s in solids:
@@ -131,7 +131,7 @@ def _beyond(posed, k, solid):
 
 
 def _connected(posed, hulls):
-    """Hulls in sets that hang together in the skeleton, each sorted."""
+    """Connected sets of hulls in the skeleton, each sorted."""
     of_joint = {}
     for h in sorted(hulls):
         of_joint.setdefault(int(posed.hulls.joint[h]), []).append(h)
@@ -156,8 +156,8 @@ def _shortest(posed, k, pieces, inside, beyond, met, others):
         ways += _different([a + b for a, b in combinations(ways, 2) if a @ b > -0.5])
     back = [n for n in ways if all(_returns(n, s, x) for _, s, x in beyond)] or ways
     trial = Group(pieces, inside, tuple((h, s) for h, s, _ in beyond), ways[0], 0.0)
-    # The hulls between the group and the root move with it: not from one thing into another,
-    # nor, where it can be helped, from in front of an edge to under it.
+    # The hulls between the group and the root move with it: not from one static into another,
+    # nor, where it can be avoided, from in front of an edge to under it.
     between = _between(posed, trial.hulls)
     best = {True: (np.inf, back[0]), False: (np.inf, back[0])}
     for n in back:
@@ -177,7 +177,7 @@ def _shortest(posed, k, pieces, inside, beyond, met, others):
 
 
 def _between(posed, hulls):
-    """Hulls on the way from the root to these, without them."""
+    """Hulls on the path from the root to these, without them."""
     joints = posed.hulls.joint
     on_path = paths_of({int(joints[h]) for h in hulls})
     return [h for h in range(len(joints)) if on_path[joints[h]] and h not in hulls]
@@ -193,6 +193,6 @@ def _different(vectors):
 
 
 def _returns(n, solid, before):
-    """Does a way along n lead back to where the bones came from?"""
+    """Does a way along n lead back to the bones' side?"""
     outer = solid.normals @ before > solid.offsets - EXACT
     return bool((solid.normals[outer] @ n > 0.1).any())

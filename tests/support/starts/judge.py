@@ -1,15 +1,15 @@
-"""Judges a run that started inside, from outside: depths by `coal`, kinematics by the body's own.
+"""Judge a run that started inside, from outside: depths by `coal`, kinematics by the body's own.
 
-What is asked of every substep until all is out, and after:
+Conditions on every substep until all hulls are out, and after:
 
 - *deeper*: depth does not grow. Three readings of depth: of each pair of a hull and a solid by
   EPA (`pair`); the largest of these (`worst`); and how far the hulls that a solid holds have to
   be shifted, along the direction that was shortest at the start, until they are out on the root's
-  side (`way`). Only the last is what comes out monotonously: a forearm that slides back through a
+  side (`way`). Only the last decreases monotonously: a forearm that slides back through a
   thin wall, or rounds an edge, must pass poses of larger EPA depth.
-- *out*: from when on no hull meets a solid, and nothing is beyond a wall.
+- *out*: the time from which no hull meets a solid or is beyond a wall.
 - *fast*: how much faster than in the motion itself a skin vertex gets [m/s].
-- *free*: how far a joint that is on the way to nothing held is from its target [rad], until then.
+- *free*: distance [rad] from its target of a joint with no held joint beyond it, until then.
 - *fresh*: depth of pairs that were clear at the start.
 """
 
@@ -27,9 +27,9 @@ from support.starts.solids import EXACT, Hulls, near_poses
 
 #: Joints whose part comes nearer than this to a solid are not free [m].
 TOUCHING = 0.01
-#: The drive takes this long to forget what was done to a joint [s].
+#: The drive needs this long to forget a correction of a joint [s].
 FADING = 0.1
-#: A way out that is taken is at most so many times as long as the shortest that is found.
+#: The chosen way out is at most so many times as long as the shortest that is found.
 LONGER = 1.5
 #: Eyes and jaw: light, on short arms, they lag behind an accelerated trunk by the drive's inertia.
 FACE = (22, 23, 24)
@@ -58,12 +58,12 @@ class Verdict:
     face: float = 0.0
     root: float = 0.0
     root_end: float = 0.0
-    end_gap: float = np.inf  # of what was held, at the last pose
+    end_gap: float = np.inf  # of the hulls held at the start, at the last pose
     ways: np.ndarray | None = None  # of the deepest group, every pose
 
 
 class StartJudge:
-    """Looks at one run."""
+    """The measurements of one run."""
 
     def __init__(self, simulator, solids):
         self.world = simulator.world
@@ -77,7 +77,7 @@ class StartJudge:
     def judge(self, motion, frames, until=0.0, touched=()):
         """`frames` of `Simulator.step` after the reset to motion[0], substeps recorded.
 
-        `until`: things are out only then [s]; `touched`: hulls that things have touched.
+        `until`: objects are out only then [s]; `touched`: hulls that objects have touched.
         """
         start = self.world.start([motion[0]])[0]
         poses = np.concatenate([start[None], *(f.substeps for f in frames)])
@@ -124,7 +124,7 @@ class StartJudge:
                 depth = np.zeros(len(near))
                 points = posed.points[h]
                 near[near] = solid.separation(points[near]) < -EXACT
-                still = np.zeros(len(near), dtype=bool)  # where it was at the pose before, exactly
+                still = np.zeros(len(near), dtype=bool)  # the same place as one pose before
                 still[1:] = (points[1:] == points[:-1]).all(axis=(1, 2))
                 for k in np.flatnonzero(near):
                     depth[k] = depth[k - 1] if still[k] else posed.depth(h, int(k), solid)
@@ -188,7 +188,7 @@ class StartJudge:
     def _other_ways(self, posed, g, meets):
         """Largest growth of depth in a substep, along each other direction that leads out.
 
-        Of several ways of much the same length any may be taken; so may that which was taken.
+        Of several ways of similar length any may be taken; so may the one that was taken.
         """
         last = min(int(np.flatnonzero(meets)[-1]) + 1, len(meets) - 1)
         taken = np.mean([(posed.points[h][last] - posed.points[h][0]).mean(axis=0)
@@ -223,7 +223,7 @@ class StartJudge:
     # -- motion ----------------------------------------------------------------------------
 
     def _asked(self, motion, frames):
-        """What the motion asks for at every substep: root straight, joints by the shortest arc."""
+        """The reference at every substep: root straight, joints by the shortest arc."""
         n = self.count
         turns = rot.exp(motion.rotations[: frames + 1])
         path, out = [motion.translation[:1]], [turns[:1]]
@@ -266,7 +266,7 @@ class StartJudge:
         at = rot.exp(actual.rotations[n::n])
         wanted = rot.exp(motion.rotations[1 : len(at) + 1])
         off = np.linalg.norm(rot.log(rot.multiply(rot.conjugate(wanted), at)), axis=2)
-        # What comes after is another story: walking on into a wall, say.
+        # Later contacts do not count: walking on into a wall, say.
         inside = np.flatnonzero(self.inside)
         last = (inside[-1] if len(inside) else 0) / n + FADING / self.dt
         during = np.arange(1, len(at) + 1) <= last

@@ -1,4 +1,4 @@
-"""Meshes for starts inside: boxes, and the one connected surface around many of them."""
+"""Meshes of starts in penetration: boxes, and the one connected surface around many of them."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ def box_mesh(low, high):
 def union_mesh(boxes):
     """The surface of the union of axis-parallel boxes [(low, high), ...].
 
-    Space is cut along all their sides; what is left are the walls between cells that are in some
+    Space is cut along all their sides; the surface is the walls between cells that are in some
     box and cells that are in none. Corners are shared: boxes that touch are one piece.
     """
     lows, highs = (np.array(x, float) for x in zip(*boxes, strict=True))
     grid = [np.unique(np.round(np.concatenate([lows[:, a], highs[:, a]]), 9)) for a in range(3)]
-    # One empty layer around everything.
+    # One empty layer around all boxes.
     full = np.zeros([len(g) + 1 for g in grid], dtype=bool)
     for low, high in zip(np.round(lows, 9), np.round(highs, 9), strict=True):
         first = [np.searchsorted(g, x) for g, x in zip(grid, low, strict=True)]
@@ -72,7 +72,7 @@ def furniture(mesh, folder, z, rng, pieces=3):
 
 
 def finely(mesh, times):
-    """Every triangle cut in four, some times over; not beyond 60,000."""
+    """Every triangle cut in four, several times; not beyond 60,000."""
     for _ in range(times):
         if 4 * len(mesh.faces) > 60_000:
             break

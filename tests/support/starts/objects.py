@@ -1,4 +1,4 @@
-"""Things that start overlapping a static, each other or a person, by 1 to 3 cm."""
+"""Objects that start overlapping a static, each other or a person, by 1 to 3 cm."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from support.starts.poses import POSES, wave
 from support.starts.solids import REQUEST, box, ground
 
 KINDS = ("thing_floor", "thing_wall", "thing_thing", "thing_hand", "thing_leg")
-#: How deep [m].
+#: Depths [m].
 DEPTHS = (0.01, 0.03)
 
 
 def _pushed(posed, shape, at, out, deep):
-    """Where a shape that touches a person at `at` has to be to be so deep in one of the hulls."""
+    """The place of a shape that touches a person at `at`, for that depth in one of the hulls."""
     geometry = coal_shape(shape, solid=True)
 
     def depth(way):
@@ -46,7 +46,7 @@ def _pushed(posed, shape, at, out, deep):
 
 
 def build(case: Case, contact: str, data=None) -> Start:
-    """A person stands and waves; one object or two overlap something."""
+    """A person stands and waves; one or two objects overlap an item."""
     rng = case.rng()
     u = rng.uniform
     deep = u(*DEPTHS)

@@ -1,4 +1,4 @@
-"""Judges things that start overlapping, from outside: see `starts_judge`."""
+"""Judge objects that start overlapping, from outside: see `starts_judge`."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def _distance(a, place, b, its):
 
 
 class ObjectJudge:
-    """Things that start overlapping: their depth in statics, each other and the person.
+    """Objects that start overlapping: their depth in statics, each other and the person.
 
-    Of a thing of several pieces the deepest counts.
+    Of an object of several pieces the deepest counts.
     """
 
     def __init__(self, simulator, solids):
@@ -83,7 +83,7 @@ class ObjectJudge:
         }
 
     def _deeper(self, tracks, posed, depths):
-        """Largest growth of depth: against statics and things of each, against a person of all."""
+        """Largest growth of depth: per static and object, and for a person's hulls together."""
         growth = 0.0
         for name in tracks:
             own = {key: d for key, d in depths.items() if key[0] == name and d[0] > EXACT}
@@ -123,7 +123,7 @@ class ObjectJudge:
         x, q = tracks[name]
         turns = rot.to_matrix(q)
         low, high = self._box(name)
-        # In the thing's own frame: clear where a side of its box lies between.
+        # In the object's own frame: clear where a side of its box separates.
         local = np.einsum("tni,tij->tnj", posed.points[h] - x[:, None], turns)
         apart = np.maximum(local.min(axis=1) - high, low - local.max(axis=1)).max(axis=1)
         if apart.min() < TOUCHING:
@@ -143,9 +143,9 @@ class ObjectJudge:
         return min(_distance(own, place, shape, its) for own in self.shapes[name])
 
     def _growth(self, name, tracks, posed, inside):
-        """Largest growth in a substep of the way that a thing has to go to be out of all hulls
-        (T,) `inside`: along the direction of some in which it grows least, as one of several of
-        much the same length may be taken."""
+        """Largest growth in a substep of the way that an object has to go to be out of all hulls
+        (T,) `inside`: along the direction of some in which it grows least, as any of several of
+        similar length may be taken."""
         x, q = tracks[name]
         turns = rot.to_matrix(q)
         last = min(int(np.flatnonzero(inside)[-1]) + 1, len(x) - 1)

@@ -1,4 +1,4 @@
-"""Poses that people start in, and what they go on to do. All face +x; rotations (55, 3) [rad]."""
+"""Start poses, and the motions after them. All face +x; rotations (55, 3) [rad]."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _arm(rotations, side, forward, down, elbow=0.0):
 
 
 def _upright(rng, noise=0.06):
-    """Arms hanging, everything a little off."""
+    """Hanging arms, every joint a little off."""
     rotations = np.zeros((55, 3))
     rotations[1:22] = noise * rng.normal(size=(21, 3))
     rotations[25:] = 0.1 * rng.normal(size=(30, 3))
@@ -39,7 +39,7 @@ def _upright(rng, noise=0.06):
 
 
 def _bent(rng, least, most):
-    """As much of a bend in each of the three joints of the spine [rad]."""
+    """Equal bends in the three joints of the spine [rad]."""
     rotations = _upright(rng, 0.04)
     bent = rng.uniform(least, most)
     for name in ("spine1", "spine2", "spine3"):
@@ -121,7 +121,7 @@ POSES = {
     "lie": lie,
 }
 
-#: What waves, outermost joint of each: an elbow, the neck, a knee.
+#: Waving limbs, outermost joint of each: an elbow, the neck, a knee.
 _LIMBS = {
     "left_arm": ("left_elbow", "left_shoulder"),
     "right_arm": ("right_elbow", "right_shoulder"),
@@ -132,10 +132,10 @@ _LIMBS = {
 
 
 def wave(turns, held, rng, own=False):
-    """Turns (T, 55, 3) at 30 fps with a limb that waves by 0.3 rad: one that nothing holds, or
+    """Turns (T, 55, 3) at 30 fps with a limb that waves by 0.3 rad: a limb that is not held, or
     (`own`) one that is held."""
     blocked = paths_of(held)
-    # Nothing that hangs on the limb may be held either.
+    # No joint below the limb may be held either.
     free = [names for names in _LIMBS.values() if not any(blocked[J[n]] for n in names)]
     caught = [names for names in _LIMBS.values() if any(blocked[J[n]] for n in names)]
     choice = caught or free if own else free or caught

@@ -1,4 +1,4 @@
-"""What a start inside is measured by: convex solids, and the convex hulls of a person.
+"""Shapes for measuring starts in penetration: convex solids, and the convex hulls of a person.
 
 Depths are those of `coal` (EPA), or exact along a direction; kinematics are the body's own.
 """
@@ -14,9 +14,9 @@ import numpy as np
 from halfphysics.base import rotations as rot
 from support.judges.coal_shapes import coal_hull
 
-#: Less than this is no penetration: what EPA and the substep's own solve are good to [m].
+#: Smaller depths are no penetration: the accuracy of EPA and of the substep's own solve [m].
 EXACT = 1e-6
-#: Steps of the search for the end of an overlap, and where it stops [m].
+#: Steps of the search for the end of an overlap, and its tolerance [m].
 ADVANCES, ARRIVED = 60, 1e-8
 
 
@@ -33,16 +33,16 @@ REQUEST = _request()
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A convex piece of a static: a box, or (half None) all that is under a plane.
+    """A convex piece of a static: a box, or (half None) the half-space under a plane.
 
     Attributes:
         name: For reports.
         turn: Its axes in the world (3, 3), columns; a plane's normal is the third.
         centre: Of the box, or a point of the plane (3,) [m].
         half: Half extents (3,) [m].
-        near: Of a thin wall: its face (0 to 5: +x, -x, +y ...) on the root's side. Whatever is
-            beyond that face is inside.
-        static: Of which static it is a piece; pieces of one are left together.
+        near: Of a thin wall: its face (0 to 5: +x, -x, +y ...) on the root's side. The half-space
+            beyond that face counts as inside.
+        static: The static of this piece; pieces of one are left together.
     """
 
     name: str
@@ -100,12 +100,12 @@ def box(name, low, high, near=None):
 
 
 def ground(name="floor", z=0.0):
-    """All that is under a height."""
+    """The half-space under a height."""
     return Solid(name, np.eye(3), np.array([0.0, 0.0, z]))
 
 
 class Hulls:
-    """The convex pieces that a person is made of: rigid parts, or sets of skin vertices."""
+    """The convex pieces of a person: rigid parts, or sets of skin vertices."""
 
     def __init__(self, body, contact):
         self.body, self.contact = body, contact
@@ -153,7 +153,7 @@ class Posed:
         self._known, self._faces = {}, {}
 
     def shape(self, h, k):
-        """Hull h at pose k: its geometry, and where that is."""
+        """Hull h at pose k: its geometry and placement."""
         if self.hulls.contact == "parts":
             j = self.hulls.joint[h]
             return self.hulls.shapes[h], self.turns[k, j], self.joints[k, j]
@@ -212,7 +212,7 @@ class Posed:
                 return 0.0
             return -apart[0] / along if along > 1e-6 else np.inf
         along = solid.normals @ n
-        # What is on the outer side of a face that it does not come nearer to never meets it.
+        # A hull on the outer side of a face that it does not approach never meets the solid.
         if ((apart >= 0.0) & (along >= -1e-12)).any():
             return 0.0
         # Clear when it is past the farthest that the solid reaches along n.

@@ -47,7 +47,7 @@ _NOTHING = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"  #
 
 @dataclass(frozen=True, kw_only=True)
 class Cluster:
-    """What the machines of the simulated cluster do.
+    """The behaviour of the machines of the simulated cluster.
 
     Attributes:
         machines: Number of machines.
@@ -56,7 +56,7 @@ class Cluster:
         sealing: Time to seal a shard [s].
         failing: Fraction of variants that fail.
         killing: Fraction of variants that always kill their process.
-        dying: Fraction of tasks whose process dies, whatever the task.
+        dying: Fraction of tasks whose process dies, independent of the task.
         straggling: Fraction of tasks that take three times as long.
         seed: Seed of all random numbers.
 
@@ -91,10 +91,10 @@ class SimulatedEngine:
 
     Attributes:
         slots: Cores of all machines.
-        now: What the clock says [s].
+        now: Time of the clock [s].
         busy: Seconds of cores that worked.
-        tasks: How many were handed over.
-        used: Processor time of this process that was not the driver's [s].
+        tasks: Number of tasks handed over.
+        used: Processor time of this process outside the driver [s].
         step: The most processor time of the driver between two calls [s].
         most: The most memory that this process held [bytes].
     """
@@ -119,7 +119,7 @@ class SimulatedEngine:
         self._leave(start)
 
     def wait(self) -> list[tuple[Task, Done | Death]]:
-        """What ends next; nothing only where nothing is under way."""
+        """The next tasks that end; empty only if no task is under way."""
         start = self._enter()
         found = []
         if self._running:
@@ -133,7 +133,7 @@ class SimulatedEngine:
         return found
 
     def close(self) -> None:
-        """Nothing goes on."""
+        """Stop all tasks."""
         self._queue.clear()
         self._running.clear()
 
@@ -154,7 +154,7 @@ class SimulatedEngine:
             heapq.heappush(self._running, (self.now + seconds, self.tasks, task, end))
 
     def _end(self, task: Task) -> tuple[float, Done | Death]:
-        """How long a task will take, and how it will end."""
+        """The duration of a task, and its outcome."""
         straggles, dies, when = self._random.random(3).tolist()
         slow = _SLOW if straggles < self._cluster.straggling else 1.0
         if task.kind == "seal":
@@ -175,7 +175,7 @@ class SimulatedEngine:
 
 @dataclass(frozen=True)
 class _Fates:
-    """What happens to the variants of a shard, from number `first` on: arrays of one length."""
+    """The fates of the variants of a shard, from number `first` on: arrays of one length."""
 
     first: int
     seconds: NDArray[np.float64]
@@ -186,7 +186,7 @@ class _Fates:
     def of(
         self, numbers: range, dead: tuple[tuple[int, str], ...], slow: float
     ) -> tuple[Done, bool]:
-        """How a task with these variants ends, and whether one of them kills the process."""
+        """The outcome of a task with these variants, and whether one of them kills the process."""
         part = slice(numbers[0] - self.first, numbers[-1] + 1 - self.first)
         lost = np.zeros(len(numbers), dtype=bool)
         for number, _ in dead:
@@ -213,12 +213,12 @@ class _SimulatedLayout(Layout):
 
 
 class _SimulatedStore(Store):
-    """A folder whose fragments are not on disk, but known from the seed; the rest is."""
+    """A folder whose fragments are not on disk, but known from the seed; other files are."""
 
     def __init__(self, folder: Path, plan: Plan, cluster: Cluster) -> None:
         super().__init__(folder, plan)
         self._cluster = cluster
-        #: Twice the tasks that are under way belong to so many shards, and some.
+        #: Space for twice the shards of the tasks under way, and some more.
         open_shards = 2 * cluster.machines * cluster.cores // self.layout.batches_per_shard + 64
         self.fates = lru_cache(open_shards)(self._fates)
         self.layout.fragment(0).touch()
@@ -230,7 +230,7 @@ class _SimulatedStore(Store):
 
     @cached_property
     def variants(self) -> Variants:
-        """What numbers stand for."""
+        """The variants of the plan, by number."""
         from halfphysics.sweep.plan.plan import InputList
         from halfphysics.sweep.plan.variants import Variants
 
@@ -259,7 +259,7 @@ class _SimulatedStore(Store):
 
 
 class _SimulatedFragments(Fragments):
-    """What the records of fragments would be."""
+    """The records that fragments would have."""
 
     def __init__(self, store: _SimulatedStore) -> None:
         super().__init__(store.layout, store.identity, Sources(0))
@@ -276,7 +276,7 @@ class _SimulatedFragments(Fragments):
         failures = [failure(numbers[k], variants[numbers[k]], CAUSE) for k in np.flatnonzero(lost)]
         samples = len(numbers) - skipped - len(failures)
         numbers_ = {"samples": samples, "skipped": skipped, "failed": len(failures)}
-        # Counts as long as real ones, of one batch of a shard: they take their time.
+        # Counts as long as real ones, of one batch of a shard: with realistic times.
         shown = numbers[:samples] if batch == layout.batches_of(layout.shard_of(batch))[0] else ()
         sums = counted(self._cards(shown), failures) if shown or failures else self._empty
         return {
@@ -292,10 +292,10 @@ class _SimulatedFragments(Fragments):
         }
 
     def remove(self, shard: int) -> None:
-        """There is nothing to remove."""
+        """There is no file to remove."""
 
     def _cards(self, numbers: Iterable[int]) -> Iterator[dict[str, Any]]:
-        """Cards of samples in which things happened."""
+        """Cards of samples with events."""
         known = versions()
         for number in numbers:
             variant: Variant = self._store.variants[number]

@@ -41,7 +41,7 @@ def begun(folder: Path, plan: Plan) -> Store:
 
 
 def data(folder: Path) -> dict[str, bytes]:
-    """All that a sweep leaves but its notes."""
+    """All files of a sweep except its notes."""
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     names = {path.relative_to(folder).as_posix(): path for path in files}
     return {name: path.read_bytes() for name, path in names.items() if name[:5] != "work/"}
@@ -87,7 +87,7 @@ class Here:
 
 
 def deadly(folder, task):
-    """Variant 5 kills its process, variant 9 asks for more memory than there is."""
+    """Variant 5 kills its process, variant 9 requests too much memory."""
     before = making.Maker.sample
 
     def sample(self, number, limit=None):

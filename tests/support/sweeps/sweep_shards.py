@@ -1,4 +1,4 @@
-"""Small samples and shards made by hand, for tests of what reads and writes them."""
+"""Small samples and shards made by hand, for tests of their readers and writers."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ FRAMES = 30
 
 @cache
 def sample(number):
-    """Key and files of a sample, all from its number."""
+    """Key and files of a sample, computed from its number."""
     return sample_with_card(number, card_of(number))
 
 
 def card_of(number):
-    """A card with all that a data card counts."""
+    """A card with all fields that a data card counts."""
     return {
         "number": number,
         "input": "a.npz" if number < 11 else "b.npz",
@@ -85,7 +85,7 @@ def arrays_of(data):
 
 
 def write_tar(path, samples):
-    """A shard as a sweep leaves it, written by the standard library in one go."""
+    """A shard as a sweep writes it, by the standard library in one go."""
     with tarfile.open(path, "w", format=tarfile.USTAR_FORMAT) as archive:
         for key, files in samples:
             for name, data in files.items():
@@ -96,7 +96,7 @@ def write_tar(path, samples):
 
 
 def plan_of(base, *, variants=11, batch=2, per_shard=6, formats=("webdataset",), seed=0):
-    """A plan of so many variants: of two files, the values of a factor; the files stay closed."""
+    """A plan of so many variants: two files, values of a factor; the files are never opened."""
     for name in ("a.npz", "b.npz"):
         if not (base / name).exists():
             (base / name).write_bytes(name.encode())
@@ -110,7 +110,7 @@ def plan_of(base, *, variants=11, batch=2, per_shard=6, formats=("webdataset",),
 
 
 def record_of(store, batch, failed=()):
-    """What a worker knows of a batch in which variants 3 and 8 fell to a filter."""
+    """A worker's report on a batch in which variants 3 and 8 were filtered out."""
     numbers, card = store.layout.variants_of(batch), DataCard()
     cause = {"input": "a.npz", "factors": {}, "cause": "InputError: the clip is broken"}
     failures = [{"number": n, **cause} for n in numbers if n in failed]
@@ -132,7 +132,7 @@ def make_batch(store, batch, failed=(), **more):
 
 
 def make(store, failed=(), **more):
-    """All that is left of a sweep, as a driver and its workers do it."""
+    """The complete output of a sweep, written as a driver and its workers do."""
     for shard in range(store.layout.shards):
         if not store.done(shard):
             for batch in store.left(shard):
@@ -142,13 +142,13 @@ def make(store, failed=(), **more):
 
 
 def run(folder, plan, program="this"):
-    """A sweep from its start, or from where it was, to its end."""
+    """A sweep from its start, or from its last state, to its end."""
     with Store(folder, plan, program) as store:
         return make(store)
 
 
 def tree(folder):
-    """All that is in a folder but for notes: path -> bytes."""
+    """The content of a folder without notes: path -> bytes."""
     files = sorted(p for p in folder.rglob("*") if p.is_file())
     return {
         path.relative_to(folder).as_posix(): path.read_bytes()

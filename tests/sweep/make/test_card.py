@@ -1,4 +1,4 @@
-"""The card of a sample: what it says of a simulation, and that it says it the same everywhere."""
+"""The card of a sample: its description of a simulation, the same on every machine."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def test_a_card_says_what_happened():
     assert found["objects"]["box"]["travel"] == pytest.approx(0.8)
     assert found["objects"]["box"]["turn_max"] == 0.0
     assert found["travel_max"] == pytest.approx(0.8)
-    assert found["clearance_min"] == result.settings.clearance_range  # nothing is nearer
+    assert found["clearance_min"] == result.settings.clearance_range  # no item is nearer
     assert found["events"]["drops"][0]["onto"] == "floor"
 
 
@@ -122,10 +122,10 @@ def inside(*frames):
     ("what", "clear", "started"),
     [
         ({}, True, 0),
-        ({"inside": inside(0, 1, 2)}, True, 1),  # it got out
-        ({"inside": inside(0, 1, 2, 40)}, False, 1),  # and in again
+        ({"inside": inside(0, 1, 2)}, True, 1),  # penetration is resolved
+        ({"inside": inside(0, 1, 2, 40)}, False, 1),  # and occurs again
         ({"inside": inside(40)}, False, 0),
-        ({"inside": inside(*range(90))}, False, 1),  # it never got out
+        ({"inside": inside(*range(90))}, False, 1),  # penetration is never resolved
         ({"clearance": np.where(np.arange(90) == 40, -1e-6, 0.01)}, False, 0),
         ({"clearance": np.where(np.arange(90) < 3, -0.01, 0.0)}, True, 0),
     ],
@@ -190,7 +190,7 @@ def test_the_documentation_says_what_every_value_is():
 
 
 def test_no_folder_of_a_machine_is_in_a_card(tmp_path):
-    """Files below the plan's folder by their path, others as the plan says them or by name."""
+    """Files below the plan's folder by relative path, others as the plan says or by name."""
     there = tmp_path / "there"
     base = tmp_path / "plans"
     there.mkdir()

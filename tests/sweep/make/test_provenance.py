@@ -1,4 +1,4 @@
-"""Provenance: which program made something, and what of it decides its bytes."""
+"""Provenance: the program that made a result, and its parts that decide the bytes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Samples: what is in the files, in which order, and that they are the same bytes each time."""
+"""Samples: the contents of the files, their order, and equal bytes each time."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def labels(frames, vertices):
 
 @pytest.fixture(scope="module")
 def result():
-    """A short push against a door, by somebody whose jaw and eyes move."""
+    """A short push against a door, by a person with moving jaw and eyes."""
     sequence = hp.scenarios.load("push_door")
     motion = sequence.motions[0][:12]
     rotations = np.array(motion.rotations)
@@ -60,7 +60,7 @@ def test_a_person_can_be_read_as_a_motion(result, files, tmp_path):
     np.testing.assert_array_equal(motion.translation, result.motion.translation)
     np.testing.assert_array_equal(motion.rotations, result.motion.rotations)
     assert (motion.fps, motion.model) == (result.motion.fps, "smplx")
-    # Written again and read again it is the same, jaw and eyes too.
+    # Written and read again it is the same, with jaw and eyes.
     motion.save(tmp_path / "again.npz")
     again = hp.Motion.load(tmp_path / "again.npz")
     np.testing.assert_array_equal(again.rotations, motion.rotations)
@@ -72,7 +72,7 @@ def test_a_person_can_be_read_as_a_motion(result, files, tmp_path):
 
 
 def test_axes_of_the_file_it_came_from_do_not_matter(result):
-    """A motion from a y-up file: the pelvis is where it was, in the z-up world."""
+    """A motion from a y-up file: the pelvis keeps its place, in the z-up world."""
     from halfphysics.base.axes import axes_of
     from halfphysics.sweep.make.sample import human
 

@@ -1,4 +1,4 @@
-"""Scenes in many variants: what each factor changes, and that it changes nothing else."""
+"""Scenes in many variants: the effect of each factor, and no other effect."""
 
 import numpy as np
 import pytest

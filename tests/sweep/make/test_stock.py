@@ -1,4 +1,4 @@
-"""What variants are made from: read once, kept a little, named by content."""
+"""Inputs of variants: read once, cached in bounded number, named by content."""
 
 import hashlib
 from pathlib import Path

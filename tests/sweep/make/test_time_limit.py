@@ -1,4 +1,4 @@
-"""What takes too long ends, fails with that cause, and leaves nothing half done behind."""
+"""A variant over the time limit ends, fails with that cause, and leaves no partial files."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def test_the_command_lists_them_and_tries_them_again(tmp_path, capsys, monkeypat
     arguments = ["sweep", str(tmp_path / "plan.yaml")]
     assert main([*arguments, "--out", str(tmp_path / "whole")]) == 0
     out = [*arguments, "--out", str(tmp_path / "cut")]
-    assert main([*out, "--limit", "1e-4"]) == MISTAKE  # nothing but failures
+    assert main([*out, "--limit", "1e-4"]) == MISTAKE  # only failures
     assert "2 failed" in capsys.readouterr().out
     lines = (tmp_path / "cut/failures.jsonl").read_text().splitlines()
     assert {json.loads(line)["cause"] for line in lines} == {

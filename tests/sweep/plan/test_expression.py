@@ -1,4 +1,4 @@
-"""Conditions of a sweep: as Python evaluates them, and nothing that could do more."""
+"""Conditions of a sweep: evaluated as in Python, and no other code."""
 
 from __future__ import annotations
 

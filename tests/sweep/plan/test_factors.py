@@ -1,4 +1,4 @@
-"""Factors of a sweep: their names, their values, and how these are drawn."""
+"""Factors of a sweep: their names, their values, and the draws."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_logarithm_and_exponential_are_those_of_mathematics(x: float) -> None:
 
 
 def test_draws_are_what_they_were() -> None:
-    """Frozen: whoever repeats a sweep on another machine gets the same variants."""
+    """Frozen: a sweep repeated on another machine has the same variants."""
     stream = Stream(7, "objects.friction")
     numbers = (0, 1, 12345678)
     assert [stream.uniform(k) for k in numbers] == FROZEN_UNIFORM
@@ -59,7 +59,7 @@ def test_draws_need_no_others_and_never_meet_their_ends() -> None:
     assert len(set(many)) == 1000
     assert 0.0 < min(many) < 0.01 < 0.99 < max(many) < 1.0
     assert [Stream(4, "a").uniform(k) for k in range(5)] != forward[:5]
-    # A seed and a name cannot be confused with others that look the same side by side.
+    # A seed and a name cannot be confused with others that concatenate to the same text.
     assert Stream(1, "1a").uniform(0) != Stream(11, "a").uniform(0)
 
 
@@ -86,7 +86,7 @@ def test_choices_come_in_proportion_to_their_weights() -> None:
 
 def test_factors_and_neighbours_are_independent() -> None:
     a, b = (draws({"uniform": [0, 1]}, name=name) for name in ("objects.mass", "objects.masses"))
-    bound = 4 / math.sqrt(DRAWS)  # four standard deviations of a correlation of nothing
+    bound = 4 / math.sqrt(DRAWS)  # four standard deviations of a zero correlation
     assert abs(np.corrcoef(a, b)[0, 1]) < bound
     assert abs(np.corrcoef(a[1:], a[:-1])[0, 1]) < bound
     assert (
@@ -223,7 +223,7 @@ def test_possible_factors() -> None:
     checked({"scenario.mass": {"uniform": [0.1, 3]}, "objects.restitution": [0, 1]})
     checked({"motion.yaw": {"normal": [0, 30]}, "body.stature": {"normal": [1.7, 0.1]}})
     checked({"objects.mass": {"normal": [2, 1], "within": [0.5, 4]}})
-    # Neither goes with the usual value of the other; one combination does.
+    # Neither fits the usual value of the other; one combination does.
     checked({"settings.strength": ["human"], "settings.drive_time": [0.01, None]})
 
 

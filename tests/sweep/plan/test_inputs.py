@@ -43,7 +43,7 @@ outputs: {folder: out, formats: [hdf5, webdataset], variants_per_shard: 100, bat
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with what the plan names."""
+    """A folder with the files of the plan."""
     for name in ("clips/b.npz", "clips/ä/a.npz", "clips/a.npz", "clips/notes.txt", "takes/1/x"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).touch()
@@ -75,13 +75,13 @@ def test_inputs_are_files_in_order(folder: Path) -> None:
     assert first.motion_options == MotionOptions(fps=30, frames="0:90", assets=(folder / "meshes",))
     assert not last.ground
     assert last.motion_options == MotionOptions(objects="replayed")
-    # Two patterns that meet the same file mean it once.
+    # Two patterns that match the same file select it once.
     twice = Inputs(files=("clips/*.npz", "clips/a*"))
     assert resolve([twice], folder, "out") == ["file\tclips/a.npz\t0", "file\tclips/b.npz\t0"]
     assert resolve([Inputs(files=str(folder / "clips" / "a.npz"))], Path("/"), "out") == [
         f"file\t{folder}/clips/a.npz\t0"
     ]
-    # What a sweep has written is no input of it.
+    # Output of a sweep is not an input of it.
     assert resolve([Inputs(files="**/*.npz")], folder, "./clips/ä") == resolve([twice], folder, ".")
     with pytest.raises(FileError, match=r"inputs\[0\].files\[1\]: no file matches 'none\*'"):
         resolve([Inputs(files=("clips/*.npz", "none*"))], folder, "out")

@@ -1,4 +1,4 @@
-"""Where things of a sweep lie: every variant in one batch, every batch in one shard."""
+"""The layout of a sweep: every variant in one batch, every batch in one shard."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sweep files: what they say, and the way back."""
+"""Sweep files: their meaning, and the way back."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ outputs: {folder: out, formats: [hdf5, webdataset], variants_per_shard: 100, bat
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with what the plan names."""
+    """A folder with the files of the plan."""
     for name in ("clips/b.npz", "clips/ä/a.npz", "clips/a.npz", "clips/notes.txt", "takes/1/x"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).touch()

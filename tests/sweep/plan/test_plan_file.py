@@ -1,4 +1,4 @@
-"""Mistakes in sweep files: each is said with its place."""
+"""Mistakes in sweep files: each message gives the place."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ outputs: {folder: out, formats: [hdf5, webdataset], variants_per_shard: 100, bat
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with what the plan names."""
+    """A folder with the files of the plan."""
     for name in ("clips/b.npz", "clips/ä/a.npz", "clips/a.npz", "clips/notes.txt", "takes/1/x"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).touch()
@@ -69,7 +69,7 @@ def test_a_scene_for_scenarios_is_refused() -> None:
 FIRST = "inputs: {scenarios: kick_ball}\n"
 
 MISTAKES = [
-    # (what is replaced in the file or "" to add a line, what stands there, place, message)
+    # (text to replace in the file or "" to add a line, new text, place, message)
     ("version: 1", "version: 2", "line 1, version", "found version 2, expected 1"),
     ("seed: 7", "sed: 7", "line 19, sed", "unknown key 'sed'; did you mean seed"),
     ("seed: 7", "seed: -1", "line 19, seed", "found -1, expected a whole number of at least 0"),
@@ -180,7 +180,7 @@ def test_other_mistakes(folder: Path, text: str, message: str) -> None:
         load(folder, text)
 
 
-#: What may stand anywhere in a document.
+#: Any value in a document.
 ANYTHING = st.one_of(
     st.none(),
     st.booleans(),

@@ -75,7 +75,7 @@ def test_a_variant_is_the_same_alone_and_anywhere() -> None:
     assert one[5:8] == forward[5:8]
     with pytest.raises(IndexError, match="variant 144 of 144"):
         one[144]
-    # In the plan's order, whatever is drawn and whatever is listed.
+    # In the plan's order, for drawn and listed values.
     assert list(forward[3].factors) == list(wide().factors)
 
 

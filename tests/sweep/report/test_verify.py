@@ -1,4 +1,4 @@
-"""Verifying a sweep: equal to the last bit, and whatever is not is found and said where."""
+"""Verifying a sweep: equal to the last bit, and every difference is found and located."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def differences(folder, **options):
 
 
 def rewritten(tar: Path, member: str, change) -> None:
-    """Change a file of a shard, and its record: what a bug or another machine would have made."""
+    """Change a file of a shard, and its record, as a bug or another machine would."""
     with tarfile.open(tar) as archive:
         files = {m.name: archive.extractfile(m).read() for m in archive}
     files[member] = change(files[member])
@@ -89,7 +89,7 @@ def rewritten(tar: Path, member: str, change) -> None:
 
 
 def honest(tar: Path) -> None:
-    """Let the record of a shard have the SHA-256 that its file has now."""
+    """Let the record of a shard have its file's present SHA-256."""
     record = json.loads(tar.with_suffix(".json").read_text())
     record["files"][".tar"]["sha256"] = hashlib.sha256(tar.read_bytes()).hexdigest()
     tar.with_suffix(".json").write_text(json.dumps(record))
@@ -184,7 +184,7 @@ def test_an_input_that_changed_is_found(sweep):
     motion = load("kick_ball").motions[0][11:23]
     motion.save(clip)
     text = differences(sweep)
-    # Two samples are made from it, and it is said once.
+    # Two samples are made from it, and it is reported once.
     assert "2 sample(s) made again are equal" in text
     assert text.count("clip1.npz is not the file any more") == 1
 

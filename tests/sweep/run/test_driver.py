@@ -1,4 +1,4 @@
-"""The loop of a sweep, over outputs and an engine that are played: who does what, and when."""
+"""The loop of a sweep, with simulated outputs and engine: assignment and order of tasks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from halfphysics.sweep.run.work import Done
 
 
 class Outputs:
-    """Outputs of which only is known what is there."""
+    """Outputs that only know which files exist."""
 
     def __init__(self, variants, batch=8, per_shard=80, made=(), sealed=()):
         self.layout = Layout(Path(), variants, batch, per_shard)
@@ -32,7 +32,7 @@ class Outputs:
 
 
 class Clock:
-    """An engine whose tasks take the time that they are said to take; some die.
+    """An engine whose tasks take their stated times; some die.
 
     `deadly`: variant -> how often it kills its process. `crowded`: batches that die as long as
     none of their variants is left out.
@@ -105,7 +105,7 @@ class Clock:
 
 
 class Told:
-    """What the driver says."""
+    """The messages of the driver."""
 
     def __init__(self):
         self.total = self.before = self.variants = self.deaths = 0
@@ -170,7 +170,7 @@ def test_many_slots_get_longer_tasks():
     engine = Clock(outputs, 2000, 0.1)
     driven(outputs, engine)
     tasks = [t for t in engine.log if t.kind == "batches"]
-    # Not those that begin, nor those that what is left is shared out in.
+    # Not those at the beginning, nor those that share out the rest.
     took = [0.1 * len(engine._variants(t)) for t in tasks[2 * AHEAD * engine.slots :]]
     assert max(took) == pytest.approx(engine.slots / RATE, rel=0.1)
     assert engine.busy / engine.now > 0.9 * engine.slots

@@ -1,4 +1,4 @@
-"""A sweep that is killed, again and again, leaves the same bytes as one that is left alone.
+"""A sweep that is killed, again and again, leaves the same bytes as an undisturbed one.
 
 As a script it kills more often::
 
@@ -45,17 +45,17 @@ def undisturbed(plan, out):
 
 
 def workers_of(pid):
-    """The workers of a sweep that is under way."""
+    """The workers of a running sweep."""
     return [other for other in of_group(pid) if other != pid]
 
 
 def progress_of(out):
-    """What is there, as a number that grows."""
+    """The amount of output, as a number that grows."""
     return len(list(out.glob("work/0*/*.json"))) + 10 * len(list(out.glob("shards/*/*.json")))
 
 
 def killed(plan, out, kills, chance):
-    """Start and kill a sweep so often; the first kill waits until something is there."""
+    """Start and kill a sweep so often; the first kill waits for the first output."""
     for _ in range(kills):
         process = started(plan, out)
         before = progress_of(out)
@@ -79,7 +79,7 @@ def test_killed_at_any_moment_it_finishes_with_the_same_bytes(tmp_path):
     plan = tmp_path / "plan.yaml"
     plan.write_text(PLAN)
     killed(plan, tmp_path / "out", 2, random.Random(0))
-    # And its workers, one after the other, which it gets over.
+    # Its workers too are killed one after the other, and it recovers.
     process = started(plan, tmp_path / "out")
     deadline = time.monotonic() + 120.0
     while len(workers_of(process.pid)) < 2 and time.monotonic() < deadline:

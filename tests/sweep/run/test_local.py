@@ -1,4 +1,4 @@
-"""Processes of this machine at work on a sweep: the same bytes, whatever happens to them."""
+"""Processes of this machine at work on a sweep: the same bytes, also after deaths."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_one_process_two_and_none_leave_the_same_bytes(tmp_path):
     assert data(none) == data(one) == data(two)
     engine = Here(two)
     engine.submit = None
-    swept(two, plan, engine)  # nothing is left for anybody to do
+    swept(two, plan, engine)  # no work is left for an engine
     assert data(two) == data(one)
 
 
@@ -50,7 +50,7 @@ def test_variants_that_kill_their_process_or_eat_the_memory(tmp_path):
     assert (report.samples, report.skipped, report.failures) == (9, 1, 2)
     lines = (out / "failures.jsonl").read_text().splitlines()
     assert [(f["number"], f["cause"]) for f in map(json.loads, lines)] == [(5, DIED), (9, FULL)]
-    # Twice in a batch and twice alone, and whoever was in one task with it once.
+    # Twice in a batch and twice alone, and the other variants of its task once.
     assert told.deaths == 8
     with Store(out, plan) as store:
         assert store.drop_failed() == 2

@@ -1,4 +1,4 @@
-"""What a sweep says while it runs."""
+"""Progress messages of a sweep."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`--engine ray`: a process that dies costs what it did, and nothing else is different."""
+"""`--engine ray`: a dead process costs its own task, and all else is the same."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def task(first, kind="batches"):
 
 
 def ended(engine, tasks):
-    """How tasks ended, by task."""
+    """Outcomes of tasks, by task."""
     for one in tasks:
         engine.submit(one)
     found = {}
@@ -58,7 +58,7 @@ def ended(engine, tasks):
 
 @needs_ray
 def test_tasks_end_as_they_do_in_local_processes(tmp_path, capfd, monkeypatch):
-    """Dies, runs out of memory, stops, alone or not: one Ray serves all of it."""
+    """Deaths, lack of memory, stops, alone or not: one Ray serves all of it."""
 
     def act(folder, task):
         threads = {os.environ[name] for name in THREADS}
@@ -87,7 +87,7 @@ def test_tasks_end_as_they_do_in_local_processes(tmp_path, capfd, monkeypatch):
         assert found[task(4)].stop.endswith(": the disk is full")
         assert [found[task(i)].kept for i in (0, 1, 5, 6, 7)] == [0, 1, 5, 6, 7]
         shared = {found[task(i)].seconds for i in (0, 1, 5, 6, 7)}
-        assert len(shared) < 5  # processes live on, and with them what they have loaded
+        assert len(shared) < 5  # processes live on, and keep what they have loaded
         alone = ended(engine, [task(i, "variants") for i in range(2)])
         pids = {done.seconds for done in alone.values()}
         assert len(pids) == 2
@@ -96,7 +96,7 @@ def test_tasks_end_as_they_do_in_local_processes(tmp_path, capfd, monkeypatch):
     finally:
         engine.close()
     assert not ray.is_initialized()
-    Path(scratch).rmdir()  # nothing is left in it
+    Path(scratch).rmdir()  # the folder is empty
     assert signal.getsignal(signal.SIGTERM) is before
     said = capfd.readouterr()
     assert said.out == ""
@@ -104,7 +104,7 @@ def test_tasks_end_as_they_do_in_local_processes(tmp_path, capfd, monkeypatch):
 
 
 class FakeRay:
-    """A cluster of somebody else, whose tasks end as they are told to."""
+    """A foreign cluster, whose tasks end as instructed."""
 
     class exceptions:
         NodeDiedError = type("NodeDiedError", (Exception,), {})
@@ -143,7 +143,7 @@ class _Reference:
         return self._future
 
     def end(self, error=None):
-        """By an exception, or by what the function answers."""
+        """By an exception, or by the function's answer."""
         if error is None:
             self._future.set_result(self.function(*self.order))
         else:
@@ -212,7 +212,7 @@ def test_jobs_bound_what_runs_on_a_cluster_that_has_more(tmp_path, fake):
     engine.wait()
     assert len(fake.given) == 3
     engine.close()
-    assert fake.cancelled == fake.given[1:]  # a Ray that is not ours goes on without us
+    assert fake.cancelled == fake.given[1:]  # a foreign Ray goes on without us
     assert engine.wait() == []
 
 
@@ -220,7 +220,7 @@ def test_slots_follow_the_cluster(tmp_path, fake, monkeypatch):
     monkeypatch.setattr(ray_engine, "_REFRESH", 0.0)
     fake.cores = 0
     engine = engine_of(tmp_path)
-    assert engine.slots == 1  # what waits makes a cluster grow that can
+    assert engine.slots == 1  # waiting tasks make a cluster grow if it can
     fake.cores = 6000
     engine.wait()
     assert engine.slots == 6000
@@ -228,7 +228,7 @@ def test_slots_follow_the_cluster(tmp_path, fake, monkeypatch):
 
 def test_another_program_on_a_machine_stops_the_sweep(tmp_path, fake, monkeypatch):
     engine = engine_of(tmp_path)
-    monkeypatch.setattr(ray_engine, "code_hash", lambda: "another")  # where it runs
+    monkeypatch.setattr(ray_engine, "code_hash", lambda: "another")  # on the cluster
     engine.submit(task(0))
     fake.given[0].end()
     ((_, done),) = engine.wait()
@@ -311,7 +311,7 @@ def test_a_worker_killed_mid_run_costs_nothing_and_bytes_are_the_local_ones(tmp_
     finally:
         ray.cloudpickle.unregister_pickle_by_value(sweep_case)
     assert signed.exists()
-    # That one, and the variant's own twice in its batch and twice alone.
+    # That variant, and the variant's own twice in its batch and twice alone.
     assert killer.deaths >= 5
     assert (found.samples, found.skipped, found.failures) == (5, 0, 1)
     assert replace(found, folder=local) == there

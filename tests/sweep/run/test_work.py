@@ -1,4 +1,4 @@
-"""Tasks of a sweep: the same bytes whoever does them, and what goes wrong is said and kept."""
+"""Tasks of a sweep: the same bytes from any worker, and failures are reported and kept."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_the_bytes_are_the_same_in_any_order_and_in_any_grouping(whole, tmp_path
         assert do(str(out), task).stop == ""
     store.finish()
     ours, theirs = data(out), data(folder)
-    del ours["plan.yaml"], theirs["plan.yaml"]  # which says what its paths are relative to
+    del ours["plan.yaml"], theirs["plan.yaml"]  # it says which folder its paths are relative to
     assert ours == theirs
 
 
@@ -135,7 +135,7 @@ def test_what_kills_its_process_is_recorded_and_not_made(tmp_path, monkeypatch):
 
 
 def test_what_a_process_needs_to_begin_is_not_the_tasks(tmp_path, monkeypatch):
-    """Or the first task would say that the whole takes ten times as long as it does."""
+    """Otherwise the first task would predict ten times the real total."""
     begun(tmp_path / "out", planned(tmp_path))
     before, naps = making.Maker.sample, [1.0]
 
@@ -149,7 +149,7 @@ def test_what_a_process_needs_to_begin_is_not_the_tasks(tmp_path, monkeypatch):
     naps.append(1.0)
     later = do(str(tmp_path / "out"), Task("batches", 0, 2, 2)).seconds
     assert later > 1.0
-    assert first < later - 0.5  # both grow alike where the machine is busy
+    assert first < later - 0.5  # both grow alike on a busy machine
 
 
 def test_to_try_a_variant_leaves_nothing(tmp_path):
@@ -173,7 +173,7 @@ def test_a_folder_that_is_no_sweep(tmp_path):
 
 
 def test_want_of_memory_is_no_failure_of_one_try(tmp_path, monkeypatch):
-    """It is a death: the process ends, and what it did is tried again elsewhere."""
+    """It is a death: the process ends, and its work is tried again elsewhere."""
     begun(tmp_path / "out", planned(tmp_path))
 
     def full(*_):

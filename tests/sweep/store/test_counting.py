@@ -1,4 +1,4 @@
-"""Counting: the same outcome in whatever order, in bounded memory, exact."""
+"""Counting: the same result in any order, in bounded memory, exact."""
 
 from __future__ import annotations
 

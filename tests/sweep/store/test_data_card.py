@@ -1,4 +1,4 @@
-"""The card of a data set: counts that add up, in any order, of ten million samples as of ten."""
+"""The card of a data set: counts that add up, in any order, for ten million samples as for ten."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ VERSIONS = {"halfphysics": "0.1.0", "program": "ab" * 32, "mujoco": "3.3.0", "co
 
 
 def sample(number, **changes):
-    """A card with what the data card reads."""
+    """A card with the fields that the data card reads."""
     draw = random.Random(number)
     failed = number % 7 == 0
     card = {
@@ -186,7 +186,7 @@ def test_the_page_tells_it_to_a_person():
     assert "### objects.friction" in text
     table = text.partition("### objects.friction")[2].partition("###")[0]
     rows = [line for line in table.splitlines() if line.startswith("| 0.")]
-    assert 6 <= len(rows) <= 12  # bins taken together
+    assert 6 <= len(rows) <= 12  # merged bins
     assert sum(int(row.split("|")[2].replace(",", "")) for row in rows) == document["samples"]
 
 

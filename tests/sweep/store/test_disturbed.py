@@ -1,4 +1,4 @@
-"""Sweeps that are killed, or without room, at any moment: the same in the end, nothing lost."""
+"""Sweeps that are killed, or run out of disk space, at any moment: the same end result."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ def plan(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def undisturbed(plan, tmp_path_factory):
-    """What the folder holds after a run in one go."""
+    """The content of the folder after an uninterrupted run."""
     folder = tmp_path_factory.mktemp("undisturbed") / "out"
     assert run(folder, plan) == {"shards": 4, "samples": 20, "skipped": 2, "failures": 0}
     return tree(folder)
 
 
 def changes_something(event, arguments, folder):
-    """Whether an event of the interpreter is one of writing in a folder."""
+    """Whether an event of the interpreter writes in a folder."""
     path = arguments[0] if arguments else None
     if not isinstance(path, str | os.PathLike) or not str(path).startswith(str(folder)):
         return False
@@ -48,10 +48,10 @@ def changes_something(event, arguments, folder):
 
 
 def disturbed(folder, work, at, what):
-    """Do work in another process, in which `what()` happens before operation `at` on `folder`.
+    """Do work in another process, in which `what()` runs before operation `at` on `folder`.
 
-    Returns its exit code: 0 where there are no such many operations, 2 where it came to its end
-    all the same, 3 after an error of ours that names the folder.
+    Returns its exit code: 0 if there are fewer operations, 2 if it came to its end
+    nevertheless, 3 after an error of ours that names the folder.
     """
     child = os.fork()
     if child:
@@ -86,7 +86,7 @@ def full():
     ids=["killed", "full"],
 )
 def test_disturbed_at_every_operation(tmp_path, what, code, formats, every):
-    """Killed, or without room, before any one thing done to a file: the same bytes in the end."""
+    """Killed, or out of disk space, before any single file operation: the same bytes in the end."""
     if "hdf5" in formats:
         pytest.importorskip("h5py")
     plan = plan_of(tmp_path, variants=1, formats=formats)
@@ -100,7 +100,7 @@ def test_disturbed_at_every_operation(tmp_path, what, code, formats, every):
         run(folder, plan)
         assert tree(folder) == expected, f"operation {at}"
     assert at > 40
-    # What is only tidying up may fail without a word.
+    # Cleaning up may fail silently.
     assert set(codes[:-1]) <= {code, 2}
     assert codes.count(2) < 5
 

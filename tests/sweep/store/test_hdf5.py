@@ -1,4 +1,4 @@
-"""HDF5 shards: what the tar says, the same bytes each time, and what goes wrong."""
+"""HDF5 shards: the tar's content, the same bytes each time, and errors."""
 
 from __future__ import annotations
 

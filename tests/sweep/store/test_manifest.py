@@ -1,4 +1,4 @@
-"""What a sweep made, in a few files: also of what there is so far, and of very many shards."""
+"""The manifest of a sweep, in a few files: also of a partial sweep, and of very many shards."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def test_what_there_is_of_an_interrupted_run(tmp_path):
 
 
 def test_manifest_of_many_shards(tmp_path):
-    """Quick, and in no more memory than that of few: records are looked at one at a time."""
+    """Fast, and in no more memory than for few: records are read one at a time."""
     peaks = []
     for shards in (50, 500):
         plan = plan_of(tmp_path, variants=shards, batch=2, per_shard=2)

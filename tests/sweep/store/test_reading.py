@@ -1,4 +1,4 @@
-"""Loading what a sweep made: our reader, tarfile, WebDataset, h5py, and the words about it."""
+"""Loading a sweep's output: our reader, tarfile, WebDataset, h5py, and its documentation."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def folder(tmp_path_factory):
 
 
 def check(one, number):
-    """Whether a sample is the one that was written."""
+    """Whether a sample equals the written one."""
     key, files = sample(number)
     assert one["key"] == key
     assert one["card"] == json.loads(files["card.json"])
@@ -117,7 +117,7 @@ def test_damaged_shards(folder, tmp_path, damage):
     data = (folder / "shards/00000/000000000.tar").read_bytes()
     if damage == "cut":
         shard.write_bytes(data[: len(data) // 2 + 7])
-    elif damage == "between":  # after a whole member, as tarfile would not notice
+    elif damage == "between":  # after a whole member, which tarfile would not notice
         with tarfile.open(folder / "shards/00000/000000000.tar") as archive:
             shard.write_bytes(data[: archive.getmembers()[5].offset])
     elif damage == "header":
@@ -185,7 +185,7 @@ def test_plain_tarfile_reads_it(folder):
     assert data == sample(18)[1]["human.npz"]
 
 
-# -- the words and the code that people copy -------------------------------------------------
+# -- the documentation and its code ----------------------------------------------------------
 
 
 def loader_of(name):
@@ -205,7 +205,7 @@ def test_loaders_of_ten_lines(folder, name, package, capsys):
     pytest.importorskip(package)
     lines = [line for line in loader_of(name).splitlines() if line.strip()]
     assert len(lines) <= 10
-    # The same lines are in the words about sweeps.
+    # The same lines are in the document about sweeps.
     assert loader_of(name) in (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
     example = runpy.run_path(str(ROOT / "examples" / name), run_name="example")
     loaded = list(example["load"](folder))
@@ -220,7 +220,7 @@ def test_loaders_of_ten_lines(folder, name, package, capsys):
 
 
 def test_our_reader_in_the_docs(folder):
-    """The block of it runs as it stands there."""
+    """Its code block runs unchanged."""
     text = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"```python\n(import halfphysics\.sweep\n.*?)```", text, re.DOTALL)
     names = {}

@@ -1,4 +1,4 @@
-"""Files that a sweep was made from: what changed is made again, what did not is not read again."""
+"""Source files of a sweep: changed files are made again, unchanged ones are not read again."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def digest(path):
 
 @pytest.fixture
 def swept(tmp_path, monkeypatch):
-    """A folder made from a file that had not changed for long; gives a new store for it."""
+    """A folder made from a file that was long unchanged; gives a new store for it."""
     monkeypatch.setattr("halfphysics.sweep.store.store._CLOCKS", -60_000_000_000)
     plan = plan_of(tmp_path)
     (tmp_path / "mesh.obj").write_bytes(b"v 0 0 0")

@@ -1,4 +1,4 @@
-"""The folder of a sweep: what is in it, and that nothing is ever lost or half there."""
+"""The folder of a sweep: its contents, no work lost, no partial files."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ def plan(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def undisturbed(plan, tmp_path_factory):
-    """What the folder holds after a run in one go."""
+    """The content of the folder after an uninterrupted run."""
     folder = tmp_path_factory.mktemp("undisturbed") / "out"
     assert run(folder, plan) == {"shards": 4, "samples": 20, "skipped": 2, "failures": 0}
     return tree(folder)
 
 
-# -- what is there -------------------------------------------------------------------------
+# -- contents ------------------------------------------------------------------------------
 
 
 def test_what_is_in_the_folder(undisturbed):
@@ -75,7 +75,7 @@ def test_order_and_process_do_not_matter(plan, undisturbed, tmp_path):
     with Store(tmp_path / "out", plan, "this") as store:
         rng = np.random.default_rng(0)
         for batch in rng.permutation(store.layout.batches):
-            # Each as its own process would, twice where a worker was thought dead.
+            # Each as its own process would, twice where a worker was assumed dead.
             for _ in range(rng.integers(1, 3)):
                 make_batch(Store(tmp_path / "out", plan, "this"), int(batch))
         for shard in rng.permutation(store.layout.shards):
@@ -85,7 +85,7 @@ def test_order_and_process_do_not_matter(plan, undisturbed, tmp_path):
 
 
 def test_formats(tmp_path, undisturbed):
-    """Without the tar the HDF5 file is the same, and the tar it is made from does not stay."""
+    """Without the tar the HDF5 file is the same, and the intermediate tar is removed."""
     run(tmp_path / "out", plan_of(tmp_path, formats=("hdf5",)))
     there = tree(tmp_path / "out")
     assert not [name for name in there if name.endswith(".tar")]
@@ -247,7 +247,7 @@ def test_another_plan_in_the_folder(tmp_path):
     with pytest.raises(InputError, match=r"holds another plan: seed is 0 there and 3 now.*--out"):
         Store(tmp_path / "out", plan_of(tmp_path, seed=3)).begin()
     assert tree(tmp_path / "out") == before
-    # Where results go is no part of what they are.
+    # The output folder does not affect the results.
     Store(tmp_path / "out", plan_of(tmp_path), "this").begin()
 
 
@@ -339,7 +339,7 @@ def test_failures_are_listed_and_can_be_tried_again(plan, undisturbed, tmp_path)
     with Store(tmp_path / "out", plan, "this") as store:
         assert store.drop_failed() == 2
         assert [store.done(k) for k in range(4)] == [False, True, False, True]
-        # Nothing but the batches of 1 and 13 is made again.
+        # Only the batches of 1 and 13 are made again.
         assert [store.left(k) for k in range(4)] == [[0], [], [6], []]
         make(store)
     assert tree(tmp_path / "out") == undisturbed

@@ -1,4 +1,4 @@
-"""Tar archives in pieces: in a row they are what `tarfile` writes in one go."""
+"""Tar archives in pieces: concatenated they equal one written by `tarfile` in one go."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_an_archive_without_its_end_is_refused(tmp_path, cut):
     shard.write_bytes(whole[: content - cut])
     with pytest.raises(DAMAGE):
         list(tar.samples(shard))
-    # A head that is gone ends the archive for `tarfile`.
+    # For `tarfile` a missing header ends the archive.
     shard.write_bytes(whole[:1024] + bytes(512) + whole[1536:])
     with pytest.raises(DAMAGE):
         list(tar.samples(shard))

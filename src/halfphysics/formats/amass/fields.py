@@ -1,8 +1,8 @@
-"""What the AMASS layouts (SMPL-X, SMPL-H, SMPL) share: fields in and fields out.
+"""Reading and writing of fields, shared by the AMASS layouts (SMPL-X, SMPL-H, SMPL).
 
-One layout differs from the next by the columns of `poses`. Written back are the keys a file
-came with; rotations that its columns cannot hold (fingers bent by contact in a file without
-fingers) go into the extra key ``poses_smplx (T, 165)``, which other readers pass over.
+Layouts differ in the columns of `poses`. A motion is written with the keys of the file it came
+from; rotations that its columns cannot hold (fingers bent by contact in a file without fingers) go
+into the extra key ``poses_smplx (T, 165)``, which other readers ignore.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from halfphysics.motion.smplx_names import one_shape
 Array = NDArray[np.float64]
 Fields = dict[str, NDArray[Any]]
 
-#: Columns of `poses` -> the SMPL-X joint each three are for (-1: none, SMPL's rigid hands).
+#: Columns of `poses` -> the SMPL-X joint of each three (-1: none, SMPL's rigid hands).
 COLUMNS: Mapping[int, tuple[int, ...]] = {
     165: tuple(range(skeleton.N_JOINTS)),
     156: skeleton.SMPLH_JOINTS,
@@ -42,7 +42,7 @@ COLUMNS: Mapping[int, tuple[int, ...]] = {
     66: skeleton.SMPL_JOINTS,
 }
 _MODEL_OF_WIDTH = {165: "smplx", 156: "smplh", 72: "smpl"}
-#: The same rotations by part, as SMPL-X files have them besides or instead of `poses`.
+#: The same rotations by part, which SMPL-X files have besides or instead of `poses`.
 SPLIT: Mapping[str, tuple[int, ...]] = {
     "root_orient": (0,),
     "pose_body": skeleton.BODY_JOINTS,
@@ -60,10 +60,10 @@ _KNOWN = {
 
 
 def width_of(source: Source) -> int | None:
-    """Columns of `poses` (or what the split fields amount to); None if this is not AMASS.
+    """Number of columns of `poses` (or of the split fields); None if the file is not AMASS.
 
     Raises:
-        FileError: AMASS keys, but a width that no layout has.
+        FileError: The keys are AMASS's, but no layout has this width.
     """
     npz = source.npz
     if npz is None or "v_template" in npz:
@@ -85,7 +85,7 @@ def width_of(source: Source) -> int | None:
 
 
 def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None]:
-    """Rotations (T, 55, 3) in file axes, and SMPL's rigid hands (T, 2, 3) if it has them."""
+    """Rotations (T, 55, 3) in file axes, and SMPL's rigid hands (T, 2, 3) if present."""
     rigid = None
     if "poses" in npz:
         columns = COLUMNS[width]
@@ -98,7 +98,7 @@ def _rotations(npz: Npz, width: int, frames: slice) -> tuple[Array, Array | None
             count = sum(joint >= 0 for joint in columns)  # SMPL's rigid hands are last
             full[:, columns[:count]] = poses[:, :count]
             for key, joints in SPLIT.items():
-                # The face beside poses without one.
+                # A face field beside `poses` without a face.
                 if key in npz and not set(joints) & set(columns):
                     part = Record(npz.path, npz).numbers(key, None, 3 * len(joints), frames=frames)
                     same_length(str(npz.path), {"poses": len(poses), key: len(part)})
@@ -222,7 +222,7 @@ def load(source: Source, options: Options, format: str) -> Motion:
         )
     except InputError as error:
         raise FileError(f"{source.path}: {error}") from None
-    # What is in a result was looked at when it was read the first time.
+    # The motion of a result file was checked when its input was read.
     if not degrees and not any("/" in key for key in npz):
         warn_of_speed(str(source.path), motion)
     return motion
@@ -231,8 +231,8 @@ def load(source: Source, options: Options, format: str) -> Motion:
 def _file_metadata(
     npz: Npz, format: str, frames: slice, count: int, rigid: Array | None
 ) -> FileMetadata:
-    """All the file holds besides the motion. Pickled extras are left behind, as are the parts
-    of result files (keys with a slash): they are not of the motion."""
+    """All fields besides the motion, without pickled ones and the parts of result files (keys with
+    a slash)."""
     constants: Fields = {}
     per_frame: Fields = {}
     dtypes, keys = {}, []
@@ -257,13 +257,13 @@ def _file_metadata(
 
 
 def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:
-    """The arrays of an AMASS file, in the keys, axes, hands and types the motion came with.
+    """The arrays of an AMASS file, with the keys, axes, hands and types of the motion's file.
 
     Args:
-        motion: What to write.
+        motion: The motion to write.
         format: Name of the layout to write.
-        width: Its columns of `poses`, for motions that came from elsewhere.
-        fps_key: Its spelling of the frame rate, likewise.
+        width: Number of columns of `poses`, for motions not from this layout.
+        fps_key: Key of the frame rate, likewise.
     """
     own = motion.origin if motion.origin and motion.origin.format == format else None
     said: Mapping[str, Any] = own.fields if own else {}
@@ -315,12 +315,12 @@ def encode(motion: Motion, format: str, width: int, fps_key: str) -> Fields:
 
 
 def _same(raw: NDArray[Any] | None, text: str) -> NDArray[Any]:
-    """The file's own spelling (bytes or str, any case) if it says `text`, else `text`."""
+    """The file's own spelling (bytes or str, any case) if it equals `text`, else `text`."""
     return raw if raw is not None and _text(raw) == text else np.array(text)
 
 
 def _exact(value: NDArray[Any], dtype: np.dtype[Any] | None) -> NDArray[Any]:
-    """`value` in the file's own number type where that holds it exactly."""
+    """`value` in the file's own number type if that represents it exactly."""
     if dtype is None or dtype.kind not in "fiu" or value.dtype.kind not in "fiu":
         return value
     with np.errstate(over="ignore", invalid="ignore"):

@@ -1,4 +1,4 @@
-"""An AMASS layout as a motion format: a name, the columns of `poses`, the key of the rate."""
+"""An AMASS layout as a motion format: a name, the columns of `poses`, the key of the frame rate."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Writes `poses (T, width)`; reads these and what has another number `also` of columns."""
+    """A layout that writes `poses (T, width)` and reads `width` or `also` columns."""
 
     name: str
     width: int
@@ -30,7 +30,7 @@ class Layout:
 
     @property
     def format(self) -> Format:
-        """For the list of formats."""
+        """The layout as an entry of the format registry."""
         return Format(
             name=self.name,
             expects=f"npz with trans (T, 3), poses (T, {self.width}), betas, gender, "

@@ -1,6 +1,6 @@
 """AMASS npz, SMPL layout: `poses (T, 72)` = root, body 21 and two rigid hands.
 
-SMPL-X has no match for the rigid hands: they are kept only to be written back.
+SMPL-X has no joints for the rigid hands: they are kept only to be written back.
 """
 
 from __future__ import annotations

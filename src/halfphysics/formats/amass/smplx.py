@@ -1,6 +1,6 @@
 """AMASS npz, SMPL-X layout: `poses (T, 165)` in `JOINT_NAMES` order.
 
-Also body-only files (T, 66), for which `model=` may have to say the model.
+It also reads body-only files (T, 66), which may need `model=`.
 """
 
 from __future__ import annotations

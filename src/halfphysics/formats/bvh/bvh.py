@@ -1,9 +1,9 @@
-"""BVH: joint rotations of any skeleton; y-up, centimetres as we write them.
+"""BVH: joint rotations of any skeleton; files are written y-up, in centimetres.
 
-Read: skeletons by their joints' names (`skeleton_maps`), put on the default body (`retarget`); a
-skeleton with the 55 SMPL-X names is taken as it is. Written: a root that carries the translation of
-the SMPL-X origin, and below it the 55 joints where the body has them at rest, so that a mesh in the
-SMPL-X rest pose fits the skeleton.
+The reader matches joints by name (`skeleton_maps`) and retargets the motion to the default body
+(`retarget`); a skeleton with the 55 SMPL-X names is read unchanged. The writer writes a root with
+the translation of the SMPL-X origin, and below it the 55 joints at their rest positions, so that a
+mesh in the SMPL-X rest pose fits the skeleton.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 NAME = "bvh"
-#: Units of the files that are written, per metre: centimetres.
+#: Units per metre in the files written: centimetres.
 UNITS = 100.0
 ROOT = "root"
-#: In `FileMetadata.fields`: the motion was put on the default body.
+#: Key in `FileMetadata.fields`: the motion was retargeted to the default body.
 DEFAULT_BODY = "default_body"
 _PLACES = ("Xposition", "Yposition", "Zposition")
 _TURNS = ("Xrotation", "Yrotation", "Zrotation")
-# Its lock, a right angle about z in the middle, is where no knee and no elbow comes.
+# Its gimbal lock, a right angle about the middle axis z, is out of reach of knees and elbows.
 _ORDER = (1, 2, 0)
-# Legs longer than this are not in metres [unit of the file].
+# Legs longer than this [unit of the file] are not in metres.
 _METRES = 4.0
 
 
@@ -94,7 +94,7 @@ def _load(source: Source, options: Options) -> Motion:
 
 
 def _ours(where: str, bvh: Bvh, options: Options) -> Motion:
-    """A skeleton of SMPL-X's own joints, at rest as SMPL-X is."""
+    """The motion of a skeleton with the joints and the rest pose of SMPL-X."""
     source = SourceSkeleton.of(where, bvh)
     positions, quaternions = source.frames(options.frames)
     index = [bvh.names.index(name) for name in skeleton.JOINT_NAMES]
@@ -111,7 +111,7 @@ def _ours(where: str, bvh: Bvh, options: Options) -> Motion:
     parents = skeleton.PARENTS[1:]
     local[:, 1:] = rot.multiply(rot.conjugate(world[:, parents]), world[:, 1:])
     if bvh.parents[index[0]] >= 0:
-        # Under a root: its offset is the pelvis at rest, J0.
+        # The pelvis is below a root: its offset is its rest position, J0.
         at_rest = scale * bvh.offsets[index[0]]
     else:
         from halfphysics.body.body import Body
@@ -160,13 +160,13 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 
 
 def _ends(body: Body) -> dict[int, Array]:
-    """For the joints without children: the way to the far end of their skin [m]."""
+    """For joints without children: the vector to the farthest vertex of their skin [m]."""
     ends = {}
     owner = body.weights.argmax(axis=1)
     for joint in set(range(skeleton.N_JOINTS)) - set(skeleton.PARENTS.tolist()):
         ways = body.rest_vertices[owner == joint] - body.rest_joints[joint]
         far = int(np.argmax(np.linalg.norm(ways, axis=1))) if len(ways) else -1
-        # A joint that carries no skin (of SMPL-H and SMPL files) is a point.
+        # A joint without skin (in SMPL-H and SMPL) is a point.
         ends[joint] = ways[far] if len(ways) else np.zeros(3)
     return ends
 

@@ -15,19 +15,19 @@ from halfphysics.errors import FileError
 Array = NDArray[np.float64]
 
 KEYWORD = b"HIERARCHY"
-#: The channels there are; positions along x, y, z, then rotations about them.
+#: All channel names: positions along x, y, z, then rotations about them.
 CHANNELS = (
     *(f"{axis}position" for axis in "XYZ"),
     *(f"{axis}rotation" for axis in "XYZ"),
 )
 _CANON = {name.lower(): name for name in CHANNELS}
 _MAX_JOINTS = 10_000
-# No person and no path is that long in any unit, no joint turns by that many degrees.
+# Larger than any position in any unit and any angle in degrees.
 LARGEST = 1e9
 
 
 class StatementReader:
-    """Statements of the hierarchy one after another, with the lines they are on."""
+    """Statements of the hierarchy one after another, with their line numbers."""
 
     def __init__(self, path: Path, lines: Sequence[str]) -> None:
         self.path = path
@@ -83,7 +83,7 @@ def shown_words(words: Sequence[str]) -> str:
 
 
 def one_number(word: str) -> float:
-    # Python takes 1_000 for a thousand; files do not.
+    # float() reads 1_000 as a thousand; BVH does not.
     if "_" in word:
         raise ValueError(word)
     return float(word)

@@ -1,16 +1,16 @@
-"""How the joints' frames of a source skeleton lie to those of SMPL-X, whatever its rest pose is.
+"""Rotations between the joint frames of a source skeleton, in any rest pose, and those of SMPL-X.
 
-The result is a constant turn for each matched joint, ``C = source joint from SMPL-X joint``, so
-that the SMPL-X joint's world rotation is ``R_source(t) C``: where the source bone points, the
-SMPL-X bone points too.
+The result is a constant rotation for each matched joint, ``C = source joint from SMPL-X joint``, so
+that the SMPL-X joint's world rotation is ``R_source(t) C``: the SMPL-X bone points in the direction
+of the source bone.
 
-- Where the file's zero pose is a person standing (T, A, arms hanging), trunk, head and collars
-  keep that pose for SMPL-X's rest, and the bones of limbs and fingers are turned the shortest way
-  from SMPL-X's rest direction to the file's, each on top of its parent's turn.
-- Where the zero pose is no posture at all (MotionBuilder and LAFAN1 have every bone along its own
-  x axis) directions say all but the twist about the bone. Trunk and hands have several branches,
-  which fix it; knees and elbows are hinges, whose axis is seen in the movement; collars, feet and
-  fingers are not twisted against their parents on the average, neck and head not turned at all.
+- If the file's zero pose is a standing person (T, A, arms hanging), trunk, head and collars take it
+  as SMPL-X's rest pose, and the bones of limbs and fingers are turned the shortest way from
+  SMPL-X's rest direction to the file's, each after its parent's rotation.
+- If the zero pose is no posture (MotionBuilder and LAFAN1 have every bone along its own x axis),
+  bone directions give all but the twist about the bone. The several branches of trunk and hands fix
+  their twist; knees and elbows are hinges, whose axis is estimated from the motion; collars, feet
+  and fingers have zero mean twist against their parents, neck and head zero mean rotation.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _SIDES = ("left", "right")
 _TRUNK = tuple(JOINT_INDEX[n] for n in ("neck", "head", "left_collar", "right_collar", "jaw"))
 _UPRIGHT = tuple(JOINT_INDEX[n] for n in ("neck", "head", "jaw"))
 _SPINE = tuple(JOINT_INDEX[f"spine{k}"] for k in (1, 2, 3))
-#: Where the bone of a joint points; fingers to their next joint.
+#: Joint -> the joint at the end of its bone; for fingers the next finger joint.
 _NEXT = {
     JOINT_INDEX[f"{side}_{joint}"]: JOINT_INDEX[f"{side}_{then}"]
     for side in _SIDES
@@ -50,7 +50,7 @@ _NEXT = {
 _ANKLES = tuple(JOINT_INDEX[f"{side}_ankle"] for side in _SIDES)
 _FEET = tuple(JOINT_INDEX[f"{side}_foot"] for side in _SIDES)
 _WRISTS = tuple(JOINT_INDEX[f"{side}_wrist"] for side in _SIDES)
-#: Upper and lower bone of the hinges -> the axis in SMPL-X's rest about which they flex.
+#: Upper and lower bone of the hinges -> their flexion axis in SMPL-X's rest pose.
 _HINGES = {
     (JOINT_INDEX[f"{side}_{upper}"], JOINT_INDEX[f"{side}_{lower}"]): axis
     for side, out in zip(_SIDES, (1.0, -1.0), strict=True)
@@ -59,21 +59,21 @@ _HINGES = {
         ("shoulder", "elbow", np.array([0.0, -out, 0.0])),
     )
 }
-# Rest directions farther than this from a standing person's are none of a person [cosine].
+# Cosine of the largest angle between a rest direction and that of a standing person.
 _STANDING = np.cos(np.radians(55.0))
-# Trunks nearer than this to the axes are meant to be along them.
+# Cosine of the angle to the axes below which a trunk frame is snapped to them.
 _ALONG = np.cos(np.radians(35.0))
-# The same of a head, which may be turned all the time.
+# The same for a head, which may be turned throughout the clip.
 _ALONG_HEAD = np.cos(np.radians(42.0))
-# Mean sine of the flexion under which a hinge's axis is not seen.
+# Mean sine of flexion below which a hinge's axis cannot be estimated.
 _BENT = 0.05
 
 
 class RestAlignment:
-    """The turns of all matched joints.
+    """The rotations C of all matched joints.
 
     Args:
-        source: The skeleton.
+        source: The source skeleton.
         rest: SMPL-X joints at rest (55, 3) [m].
         quaternions: World from source joint over the clip (T, J, 4).
     """
@@ -83,7 +83,7 @@ class RestAlignment:
         self._rest = rest
         self._quaternions = quaternions
         upright = self._upright()
-        #: Whether the zero pose of the file is a person standing.
+        #: Whether the zero pose of the file is a standing person.
         self.is_pose = upright is not None
         self._turns: dict[int, Array] = {}
         if upright is not None:
@@ -98,7 +98,7 @@ class RestAlignment:
     # -- directions --------------------------------------------------------------------------
 
     def _ours(self, joint: int) -> Array | None:
-        """Where the bone of an SMPL-X joint points at rest."""
+        """Rest direction of the bone of an SMPL-X joint."""
         then = _NEXT.get(joint)
         if then is not None:
             return _unit(self._rest[then] - self._rest[joint])
@@ -110,12 +110,12 @@ class RestAlignment:
         return _unit(self._rest[joint] - self._rest[parent])
 
     def _theirs(self, joint: int) -> Array | None:
-        """Where the bone of the matched joint points in its own frame; None: nowhere."""
+        """Bone direction of the matched joint in its own frame; None: the bone has no length."""
         source = self._source
         own, then = source.joints[joint], _NEXT.get(joint)
         least = SAME_PLACE * source.leg
         if then is not None and then in source.joints:
-            # All joints between turn with it at rest; what is in one place is passed over.
+            # In the rest pose all joints between are rigid; joints in one place have no direction.
             way = source.rest[source.joints[then]] - source.rest[own]
             return _unit(way, least)
         if own in source.bvh.ends:
@@ -125,7 +125,7 @@ class RestAlignment:
         return _unit(max(offsets, key=np.linalg.norm), least) if offsets else None
 
     def _branch(self, base: int, to: int) -> Array | None:
-        """The way from a source joint to another below it, as far as it is rigid in its frame."""
+        """The first non-zero offset on the path from a source joint to one below it."""
         source, path, joint = self._source, [], to
         while joint != base:
             path.append(joint)
@@ -141,7 +141,7 @@ class RestAlignment:
     # -- a zero pose that is a posture -------------------------------------------------------
 
     def _upright(self) -> Array | None:
-        """File from SMPL-X axes (4,) if the zero pose is a person standing, else None."""
+        """File from SMPL-X axes (4,) if the zero pose is a standing person, else None."""
         source, rest = self._source, self._source.rest
         at = {
             name: rest[source.joints[JOINT_INDEX[name]]]
@@ -177,7 +177,7 @@ class RestAlignment:
             direction = _unit(way)
             if direction is None or direction @ axis < _STANDING:
                 return None
-        # Arms to the side, down or forward, but none across the body or up.
+        # Arms may point to the side, down or forward, not across the body or up.
         for side, sign in zip(_SIDES, (1.0, -1.0), strict=True):
             arm = _unit(at[f"{side}_elbow"] - at[f"{side}_shoulder"])
             if arm is None or sign * (arm @ left) < -0.3 or arm @ up > 0.7:
@@ -201,7 +201,7 @@ class RestAlignment:
                 turns[joint] = self._swung(joint, base) if joint not in _FEET else base
 
     def _heading(self, ankle: int, upright: Array) -> Array:
-        """A foot that stands flat at rest as SMPL-X's does, turned about the vertical."""
+        """C of an ankle: a foot flat at rest, like SMPL-X's, rotated about the vertical."""
         ours, theirs = self._ours(ankle), self._theirs(ankle)
         if ours is None or theirs is None:
             return upright
@@ -213,7 +213,7 @@ class RestAlignment:
         return rot.multiply(_shortest(ours, theirs), upright)
 
     def _swung(self, joint: int, base: Array) -> Array:
-        """`base` turned the shortest way so that the bone points where the source's does."""
+        """`base` turned the shortest way to align the bone with the source's."""
         ours, theirs = self._ours(joint), self._theirs(joint)
         if ours is None or theirs is None:
             return base
@@ -240,7 +240,7 @@ class RestAlignment:
             turns[joint] = self._untwisted(joint, parent) if turn is None else turn
 
     def _trunk(self, base: int, pair: str, above: tuple[int, ...] | list[int]) -> Array:
-        """A trunk joint by where its two sides and the spine branch off."""
+        """C of a trunk joint from the offsets of its two sides and the spine."""
         left, right = (
             self._branch(base, self._source.joints[JOINT_INDEX[f"{side}_{pair}"]])
             for side in _SIDES
@@ -261,7 +261,7 @@ class RestAlignment:
         )
 
     def _hand(self, wrist: int) -> Array | None:
-        """A wrist by where the fingers branch off; None: they do not say."""
+        """C of a wrist from the offsets of the fingers; None: they do not determine it."""
         side = JOINT_NAMES[wrist].split("_")[0]
         source = self._source
         bases = [JOINT_INDEX[f"{side}_{finger}1"] for finger in ("index", "pinky")]
@@ -282,7 +282,7 @@ class RestAlignment:
         return rot.from_matrix(frames[1] @ frames[0].T)
 
     def _hinged(self, joint: int, pair: tuple[int, int]) -> Array | None:
-        """A bone of a hinge by its direction and the axis seen in the movement."""
+        """C of a hinge's bone from its direction and the axis estimated from the motion."""
         source = self._source
         upper, lower = pair
         above, below = self._theirs(upper), self._theirs(lower)
@@ -302,7 +302,7 @@ class RestAlignment:
         return rot.from_matrix(their_frame @ ours_frame.T)
 
     def _untwisted(self, joint: int, parent: int) -> Array:
-        """A bone by its direction, not twisted against its parent's on the average."""
+        """C of a bone from its direction, with zero mean twist against its parent."""
         source = self._source
         above = source.chest if parent in _SPINE else source.joints[parent]
         own = source.joints[joint]
@@ -310,8 +310,8 @@ class RestAlignment:
         ours, theirs = self._ours(joint), self._theirs(joint)
         relative = rot.multiply(rot.conjugate(base), self._quaternions[:, own])
         if joint in _UPRIGHT:
-            # Where a neck's bone points is anatomy, and a head's End Site may point anywhere: on
-            # the average they are upright, and their frames lie square to that.
+            # A neck's bone direction depends on anatomy, and a head's End Site may point anywhere:
+            # on average both are upright, with their axes along the parent's.
             mean = rot.to_matrix(_average(rot.conjugate(relative)))
             return rot.from_matrix(_snapped(mean, _ALONG_HEAD))
         if ours is None or theirs is None:
@@ -324,13 +324,13 @@ class RestAlignment:
         return rot.multiply(swing, rot.exp(angle * ours))
 
     def _mean(self, own: int, above: int) -> Array:
-        """The turn with which a joint is as its parent on the average."""
+        """The rotation with which a joint equals its parent on average."""
         base = rot.multiply(self._quaternions[:, above], self._turns[0])
         return _average(rot.multiply(rot.conjugate(self._quaternions[:, own]), base))
 
 
 def _unit(way: Array, least: float = 1e-9) -> Array | None:
-    """A direction; None: it is shorter than `least`."""
+    """A unit vector; None: `way` is not longer than `least`."""
     length = np.linalg.norm(way)
     return np.asarray(way / length) if length > least else None
 
@@ -340,7 +340,7 @@ def _unit_of(way: Array) -> Array:
 
 
 def _frame(first: Array, second: Array) -> Array | None:
-    """Axes as columns: y along `second`, x along `first` but square to y; None: they are one."""
+    """Axes as columns: y along `second`, x along `first`, orthogonal to y; None: parallel."""
     y = _unit(second)
     if y is None:
         return None
@@ -349,7 +349,7 @@ def _frame(first: Array, second: Array) -> Array | None:
 
 
 def _snapped(frame: Array, along: float = _ALONG) -> Array:
-    """The axes that a frame is nearly along; itself where it is along none."""
+    """The nearest axis-aligned frame if it is close, else `frame`."""
     axes = np.zeros((3, 3))
     for column in range(3):
         row = int(np.argmax(np.abs(frame[:, column])))
@@ -359,7 +359,7 @@ def _snapped(frame: Array, along: float = _ALONG) -> Array:
 
 
 def _shortest(a: Array, b: Array) -> Array:
-    """The shortest turn (4,) from direction `a` to `b`."""
+    """The shortest rotation (4,) from direction `a` to `b`."""
     if a @ b < -1.0 + 1e-12:
         side = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
         return np.array([0.0, *_unit_of(side)])

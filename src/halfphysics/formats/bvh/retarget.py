@@ -1,4 +1,4 @@
-"""From any person's skeleton to SMPL-X: world directions of bones kept, lengths the body's own."""
+"""Retargeting of a human skeleton to SMPL-X: keeps bone directions, uses the body's lengths."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class Retargeted:
     """A clip on the SMPL-X skeleton, in the file's axes.
 
     Attributes:
-        pelvis: Places of the pelvis joint (T, 3) [m].
+        pelvis: Positions of the pelvis joint (T, 3) [m].
         rotations: Axis-angle (T, 55, 3).
-        up: The file's up axis, as the body stands, "y" or "z".
+        up: The file's up axis by the body's posture, "y" or "z".
         scale: Metres of the target per unit of the file.
-        matched: SMPL-X joints that were found, the spine's where there is a spine.
-        unmatched: Names of the file's joints that stand for no SMPL-X joint.
-        unit: What the file's unit seems to be, for people.
+        matched: SMPL-X joints found in the file, with the spine joints if it has a spine.
+        unmatched: Names of the file's joints without a matching SMPL-X joint.
+        unit: The file's likely unit, for messages.
     """
 
     pelvis: Array
@@ -46,13 +46,13 @@ class Retargeted:
 
 
 def retarget(where: str, bvh: Bvh, rest: Array, rows: slice) -> Retargeted:
-    """Put the frames `rows` of a file on a body with joints `rest` (55, 3) [m].
+    """Retarget the frames `rows` of a file to a body with joints `rest` (55, 3) [m].
 
-    The middle between the hips goes where the source's goes, times the ratio of the legs' lengths:
-    so feet stand where the source's stand. What has no match stays at rest.
+    The midpoint of the hips follows the source's, scaled by the ratio of leg lengths, so that the
+    feet reach the floor as the source's do. Joints without a match stay at rest.
 
     Raises:
-        FileError: The skeleton is no person's.
+        FileError: The skeleton is not a person's.
     """
     source = SourceSkeleton.of(where, bvh)
     positions, quaternions = source.frames(rows)
@@ -95,12 +95,12 @@ def retarget(where: str, bvh: Bvh, rest: Array, rows: slice) -> Retargeted:
 def _spine(source: SourceSkeleton, alignment: RestAlignment, quaternions: Array) -> Array:
     """World rotations (T, 3, 4) of spine1, spine2, spine3.
 
-    The source's chain from pelvis to chest is cut into three equal parts; between two of its
-    joints on the shortest arc. So spine3 is the source's chest whatever the chain is, and a chain
-    of three is taken over as it is.
+    The source's chain from pelvis to chest is divided into three equal parts, with slerp between
+    two of its joints. So spine3 always equals the source's chest, and a chain of three joints is
+    copied.
     """
     chain = [(source.joints[0], alignment.turn(0))]
-    # Frames of joints between tell nothing of the twist where the zero pose is none.
+    # Without a zero pose, the twist of the joints between is unknown.
     between = source.spine if alignment.is_pose else source.spine[-1:]
     chain += [(joint, alignment.turn(_SPINE[0])) for joint in between]
     world = [rot.multiply(quaternions[:, joint], turn) for joint, turn in chain]
@@ -126,13 +126,13 @@ def _leg(rest: Array) -> float:
 
 
 def _up(world: Array) -> str:
-    """The axis along which the trunk points on the average; y where it lies or both fit."""
+    """The axis along which the trunk points on average; y if it lies or both fit."""
     trunk = rot.rotate(world[:, 0], np.array([0.0, 1.0, 0.0])).mean(axis=0)
     return "z" if trunk[2] > 0.7 and abs(trunk[1]) < 0.5 else "y"
 
 
 def names_of(joints: tuple[int, ...]) -> str:
-    """Names of SMPL-X joints that are not among `joints`, fingers and face in one word."""
+    """Names of SMPL-X joints that are not among `joints`, fingers in one phrase, no face."""
     missing = [j for j in range(N_JOINTS) if j not in joints]
     body = [JOINT_NAMES[j] for j in missing if j < 22]
     fingers = sum(j >= 25 for j in missing)

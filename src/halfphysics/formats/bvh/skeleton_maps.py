@@ -1,9 +1,9 @@
-"""Which joint of a skeleton is which SMPL-X joint, by name.
+"""Matches the joints of a skeleton to SMPL-X joints by name.
 
 CMU, Mixamo, Rokoko, LAFAN1, MotionBuilder, 3ds Max Biped, Unreal, Blender Rigify, SMPL and others
-differ in prefixes, in how they say left and right, and in a few words per joint. Names are taken
-apart into words, and each SMPL-X joint has the words that name it; where one word names two joints
-("LeftShoulder" is the collar of Mixamo and the upper arm of older skeletons), the other names of
+differ in prefixes, in how they mark left and right, and in a few words per joint. Names are split
+into words, and each SMPL-X joint has the words that name it; if one word names two joints
+("LeftShoulder" is the collar in Mixamo and the upper arm in older skeletons), the other names of
 the same side decide.
 """
 
@@ -51,7 +51,7 @@ _TIP = ("tip", "end", "nub")
 
 @dataclass(frozen=True)
 class Name:
-    """A joint's name taken apart: side ("", "left" or "right") and the other words."""
+    """A joint's name split into parts: side ("", "left" or "right") and the other words."""
 
     side: str
     words: tuple[str, ...]
@@ -62,13 +62,13 @@ class Name:
 
 
 def parse(name: str) -> Name:
-    """A name without prefixes, in words."""
+    """Split a name into words, without prefixes and suffixes."""
     bare = name
     while (match := _PREFIX.match(bare)) and match.end() < len(bare):
         bare = bare[match.end() :]
     bare = _SUFFIX.sub("", bare)
     words = [word.lower() for word in _WORD.findall(bare)]
-    # "lThigh", "LHipJoint", "lfemur" and "Lefthand" say the side without a mark.
+    # "lThigh", "LHipJoint", "lfemur" and "Lefthand" have no separator after the side.
     if words and words[0] not in _SIDES:
         for side in ("left", "right", "l", "r"):
             rest = words[0].removeprefix(side)
@@ -95,14 +95,14 @@ _AFTER_SIDE = {
 
 
 def match_joints(names: Sequence[str], parents: Sequence[int]) -> dict[int, int]:
-    """SMPL-X joint -> joint of the skeleton, for all that are found.
+    """SMPL-X joint -> joint of the skeleton, for all joints found.
 
-    Pelvis and spine are not in it: they are where the legs meet and what lies between there and
-    where the arms meet.
+    Pelvis and spine are not included: the pelvis is the joint where the legs meet, and the spine
+    goes from there to the joint where the arms meet.
 
     Args:
-        names: Of the skeleton's joints, parents before children.
-        parents: Of each, -1 for the root.
+        names: Names of the skeleton's joints, parents before children.
+        parents: Parent of each joint, -1 for the root.
     """
     if names_of_smplx(names):
         index = {name: i for i, name in enumerate(names)}
@@ -111,7 +111,7 @@ def match_joints(names: Sequence[str], parents: Sequence[int]) -> dict[int, int]
     found: dict[int, int] = {}
 
     def put(target: str, side: str, words: Sequence[str]) -> None:
-        """The first word that names a joint of this side; the uppermost of several joints."""
+        """Match `target` by the first word that names a joint of this side, the uppermost one."""
         joint = JOINT_INDEX[f"{side}_{target}" if side else target]
         for word in words:
             for i, name in enumerate(taken):
@@ -146,7 +146,7 @@ def names_of_smplx(names: Sequence[str]) -> bool:
 
 
 def _finger_of(name: Name, biped: bool) -> str | None:
-    """The finger that a joint belongs to; None: it is none, or its palm bone or tip."""
+    """The finger of a joint; None: no finger, or a palm bone or a tip."""
     if any(word in _TIP for word in name.words):
         return None
     if name.words and name.words[0] == "finger" and len(name.words) > 1 and name.words[1].isdigit():
@@ -179,11 +179,11 @@ def _put_fingers(
         if finger is None or taken[i].side not in (side, ""):
             continue
         chain = chains.setdefault(finger, [])
-        # One joint after another: a second branch of the same finger is none of it.
+        # Each joint is below the one before: a second branch of the finger is skipped.
         if not chain or _is_above(chain[-1], i, parents):
             chain.append(i)
     for finger, chain in chains.items():
-        # A zeroth joint is the palm's bone, where three more follow it.
+        # A joint numbered 0 is the palm's bone if three more follow it.
         if finger != "thumb" and len(chain) > 3 and taken[chain[0]].words[-1] in ("0", "00"):
             chain = chain[1:]
         for number, i in enumerate(chain[:3], 1):

@@ -1,4 +1,4 @@
-"""The skeleton of a BVH file as a body: its joints in space, and which of them are SMPL-X's."""
+"""The skeleton of a BVH file: its joints in space and the SMPL-X joints they match."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 
 Array = NDArray[np.float64]
 
-#: Without these a skeleton is no person's.
+#: The joints that every human skeleton must have.
 NEEDED = tuple(
     JOINT_INDEX[f"{side}_{joint}"]
     for joint in ("hip", "knee", "ankle", "shoulder", "elbow")
@@ -31,13 +31,13 @@ BONES = tuple(
     for side in ("left", "right")
 )
 _NO_LENGTH = 1e-6  # units of the file: metres or less
-#: Joints that a file may have split into several in one place, one for each axis.
+#: Joints that a file may split into several in one place, one for each axis.
 LIMBS = tuple(
     JOINT_INDEX[f"{side}_{joint}"]
     for joint in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
     for side in ("left", "right")
 )
-#: Offsets shorter than this part of the leg are joints in one place.
+#: Joints with an offset below this fraction of the leg length are in one place.
 SAME_PLACE = 1e-4
 
 
@@ -47,7 +47,7 @@ class SourceSkeleton:
 
     Attributes:
         bvh: The file.
-        joints: SMPL-X joint -> joint of the file, pelvis included, spine not.
+        joints: SMPL-X joint -> joint of the file, with the pelvis, without the spine.
         spine: Joints of the file after the pelvis up to the chest, from which arms branch off.
     """
 
@@ -99,7 +99,7 @@ class SourceSkeleton:
 
     @cached_property
     def offsets(self) -> Array:
-        """Places in the parents' frames (J, 3); of a joint without an offset, its mean place."""
+        """Positions in the parents' frames (J, 3); without an offset, the mean position."""
         offsets = self.bvh.offsets.copy()
         for joint, start in enumerate(self.bvh.starts):
             if joint and not offsets[joint].any():
@@ -109,7 +109,7 @@ class SourceSkeleton:
 
     @cached_property
     def rest(self) -> Array:
-        """Places of the joints when no joint is turned, (J, 3), the root in the origin."""
+        """Positions of the joints (J, 3) for zero rotations, with the root at the origin."""
         rest = np.zeros_like(self.offsets)
         for joint, parent in enumerate(self.bvh.parents):
             if parent >= 0:
@@ -118,7 +118,7 @@ class SourceSkeleton:
 
     @cached_property
     def leg(self) -> float:
-        """Length from hip over knee to ankle, the mean of both legs."""
+        """Length from hip through knee to ankle, mean of both legs."""
         lengths = []
         for side in ("left", "right"):
             chain = [self.joints[JOINT_INDEX[f"{side}_{j}"]] for j in ("hip", "knee", "ankle")]
@@ -163,10 +163,10 @@ class SourceSkeleton:
         ]
 
     def _is_added(self, joint: int, moves: list[tuple[int, int]]) -> bool:
-        """Whether the position channels come on top of the offset.
+        """Whether the position channels are added to the offset.
 
-        They replace it, as Blender has it and files with the root's place in both do; but a joint
-        within the skeleton that stays about its offset if they are added has them added.
+        They replace it, as in Blender and in files with the root's position in both, except for a
+        joint below the root that stays closer to its offset if they are added.
         """
         if self.bvh.parents[joint] < 0:
             return False
@@ -176,7 +176,7 @@ class SourceSkeleton:
 
 
 def _last_in_place(bvh: Bvh, joints: dict[int, int], joint: int) -> int:
-    """The last of several joints in one place, which the bone hangs on.
+    """The last of several joints in one place, from which the bone starts.
 
     CMU's wrist twists in LeftHand and bends in LeftFingerBase, without an offset between them.
     """
@@ -196,7 +196,7 @@ def _last_in_place(bvh: Bvh, joints: dict[int, int], joint: int) -> int:
 
 
 def _path(parents: tuple[int, ...], joint: int) -> list[int]:
-    """From the root to a joint."""
+    """The joints from the root to a joint."""
     path = []
     while joint >= 0:
         path.append(joint)
@@ -205,6 +205,6 @@ def _path(parents: tuple[int, ...], joint: int) -> list[int]:
 
 
 def _meeting(left: list[int], right: list[int]) -> int | None:
-    """The last joint of both paths; None: one of the two ends there."""
+    """The last joint that both paths share; None: one of them ends there."""
     common = [a for a, b in zip(left, right, strict=False) if a == b]
     return common[-1] if common and common[-1] not in (left[-1], right[-1]) else None

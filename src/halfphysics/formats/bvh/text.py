@@ -1,8 +1,8 @@
 """The text of a BVH file: joints with offsets and channels, and a row of numbers per frame.
 
-Facts of the format. A joint turns by the product of its channels' rotations in the order in which
-they are listed, degrees. Offsets are the child's place in its parent's frame. Position channels
-stand for the joint's place in its parent's frame, in the file's unit.
+The rotation of a joint is the product of its channels' rotations in the order of the list, in
+degrees. An offset is the child's position in its parent's frame. Position channels give the
+joint's position in its parent's frame, in the file's unit.
 """
 
 from __future__ import annotations
@@ -29,21 +29,21 @@ Array = NDArray[np.float64]
 
 # Far above any mocap file (an hour of 200 joints at 120 fps is about 2 GB of text).
 _MAX_BYTES = 4 * 2**30
-# A rate this near (relative) to what the printed frame time says is that rate.
+# Relative tolerance between a rate and the printed frame time.
 _SAME_RATE = 1e-12
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Bvh:
-    """What a BVH file says, in its own unit and axes.
+    """The content of a BVH file, in its own unit and axes.
 
     Attributes:
-        names: Of the J joints, parents before children.
-        parents: (J,), -1 for the root.
-        offsets: Places in the parents' frames, (J, 3).
+        names: Names of the J joints, parents before children.
+        parents: Parent joints (J,), -1 for the root.
+        offsets: Positions in the parents' frames, (J, 3).
         ends: Joint -> the offset of its End Site.
-        channels: Of each joint the names of its channels, in the file's order.
-        values: Rows of numbers (T, C), the channels of all joints one after another.
+        channels: Channel names of each joint, in the file's order.
+        values: Channel values (T, C), joint after joint.
         fps: Frames per second.
     """
 
@@ -66,7 +66,7 @@ def read_bvh(path: Path) -> Bvh:
     """Read a BVH file.
 
     Raises:
-        FileError: It is damaged, truncated or says something impossible: it names the line.
+        FileError: The file is damaged, truncated or impossible; the message names the line.
     """
     try:
         size = path.stat().st_size
@@ -102,7 +102,7 @@ def read_bvh(path: Path) -> Bvh:
 
 
 def _error(path: Path, line: int, text: str) -> FileError:
-    """An error in a line, counted from 0."""
+    """An error in a line; `line` counts from 0."""
     return FileError(f"{path}: line {line + 1}: {text}")
 
 
@@ -140,7 +140,7 @@ def _frames(path: Path, lines: list[str], motion: int, columns: int) -> tuple[fl
 
 
 def _values(path: Path, rows: list[tuple[int, str]], columns: int) -> Array:
-    """The numbers of the rows (T, columns); a row is its line, counted from 0, and the text."""
+    """The numbers of the rows (T, columns); a row is its line number, from 0, and the text."""
     words = [line.split() for _, line in rows]
     for (at, _), row in zip(rows, words, strict=True):
         if len(row) != columns:
@@ -170,7 +170,7 @@ def _values(path: Path, rows: list[tuple[int, str]], columns: int) -> Array:
 
 
 def _no_number(path: Path, rows: list[tuple[int, str]]) -> FileError:
-    """What to raise where a word is no number."""
+    """The error for a word that is no number."""
     for at, line in rows:
         for column, word in enumerate(line.split(), 1):
             try:
@@ -186,8 +186,8 @@ def _no_number(path: Path, rows: list[tuple[int, str]]) -> FileError:
 def _rate(text: str) -> float | None:
     """Frames per second of a printed frame time; None: it is impossible.
 
-    A whole rate, or one of television's (30000 / 1001), that prints as `text` is meant: 0.0333333
-    is 30 frames per second, 0.008342 is 119.88.
+    A whole rate, or a television rate (30000 / 1001), that prints as `text` is taken: 0.0333333 is
+    30 frames per second, 0.008342 is 119.88.
     """
     try:
         seconds = one_number(text)
@@ -206,10 +206,10 @@ def _rate(text: str) -> float | None:
 
 
 def write_bvh(path: Path, bvh: Bvh) -> None:
-    """Write a BVH file; it appears whole or not at all.
+    """Write a BVH file atomically.
 
     Raises:
-        FileError: It cannot be written.
+        FileError: The file cannot be written.
     """
     children: list[list[int]] = [[] for _ in bvh.names]
     for joint, parent in enumerate(bvh.parents):
@@ -239,7 +239,7 @@ def write_bvh(path: Path, bvh: Bvh) -> None:
     joint_lines(0, 0)
     lines.extend(["MOTION", f"Frames: {len(bvh.values)}", f"Frame Time: {1.0 / bvh.fps!r}"])
     form = " ".join([_FORM] * len(order))
-    # Readers take the rows in the order of the hierarchy as it is written.
+    # Readers expect the columns in the order of the written hierarchy.
     rows = bvh.values[:, order] + 0.0
     with atomic_write(path) as handle:
         handle.write(("\n".join(lines) + "\n").encode("utf-8"))
@@ -247,7 +247,7 @@ def write_bvh(path: Path, bvh: Bvh) -> None:
             handle.write((form % tuple(row)).encode("ascii") + b"\n")
 
 
-# A billionth of a centimetre or degree: far below the 1e-6 m that files are held to.
+# 1e-9 cm or degrees: far below the required file precision of 1e-6 m.
 _FORM = "%.9f"
 
 

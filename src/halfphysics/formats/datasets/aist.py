@@ -1,7 +1,8 @@
 """AIST++ pkl: `smpl_poses (T, 72)`, `smpl_trans (T, 3)`, `smpl_scaling (1,)`; y-up, 60 fps.
 
-The SMPL body is as large as `smpl_scaling` (about 94: centimetres of a template in metres), so
-metres are `smpl_trans / smpl_scaling`. No shape, no gender, no fingers: the mean neutral SMPL body.
+The SMPL body is scaled by `smpl_scaling` (about 94: centimetres of a template in metres), so the
+translation in metres is `smpl_trans / smpl_scaling`. Files have no shape, gender or fingers: the
+body is the mean neutral SMPL body.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 NAME = "aist"
 FPS = 60.0
-#: Of motions from elsewhere: metres.
+#: Scaling written for motions of other formats: metres.
 SCALING = 1.0
 _RIGID_HANDS = "_rigid_hands"
 

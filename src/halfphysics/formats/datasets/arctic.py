@@ -1,9 +1,9 @@
-"""ARCTIC npy: a person and a thing of two parts in the hands; z-up, 30 fps.
+"""ARCTIC npy: a person who handles an object of two parts; z-up, 30 fps.
 
 `s01/box_grab_01.smplx.npy` is a pickled dict: `transl, global_orient (T, 3) body_pose (T, 63)
 jaw_pose, leye_pose, reye_pose (T, 3) left_hand_pose, right_hand_pose (T, 45)`, fingers on a flat
-hand. Beside it, `box_grab_01.object.npy (T, 7)`: see `arctic_object`. The body is no betas but the
-subject's own template, `meta/subject_vtemplates/s01.obj`, and its gender is in `meta/misc.json`.
+hand. Beside it, `box_grab_01.object.npy (T, 7)`: see `arctic_object`. The body has no betas but the
+subject's own template, `meta/subject_vtemplates/s01.obj`; its gender is in `meta/misc.json`.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ FPS = 30.0
 _ENDING, _OBJECT = ".smplx.npy", ".object.npy"
 _FIELDS = ("transl", *PARTS)
 _ENOUGH = 4
-#: What lies beside a clip -> the keys that it is known by.
+#: Other files of a clip -> the keys that identify them.
 _BESIDE = {
     "the hands (MANO)": {"left", "right"},
     "the head camera": {"R_k_cam_np", "T_k_cam_np"},
@@ -70,7 +70,7 @@ def _sniff(source: Source) -> bool:
     for what, keys in _BESIDE.items():
         if keys <= data.keys():
             raise _not_the_body(source, what)
-    # Dicts with a shape are of other programs, whose axes are others.
+    # Dicts with betas come from other programs, with other axes.
     return len(data.keys() & set(_FIELDS)) >= _ENOUGH and "betas" not in data
 
 
@@ -109,7 +109,7 @@ def _subject(source: Source) -> str:
 
 
 def _gender(source: Source, options: Options) -> str | None:
-    """What the data set's table says of the subject; None where it is not there."""
+    """The subject's gender in the data set's table; None if it is not there."""
     if options.gender is not None:
         return options.gender
     path = seek(source, options, ends("meta/misc.json"))
@@ -156,7 +156,7 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
 
 
 def _object(source: Source, options: Options) -> tuple[str, Array]:
-    """Name of the object and its poses (T, 7)."""
+    """Name and poses (T, 7) of the object."""
     clip = source.path.name.removesuffix(_ENDING).removesuffix(".npy")
     path = source.path.with_name(clip + _OBJECT)
     if not path.is_file():

@@ -1,8 +1,9 @@
 """The objects of ARCTIC: two parts, `top` on `bottom`, with a hinge along the z axis of both.
 
 A clip has `(T, 7)` numbers: the angle of the hinge [rad], the rotation (axis-angle) and the
-translation [mm] of the bottom. The top is turned about -z by the angle, then both are turned and
-moved: vertices of the bottom are ``R v + t``, of the top ``R exp(-angle z) v + t``, meshes in mm.
+translation [mm] of the bottom. The top rotates about -z by the angle, then both are rotated
+and translated: vertices of the bottom are ``R v + t``, of the top ``R exp(-angle z) v + t``,
+meshes in mm.
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ PARTS = ("bottom", "top")
 MILLIMETRE = 1e-3
 HINGE = "hinge"
 _AXIS = np.array([0.0, 0.0, -1.0])
-# What a stiff lid has [N m s]: nothing in the data says it.
+# Damping of a stiff lid [N m s]: an assumption, the data set has no value.
 _DAMPING = 0.01
-# A hinge that the clip leaves shut can still be opened this far [rad].
+# Smallest range of a hinge, for clips that never open it [rad].
 _LEAST_RANGE = 0.1
 
 
@@ -52,24 +53,24 @@ def add_hinged(
 ) -> dict[str, ObjectTrack]:
     """Add the object of a clip: an articulated one, or two replayed parts (`Options.objects`).
 
-    Free, it is ``name`` with links "name/bottom" and "name/top" and the joint "name/hinge", which
-    reaches as far as the clip opens it. Replayed, it is "name_bottom" and "name_top".
+    A free object is ``name`` with links "name/bottom" and "name/top" and the joint "name/hinge",
+    whose range is that of the clip. A replayed object is "name_bottom" and "name_top".
 
     Args:
-        scene: Where to add it.
-        name: Of the object.
-        meshes: File of each of `PARTS`, in mm.
-        pose: (T, 7), as the data set has it, file axes.
-        where: What messages call the clip.
+        scene: Scene to add it to.
+        name: Name of the object.
+        meshes: Mesh file of each of `PARTS`, in mm.
+        pose: Poses (T, 7) of the data set, file axes.
+        where: Name of the clip in messages.
         axes: World from file axes (3, 3), as `Motion.axes`.
-        fps: Of the poses.
-        options: Of the caller.
+        fps: Frame rate of the poses.
+        options: Options of the caller.
 
     Returns:
-        The recorded poses of the parts in the world, by their names in the scene.
+        The recorded poses of the parts in the world, by name in the scene.
 
     Raises:
-        FileError, InputError: A mesh that cannot be used.
+        FileError, InputError: A mesh cannot be used.
     """
     angles = pose[:, 0]
     places = (MILLIMETRE * pose[:, 4:]) @ axes.T
@@ -112,7 +113,7 @@ def add_hinged(
 
 
 def _hinged(what: str, solids: Mapping[str, Mesh], angles: Array) -> tuple[Any, dict[str, float]]:
-    """The MjSpec of both parts, and what they weigh [kg]."""
+    """The MjSpec of both parts, and their masses [kg]."""
     import mujoco
 
     spec = mujoco.MjSpec()
@@ -127,7 +128,7 @@ def _hinged(what: str, solids: Mapping[str, Mesh], angles: Array) -> tuple[Any, 
             hinge = body.add_joint(name=HINGE, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_AXIS)
             hinge.limited = mujoco.mjtLimited.mjLIMITED_TRUE
             hinge.range = _range(angles)
-            # One number for every power of the velocity in later releases: the first.
+            # Later releases have one coefficient per power of the velocity: set the first.
             powers = np.ndim(hinge.damping) and len(hinge.damping)
             hinge.damping = [_DAMPING, *[0.0] * (powers - 1)] if powers else _DAMPING
         _, cut = asked(f"{what}, {part}", solids[part], "auto", THRESHOLD, None)
@@ -150,7 +151,7 @@ def _hinged(what: str, solids: Mapping[str, Mesh], angles: Array) -> tuple[Any, 
 
 
 def _range(angles: Array) -> list[float]:
-    """From shut to the widest of the clip [rad], of three decimals: text keeps those exactly."""
+    """The range from shut to widest in the clip [rad], to three decimals: exact in text."""
     low = min(0.0, float(angles.min()))
     high = max(low + _LEAST_RANGE, float(angles.max()))
     return [float(np.floor(1e3 * low) / 1e3), float(np.ceil(1e3 * high) / 1e3)]

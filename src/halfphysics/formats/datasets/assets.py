@@ -13,14 +13,14 @@ from halfphysics.formats.format import Options, Source
 
 #: The default folder for licensed models and data sets' assets.
 VARIABLE = "HALFPHYSICS_MODELS"
-# A clip lies a few folders under the root of its data set (GRAB: grab/s1/cup_lift.npz), whose own
-# folder is the first of these.
+# Number of folders above a clip that are searched, its own folder first: the clip is a few folders
+# under the root of its data set (GRAB: grab/s1/cup_lift.npz).
 _PARENTS = 3
 _noted: ContextVar[list[Path] | None] = ContextVar("noted", default=None)
 
 
 def folders(source: Source, options: Options) -> Iterator[Path]:
-    """Where assets are looked for, in this order."""
+    """The folders searched for assets, in this order."""
     yield from options.assets
     own = os.environ.get(VARIABLE)
     if own:
@@ -32,9 +32,9 @@ def folders(source: Source, options: Options) -> Iterator[Path]:
 
 
 def ends(path: str) -> tuple[str, ...]:
-    """A path that a file names, and its ends: the folders above it may be called anything.
+    """A path in a file and its trailing parts: the names of the folders above may differ.
 
-    A path that leads out of the folder it is looked for in is left out.
+    Of a path that leads out of the folder searched, only the file name is kept.
     """
     parts = [part for part in path.replace("\\", "/").split("/") if part not in ("", ".")]
     if ".." in parts or (parts and ":" in parts[0]):
@@ -44,7 +44,7 @@ def ends(path: str) -> tuple[str, ...]:
 
 @contextmanager
 def noted() -> Iterator[list[Path]]:
-    """The other files that clips are read from while this lasts, in the order they are found."""
+    """The asset files that clips read inside this context, in the order of reading."""
     files: list[Path] = []
     before = _noted.set(files)
     try:
@@ -54,7 +54,7 @@ def noted() -> Iterator[list[Path]]:
 
 
 def note(path: Path) -> Path:
-    """Say that a file besides the clip's own is read."""
+    """Record that an asset file is read; returns its path."""
     files = _noted.get()
     if files is not None:
         files.append(path)
@@ -62,7 +62,7 @@ def note(path: Path) -> Path:
 
 
 def seek(source: Source, options: Options, names: Iterable[str]) -> Path | None:
-    """As `find`, for what need not be there."""
+    """Like `find`, but None if there is no such file."""
     names = list(names)
     for folder in dict.fromkeys(folders(source, options)):
         for name in names:
@@ -73,15 +73,15 @@ def seek(source: Source, options: Options, names: Iterable[str]) -> Path | None:
 
 
 def find(source: Source, options: Options, names: Iterable[str], what: str) -> Path:
-    """The first file there is of `names` (paths below the folders).
+    """The first existing file among `names` (paths below the folders).
 
     Args:
-        source, options: Of the clip.
-        names: For example "tools/object_meshes/contact_meshes/cup.ply", the best first.
-        what: For the message, for example "the mesh of the object 'cup'".
+        source, options: Source and options of the clip.
+        names: For example "tools/object_meshes/contact_meshes/cup.ply", the preferred first.
+        what: Description for the message, for example "the mesh of the object 'cup'".
 
     Raises:
-        FileError: There is none: it says what was looked for, and where.
+        FileError: No file exists; the message names the files and folders tried.
     """
     names = list(names)
     path = seek(source, options, names)

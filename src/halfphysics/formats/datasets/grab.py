@@ -1,4 +1,4 @@
-"""GRAB npz: a person and the object in the hands; z-up, 120 fps.
+"""GRAB npz: a person who handles an object; z-up, 120 fps.
 
 `gender, sbj_id, obj_name, motion_intent, framerate, n_frames, n_comps`, and dicts that numpy
 pickled: `body {params, vtemp}` with `transl, global_orient (T, 3) body_pose (T, 63) jaw_pose,
@@ -6,8 +6,8 @@ leye_pose, reye_pose (T, 3) left_hand_pose, right_hand_pose (T, n_comps) fullpos
 `object {params, object_mesh}` and `table {params, table_mesh}` with `transl, global_orient (T, 3)`.
 
 Hands are the first `n_comps` principal components about the mean hand of SMPL-X; `fullpose` has
-them already unfolded, on a flat hand. The body is no betas but the subject's own template,
-`vtemp`. Vertices of object and table are `v @ R + t`: the world rotation is R transposed.
+the full rotations, on a flat hand. The body has no betas but the subject's own template, `vtemp`.
+Vertices of object and table are `v @ R + t`: the world rotation is R transposed.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ _FULL = "fullpose"
 _HANDS = ("left_hand_pose", "right_hand_pose")
 _FINGERS = {"left_hand_pose": slice(75, 120), "right_hand_pose": slice(120, 165)}
 _COMPONENTS = 45
-# Single precision, and models of other releases differ by less; another mean hand does not.
+# Single precision and other model releases differ by less than this, another mean hand by more.
 _SAME_HANDS = 0.01
-#: What moves by less than this is taken to stand still [m].
+#: A table that moves by less than this is static [m].
 STILL = 2e-3
 
 
@@ -76,7 +76,7 @@ def _params(part: Record) -> Record:
 
 
 def _rows(params: Record, key: str, width: int, total: int, options: Options) -> Array:
-    """A parameter (T, width) of the frames asked for, of which the clip has `total`."""
+    """A parameter (T, width) of the requested frames, of a clip with `total` frames."""
     rows = params.array(key, None, width, frames=options.frames)
     same_length(params.where, {"n_frames": total, key: len(params.raw(key))})
     return rows
@@ -178,7 +178,7 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
 
 
 def _poses(item: Record, total: int, options: Options) -> tuple[Array, Array]:
-    """Positions (T, 3) and rotations (T, 3, 3) of columns; the file's are for rows."""
+    """Positions (T, 3) and rotations (T, 3, 3) for column vectors; the file's are for rows."""
     params = _params(item)
     turns = _rows(params, "global_orient", 3, total, options)
     return _rows(params, "transl", 3, total, options), rot.rotvec_to_matrix(-turns)
@@ -187,7 +187,7 @@ def _poses(item: Record, total: int, options: Options) -> tuple[Array, Array]:
 def _add_table(
     source: Source, options: Options, scene: Scene, table: Record, motion: Motion, total: int
 ) -> dict[str, ObjectTrack]:
-    """The table as a static; where it was pushed or lifted, as it moved."""
+    """Add the table as a static, or as a kinematic body if it was pushed or lifted."""
     places, turns = _poses(table, total, options)
     mesh = find(source, options, ends(table.text("table_mesh")), "the mesh of the table")
     solid, _ = load_mesh(mesh, up="z")

@@ -1,15 +1,15 @@
-"""InterMimic `.pt`: one tensor (T, 591), a person's robot and one object; z-up, 30 fps.
+"""InterMimic `.pt`: one tensor (T, 591), the robot model of a person and one object; z-up, 30 fps.
 
 Columns: root position 0:3 and quaternion 3:7, joint angles 9:162 (51 x 3), joint positions 162:318
 (52 x 3), object position 318:321 and quaternion 321:325, object touched 330, joints that touch
 331:383, joint quaternions 383:591 (52 x 4); 7:9 and 325:330 are empty. Quaternions are x y z w.
 
 The root is the pelvis joint, not the SMPL origin. Joints are the 52 of SMPL-H in the order of the
-robot's MJCF, which is depth first. Its frames stand upright at rest (x forward, y left, z up),
-SMPL's have y up and z forward: with U that turns the second into the first, the rotation of the
-root is the file's times U, and an axis-angle of a joint is U^T times the file's.
+robot's MJCF, which is depth first. At rest its frames have x forward, y left and z up, SMPL's have
+y up and z forward: with U from SMPL's axes to the robot's, the rotation of the root is the file's
+times U, and the axis-angle of a joint is U^T times the file's.
 
-Whose shape it is the file does not say, but the joint positions do: see `bones`.
+The file has no betas; the joint positions determine the shape: see `_bones`.
 """
 
 from __future__ import annotations
@@ -72,13 +72,13 @@ def _depth_first(joint: int = 0) -> list[int]:
 
 #: The joints of the file, as indices into `JOINT_NAMES`.
 ORDER = tuple(_depth_first())
-#: Fingers at rest are bent by 0.1 to 0.2 rad where the hand is flat, by some 0.8 where it is the
-#: model's relaxed one.
+#: Fingers at rest are bent by 0.1 to 0.2 rad in a flat hand, by about 0.8 in the model's relaxed
+#: hand.
 _RELAXED = 0.45
-# How far positions and rotations of single precision, or of a simulation, may disagree [m].
+# Tolerance between positions and rotations in single precision or from a simulation [m].
 _AGREE = 0.01
 _UNIT = 1e-2
-# Folders of meshes, in the data set's own repositories and packed by people.
+# Folders of meshes in the data set's repositories and in repackaged copies.
 _FOLDERS = (
     "objects/objects/{0}/",
     "objects/{0}/",
@@ -129,7 +129,7 @@ def _load(source: Source, options: Options) -> Motion:
 
 
 def _with_body(source: Source, options: Options) -> tuple[Motion, Body]:
-    """The motion, and the body on which its pelvis is where the file has it."""
+    """The motion, and the body with which its pelvis is at the file's position."""
     record, rows = _rows(source, options)
     if not len(rows):
         raise FileError(f"{source.path}: found 0 frames, expected at least 2")
@@ -139,7 +139,7 @@ def _with_body(source: Source, options: Options) -> tuple[Motion, Body]:
     rotations = rotations_of({(0,): root, ORDER[1:]: angles})
     bones = _bones(record, rows, rotations)
     hands: Literal["flat", "mean"] = "mean" if bend(bones.offsets) > _RELAXED else "flat"
-    # A model's file or folder, as against "smplx" and the like.
+    # A model file or folder, not a name such as "smplx".
     model = None if str(options.model) in MODELS else options.model
     named = model is not None
     if hands == "mean" and options.hands is None and not named:
@@ -162,7 +162,7 @@ def _with_body(source: Source, options: Options) -> tuple[Motion, Body]:
         record.where,
         options,
         format=NAME,
-        # Of the pelvis yet: what is added to it depends on the axes, which the caller may name.
+        # The pelvis position so far: the offset depends on the axes, which the caller may set.
         translation=rows[:, _ROOT],
         rotations=rotations,
         fps=FPS,
@@ -181,7 +181,7 @@ def _with_body(source: Source, options: Options) -> tuple[Motion, Body]:
 
 
 def _bones(record: Record, rows: Array, rotations: Array) -> Bones:
-    """The bones that the positions show."""
+    """The bones estimated from the joint positions."""
     places = np.full((len(rows), skeleton.N_JOINTS, 3), np.nan)
     places[:, list(ORDER)] = rows[:, _PLACES].reshape(len(rows), -1, 3)
     bones = bones_of(places, rotations)
@@ -248,7 +248,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
         turns[:, joint] = rot.multiply(turns[:, skeleton.PARENTS[joint]], turns[:, joint])
     turns = rot.multiply(turns[:, list(ORDER)], rot.conjugate(rot.from_matrix(UPRIGHT)))
     xyzw = turns[..., [1, 2, 3, 0]]
-    # The shorter way round, as the data set's exponential maps are.
+    # Angles of at most pi, as in the data set's exponential maps.
     angles = rot.log(rot.exp(rotations[:, list(ORDER[1:])])) @ UPRIGHT.T
     frames = len(motion)
     rows = np.zeros((frames, WIDTH))
@@ -260,7 +260,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
     kept = motion.origin.per_frame if said and motion.origin is not None else {}
     if _OBJECT_KEY in kept:
         rows[:, _OBJECT] = kept[_OBJECT_KEY][:, :3]
-        turn = kept[_OBJECT_KEY][:, 3:]  # between frames not of length 1
+        turn = kept[_OBJECT_KEY][:, 3:]  # interpolated ones are not of length 1
         length = np.linalg.norm(turn, axis=1, keepdims=True)
         rows[:, _OBJECT_TURN] = turn / np.where(length > 0.0, length, 1.0)
         rows[:, _TOUCH] = kept[_TOUCH_KEY]

@@ -1,7 +1,7 @@
 """Motion-X npy: one array (T, 322), 30 fps.
 
 Columns: root 0:3, body 3:66, hands 66:156, jaw 156:159, expression 159:209, face shape 209:309,
-translation 309:312, betas 312:322. The rows of betas of one clip are equal.
+translation 309:312, betas 312:322. All rows of a clip have the same betas.
 """
 
 from __future__ import annotations

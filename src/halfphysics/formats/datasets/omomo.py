@@ -1,9 +1,9 @@
 """OMOMO joblib `.p`: id -> clip, some thousands in one file; z-up, 30 fps, no fingers.
 
 A clip is `seq_name` ("sub3_largebox_003"), `betas (1, 16)`, `gender`, `trans root_orient (T, 3)`,
-`pose_body (T, 63)` of SMPL-X (its own loader poses SMPL-X with 16 betas), and the object after
-which it is named: `obj_trans (T, 3, 1)`, `obj_rot (T, 3, 3)`, `obj_scale (T,)`; of vacuum and mop
-these are the top part, and `obj_bottom_*` the bottom part. In the world, vertices are
+`pose_body (T, 63)` of SMPL-X (its own loader poses SMPL-X with 16 betas), and the object named in
+`seq_name`: `obj_trans (T, 3, 1)`, `obj_rot (T, 3, 3)`, `obj_scale (T,)`; for vacuum and
+mop these are the top part, and `obj_bottom_*` the bottom part. In the world, vertices are
 `scale * (R v) + t`. Meshes: `captured_objects/NAME_cleaned_simplified.obj`, of parts
 `NAME_cleaned_simplified_top.obj` and `_bottom.obj`.
 """
@@ -51,17 +51,17 @@ NAME = "omomo"
 FPS = 30.0
 _BETAS = 16
 _PERSON = ("trans", "root_orient", "pose_body")
-#: What the data set's own loader cuts the clips into for training: no longer a motion.
+#: Keys of the training windows that the data set's own loader cuts from clips: not motions.
 _WINDOW = {"motion", "start_t_idx", "end_t_idx"}
-#: Where people keep the meshes, under the root of the data set.
+#: Usual folders of the meshes, under the root of the data set.
 _FOLDERS = ("captured_objects/", "data/captured_objects/", "objects/", "")
-#: A rigid thing of which one size is taken may differ this much from it.
+#: Relative size change of a rigid object above which a warning is given.
 _SAME_SIZE = 0.01
 
 
 @dataclass(frozen=True)
 class _Part:
-    """A rigid thing of a clip: the prefix of its fields and the endings of name and mesh file."""
+    """A rigid object of a clip: prefix of its fields, endings of its name and mesh file."""
 
     fields: str
     ending: str
@@ -90,7 +90,7 @@ def _sniff(source: Source) -> bool:
 
 
 _Clips: TypeAlias = dict[str, tuple[Any, Mapping[str, Any]]]
-#: As long as a file is open: it has thousands of clips, and all are asked for in turn.
+#: Clips of each open file: it has thousands, and all are loaded in turn.
 _KNOWN: WeakKeyDictionary[Source, _Clips] = WeakKeyDictionary()
 
 
@@ -116,7 +116,7 @@ def _names(source: Source) -> Iterable[str]:
 
 
 def _record(source: Source, options: Options) -> tuple[Any, Record]:
-    """Id and fields of the clip that is meant, of which all have a row a frame."""
+    """Id and fields of the chosen clip; per-frame fields have equal lengths."""
     id, fields = _by_name(source)[options.clip]
     record = Record(f"{source.path}, clip {options.clip!r}", fields)
     lengths = {
@@ -188,7 +188,7 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
         rotation = record.array(f"{part.fields}rot", None, 3, 3, frames=options.frames)
         sizes = _sizes(record, f"{part.fields}scale", options.frames)
         if np.ptp(sizes):
-            # It grows about its origin, which may be far from it: leave its middle in place.
+            # Scaling is about the mesh origin, which may be far away: keep the centre in place.
             middle = load_mesh(path, up="z")[0].vertices
             middle = 0.5 * (middle.min(axis=0) + middle.max(axis=0))
             position += (sizes - sizes[0])[:, None] * (rotation @ middle)
@@ -210,7 +210,7 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
 
 
 def _sizes(record: Record, key: str, frames: slice) -> Array:
-    """The sizes (T,); that of the first frame will be taken all the time."""
+    """The sizes (T,); the caller uses that of the first frame throughout."""
     scale = record.array(key, None, frames=frames)
     if (scale <= 0.0).any():
         at = int(np.argmax(scale <= 0.0))
@@ -246,7 +246,7 @@ def _save(motion: Motion, path: Path, body: Body | None) -> None:
 
 
 def _nearest_rotations(matrices: NDArray[Any]) -> Array:
-    """Matrices (T, 3, 3) between frames, which are mixed by entry, made rotations again."""
+    """The nearest rotations to matrices (T, 3, 3) that were interpolated by entry."""
     u, _, v = np.linalg.svd(matrices.astype(np.float64))
     return np.asarray(u @ v)
 

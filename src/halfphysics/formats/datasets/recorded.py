@@ -1,4 +1,4 @@
-"""Objects as a data set recorded them, put into a scene."""
+"""Adds the recorded objects of a data set to a scene."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Density of household things where the data set does not weigh them [kg/m^3].
+#: Density of household objects without a mass in the data set [kg/m^3].
 DENSITY = 400.0
-# Entries of a rotation matrix as files have them, in single precision.
+# Tolerance of the entries of a rotation matrix in single precision.
 _TOLERANCE = 1e-3
 
 
 @contextmanager
 def of_file(where: str) -> Iterator[None]:
-    """What a scene refuses of a file (a name, a mesh that spans no volume) is the file's fault."""
+    """Turn an InputError of a scene (a name, a mesh without volume) into a FileError."""
     try:
         yield
     except InputError as error:
@@ -53,22 +53,22 @@ def add_recorded(
     """Add an object whose vertices in the file's axes are ``rotation @ (scale * v) + position``.
 
     Args:
-        scene: Where to add it: free from its first pose on, or replayed (`Options.objects`).
-        name: Of the object.
+        scene: Scene to add it to, free from its first pose or replayed (`Options.objects`).
+        name: Name of the object.
         mesh: Its mesh file, in its own axes [m, times `scale`].
-        position: (T, 3) [m], file axes.
-        rotation: (T, 3, 3), file axes.
-        where: What messages call the clip.
+        position: Positions (T, 3) [m], file axes.
+        rotation: Rotations (T, 3, 3), file axes.
+        where: Name of the clip in messages.
         axes: World from file axes (3, 3), as `Motion.axes`.
-        fps: Of the poses.
-        options: Of the caller.
+        fps: Frame rate of the poses.
+        options: Options of the caller.
         scale: Metres per unit of the mesh.
 
     Returns:
         The recorded poses in the world.
 
     Raises:
-        FileError: Matrices that are no rotations, or a mesh that cannot be used.
+        FileError: A matrix is no rotation, or the mesh cannot be used.
     """
     off = np.abs(rotation @ np.swapaxes(rotation, 1, 2) - np.eye(3)).max(axis=(1, 2))
     bad = (off > _TOLERANCE) | (np.linalg.det(rotation) < 0.0)

@@ -1,4 +1,4 @@
-"""Whose skeleton it is: the shape of a person from joint positions that a file has beside poses."""
+"""Estimates the shape of a person from joint positions that a file has beside poses."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from halfphysics.motion import skeleton
 
 Array = NDArray[np.float64]
 
-#: Coefficients that are asked for, where the model has as many: those of the data sets.
+#: Number of coefficients estimated, at most: that of the data sets.
 _BETAS = 16
-#: Positions in single precision [m]; what a coefficient of one standard deviation weighs against.
+#: Noise of positions in single precision [m], weighed against one standard deviation of betas.
 _NOISE = 1e-5
-#: Bones of the right model differ less than this from its shapes [m].
+#: Bones differ by less than this from the shapes of the right model [m].
 _FITS = 3e-3
 _LEGS = [skeleton.JOINT_INDEX[f"{s}_{j}"] for s in ("left", "right") for j in ("knee", "ankle")]
 
 
 class Bones(NamedTuple):
-    """Bones that a person shows while moving.
+    """Bones estimated from a motion.
 
     Attributes:
-        offsets: Of every joint from its parent in the frame of the parent [m], at rest all frames
-            are alike; shape (55, 3), NaN where the file has no such joint. Medians over the frames.
-        spread: How far a joint of the body comes from there at most [m].
+        offsets: Offset of every joint in its parent's frame (55, 3) [m], medians over the frames;
+            NaN if the file has no such joint. At rest all joint frames are parallel.
+        spread: Largest distance of a body joint from its offset over the frames [m].
     """
 
     offsets: Array
@@ -43,9 +43,9 @@ def bones_of(positions: Array, rotations: Array) -> Bones:
     """Bones from world positions and rotations of the joints.
 
     Args:
-        positions: (T, 55, 3) [m]; NaN where the file has no such joint.
-        rotations: Axis-angle of each joint against its parent, of the root in the world,
-            (T, 55, 3).
+        positions: Joint positions (T, 55, 3) [m]; NaN if the file has no such joint.
+        rotations: Axis-angle (T, 55, 3) of each joint relative to its parent, of the root in the
+            world.
     """
     turns = rot.exp(rotations)
     for joint in range(1, skeleton.N_JOINTS):
@@ -61,7 +61,7 @@ def bones_of(positions: Array, rotations: Array) -> Bones:
 
 
 def bend(offsets: Array) -> float:
-    """How much the fingers but the thumbs are bent at rest [rad], on average."""
+    """Mean bend of the fingers without the thumbs at rest [rad]."""
     angles = []
     for joint, name in enumerate(skeleton.JOINT_NAMES):
         if name[-1] == "3" and name[:-1].endswith(("index", "middle", "ring", "pinky")):
@@ -73,17 +73,17 @@ def bend(offsets: Array) -> float:
 def shaped_like(
     where: str, bones: Bones, path: str | os.PathLike[str], gender: str | None, hands: bool
 ) -> Body:
-    """The body of the user's model whose bones these are.
+    """The body of the user's model that fits the bones.
 
     Args:
-        where: What messages call the clip.
-        bones: The bones.
-        path: Model file, or folder of them; of a folder the gender that fits best.
-        gender: What the caller says.
-        hands: Whether the bones of the hands are those at rest, too.
+        where: Name of the clip in messages.
+        bones: The bones to fit.
+        path: Model file, or a folder of them, in which the best fitting gender is chosen.
+        gender: Gender in the caller's options.
+        hands: Whether to fit the bones of the hands, too.
 
     Raises:
-        FileError: No model file is there, or it cannot be read.
+        FileError: The model file is missing or cannot be read.
 
     Warns:
         HalfPhysicsWarning: No shape of the model has these bones.
@@ -93,14 +93,14 @@ def shaped_like(
 
     there: tuple[str | None, ...] = (gender,)
     if gender is None and os.path.isdir(path):
-        there = genders_in(Path(path)) or there  # a folder need not have all three
+        there = genders_in(Path(path)) or there  # a folder may lack some of the three
     spaces = [read_model(path, gender=each) for each in there]
     joints = list(skeleton.BODY_JOINTS)
     if hands:
         joints += [*skeleton.LEFT_HAND_JOINTS, *skeleton.RIGHT_HAND_JOINTS]
     fits = []
     for space in spaces:
-        # SMPL has no fingers: these joints sit at their parents on every shape.
+        # SMPL has no fingers: these joints are at their parents for every shape.
         count = min(_BETAS, space.shapedirs.shape[2])
         places = np.einsum("jv,vck->jck", space.joint_regressor, space.shapedirs[:, :, :count])
         parents = skeleton.PARENTS[joints]
@@ -108,7 +108,7 @@ def shaped_like(
         mean = space.joint_regressor @ space.template
         wanted = (bones.offsets[joints] - (mean[joints] - mean[parents])).reshape(-1)
         moved = directions.any(axis=1)
-        # Least squares with a prior that only settles what the bones do not say.
+        # Least squares with a prior that fixes only what the bones leave undetermined.
         left = np.vstack([directions[moved] / _NOISE, np.eye(count)])
         right = np.concatenate([wanted[moved] / _NOISE, np.zeros(count)])
         betas = np.linalg.lstsq(left, right, rcond=None)[0]
@@ -125,10 +125,10 @@ def shaped_like(
 
 
 def default_like(where: str, bones: Bones) -> Body:
-    """The body that comes with the package, scaled until its legs are as long as these.
+    """The default body, scaled to the leg length of the bones.
 
     Raises:
-        FileError: Nobody has such legs.
+        FileError: The leg length is impossible.
     """
     rest = Body.default().rest_joints
     own = np.linalg.norm(rest[_LEGS] - rest[skeleton.PARENTS[_LEGS]], axis=1).sum()

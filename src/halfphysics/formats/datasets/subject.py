@@ -16,7 +16,7 @@ from halfphysics.motion.motion import MODELS
 
 
 def model_names(gender: str) -> tuple[str, ...]:
-    """Where an SMPL-X file lies below a folder of models."""
+    """Possible paths of an SMPL-X file below a folder of models."""
     files = [f"SMPLX_{gender.upper()}{suffix}" for suffix in (".npz", ".pkl")]
     return tuple(f"{base}{file}" for base in ("", "smplx/", "models/smplx/") for file in files)
 
@@ -31,15 +31,15 @@ def named_model(options: Options) -> Path | None:
 def subject_body(
     source: Source, options: Options, *, gender: str, template: Iterable[str]
 ) -> Body | None:
-    """The body, or None with a warning that says what is missing and where it was looked for.
+    """The body, or None with a warning that names the missing file and the folders searched.
 
     Args:
-        source, options: Of the clip.
-        gender: Of the subject, whose model it must be.
+        source, options: Source and options of the clip.
+        gender: Gender of the subject, which the model must have.
         template: Names of the template (.ply or .obj) below the folders of assets.
 
     Raises:
-        FileError, InputError: A model or a template that cannot be used.
+        FileError, InputError: The model or the template cannot be used.
     """
     try:
         mesh = find(source, options, template, "the subject's own template for its body")

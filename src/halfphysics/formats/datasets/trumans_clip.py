@@ -1,8 +1,8 @@
 """TRUMANS per-clip pkl: the parameters of the `smplx` package over T frames; y-up, 30 fps.
 
 `global_orient (T, 3) body_pose (T, 63) left_hand_pose, right_hand_pose (T, 45) jaw_pose, leye_pose,
-reye_pose (T, 3) expression (T, 10) transl (T, 3)`, and `betas`, maybe empty. Files with these
-names come from other programs too. Nothing in them says what zero fingers mean.
+reye_pose (T, 3) expression (T, 10) transl (T, 3)`, and `betas`, which may be empty. Other
+programs write files with these names, too. The files do not state what zero fingers mean.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""The TRUMANS release: a folder of arrays with a row a frame, all clips one after another; y-up.
+"""The TRUMANS release: a folder of arrays with one row per frame, clip after clip; y-up.
 
-`human_pose (N, 63) human_orient human_transl (N, 3) seg_name (N,)`, and where they are there
+`human_pose (N, 63) human_orient human_transl (N, 3) seg_name (N,)`, and optionally
 `left_hand_pose right_hand_pose (N, 45) object_flag (N, K) object_mat (N, 5, 4, 4) object_list
 scene_flag (N,) scene_list bad_frames`. N is 3,792,068: the arrays are memory-mapped and never read
-whole. A flag of an object is the index of its matrix, -1 where it is not there; its vertices are
+whole. The flag of an object is the index of its matrix, -1 if it is absent; its vertices are
 `v @ M[:3, :3] + M[:3, 3]`. Meshes: `Object_mesh/NAME.obj`, `Scene_mesh/NAME.obj`.
 """
 
@@ -37,7 +37,7 @@ _HANDS = {
     "left_hand_pose": skeleton.LEFT_HAND_JOINTS,
     "right_hand_pose": skeleton.RIGHT_HAND_JOINTS,
 }
-# Rows of names compared at once: bounds the memory, whatever the number of frames.
+# Number of names compared at once: bounds the memory for any number of frames.
 _CHUNK = 50_000
 
 
@@ -54,7 +54,7 @@ def _sniff(source: Source) -> bool:
 
 
 class _Arrays(Mapping[str, Any]):
-    """The arrays of a folder by name, memory-mapped when asked for."""
+    """The arrays of a folder by name, memory-mapped on access."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -77,13 +77,13 @@ class _Arrays(Mapping[str, Any]):
 
 @lru_cache(maxsize=4)
 def _segments(path: Path, stamp: tuple[int, int]) -> dict[str, tuple[int, int]]:
-    """Name of a clip -> its rows [start, stop), of a file as it was at `stamp` (time, size)."""
+    """Name of a clip -> its rows [start, stop); `stamp` (file time, size) is for the cache."""
     npy = Npy(path)
     if npy.dtype.kind not in "US" or len(npy.shape) != 1 or not npy.shape[0]:
         raise FileError(f"{path}: found shape {npy.shape} of {npy.dtype}, expected text (N,)")
     count, width = npy.shape[0], npy.dtype.itemsize
     starts, names = [], []
-    with path.open("rb") as handle:  # not mapped: pages that were looked at would add up
+    with path.open("rb") as handle:  # not mapped: the pages read would stay in memory
         handle.seek(npy.offset)
         last = None
         for first in range(0, count, _CHUNK):
@@ -98,7 +98,7 @@ def _segments(path: Path, stamp: tuple[int, int]) -> dict[str, tuple[int, int]]:
     segments: dict[str, tuple[int, int]] = {}
     for name, start, stop in zip(names, starts, [*starts[1:], count], strict=True):
         text = name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
-        # A name may come again after another's rows.
+        # A name may occur again after rows of another clip.
         segments[own_name(text, segments)] = (start, stop)
     return segments
 

@@ -14,5 +14,5 @@ DIAGNOSTICS = "meta/diagnostics/"
 
 
 def person_prefix(index: int) -> str:
-    """What the keys of a person's motions begin with."""
+    """The prefix of the keys of a person's motions."""
     return "meta/" if index == 0 else f"person/{index}/"

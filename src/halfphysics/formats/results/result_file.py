@@ -1,8 +1,8 @@
-"""Reads result files: one npz that motion readers open, with everything else beside the motion.
+"""Reads result files: one npz with a motion that motion readers open, and all other results.
 
-Keys are described in docs/result-files.md. Arrays are float64 and come back bit for bit; the
-people's motions are in the z-up world there, while the keys on top are those of the input file,
-in the axes of that file.
+docs/result-files.md describes the keys. Arrays are float64 and are restored bit for bit. The
+motions of all persons are in the z-up world; the top-level keys are those of the input file, in the
+axes of that file.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ Array = NDArray[np.float64]
 Fields = dict[str, NDArray[Any]]
 T = TypeVar("T", bound=Table)
 
-# Rounding of turning a motion to the axes of its file and back [m, rad].
+# Rounding error of rotating a motion to the axes of its file and back [m, rad].
 _SAME = 1e-9
-_CLEAR = Inside.none()  # files without rows, as those of old
+_CLEAR = Inside.none()  # for files without rows, such as old ones
 
 
 def is_result(path: str | os.PathLike[str]) -> bool:
@@ -73,7 +73,7 @@ def load_result(
     scene: Scene | None = None,
     body: Body | tuple[Body, ...] | list[Body] | None = None,
 ) -> Result:
-    """The work behind `Result.load`; see there."""
+    """Implements `Result.load`; see there."""
     path = file_path(path)
     if scene is not None:
         _check_scene(scene)
@@ -120,7 +120,7 @@ def _check_scene(scene: Any) -> None:
 
 
 def _given(body: Any, people: int) -> list[Body]:
-    """The bodies that the caller of `Result.load` passed, one a person."""
+    """The bodies passed to `Result.load`, one for each person."""
     from halfphysics.body.body import Body
 
     bodies = list(body) if isinstance(body, list | tuple) else [body] * people
@@ -215,16 +215,16 @@ def _person(npz: Npz, index: int, data: Any, fps: float, body: Any) -> PersonRes
 
 
 def _with_metadata(path: Path, motion: Motion, reference: Motion) -> tuple[Motion, Motion]:
-    """The motions with what the keys on top say besides, which must be the same motion."""
+    """The motions with the metadata of the top-level keys, which must hold the same motion."""
     top = load_motion(path, gender=motion.gender, model=motion.model)
     trans, rotations = top.translation, top.rotations
     straight = np.array_equal(motion.axes, np.eye(3))
-    # Fingers are left out: on top they may be relative to a mean hand.
+    # Fingers are not compared: the top-level ones may be relative to a mean hand.
     same = len(top) == len(motion) and (
         np.abs(rotations[:, 1:22] - motion.rotations[:, 1:22]).max() < _SAME
     )
     if same and not straight and np.abs(rotations[:, 0] - motion.rotations[:, 0]).max() < _SAME:
-        # From a format with another axis up: on top is `Motion.rebased`, a shift of it.
+        # The format has another up axis: the top-level motion is `Motion.rebased`, shifted.
         shift = trans - motion.translation
         if np.abs(shift - shift[0]).max() < _SAME:
             return motion, reference

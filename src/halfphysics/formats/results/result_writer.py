@@ -41,7 +41,7 @@ _LAYOUTS = {
 
 
 def save_result(result: Result, path: str | os.PathLike[str]) -> None:
-    """The work behind `Result.save`; see there."""
+    """Implements `Result.save`; see there."""
     write_npz(path, result_fields(result))
 
 

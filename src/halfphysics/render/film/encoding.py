@@ -1,4 +1,4 @@
-"""Pictures into a film file: MP4 (H.264) and WebM (VP9) by ffmpeg, GIF by Pillow."""
+"""Encoding of pictures as a film: MP4 (H.264) and WebM (VP9) by ffmpeg, GIF by Pillow."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from halfphysics.errors import FileError, InputError, MissingDependencyError
 Picture = NDArray[np.uint8]
 Write = Callable[[Picture], None]
 
-# The number of threads is said because it decides the bytes.
+# The number of threads is fixed because the bytes depend on it.
 _THREADS = ("-threads", "4")
 _H264 = (
     *("-c:v", "libx264", "-preset", "medium", "-crf", "19", *_THREADS),
@@ -30,7 +30,7 @@ _VP9 = (
     *("-deadline", "good", *_THREADS, "-f", "webm"),
 )
 _FFMPEG = {".mp4": _H264, ".webm": _VP9}
-# What every browser plays: half the colour resolution, colours as of high definition, said so.
+# For playback in every browser: yuv420p, colours as BT.709, with tags.
 _COLORS = (
     "-vf",
     "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,"
@@ -40,17 +40,17 @@ _SAME_BYTES = ("-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bite
 
 #: Suffixes of films.
 FILMS = (*_FFMPEG, ".gif")
-#: A GIF is shown slowly above this, and as large as a film below.
+#: Largest frame rate of a GIF: viewers slow down faster ones [1/s].
 GIF_FPS = 50.0
 _GIF_COLORS = 255
 
 
 def check_film(suffix: str, size: tuple[int, int], fps: float) -> None:
-    """Refuse, before the work, a film that cannot be encoded.
+    """Refuse a film that cannot be encoded; called before rendering.
 
     Raises:
-        InputError: A size or frame rate that the format does not have.
-        MissingDependencyError: No ffmpeg.
+        InputError: A size or frame rate that the format does not support.
+        MissingDependencyError: ffmpeg is not installed.
     """
     if suffix == ".gif":
         if fps > GIF_FPS:
@@ -67,7 +67,7 @@ def check_film(suffix: str, size: tuple[int, int], fps: float) -> None:
 
 
 def ffmpeg(suffix: str) -> str:
-    """The program that encodes.
+    """Path of the ffmpeg program.
 
     Raises:
         MissingDependencyError: It is neither in the package imageio-ffmpeg nor on the path.
@@ -76,7 +76,7 @@ def ffmpeg(suffix: str) -> str:
         import imageio_ffmpeg
 
         return str(imageio_ffmpeg.get_ffmpeg_exe())
-    except (ImportError, RuntimeError):  # RuntimeError: a package without the program in it
+    except (ImportError, RuntimeError):  # RuntimeError: a package without the program
         program = shutil.which("ffmpeg")
     if program is None:
         raise MissingDependencyError(
@@ -92,14 +92,14 @@ def encoder(path: Path, suffix: str, size: tuple[int, int], fps: float) -> Itera
     """A sink for the pictures, in order; the film is complete when the block ends.
 
     Args:
-        path: The file to write, as it is: make it atomic outside.
+        path: The file to write; the caller makes the write atomic.
         suffix: .mp4 or .webm.
         size: Width and height [pixels].
         fps: Frames per second.
 
     Raises:
-        FileError: ffmpeg cannot write the film (no such codec, no space left).
-        MissingDependencyError: No ffmpeg.
+        FileError: ffmpeg cannot write the film (missing codec, no space left).
+        MissingDependencyError: ffmpeg is not installed.
     """
     command = [
         *(ffmpeg(suffix), "-hide_banner", "-loglevel", "error", "-nostdin", "-y"),
@@ -115,7 +115,7 @@ def encoder(path: Path, suffix: str, size: tuple[int, int], fps: float) -> Itera
             try:
                 yield lambda picture: _give(pipe, picture)
                 pipe.close()
-            except BrokenPipeError:  # it ended early: its own words tell why
+            except BrokenPipeError:  # ffmpeg ended early: its output has the reason
                 broken = True
             failed = process.wait() != 0 or broken
         finally:
@@ -135,25 +135,25 @@ def _give(pipe: IO[bytes], picture: Picture) -> None:
 
 
 def _reason(words: list[str], path: Path) -> str:
-    """What ffmpeg says went wrong, in one line."""
+    """The error of ffmpeg, in one line."""
     known = ("No space left on device", "File too large", "Unknown encoder", "Input/output error")
     told = [line for line in words if any(reason in line for reason in known)] or words[-1:]
     if not told:
         return "it says nothing"
-    # Without the part of ffmpeg that says it: "[out#0/mp4 @ 0x55d0] ".
+    # Remove the prefix with ffmpeg's component: "[out#0/mp4 @ 0x55d0] ".
     return re.sub(r"^\[[^\]]*\] ", "", told[0]).replace(str(path), path.name)
 
 
 def save_gif(
     file: IO[bytes], pictures: Iterable[Picture], samples: Iterable[Picture], fps: float
 ) -> None:
-    """Writes a film that repeats for ever.
+    """Writes a GIF that repeats for ever.
 
     Args:
-        file: Where to.
+        file: The file to write.
         pictures: The pictures, in order.
-        samples: Some of them, for the colours of all.
-        fps: Frames per second; times are rounded to 1/100 s, without adding up.
+        samples: Some of the pictures, for the palette of all.
+        fps: Frames per second; times are rounded to 1/100 s, without accumulated error.
     """
     from PIL import Image
 

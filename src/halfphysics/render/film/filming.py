@@ -1,4 +1,4 @@
-"""Pictures of results: several views in one picture, the same from any number of threads."""
+"""Pictures of results: several views in one picture, the same for any number of threads."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ _LEAST_VIEW = 16  # [pixels]
 
 @dataclass(frozen=True, kw_only=True)
 class View:
-    """One result from one camera, somewhere in the picture.
+    """One result from one camera, in a part of the picture.
 
     Attributes:
-        drawing: What is drawn; its frames are the pictures.
+        drawing: The meshes; one frame per picture.
         cameras: One per picture.
-        statics: What never moves, in the world.
+        statics: Static surfaces, world frame.
         look: Light and background.
-        place: Where in the picture.
+        place: Its part of the picture.
     """
 
     drawing: Drawing
@@ -57,14 +57,14 @@ class View:
 
 
 class Shoot:
-    """Results at some times, from the cameras of some options.
+    """Pictures of results at given times, from the cameras of `options`.
 
     Args:
-        results: What to show; each is seen from every camera.
-        options: How.
-        frames: Per result, the fractional frames to show: as many of each.
+        results: Results to show, each from every camera.
+        options: Options of the film.
+        frames: Per result, the fractional frames to show: the same number for each.
         rate: Pictures per second of film.
-        times: Written on the pictures [s]; empty: none.
+        times: Times written on the pictures [s]; empty: none.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class Shoot:
         self.options = options
         self.size = options.pixels(len(results))
         places = _places(self.size, len(results), options)
-        # What is drawn of a result: no more of it than `Sampled` has.
+        # `Sampled` has all attributes of a result that `Drawing` uses.
         drawings = [Drawing(cast(Any, sampled(r, f))) for r, f in zip(results, frames, strict=True)]
         self._count = len(frames[0])
         self._views = _views(drawings, options, places, rate)
@@ -146,7 +146,7 @@ def workers(threads: int | None) -> int:
 
 
 def _places(size: tuple[int, int], results: int, options: FilmOptions) -> list[Place]:
-    """Where the views are: all cameras of the first result, then those of the next."""
+    """Places of the views: all cameras of the first result, then those of the next."""
     across, down = options.grid(results)
     columns, rows = _cut(size[0], across), _cut(size[1], down)
     cells = [(a, b, c, d) for b, d in rows for a, c in columns]
@@ -162,7 +162,7 @@ def _places(size: tuple[int, int], results: int, options: FilmOptions) -> list[P
 
 
 def _cut(length: int, parts: int) -> list[tuple[int, int]]:
-    """A length [pixels] in equal parts with seams between them."""
+    """Cut a length [pixels] into equal parts with seams between them."""
     ends = np.rint(np.linspace(-_SEAM, length, parts + 1)).astype(int).tolist()
     return [(a + _SEAM, b) for a, b in itertools.pairwise(ends)]
 
@@ -170,7 +170,7 @@ def _cut(length: int, parts: int) -> list[tuple[int, int]]:
 def _views(
     drawings: Sequence[Drawing], options: FilmOptions, places: Sequence[Place], rate: float
 ) -> list[View]:
-    """The views, results outside, cameras inside; all results are seen from the same places."""
+    """The views, by result, then by camera; all results have the same cameras."""
     story = Story(drawings, options.ghost)
     paths: dict[tuple[str, tuple[int, int]], list[Camera]] = {}
     views = []
@@ -178,7 +178,7 @@ def _views(
     for drawing in drawings:
         for name in options.cameras:
             place = next(spots)
-            # Sizes of views differ by a pixel; one path serves them all.
+            # Sizes of views differ by a pixel; all use one path.
             size = (places[0][2] - places[0][0], places[0][3] - places[0][1])
             if (name, size) not in paths:
                 paths[name, size] = track(story, name, size, rate)

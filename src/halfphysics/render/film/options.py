@@ -1,4 +1,4 @@
-"""How a result is filmed: one frozen dataclass, read by Python and the command line alike."""
+"""Options of a film: one frozen dataclass for Python and for the command line."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import number
 from halfphysics.errors import InputError
 
-#: Where a camera may stand and how it moves.
+#: Cameras: their positions and motions.
 CAMERAS = ("auto", "fixed", "follow", "orbit", "front", "back", "left", "right", "top")
-#: One view, where nothing else is said [pixels].
+#: Default size of one view [pixels].
 VIEW = (640, 480)
-#: A film that does not say shows at most this many frames per second.
+#: Largest default frame rate of a film [1/s].
 MAX_FPS = 60.0
 _LEAST, _MOST = 16, 8192  # [pixels]
 _RATES = (0.1, 240.0)
@@ -25,7 +25,7 @@ _SPEEDS = (0.001, 1000.0)
 
 @dataclass(frozen=True, kw_only=True)
 class FilmOptions:
-    """How a result is filmed; every choice has a default. Raises InputError if impossible."""
+    """Options of a film, all with defaults. Raises InputError if one is impossible."""
 
     camera: tuple[str, ...] = ()
     """Where from: fixed (the whole story in view), follow, orbit, front, back, left, right (of the
@@ -41,7 +41,7 @@ class FilmOptions:
     end: float | None = None
     """Where in the story it ends [s]; None: with the story."""
     ghost: bool = True
-    """Show what was asked for, translucent."""
+    """Show the reference, translucent."""
     label: tuple[str, ...] = ()
     """Text in the corner: one for each result, or one for each view."""
     text: bool = True
@@ -79,14 +79,14 @@ class FilmOptions:
         return self.camera or ("auto",)
 
     def grid(self, results: int) -> tuple[int, int]:
-        """Views across and down: with several results and cameras a result is a column."""
+        """Views across and down: with several results and cameras each result is a column."""
         across, down = results, len(self.cameras)
         if min(across, down) == 1:
             across, down = across * down, 1
         return (across, down) if self.layout == "row" else (down, across)
 
     def pixels(self, results: int) -> tuple[int, int]:
-        """Width and height of a picture of this many results."""
+        """Width and height of a picture of `results` results."""
         if isinstance(self.size, tuple):
             return self.size
         across, down = self.grid(results)

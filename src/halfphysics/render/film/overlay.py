@@ -1,4 +1,4 @@
-"""Text on a film: time, labels, and which body is which, on small bright plates."""
+"""Text on a film: time, labels and colour key, on small bright plates."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ Place = tuple[int, int, int, int]  # left, top, right, bottom [pixels]
 _INK, _PLATE, _OPACITY = (34, 38, 46), (255, 255, 255), 0.82
 _LEAST_TEXT = 10  # [pixels]
 _FIGURE_SPACE = "\u2007"  # as wide as a digit
-# Fonts for letters that the one of Pillow (English) does not have, where they are installed.
+# Fonts for letters that Pillow's own font (English) lacks, if they are installed.
 _OTHER_FONTS = ("DejaVuSans.ttf", "Arial Unicode.ttf", "Arial.ttf", "LiberationSans-Regular.ttf")
 
 
 class Overlay:
-    """What is written on every picture of a film.
+    """The text on every picture of a film.
 
     Args:
         size: Width and height of the picture [pixels].
-        views: Where the views are in it.
+        views: Places of the views in it.
         labels: Text for the views, none or one each.
-        times: Of the pictures [s]; empty: the time is not shown.
-        speed: How fast the story passes, said beside the time where it is not 1.
-        key: Words of the key with their colours.
+        times: Times of the pictures [s]; empty: the time is not shown.
+        speed: Speed of the film, written beside the time if it is not 1.
+        key: Labels of the key with their colours.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Overlay:
         if key:
             patch = _key(key, self._text)
             left = size[0] - self._gap - patch.shape[1]
-            # Where there is no room for both, the time is worth more.
+            # If there is not enough space for both, show only the time.
             if left >= stamp + 2 * self._gap:
                 self._still.append((left, size[1] - self._gap - patch.shape[0], patch))
 
@@ -78,7 +78,7 @@ class Overlay:
 
 
 def _blend(picture: Picture, left: int, top: int, patch: Patch) -> None:
-    """Lays a patch over a picture; what is outside is cut off."""
+    """Lays a patch over a picture; the part outside is cut off."""
     top, left = max(top, 0), max(left, 0)
     part = picture[top : top + patch.shape[0], left : left + patch.shape[1]]
     wide = patch[: part.shape[0], : part.shape[1]].astype(np.uint32)
@@ -88,7 +88,7 @@ def _blend(picture: Picture, left: int, top: int, patch: Patch) -> None:
 
 @cache
 def _fonts(pixels: int) -> tuple[Any, ...]:
-    """The font that comes with Pillow, then those of the machine."""
+    """Pillow's own font, then installed fonts."""
     from PIL import ImageFont
 
     found: list[Any] = [ImageFont.load_default(pixels)]
@@ -102,7 +102,7 @@ def _fonts(pixels: int) -> tuple[Any, ...]:
 
 @cache
 def _font(letter: str, pixels: int) -> Any:
-    """The first font that has this letter; where none has, the first."""
+    """The first font that has this letter; if none has it, the first."""
     if letter.isspace():
         return _fonts(pixels)[0]
     for font in _fonts(pixels):
@@ -113,14 +113,14 @@ def _font(letter: str, pixels: int) -> Any:
 
 @cache
 def _step(letter: str, pixels: int) -> float:
-    """Width of a letter [pixels]; all digits, and the room of one that is not there, are equal."""
+    """Width of a letter [pixels]; all digits and the figure space have the same width."""
     if letter.isdigit() or letter == _FIGURE_SPACE:
         return max(float(_font(d, pixels).getlength(d)) for d in "0123456789")
     return float(_font(letter, pixels).getlength(letter))
 
 
 def _fitted(text: str, pixels: int, width: int) -> str:
-    """The text, cut where it is wider than `width` pixels."""
+    """The text, cut with an ellipsis if it is wider than `width` pixels."""
     if sum(_step(c, pixels) for c in text) <= width:
         return text
     while text and sum(_step(c, pixels) for c in text + "...") > width:
@@ -129,7 +129,7 @@ def _fitted(text: str, pixels: int, width: int) -> str:
 
 
 def _plate(text: str, pixels: int, before: int = 0) -> Patch:
-    """Dark text on a bright plate with round corners, with room `before` it [pixels]."""
+    """Dark text on a bright plate with round corners, and space `before` it [pixels]."""
     from PIL import Image, ImageDraw
 
     pad = round(0.5 * pixels)
@@ -141,7 +141,7 @@ def _plate(text: str, pixels: int, before: int = 0) -> Patch:
     for letter in text:
         draw.text((x, 0.5 * height), letter, fill=255, font=_font(letter, pixels), anchor="lm")
         x += _step(letter, pixels)
-    # Round corners without steps: drawn large, made small.
+    # Smooth round corners: draw them large, then scale down.
     plate = Image.new("L", (4 * width, 4 * height))
     corner = 4 * round(0.45 * pixels)
     ImageDraw.Draw(plate).rounded_rectangle(
@@ -156,7 +156,7 @@ def _plate(text: str, pixels: int, before: int = 0) -> Patch:
 
 
 def _key(entries: Sequence[tuple[str, Color]], pixels: int) -> Patch:
-    """A plate with a coloured square before each word."""
+    """A plate with a coloured square before each label."""
     square, room = round(0.8 * pixels), round(1.3 * pixels)
     plates = []
     for words, color in entries:

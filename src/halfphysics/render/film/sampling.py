@@ -48,7 +48,7 @@ class Sampled:
 def sampled(result: Result, frames: Array) -> Sampled:
     """The result at fractional frames (N,); whole ones are copied bit for bit.
 
-    Frames after the last show the last: of two results the shorter one waits.
+    Frames after the last one are the last one: the shorter of two results waits at its end.
     """
     low, high, weight = neighbours(np.clip(frames, 0.0, len(result.motion) - 1.0))
 

@@ -26,15 +26,15 @@ Picture = NDArray[np.uint8]
 
 #: Suffixes of films.
 FILMS = encoding.FILMS
-# A GIF is slow to load: where nothing is said it has at most this many frames per second.
+# A GIF is slow to load: largest default frame rate of one [1/s].
 _GIF_FPS = 20.0
-# Times as close as this are the same [frames].
+# Tolerance for equal times [frames].
 _SAME = 1e-6
-# Pictures of which the colours of a GIF are made.
+# Number of pictures from which the palette of a GIF is computed.
 _GIF_SAMPLES = 6
-# Key frames of a sheet with one view, and with several; its pictures in a row.
+# Number of key frames of a sheet with one view, and with several; pictures per row.
 _KEYS, _KEYS_OF_VIEWS, _ACROSS = 12, 6, 6
-# One view of a sheet [pixels].
+# Size of one view of a sheet [pixels].
 _TILE = (300, 340)
 
 
@@ -49,11 +49,11 @@ def save_film(
     """Writes a film: .mp4 (H.264), .webm (VP9) or .gif by the suffix.
 
     Args:
-        results: What to show; several are shown together, at the same time of each, and the
-            shorter ones wait at their end.
+        results: Results to show; several are shown together, at the same times, and shorter
+            ones wait at their end.
         path: The file; whole or not at all.
-        options: Cameras, size, speed and the rest; None: `FilmOptions()`.
-        threads: Workers; the film does not depend on it. None: one a core.
+        options: Cameras, size, speed etc.; None: `FilmOptions()`.
+        threads: Worker threads; the film does not depend on it. None: one per core.
         progress: Shows a progress bar on stderr.
 
     Returns:
@@ -61,8 +61,8 @@ def save_film(
 
     Raises:
         InputError: Options that do not fit the results or the format.
-        FileError: The file cannot be written, or a body of a result has gone.
-        MissingDependencyError: There is no ffmpeg, which .mp4 and .webm need.
+        FileError: The file cannot be written, or the file of a body is missing.
+        MissingDependencyError: ffmpeg, which .mp4 and .webm need, is not installed.
     """
     from halfphysics.base.atomic import atomic_path
 
@@ -77,7 +77,7 @@ def save_film(
     rate = film_rate(shown_results, options, suffix)
     encoding.check_film(suffix, options.pixels(len(shown_results)), rate)
     times = film_times(shown_results, options, rate)
-    with atomic_path(path) as temporary:  # an impossible path is refused before the work
+    with atomic_path(path) as temporary:  # refuse an impossible path before rendering
         frames = [times * result.fps for result in shown_results]
         shoot = Shoot(shown_results, options, frames, rate=rate, times=times.tolist())
         pictures = _with_bar(shoot, count, progress)
@@ -102,22 +102,22 @@ def save_picture(
     frame: int | None = None,
     threads: int | None = None,
 ) -> Path:
-    """Writes a PNG: one frame as a film has it, or a sheet of the frames that tell the story.
+    """Writes a PNG: one frame as in a film, or a sheet of key frames.
 
     Args:
-        results: What to show; several are shown together, at the same time of each.
+        results: Results to show; several are shown together, at the same times.
         path: The file; whole or not at all.
-        options: Cameras, size and the rest; the size of a sheet is that of each of its pictures.
-            What is about time (fps, speed, start, end) is for films.
-        frame: Of the first result, negative ones from the end; None: a sheet of key frames.
-        threads: Workers; the picture does not depend on it. None: one a core.
+        options: Cameras, size etc.; the size of a sheet is that of each of its pictures. Options
+            of time (fps, speed, start, end) are for films.
+        frame: Frame of the first result, negative from the end; None: a sheet of key frames.
+        threads: Worker threads; the picture does not depend on it. None: one per core.
 
     Returns:
         The path written.
 
     Raises:
         InputError: No such frame, or options that do not fit the results.
-        FileError: The file cannot be written, or a body of a result has gone.
+        FileError: The file cannot be written, or the file of a body is missing.
     """
     from PIL import Image
 
@@ -138,7 +138,7 @@ def save_picture(
     if frame is None and len(shown_results) == 1 and options == _plain(options):
         size = options.size if isinstance(options.size, tuple) else _TILE
         return save_contact_sheet(first, path, size=size, samples=options.samples, threads=count)
-    with atomic_write(path) as file:  # an impossible path is refused before the work
+    with atomic_write(path) as file:  # refuse an impossible path before rendering
         times = np.arange(len(first.motion)) / first.fps
         if frame is not None:
             shoot = _still(shown_results, options, times)
@@ -149,18 +149,18 @@ def save_picture(
 
 
 def _plain(options: FilmOptions) -> FilmOptions:
-    """The options that a strip of one result has."""
+    """The options that a contact sheet of one result supports."""
     return FilmOptions(size=options.size, samples=options.samples)
 
 
 def _still(results: Sequence[Result], options: FilmOptions, times: Array) -> Shoot:
-    """The pictures of the first result's frames, from where a film sees them."""
+    """The pictures of the first result's frames, from the cameras of a film."""
     frames = [times * result.fps for result in results]
     return Shoot(results, options, frames, rate=results[0].fps, times=times.tolist())
 
 
 def _sheet(results: Sequence[Result], options: FilmOptions, times: Array, threads: int) -> Any:
-    """Key frames beside each other, with what they show below them."""
+    """Key frames beside each other, with captions."""
     from halfphysics.render.contact_sheet import compose, key_frames
 
     across, down = options.grid(len(results))

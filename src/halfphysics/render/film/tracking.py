@@ -14,17 +14,17 @@ from halfphysics.render.viewpoint import FOV, NEAR, choose_direction, facing, gl
 
 Array = NDArray[np.float64]
 
-# The skin reaches this far around the joints [m].
+# Assumed distance of the skin from the joints [m].
 _SKIN = 0.14
-# Room around the story: a sixth.
+# Space around the story: a sixth.
 _MARGIN = 1.16
 # Time constants over which a following camera smooths its position and its distance [s].
 _SMOOTH, _SMOOTH_DISTANCE = 0.45, 0.8
-# A turning camera turns this fast [degrees/s], this far above the horizon [degrees].
+# Speed [degrees/s] and elevation [degrees] of a turning camera.
 _TURN, _TURN_HEIGHT = 24.0, 14.0
-# Cameras at the person's sides, and the one above [degrees above the horizon].
+# Elevations of the cameras around the person, and of the one above [degrees].
 _SIDE_HEIGHT, _TOP_HEIGHT = 10.0, 74.0
-# Turned about the vertical from the way that the person faces [degrees].
+# Azimuths from the person's facing direction [degrees].
 _SIDES = {"front": 0.0, "left": 90.0, "back": 180.0, "right": -90.0}
 # Smallest share of the picture's height for a person, with the whole story in view.
 _LARGE_ENOUGH = 0.45
@@ -33,11 +33,11 @@ _LOOKS = 8
 
 
 class Story:
-    """What must be in the picture: joints of people and ghosts, objects near people.
+    """Content of the picture: joints of people and ghosts, objects near people.
 
     Attributes:
         people: World positions of all joints in every frame (T, N, 3) [m].
-        boxes: Corners of each object (T, 8, 3) [m] and when it is near a person (T,).
+        boxes: Corners of each object (T, 8, 3) [m] and whether it is near a person (T,).
     """
 
     def __init__(self, drawings: Sequence[Drawing], ghost: bool) -> None:
@@ -58,18 +58,18 @@ class Story:
         return len(self.people)
 
     def at(self, frame: int) -> Array:
-        """Points (N, 3) around all that must be seen at a frame."""
+        """Points (N, 3) around all content at a frame."""
         around = _SKIN * np.concatenate([np.eye(3), -np.eye(3)])
         skin = (self.people[frame][:, None] + around).reshape(-1, 3)
         near = [corners[frame] for corners, shown in self.boxes if shown[frame]]
         return np.concatenate([skin, *near])
 
     def direction(self, size: tuple[int, int]) -> Array:
-        """Unit direction to the camera from which the story is seen best."""
+        """Unit direction to the camera with the best view of the story."""
         return choose_direction(self.drawings[0], spread(len(self), 6), size)
 
     def facing(self) -> Array:
-        """Level unit vector that people face, mean over the story."""
+        """Horizontal unit vector that people face, mean over the story."""
         ways = facing(self.drawings[0], spread(len(self), 9))
         mean = ways.mean(axis=0)
         result: Array = mean / np.linalg.norm(mean) if np.linalg.norm(mean) > 1e-6 else ways[0]
@@ -77,7 +77,7 @@ class Story:
 
 
 def _box(item: Item, people: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Corners of an object's bounding box over time, and when it is near a person."""
+    """Corners of an object's bounding box over time, and whether it is near a person."""
     low, high = item.surface.vertices.min(axis=0), item.surface.vertices.max(axis=0)
     local = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     local = low + local * (high - low)
@@ -91,9 +91,9 @@ def track(story: Story, name: str, size: tuple[int, int], rate: float) -> list[C
     """A camera per frame.
 
     Args:
-        story: What must be in the picture, in all frames.
+        story: Content of the picture, in all frames.
         name: One of `CAMERAS`.
-        size: Of the picture [pixels]; the ratio matters.
+        size: Size of the picture [pixels]; only the ratio matters.
         rate: Frames of the story per second of film.
     """
     if name in _SIDES:
@@ -115,12 +115,12 @@ def track(story: Story, name: str, size: tuple[int, int], rate: float) -> list[C
 
 
 def _turned(direction: Array, degrees: float) -> Array:
-    """Turned about the vertical."""
+    """`direction` turned about the vertical."""
     return rot.rotate(rot.exp(np.array([0.0, 0.0, np.radians(degrees)])), direction)
 
 
 def _raised(direction: Array, degrees: float) -> Array:
-    """The same way round, this far above the horizon."""
+    """`direction` with the same azimuth, at an elevation of `degrees`."""
     level = direction * np.array([1.0, 1.0, 0.0])
     level = level / np.linalg.norm(level)
     angle = np.radians(degrees)
@@ -129,13 +129,13 @@ def _raised(direction: Array, degrees: float) -> Array:
 
 
 def _fixed(story: Story, direction: Array, size: tuple[int, int]) -> Camera:
-    """The nearest camera that sees everything from one place."""
+    """The nearest camera that has the whole story in view."""
     points = np.concatenate([story.at(frame) for frame in range(len(story))])
     return Camera.framing(points, direction, size=size, fov=FOV, margin=_MARGIN)
 
 
 def _height(story: Story, camera: Camera) -> float:
-    """Part of the picture's height that people take, median over the story."""
+    """Share of the picture's height that people take, median over the story."""
     tangent = np.tan(np.radians(camera.fov) / 2)
     parts = []
     for frame in spread(len(story), 25):
@@ -148,7 +148,7 @@ def _height(story: Story, camera: Camera) -> float:
 def _following(
     story: Story, directions: Sequence[Array], size: tuple[int, int], rate: float
 ) -> list[Camera]:
-    """Cameras that look at the middle of the story, near but with all of it, without a jerk."""
+    """Cameras aimed at the middle of the story, near, with all of it in view, smoothly moved."""
     points = [story.at(frame) for frame in range(len(story))]
     middles = np.array([0.5 * (p.min(axis=0) + p.max(axis=0)) for p in points])
     targets = _smooth(middles, _SMOOTH * rate)
@@ -160,7 +160,7 @@ def _following(
         local = (own - target) @ np.stack([right, down, direction]).T
         wide = np.maximum(abs(local[:, 0]) / tan_x, abs(local[:, 1]) / tan_y) + local[:, 2]
         needed[k] = wide.max()
-    # The largest within the reach of the smoothing: what is smoothed is never under what is needed.
+    # Largest within the filter's reach: the smoothed distance is never below the needed one.
     width = _SMOOTH_DISTANCE * rate
     distances = _smooth(_largest(needed, _reach(width)), width)
     return [
@@ -170,12 +170,12 @@ def _following(
 
 
 def _reach(width: float) -> int:
-    """Frames to either side that a Gaussian of `width` frames counts."""
+    """Half width [frames] of the filter, for a Gaussian of `width` frames."""
     return max(1, int(np.ceil(2.5 * width)))
 
 
 def _smooth(path: Array, width: float) -> Array:
-    """A path (T, D) smoothed with a Gaussian of `width` frames; the ends stand still."""
+    """A path (T, D) smoothed with a Gaussian of `width` frames; beyond the ends it is constant."""
     reach = _reach(width)
     weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / max(width, 1e-6)) ** 2)
     weights /= weights.sum()
@@ -185,7 +185,7 @@ def _smooth(path: Array, width: float) -> Array:
 
 
 def _largest(values: Array, reach: int) -> Array:
-    """The largest of each value (T, 1) and `reach` values to either side."""
+    """Maximum of each value (T, 1) and `reach` values on either side."""
     padded = np.pad(values, ((reach, reach), (0, 0)), mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=0)
     result: Array = windows.max(axis=-1)
@@ -193,9 +193,9 @@ def _largest(values: Array, reach: int) -> Array:
 
 
 def hiding(drawing: Drawing, cameras: Sequence[Camera], size: tuple[int, int]) -> set[str]:
-    """Names of the statics that hide the story at some time: they are drawn as glass.
+    """Names of the statics that hide the story in any frame: they are drawn as glass.
 
-    Of furniture in pieces ("table", "table_leg_1") all of them.
+    If one piece of furniture ("table", "table_leg_1") hides it, all its pieces are named.
     """
     faint: set[str] = set()
     for frame in spread(len(cameras), _LOOKS):

@@ -1,9 +1,9 @@
-"""Acting: a motion from what pelvis, trunk, hands and feet do when.
+"""Acting: a motion from timed changes of pelvis, trunk, hands and feet.
 
-An `Act` is a list of changes: a control goes from what it is to a new value, within some seconds,
-without a jump in speed or acceleration; changes of one control may overlap and then add up. Hands
-and feet are put where they should be by two-bone chains. Angles in degrees, lengths in metres,
-world: z up; a person with turn 0 faces +x.
+An `Act` is a list of changes: a control goes from its value to a new one within some seconds, with
+continuous speed and acceleration; overlapping changes of one control add up. Two-bone chains move
+hands and feet to their targets. Angles are in degrees, lengths in metres, the world is z up; a
+person with turn 0 faces +x.
 """
 
 from __future__ import annotations
@@ -25,27 +25,27 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Soles are this high over what they stand on [m]: more than twice the simulator's clearance.
+#: Height of soles above the ground [m]: more than twice the simulator's clearance.
 LIFT = 0.004
-#: Side -> where it is along y.
+#: Side -> its sign along y.
 SIDES = {"left": 1.0, "right": -1.0}
 _SPINE = ("spine1", "spine2", "spine3")
 _FINGERS = ("index", "middle", "pinky", "ring")
-# Of its reach, the part at which a limb begins to stay behind what it is asked for.
+# Fraction of its reach beyond which a limb stays behind its target.
 _SOFT = 0.985
-# Knees are always bent by this much of height when standing [m]: straight ones have no plane.
+# Lowering of a standing person by bent knees [m]: straight legs define no plane.
 _BENT = 0.018
 
-#: The controls and what they are at first. `side` stands for left and right.
-#:   pelvis: where the pelvis joint is; turn: of the pelvis, about z (left), about the own left axis
-#:   (forward), about the own forward axis (to the right); bend: of the spine, forward, to the
-#:   right, to the left about itself; nod: neck and head forward.
-#:   side_foot: the ankle; side_toes: the foot's heading to the left, toes up, toes bent up;
-#:   knees: where knees point, world.
-#:   side_arm: wrist from shoulder in the chest's frame (ahead, outward, up), for an arm that
-#:   holds nothing; side_hand: the wrist in the world; side_hold: 0 the first, 1 the second;
-#:   side_palm: back of a holding hand, side_fingers: its direction, world;
-#:   elbows: where elbows point, the chest's frame (ahead, outward, up); curl: of the fingers.
+#: The controls and their initial values. `side` means left and right.
+#:   pelvis: position of the pelvis joint; turn: rotation of the pelvis about z (left), about its
+#:   left axis (forward), about its forward axis (to the right); bend: bend of the spine forward,
+#:   to the right, and twist to the left; nod: forward bend of neck and head.
+#:   side_foot: position of the ankle; side_toes: heading of the foot to the left, toes up, toes
+#:   bent up; knees: direction of the knees, world.
+#:   side_arm: wrist from shoulder in the chest's frame (ahead, outward, up), for a free arm;
+#:   side_hand: wrist in the world; side_hold: 0 uses side_arm, 1 side_hand;
+#:   side_palm: normal of the back of a holding hand, side_fingers: its direction, world;
+#:   elbows: direction of elbows, chest's frame (ahead, outward, up); curl: flexion of the fingers.
 _CONTROLS = {
     "pelvis": (0.0, 0.0, 1.0),
     "turn": (0.0, 0.0, 0.0),
@@ -71,14 +71,14 @@ _CONTROLS = {
 
 
 class Act:
-    """A motion in the making: a person who stands at the origin and faces +x, arms hanging."""
+    """A motion under construction: a person at the origin, facing +x, arms hanging."""
 
     def __init__(self, body: Body) -> None:
         self.body = body
         self.legs = {side: leg_of(body, side) for side in SIDES}
         self._joints = np.asarray(body.rest_joints)
         self._now = {name: np.array(value) for name, value in _CONTROLS.items()}
-        # Control -> (start, seconds, by how much, whether it returns).
+        # Control -> (start, seconds, change, whether it returns).
         self._moves: dict[str, list[tuple[float, float, Array, bool]]] = {n: [] for n in _CONTROLS}
         pelvis = []
         for side, leg in self.legs.items():
@@ -91,16 +91,16 @@ class Act:
         self.begin(pelvis=(0.0, 0.0, self.standing))
 
     def __getitem__(self, control: str) -> Array:
-        """What a control is after all changes so far."""
+        """The value of a control after all changes so far."""
         return self._now[control].copy()
 
     def begin(self, **values: ArrayLike) -> None:
-        """Sets what controls are at the start."""
+        """Set the initial values of controls."""
         for name, value in values.items():
             self._now[name] = np.atleast_1d(np.array(value, dtype=np.float64))
 
     def both(self, **values: ArrayLike) -> dict[str, Array]:
-        """Controls of both sides from those of the left one, mirrored at the x-z plane."""
+        """Controls of both sides from those of the left side, mirrored at the x-z plane."""
         out = {}
         for name, value in values.items():
             for side, y in SIDES.items():
@@ -113,7 +113,7 @@ class Act:
         return out
 
     def move(self, start: float, seconds: float, **values: ArrayLike) -> None:
-        """Controls go to new values within `seconds` from `start` on."""
+        """Change controls to new values within `seconds` from `start` on."""
         for name, value in values.items():
             goal = np.atleast_1d(np.array(value, dtype=np.float64))
             self._moves[name].append((start, seconds, goal - self._now[name], False))
@@ -122,12 +122,12 @@ class Act:
     def step(
         self, side: str, start: float, seconds: float, to: ArrayLike, lift: float = 0.06
     ) -> None:
-        """The ankle of a foot goes to a new place (3,), in between `lift` higher."""
+        """Move the ankle of a foot to a new position (3,), raised by `lift` in between."""
         self.move(start, seconds, **{f"{side}_foot": to})
         self._moves[f"{side}_foot"].append((start, seconds, np.array([0.0, 0.0, lift]), True))
 
     def lift(self, control: str, start: float, seconds: float, by: ArrayLike) -> None:
-        """A control leaves its way by so much and returns to it."""
+        """Offset a control temporarily by `by`."""
         self._moves[control].append((start, seconds, np.array(by, dtype=np.float64), True))
 
     def motion(self, seconds: float, fps: float) -> Motion:
@@ -167,7 +167,7 @@ class Act:
         return out
 
     def _trunk(self, now: dict[str, Array], root: Array, rotations: Array) -> tuple[Array, Array]:
-        """Sets spine and head; the chest's frame (T, 3, 3) and place (T, 3)."""
+        """Set spine and head; returns the chest's frame (T, 3, 3) and position (T, 3)."""
         third = np.radians(now["bend"]) / 3.0
         turn = about(1, third[:, 2]) @ about(2, third[:, 1]) @ about(0, third[:, 0])
         at, frame, before = now["pelvis"], root, 0
@@ -199,7 +199,7 @@ class Act:
         shoulder, elbow, wrist = (
             JOINT_INDEX[f"{side}_{n}"] for n in ("shoulder", "elbow", "wrist")
         )
-        # The chest's frame with x ahead and y left: arms are given in it, outward for left.
+        # Arms are given in the chest's frame with x ahead and y left, mirrored for the right arm.
         ahead = chest @ WORLD_FROM_REST.T
         here = at + chest @ (joints[shoulder] - joints[JOINT_INDEX["spine3"]])
         mirror = np.array([1.0, y, 1.0])
@@ -209,12 +209,12 @@ class Act:
         goal = (1.0 - hold) * free + hold * (now[f"{side}_hand"] - here)
         a, b = joints[elbow] - joints[shoulder], joints[wrist] - joints[elbow]
         upper, fore = _chain(a, b, goal, pole, np.array([0.0, 0.0, -1.0]))
-        # Free hands: thumbs ahead and inward. Holding ones: as asked for.
+        # Free hands: thumbs ahead and inward. Holding hands: the targets.
         loose = about(0, np.full(len(at), 0.9))
         fingers = y * now[f"{side}_fingers"]
         held = _T(fore) @ _frame(fingers, now[f"{side}_palm"])
         turn = _between(loose, held, hold[:, 0])
-        # Half of the twist of a hand is in the forearm.
+        # The forearm takes half of the twist of a hand.
         q = rot.from_matrix(turn)
         along = b / np.linalg.norm(b)
         half = np.arctan2(q[:, 1:] @ along, q[:, 0])
@@ -234,7 +234,7 @@ def _T(matrices: Array) -> Array:
 
 
 def _turned(degrees: Array) -> Array:
-    """Frames of the pelvis (T, 3, 3) from its turns (T, 3)."""
+    """Frames of the pelvis (T, 3, 3) from its turns (T, 3) [degrees]."""
     turn = np.radians(degrees)
     result: Array = (
         about(2, turn[:, 0]) @ about(1, turn[:, 1]) @ about(0, turn[:, 2]) @ WORLD_FROM_REST
@@ -248,22 +248,22 @@ def _unit(vectors: Array) -> Array:
 
 
 def _frame(x: Array, y: Array) -> Array:
-    """Frames (..., 3, 3) with an x axis and a y axis as near as can be."""
+    """Frames (..., 3, 3) with x axis `x` and the y axis closest to `y`."""
     x = _unit(x)
     y = _unit(y - np.sum(x * y, axis=-1, keepdims=True) * x)
     return np.stack([x, y, np.cross(x, y)], axis=-1)
 
 
 def _between(a: Array, b: Array, part: Array) -> Array:
-    """The way from matrices a to b (T, 3, 3), a part of it (T,)."""
+    """Rotations (T, 3, 3) at the fraction `part` (T,) between `a` and `b`."""
     way = rot.matrix_to_rotvec(_T(a) @ b)
     return a @ rot.rotvec_to_matrix(part[:, None] * way)
 
 
 def _reached(distance: Array, reach: float) -> Array:
-    """Distances (T,) as they are up to `_SOFT` of a reach, beyond it ever less of the rest.
+    """Distances (T,), unchanged up to `_SOFT` of a reach, then approaching it exponentially.
 
-    A limb that ends at its reach at once snaps: its joint stops within no time.
+    A limb that stops abruptly at its reach snaps: its joint's velocity jumps to zero.
     """
     free = _SOFT * reach
     rest = reach - free
@@ -278,9 +278,9 @@ def _chain(
 
     Args:
         upper, lower: The bones at rest (3,).
-        goal: The far end from the near one; out of reach: along the same line.
-        pole: Where the joint between them points (T, 3).
-        rest_pole: The same at rest (3,).
+        goal: The far end from the near end; if out of reach, approached along the same line.
+        pole: Direction of the joint between the bones (T, 3).
+        rest_pole: That direction at rest (3,).
     """
     a, b = np.linalg.norm(upper), np.linalg.norm(lower)
     line = _unit(goal)

@@ -1,4 +1,4 @@
-"""Arms: the joints of shoulder, elbow and wrist that put a hand where it should be."""
+"""Arms: rotations of shoulder, elbow and wrist for a target of the hand."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: An arm is never stretched further than this part of its length: a straight elbow snaps.
+#: Largest extension of an arm as a fraction of its length: a straight elbow snaps.
 REACH = 0.99
 
 
@@ -25,7 +25,7 @@ class Arm:
     """One arm of a body at rest, rest frame [m].
 
     Attributes:
-        collar: Index of the joint it hangs from.
+        collar: Index of the collar joint, the parent of the shoulder.
         joints: Indices of shoulder, elbow and wrist.
         upper: Elbow from shoulder, (3,).
         fore: Wrist from elbow, (3,).
@@ -38,7 +38,7 @@ class Arm:
 
     @property
     def length(self) -> float:
-        """Longest distance from shoulder to wrist that the arm is used at [m]."""
+        """Largest distance from shoulder to wrist in use [m]."""
         return REACH * float(np.linalg.norm(self.upper) + np.linalg.norm(self.fore))
 
 
@@ -57,19 +57,19 @@ def arm_of(body: Body, side: str) -> Arm:
 def solve(
     arm: Arm, collar: Array, shoulder: Array, wrist: Array, hand: Array, pole: Array
 ) -> dict[int, Array]:
-    """Rotations of one arm that put its wrist and hand where they should be.
+    """Rotations of one arm for a target of its wrist and hand.
 
-    Two bones in the plane of shoulder, wrist and pole, the elbow on the pole's side; a wrist out
-    of reach is approached along its own line. Of the forearm's twist elbow and wrist take half
-    each; it is followed through the frames, so that it may exceed half a turn.
+    Both bones lie in the plane of shoulder, wrist and pole, with the elbow on the pole's side; a
+    target out of reach is approached along the line to it. Elbow and wrist take half of the
+    forearm's twist each; the twist is unwrapped over the frames, so that it may exceed half a turn.
 
     Args:
-        arm: Which arm.
+        arm: The arm at rest.
         collar: World rotation of the collar, (T, 3, 3).
         shoulder: World position of the shoulder [m], (T, 3).
-        wrist: Where the wrist should be [m], (T, 3).
-        hand: World rotation that the hand should have, (T, 3, 3).
-        pole: Where the elbow points to, (3,) or (T, 3), not along the line from shoulder to wrist.
+        wrist: Target position of the wrist [m], (T, 3).
+        hand: Target world rotation of the hand, (T, 3, 3).
+        pole: Direction of the elbow, (3,) or (T, 3), not parallel to the line shoulder-wrist.
 
     Returns:
         Joint index -> axis-angle (T, 3) in the parent's frame.
@@ -85,7 +85,7 @@ def solve(
     sine = np.sqrt(np.clip(1.0 - cosine**2, 0.0, None))
     along = cosine[:, None] * line + sine[:, None] * front  # of the upper arm, unit
     end = (distance[:, None] * line - a * along) / b
-    # The elbow bends about what is y at rest.
+    # The elbow bends about the y axis of the rest frame.
     hinge = np.cross(line, front) * np.sign(arm.upper[0])
     upper, fore = _bone(arm.upper, along, hinge), _bone(arm.fore, end, hinge)
     turn = rot.normalize(rot.from_matrix(np.swapaxes(fore, 1, 2) @ hand))
@@ -105,21 +105,21 @@ def palm_frame(side: str, fingers: Array, facing: Array) -> Array:
 
     Args:
         side: "left" or "right".
-        fingers: Where the fingers point, (T, 3) or (3,).
-        facing: Where the palm faces, (T, 3) or (3,), made square to `fingers`.
+        fingers: Direction of the fingers, (T, 3) or (3,).
+        facing: Normal of the palm, (T, 3) or (3,), made perpendicular to `fingers`.
     """
     left = 1.0 if side == "left" else -1.0
     along, facing = np.broadcast_arrays(np.atleast_2d(fingers), np.atleast_2d(facing))
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
     facing = facing - np.sum(facing * along, axis=1, keepdims=True) * along
     facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)
-    # At rest the fingers of the left hand point along x, those of the right one back, palms down.
+    # At rest left fingers point along x and right fingers along -x, with palms down.
     x, y = left * along, -facing
     return np.stack([x, y, np.cross(x, y)], axis=-1)
 
 
 def _bone(rest: Array, actual: Array, hinge: Array) -> Array:
-    """Rotations (T, 3, 3) taking a rest vector (3,) to `actual` (T, 3) and y toward `hinge`."""
+    """Rotations (T, 3, 3) from a rest vector (3,) to `actual` (T, 3), with y toward `hinge`."""
 
     def frame(along: Array, across: Array) -> Array:
         along = along / np.linalg.norm(along, axis=-1, keepdims=True)

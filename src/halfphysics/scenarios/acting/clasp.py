@@ -1,4 +1,4 @@
-"""A right hand that clasps another one: fingers around its edge, the thumb over its back."""
+"""A right hand clasps another right hand: fingers around its edge, thumb over its back."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _FINGERS = ("index", "middle", "ring", "pinky")
 #: Flexion of a finger's joints, knuckle to tip [rad], open and closed.
 _OPEN = np.radians([3.0, 6.0, 4.0])
 _CLOSED = np.radians([5.0, 75.0, 50.0])
-#: Where the thumb's bones point, root to tip, open and closed: along the fingers, the way the palm
-#: faces, towards the thumb's side.
+#: Directions of the thumb's bones, root to tip, open and closed. Components: along the fingers,
+#: along the palm's normal, towards the thumb's side.
 _THUMB_UP = np.array([[-0.25, 0.0, 1.0], [-0.2, 0.0, 1.0], [-0.1, 0.0, 1.0]])
 _THUMB_OVER = np.array([[0.0, 0.5, 0.9], [0.1, 1.0, 0.3], [0.2, 0.8, -0.6]])
 
@@ -30,7 +30,7 @@ def fingers(body: Body, closed: Array) -> dict[int, Array]:
 
     Args:
         body: The person's body.
-        closed: 0 straight fingers and the thumb up, to 1 around the other hand, (T,).
+        closed: 0 (straight fingers, thumb up) to 1 (around the other hand), (T,).
 
     Returns:
         Joint index -> axis-angle (T, 3) in the parent's frame.
@@ -50,7 +50,7 @@ def fingers(body: Body, closed: Array) -> dict[int, Array]:
 
 
 def _thumb(body: Body, directions: Array) -> dict[int, Array]:
-    """Rotations (3, 3) of the thumb's joints whose bones point along directions (3, 3)."""
+    """Rotations (3, 3) of the thumb's joints that align its bones with directions (3, 3)."""
     joints = [JOINT_INDEX[f"right_thumb{k}"] for k in (1, 2, 3)]
     rest = np.asarray(body.rest_joints)
     tip = _tip(body, joints[-1])
@@ -64,7 +64,7 @@ def _thumb(body: Body, directions: Array) -> dict[int, Array]:
 
 
 def _tip(body: Body, joint: int) -> Array:
-    """The end of the last bone at rest (3,): of its skin, what is farthest from the wrist."""
+    """The end of the last bone at rest (3,): the vertex of its skin farthest from the wrist."""
     wrist = body.rest_joints[JOINT_INDEX["right_wrist"]]
     own = np.argmax(body.weights, axis=1) == joint
     skin = np.asarray(body.rest_vertices)[own]
@@ -73,7 +73,7 @@ def _tip(body: Body, joint: int) -> Array:
 
 
 def _shortest(a: Array, b: Array) -> Array:
-    """The smallest rotation (3, 3) that takes the direction of `a` to that of `b`."""
+    """The smallest rotation (3, 3) from the direction of `a` to that of `b`."""
     axis = np.cross(a, b)
     sine = np.linalg.norm(axis)
     if sine < 1e-12:

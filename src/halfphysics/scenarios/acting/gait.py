@@ -1,9 +1,9 @@
-"""Walking: feet planned on the ground, a pelvis carried by the legs, arms that swing against them.
+"""Walking: planned footsteps, a pelvis carried by the legs, arms that swing against the legs.
 
-Everything is a function of the phase, which counts steps: step k swings one foot from phase
-k + d/2 to k + 1 - d/2, where d is the part of a step that both feet are down. A foot on the
+All quantities are functions of the phase, which counts steps: step k swings one foot from phase
+k + d/2 to k + 1 - d/2, where d is the fraction of a step with both feet down. A foot on the
 ground rolls over its heel, lies flat, and rolls over its toe joint: it never slides. The pelvis
-is as high as legs of that length allow. The plan of the steps is a `Walk` (`acting.walk_plan`).
+is as high as the legs allow. The plan of the steps is a `Walk` (`acting.walk_plan`).
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Part of a step that both feet are on the ground.
+#: Fraction of a step with both feet on the ground.
 DOUBLE = 0.24
 _HEEL_STRIKE = np.radians(20.0)
 _TOE_OFF = np.radians(55.0)
-# Width of a stride over the distance of the hip joints.
+# Width of a stride divided by the distance between the hip joints.
 _WIDTH = 0.75
 _TOES_OUT = np.radians(6.0)
-# The ankle's lift in mid-swing on top of what rolling off gives [m].
+# Lift of the ankle in mid-swing, in addition to that of rolling off [m].
 _LIFT = 0.045
-# Time step of the plan [s]; frames are read off it.
+# Time step of the plan [s]; frames are interpolated from it.
 _FINE = 1.0 / 240.0
 
 
 def _pitch(walk: Walk, step: int, phase: Array) -> tuple[Array, Array]:
-    """Pitch of a foot that landed with `step`: (rolling down onto it, rolling off it) [rad]."""
+    """Pitch of a foot that landed with `step`: (rolling down, rolling off) [rad]."""
     half = 0.5 * walk.stride
     down = np.zeros_like(phase)
     if step >= 0:
@@ -55,8 +55,8 @@ def _pitch(walk: Walk, step: int, phase: Array) -> tuple[Array, Array]:
     return down, off
 
 
-# Where the kicking ankle is, over the swing: time, ahead of the standing foot, height above the
-# standing ankle (both as parts of leg length), pitch of the foot [degrees], toes down negative.
+# Path of the kicking ankle over the swing: time, distance ahead of the standing foot, height above
+# the standing ankle (both in leg lengths), pitch of the foot [degrees], negative with toes down.
 _KICK = np.array(
     [
         [0.00, -0.62, 0.12, -60.0],
@@ -70,12 +70,12 @@ _KICK = np.array(
         [1.00, 0.50, 0.10, 5.0],
     ]
 )
-#: The part of the kick's swing at which the foot meets a ball lying on the ground.
+#: Fraction of the kick's swing at which the foot meets a ball on the ground.
 IMPACT = 0.54
 
 
 def _kick_path(leg: Leg, u: Array) -> tuple[Array, Array, Array]:
-    """Of the kicking ankle at swing time u: ahead of the standing foot, height, pitch."""
+    """Kicking ankle at swing time u: distance ahead of the standing foot, height, pitch."""
     from scipy.interpolate import PchipInterpolator
 
     ahead, above, tilt = PchipInterpolator(_KICK[:, 0], _KICK[:, 1:])(u).T
@@ -96,7 +96,7 @@ def _foot(walk: Walk, leg: Leg, side: str, phase: Array, width: float) -> tuple[
         if not len(rows):
             continue
         p = phase[rows]
-        # The pose it lands in and stands in, continued back into the swing before.
+        # The pose of landing and standing, continued back into the swing before.
         down, off = _pitch(walk, step, p)
         to_pitch = down + off
         to = planted(leg, np.array([walk.mark(step), left * width]), yaw, to_pitch)
@@ -104,7 +104,7 @@ def _foot(walk: Walk, leg: Leg, side: str, phase: Array, width: float) -> tuple[
         if i == 0:
             ankle[rows], pitch[rows], bend[rows] = to, to_pitch, to_bend
             continue
-        # The pose it lifts off from, continued forward into the swing.
+        # The pose of lift-off, continued forward into the swing.
         before = own[i - 1]
         from_pitch = np.add(*_pitch(walk, before, p))
         mark = np.array([walk.mark(before), left * width])
@@ -112,7 +112,7 @@ def _foot(walk: Walk, leg: Leg, side: str, phase: Array, width: float) -> tuple[
         u = (p - start) / (1.0 - DOUBLE)
         w = u * u * (3.0 - 2.0 * u)
         w = np.where(u < 1.0, w, 1.0)
-        # Up at once, so that no toe scuffs, and down without a jolt.
+        # Up quickly, so that the toes do not scuff, and down smoothly.
         bump = 6.75 * u * (1.0 - u) ** 2 * (u < 1.0)
         ankle[rows] = (1.0 - w)[:, None] * away + w[:, None] * to
         pitch[rows] = (1.0 - w) * from_pitch + w * to_pitch
@@ -131,8 +131,8 @@ def _foot(walk: Walk, leg: Leg, side: str, phase: Array, width: float) -> tuple[
 def _carried(limit: Array, window: int) -> Array:
     """The smoothest height that stays under `limit` (T,): a running minimum, then averaged.
 
-    Every value averaged is a minimum over a window that holds the frame itself, so none of the
-    averages exceeds the limit there.
+    Each averaged value is a minimum over a window that contains the frame, so no average exceeds
+    the limit of its frame.
     """
     from scipy.ndimage import convolve1d, minimum_filter1d
 
@@ -146,9 +146,9 @@ def walk(body: Body, plan: Walk, fps: float = 30.0) -> Motion:
     """The motion of `plan` for this body's proportions.
 
     Args:
-        body: The walker's body; the motion gets its betas, gender and model where that is one
+        body: The walker's body; the motion gets its betas, gender and model if the model is one
             of the SMPL family.
-        plan: What to do.
+        plan: The plan of the walk.
         fps: Frames per second of the motion.
 
     Raises:

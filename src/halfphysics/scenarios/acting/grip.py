@@ -1,9 +1,9 @@
-"""A hand closed around an upright round thing: finger angles found from the skin by bisection.
+"""A hand closed around an upright round object: finger angles found from the skin by bisection.
 
-Everything is in the hand's own frame: rest axes, origin at the wrist. A right hand points along
--x, its palm faces -y and its thumb is on the side of +z, along which lies the axis of the thing
-that it holds. The hulls that the simulator collides are looked at along that axis, and from above
-and below where the thing is not a cylinder: their outlines against its own.
+All quantities are in the hand's frame: rest axes, origin at the wrist. A right hand points along
+-x, its palm faces -y and its thumb is on the side of +z; the axis of the held object is along z.
+Contact is found by comparing the outlines of the simulator's hulls with that of the object, seen
+along this axis, and also from above and below if the object is not a cylinder.
 """
 
 from __future__ import annotations
@@ -34,32 +34,32 @@ FINGERS = np.array(
     ]
 )
 _THUMB = 4
-#: Flexion is tried up to here [rad], knuckle to tip; the thumb's, too.
+#: Largest flexion tried [rad], knuckle to tip, thumb last.
 _LIMITS = np.array([[1.5, 1.7, 1.2]] * 4 + [[1.2, 1.1, 1.2]])
-#: Flexion of the joints against each other while a finger closes.
+#: Relative flexion rates of the joints while a finger closes.
 _RATES = np.array([[0.75, 1.0, 0.6]] * 4 + [[1.0, 0.7, 0.7]])
-#: Nearer than this beyond the gap [m] counts as touching.
+#: A distance below the gap plus this [m] counts as touching.
 _TOUCH = 1e-4
-#: Of the closed hand's angles an open one has this part; the thumb moves away by this much [rad].
+#: An open hand has this fraction of the closed angles; its thumb opens by this angle [rad].
 _OPEN, _THUMB_AWAY = 0.25, 0.5
-#: Where the thumb points before it flexes, opposite the palm: it lies beside the thing.
+#: Direction of the thumb before it flexes, opposite the palm and beside the object.
 _OPPOSED = np.array([0.35, -1.0, -0.45])
-#: The knuckle of the middle finger is this far before the axis of what is held [m].
+#: The knuckle of the middle finger is this far before the axis of the object [m].
 _KNUCKLE = 0.010
-#: What is free of touch over this much of its circle is not held: it can leave there [rad].
+#: An object without contact over this angle of its circle is not held: it can leave [rad].
 _OPEN_SIDE = np.radians(200.0)
-#: Directions that an outline is looked at from: at 0.5 degrees a circle is round to 1e-5.
+#: Viewing directions of an outline: at 0.5 degrees a circle is round to 1e-5.
 _LOOKS = np.radians(np.arange(0.0, 360.0, 0.5))
-#: The same up and down, where the outline is not straight, and around then.
+#: Tilts, and directions at each tilt, for an outline that is not a cylinder.
 _TILTS, _TILTED_LOOKS = np.radians(np.arange(-60.0, 61.0, 10.0)), _LOOKS[::4]
 
 
 @dataclass(frozen=True, eq=False)
 class Grip:
-    """How a right hand holds an upright round thing.
+    """The grip of a right hand around an upright round object.
 
     Attributes:
-        centre: Axis of the thing at the middle of the hand, from the wrist, (3,) [m].
+        centre: Axis of the object at the middle of the hand, from the wrist, (3,) [m].
         angles: Flexion at contact, (5, 3) [rad]: fingers as in `FINGERS`.
         thumb: Rotation of the opposed thumb's first joint before it flexes, (3, 3).
     """
@@ -73,7 +73,7 @@ class Grip:
 
         Args:
             closed: 0 open to 1 closed, (T,).
-            squeeze: How far every joint of the closed hand goes beyond contact [rad].
+            squeeze: Flexion of every joint of the closed hand beyond contact [rad].
         """
         share = np.asarray(closed, dtype=np.float64)[:, None, None]
         opened = _OPEN * self.angles
@@ -86,8 +86,8 @@ class Grip:
 
 @dataclass(frozen=True, eq=False)
 class _Round:
-    """A convex round thing about an axis along z, by how far it reaches: `reach` (k,) [m] in
-    directions `tilts` (k,) [rad] over the horizontal, looked at from `looks` (l,) [rad] around."""
+    """A convex round object about z, by its support function: `reach` (k,) [m] in directions
+    `tilts` (k,) [rad] above the horizontal, for azimuths `looks` (l,) [rad]."""
 
     tilts: Array
     reach: Array
@@ -95,7 +95,7 @@ class _Round:
 
     @classmethod
     def of(cls, outline: Array) -> _Round:
-        """From rows of height, from the middle of the hand, and radius (n, 2) [m]."""
+        """From rows of height above the middle of the hand, and radius (n, 2) [m]."""
         if np.ptp(outline[:, 1]) == 0.0:
             return cls(np.zeros(1), outline[:1, 1], _LOOKS)
         reach = np.outer(np.cos(_TILTS), outline[:, 1]) + np.outer(np.sin(_TILTS), outline[:, 0])
@@ -103,16 +103,16 @@ class _Round:
 
 
 def grip(body: Body, outline: float | ArrayLike, gap: float = 0.001) -> Grip:
-    """The grip of a body's right hand around something round: `gap` [m] from every touching joint.
+    """The grip of a body's right hand around a round object, at a distance of `gap`.
 
     Args:
         body: The person's body.
-        outline: The radius of a cylinder [m], or rows of height, from the middle of the hand, and
-            radius (n, 2) [m], whose hull counts.
-        gap: Left between the two [m].
+        outline: The radius of a cylinder [m], or rows of height above the middle of the hand, and
+            radius (n, 2) [m], whose hull is used.
+        gap: Distance between every touching joint's skin and the object [m].
 
     Raises:
-        InputError: The thing is too thick or too thin for this hand.
+        InputError: The object is too thick or too thin for this hand.
     """
     given = np.asarray(outline, dtype=np.float64)
     held = _Round.of(np.array([[0.0, float(given)]]) if given.ndim == 0 else given)
@@ -123,7 +123,7 @@ def grip(body: Body, outline: float | ArrayLike, gap: float = 0.001) -> Grip:
     across = [hand.joints[FINGERS[f, 0], 2] - hand.joints[WRIST, 2] for f in (0, 3)]
     centre = np.array([knuckle[0] + _KNUCKLE, 0.0, float(np.mean(across))])
     thumb = _opposed(hand)
-    # As near to the palm as the straight fingers let it.
+    # As near to the palm as the straight fingers allow.
     palm = [WRIST, *FINGERS[:_THUMB].ravel()]
 
     def palm_is_clear(y: float) -> bool:
@@ -147,7 +147,7 @@ def grip(body: Body, outline: float | ArrayLike, gap: float = 0.001) -> Grip:
 
 
 class _Hand:
-    """A body's right hand with everything else at rest."""
+    """A body's right hand, with all other joints at rest."""
 
     def __init__(self, body: Body) -> None:
         self.body = body
@@ -163,13 +163,13 @@ class _Hand:
     def gaps(
         self, angles: Array, thumb: Array, centre: Array, held: _Round, parts: list[int]
     ) -> Array:
-        """Between the hulls of some parts and what is held [m], (hulls,); 0: touching."""
+        """Distances between the hulls of some parts and the object [m], (hulls,); 0: touching."""
         return self.around(angles, thumb, centre, held, parts)[0]
 
     def around(
         self, angles: Array, thumb: Array, centre: Array, held: _Round, parts: list[int]
     ) -> tuple[Array, Array]:
-        """As `gaps`, and on which side of the thing [rad], (hulls,)."""
+        """As `gaps`, and the side of the object as an azimuth [rad], (hulls,)."""
         rotations = np.zeros((N_JOINTS, 3))
         rotations[FINGERS.ravel()] = _turned(angles[None], thumb).reshape(-1, 3)
         rows = np.isin(self.of_hull, parts)
@@ -204,7 +204,7 @@ def _turned(angles: Array, thumb: Array) -> Array:
     """Axis-angles (T, 5, 3, 3) of all fingers for flexions (T, 5, 3) [rad]."""
     out = np.zeros((*angles.shape, 3))
     out[..., 2] = angles  # a finger flexes about z
-    # The thumb closes against the fingers; about z, too, seen from the opposed thumb.
+    # The thumb closes against the fingers, about z of the opposed thumb.
     axis = -thumb[2]
     out[:, _THUMB] = angles[:, _THUMB, :, None] * axis
     flexed = rot.rotvec_to_matrix(out[:, _THUMB, 0])
@@ -213,13 +213,13 @@ def _turned(angles: Array, thumb: Array) -> Array:
 
 
 def _wrap(finger: int, row: Array, gaps: Callable[[list[int]], Array], gap: float) -> None:
-    """Flex one finger until it lies around: what touches stays, what is beyond it goes on.
+    """Flex a finger around the object: touching bones stop, the bones beyond them go on.
 
     Args:
         finger: Row of `FINGERS`.
-        row: Its flexions, (3,), which are changed [rad].
-        gaps: Distances of parts at the flexions as they are [m].
-        gap: To be kept [m].
+        row: Flexions of the finger (3,) [rad], changed in place.
+        gaps: Function that gives the distances of parts at the present flexions [m].
+        gap: The distance to keep [m].
     """
     start = 0
     while start < 3:
@@ -233,14 +233,14 @@ def _wrap(finger: int, row: Array, gaps: Callable[[list[int]], Array], gap: floa
 
         is_clear(_last(is_clear, float(room.min())))
         reached = gaps(parts)
-        if reached.min() > gap + _TOUCH:  # stopped by a limit of its own
+        if reached.min() > gap + _TOUCH:  # stopped by a joint limit
             start += int(np.argmin(room[start:])) + 1
         else:
             start += int(np.argmin(reached)) + 1
 
 
 def _first(clear: Callable[[float], bool], low: float, high: float) -> tuple[float, float]:
-    """Where `clear` turns true between two places that it is false and true at."""
+    """Bracket of the change of `clear` from false at `low` to true at `high`."""
     for _ in range(24):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if clear(middle) else (middle, high)
@@ -248,7 +248,7 @@ def _first(clear: Callable[[float], bool], low: float, high: float) -> tuple[flo
 
 
 def _last(clear: Callable[[float], bool], limit: float) -> float:
-    """The largest value up to `limit` before which everything is clear; 0 where nothing is."""
+    """The largest value up to `limit` with all smaller values clear; 0: none is."""
     step, reached = 0.05, 0.0
     while reached < limit:
         nxt = min(reached + step, limit)

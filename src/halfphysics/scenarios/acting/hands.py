@@ -1,4 +1,4 @@
-"""Hands as they work: the thumb laid aside, fingers bent, one hand at a time."""
+"""Shapes of one hand at work: bent fingers, and the thumb in the plane of the palm."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _FINGERS = ("index", "middle", "pinky", "ring")
 
 
 def thumb_aside(body: Body, side: str) -> Array:
-    """Axis-angle (3,) of the thumb's first joint that lays the thumb into the palm's plane.
+    """Axis-angle (3,) of the thumb's first joint that puts the thumb into the palm's plane.
 
-    At rest the thumb stands before the palm, and a flat hand that pushes meets all with it first.
+    At rest the thumb is in front of the palm, and makes first contact when a flat hand pushes.
     """
     joints = np.asarray(body.rest_joints)
     first, last = (joints[JOINT_INDEX[f"{side}_thumb{k}"]] for k in (1, 3))
@@ -33,7 +33,7 @@ def thumb_aside(body: Body, side: str) -> Array:
 
 
 def _chain(body: Body, side: str) -> tuple[Array, Array]:
-    """Of the middle finger: its joints from the wrist on (4, 3), skin of its end from the last."""
+    """Wrist and joints of the middle finger (4, 3); skin of its end, from the last joint."""
     joints = np.asarray(body.rest_joints)
     chain = joints[[JOINT_INDEX[f"{side}_{n}"] for n in ("wrist", "middle1", "middle2", "middle3")]]
     own = np.argmax(body.weights, axis=1) == JOINT_INDEX[f"{side}_middle3"]
@@ -43,9 +43,9 @@ def _chain(body: Body, side: str) -> tuple[Array, Array]:
 def _on_bone(
     body: Body, side: str, curls: ArrayLike, bone: int, ahead: float, toward: float
 ) -> Array:
-    """A point by a bone (0 to 2) of the middle finger, from the wrist, as `pad`.
+    """A point at a bone (0 to 2) of the middle finger, from the wrist, as `pad`.
 
-    `ahead` of the bone's joint, `toward` where its inner side faces [m].
+    The point is `ahead` of the bone's joint, and `toward` its inner side [m].
     """
     chain, _ = _chain(body, side)
     turned = np.cumsum(np.radians(curls), axis=-1)
@@ -59,7 +59,7 @@ def _on_bone(
 
 
 def pad(body: Body, side: str, curls: ArrayLike) -> Array:
-    """The middle finger's pad from the wrist: along the flat hand and toward where the palm faces.
+    """The middle finger's pad from the wrist: along the flat hand, and along the palm's normal.
 
     Args:
         body: The person's body.
@@ -81,7 +81,7 @@ def hook(body: Body, side: str, curls: ArrayLike) -> Array:
 
 
 def tip(body: Body, side: str, curls: ArrayLike) -> tuple[Array, float]:
-    """A ball in the middle finger's tip: its middle (T, 2) as `pad`, its radius [m]."""
+    """A ball in the middle finger's tip: centre (T, 2) as `pad`, and radius [m]."""
     skin = _chain(body, side)[1]
     low, high = float(skin[:, 1].min()), float(skin[:, 1].max())
     radius = 0.5 * (high - low)
@@ -98,15 +98,15 @@ def shaped(
     curls: ArrayLike = (0.0, 0.0, 0.0),
     thumb: bool = True,
 ) -> Motion:
-    """A motion with the fingers of one hand bent as they should be.
+    """A motion with the fingers of one hand bent by `curls`.
 
     Args:
         body: The person's body.
         motion: T frames.
         side: "left" or "right".
-        share: How much of that is done at every frame, 0 (as in `motion`) to 1, (T,) or a number.
+        share: Weight of `curls` at each frame, 0 (as in `motion`) to 1, (T,) or a number.
         curls: Flexion of the three joints of every finger [degrees], (T, 3) or (3,).
-        thumb: Whether the thumb is laid aside; else it stays as it is.
+        thumb: Whether to apply `thumb_aside`; else the thumb is unchanged.
     """
     sign = -1.0 if side == "left" else 1.0
     flexed = np.broadcast_to(np.radians(curls), (len(motion), 3))

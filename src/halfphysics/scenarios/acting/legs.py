@@ -1,4 +1,4 @@
-"""Legs: where a foot stands, how it rolls over heel and toes, and the joints that put it there."""
+"""Legs: position of a foot, its rolling over heel and toes, and inverse kinematics of the leg."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ Array = NDArray[np.float64]
 
 #: World (z up, heading x) from the body's rest frame (x left, y up, z forward).
 WORLD_FROM_REST = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-#: A leg is never stretched further than this part of its length: a straight knee snaps.
+#: Largest extension of a leg as a fraction of its length: a straight knee snaps.
 REACH = 0.995
-# Skin this near to the lowest point of a foot [m] is its sole.
+# The sole is the skin within this height above the lowest point of a foot [m].
 _SOLE = 0.008
 
 
 def about(axis: int, angle: Array | float) -> Array:
-    """Matrices (..., 3, 3) turning by `angle` [rad] about coordinate axis 0, 1 or 2."""
+    """Rotation matrices (..., 3, 3) by `angle` [rad] about coordinate axis 0, 1 or 2."""
     rotvec = np.zeros((*np.shape(angle), 3))
     rotvec[..., axis] = angle
     return rot.rotvec_to_matrix(rotvec)
@@ -55,7 +55,7 @@ class Leg:
 
     @property
     def length(self) -> float:
-        """Longest distance from hip to ankle that the leg is used at [m]."""
+        """Largest distance from hip to ankle in use [m]."""
         return REACH * float(np.linalg.norm(self.thigh) + np.linalg.norm(self.shank))
 
 
@@ -83,11 +83,11 @@ def planted(leg: Leg, mark: Array, yaw: Array | float, pitch: Array) -> Array:
     """Ankle positions (T, 3) of a foot that rolls over a fixed point of the ground at z = 0.
 
     Args:
-        leg: The leg of that foot.
-        mark: Where the ankle is over when the foot is flat, (2,) or (T, 2) [m].
+        leg: The leg of the foot.
+        mark: Ground point below the ankle of the flat foot, (2,) or (T, 2) [m].
         yaw: Heading of the foot [rad], () or (T,).
         pitch: (T,) [rad]; positive: toes up, pivot at the heel; negative: heel up, pivot at
-            the toe joint, whose height and place then stay as they are.
+            the toe joint, whose position is then fixed.
     """
     frame = about(2, np.broadcast_to(yaw, pitch.shape)) @ WORLD_FROM_REST
     pivot = np.where(pitch[:, None] > 0.0, leg.heel, leg.toe)
@@ -102,18 +102,18 @@ def planted(leg: Leg, mark: Array, yaw: Array | float, pitch: Array) -> Array:
 def solve(
     leg: Leg, root: Array, hip: Array, ankle: Array, foot: Array, toe_pitch: Array
 ) -> dict[int, Array]:
-    """Rotations of one leg that put its ankle and foot where they should be.
+    """Rotations of one leg for a target of its ankle and foot.
 
-    Two bones in a plane that holds hip, ankle and the direction the toes point to, the knee on
-    that side; a target out of reach is approached along its own line.
+    Both bones lie in the plane of hip, ankle and the toes' direction, with the knee on the side of
+    the toes; a target out of reach is approached along the line to it.
 
     Args:
         leg: The leg at rest.
         root: World rotation of the pelvis, (T, 3, 3).
         hip: World position of the hip joint [m], (T, 3).
-        ankle: Where the ankle should be [m], (T, 3).
-        foot: World rotation that the foot should have, (T, 3, 3).
-        toe_pitch: Toes bent up against the foot [rad], (T,).
+        ankle: Target position of the ankle [m], (T, 3).
+        foot: Target world rotation of the foot, (T, 3, 3).
+        toe_pitch: Upward bend of the toes relative to the foot [rad], (T,).
 
     Returns:
         Joint index -> axis-angle (T, 3) in the parent's frame.
@@ -125,7 +125,7 @@ def solve(
     # The knee points halfway between pelvis and foot.
     pole = foot[:, :, 2] + root[:, :, 2]
     pole[:, 2] = 0.0
-    # A raised leg points along its own line: its plane is still upright.
+    # The plane of a raised leg is upright, too.
     side = np.cross(pole, line)
     side /= np.linalg.norm(side, axis=1, keepdims=True)
     front = np.cross(line, side)
@@ -145,7 +145,7 @@ def solve(
 
 
 def _bone(rest: Array, actual: Array, left: Array) -> Array:
-    """Rotations (T, 3, 3) taking a rest vector (3,) to `actual` (T, 3) and x toward `left`."""
+    """Rotations (T, 3, 3) from a rest vector (3,) to `actual` (T, 3), with x toward `left`."""
 
     def frame(along: Array, across: Array) -> Array:
         along = along / np.linalg.norm(along, axis=-1, keepdims=True)

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# Amplitudes at 1.2 m/s [rad], within what gait laboratories report for adults.
+# Amplitudes at 1.2 m/s [rad], within the ranges that gait laboratories report for adults.
 _PELVIS_YAW, _PELVIS_LIST, _LEAN = np.radians([4.5, 3.0, 3.0])
 _CHEST_YAW = np.radians(5.0)
 _ARM_SWING, _ELBOW, _ELBOW_SWING, _PRONATION = np.radians([19.0, 18.0, 8.0, 30.0])
-# Arms hang this far from horizontal; the collars take a little of it.
+# Angle of hanging arms below the horizontal, and the part of it in the collars.
 _ARM_DOWN, _COLLAR_DOWN = np.radians([77.0, 4.0])
 _CURL = np.radians(18.0)
 _SWAY = 0.022  # [m]
@@ -29,38 +29,38 @@ _USUAL = 1.2  # [m/s]
 
 
 def envelope(plan: Walk, phase: Array) -> Array:
-    """How much of the walk is on, (T,): 0 standing, 1 under way, scaled with speed."""
+    """Amplitude of the walk, (T,): 0 standing, 1 walking, scaled with speed."""
     n = plan.steps
     on = np.clip(phase / 0.9, 0.0, 1.0) * np.clip((n - phase) / 0.9, 0.0, 1.0)
     return on * on * (3.0 - 2.0 * on) * min(plan.speed / _USUAL, 1.5)
 
 
 def _left_ahead(plan: Walk, phase: Array) -> Array:
-    """1 where the left foot is in front, -1 where the right one is, (T,)."""
+    """1 with the left foot in front, -1 with the right foot in front, (T,)."""
     sign = 1.0 if plan.first == "right" else -1.0
     return sign * np.cos(np.pi * phase)
 
 
 def _left_swings(plan: Walk, phase: Array) -> Array:
-    """1 in the middle of a step of the left foot, -1 in the middle of one of the right, (T,)."""
+    """1 in the middle of a left step, -1 in the middle of a right step, (T,)."""
     sign = -1.0 if plan.first == "right" else 1.0
     return sign * np.sin(np.pi * phase)
 
 
 def sway(plan: Walk, phase: Array, going: Array) -> Array:
-    """Of the pelvis toward the standing foot, to the left [m], (T,)."""
+    """Displacement of the pelvis toward the standing foot, positive to the left [m], (T,)."""
     return -_SWAY * np.minimum(going, 1.0) * _left_swings(plan, phase)
 
 
 def forward(leg: Leg) -> float:
-    """Of the pelvis before the ankles so that it is over the middle of the feet [m]."""
+    """Distance of the pelvis ahead of the ankles that puts it over the middle of the feet [m]."""
     middle = 0.35 * leg.heel[2] + 0.65 * leg.toe[2]
     rest = leg.hip[2] + leg.thigh[2] + leg.shank[2]
     return float(0.5 * (middle - rest))
 
 
 def pelvis(plan: Walk, phase: Array, going: Array) -> Array:
-    """Turn of the pelvis in path coordinates (x ahead, y left, z up), (T, 3, 3)."""
+    """Rotation of the pelvis in path coordinates (x ahead, y left, z up), (T, 3, 3)."""
     yaw = about(2, -_PELVIS_YAW * going * _left_ahead(plan, phase))
     # The pelvis sinks on the side of the swinging foot.
     roll = about(0, -_PELVIS_LIST * going * _left_swings(plan, phase))
@@ -87,7 +87,7 @@ def upper_body(plan: Walk, phase: Array, going: Array) -> Array:
             product = product @ matrix
         rotations[:, JOINT_INDEX[name]] = rot.matrix_to_rotvec(product)
 
-    # Rest frame: x left, y up, z forward. The chest turns against the pelvis, the head stays.
+    # Rest frame: x left, y up, z forward. The chest turns against the pelvis, the head does not.
     yaw = (_CHEST_YAW + _PELVIS_YAW) * going * ahead
     roll = 0.9 * _PELVIS_LIST * going * swings
     lean = np.radians(-7.0) * kick
@@ -97,7 +97,7 @@ def upper_body(plan: Walk, phase: Array, going: Array) -> Array:
     for name in ("neck", "head"):
         put(name, about(1, -0.5 * _CHEST_YAW * going * ahead), about(0, nod))
     for side, left in (("left", 1.0), ("right", -1.0)):
-        # An arm is behind while the foot of its side is in front. About x, forward is negative.
+        # An arm is behind while the foot of its side is in front. Forward is negative about x.
         swing = _ARM_SWING * (left * ahead * going + 0.12)
         reach = np.zeros_like(phase)
         if plan.kick is not None:
@@ -109,7 +109,7 @@ def upper_body(plan: Walk, phase: Array, going: Array) -> Array:
         put(f"{side}_shoulder", about(0, swing + reach), about(2, down))
         bend = _ELBOW * (0.6 + 0.4 * np.minimum(going, 1.0))
         bend = bend - _ELBOW_SWING * left * ahead * going + np.radians(12.0) * kick
-        # Thumbs forward and inward: half in the forearm, half at the wrist.
+        # Thumbs point forward and inward: half by the forearm, half by the wrist.
         twist = about(0, np.full_like(phase, 0.5 * _PRONATION))
         put(f"{side}_elbow", about(1, -left * np.maximum(bend, 0.05)), twist)
         put(f"{side}_wrist", twist)

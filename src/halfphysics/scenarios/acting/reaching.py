@@ -1,4 +1,4 @@
-"""Reaching: one hand leaves its motion, goes to a target, and returns."""
+"""Reaching: one hand leaves its motion, moves to a target, and returns."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ Array = NDArray[np.float64]
 
 
 def between(start: Array, end: Array, share: Array) -> Array:
-    """Rotations (T, 3) that are `share` (T,) of the way from `start` to `end` (T, 3)."""
+    """Rotations (T, 3) at the fraction `share` (T,) between `start` and `end` (T, 3)."""
     first = rot.exp(start)
     way = rot.log(rot.multiply(rot.conjugate(first), rot.exp(end)))
     return rot.log(rot.multiply(first, rot.exp(share[:, None] * way)))
 
 
 def palm_depth(body: Body, side: str) -> float:
-    """How far the palm is from the wrist's middle, the way it faces [m]."""
+    """Distance of the palm from the wrist joint, along the palm's normal [m]."""
     wrist = JOINT_INDEX[f"{side}_wrist"]
     own = np.argmax(body.weights, axis=1) == wrist
     return float(np.asarray(body.rest_joints)[wrist, 1] - body.rest_vertices[own, 1].min())
 
 
 def knuckle_ahead(body: Body, side: str) -> float:
-    """How far the middle finger's knuckle is before the wrist [m]."""
+    """Distance of the middle finger's knuckle from the wrist [m]."""
     joints = np.asarray(body.rest_joints)
     knuckle, wrist = (JOINT_INDEX[f"{side}_{name}"] for name in ("middle1", "wrist"))
     return float(np.linalg.norm(joints[knuckle] - joints[wrist]))
@@ -51,16 +51,16 @@ def reach(
     pole: ArrayLike,
     fingers: Mapping[int, Array],
 ) -> Motion:
-    """A motion with one hand taken where it should be.
+    """A motion with one hand moved to a target.
 
     Args:
         body: The person's body.
-        base: What everything else does, T frames, z up.
+        base: The motion of all other joints, T frames, z up.
         side: "left" or "right".
-        wrist: Where the wrist should be [m], (T, 3).
-        hand: World rotation that the hand should have, (T, 3, 3), as of `arms.palm_frame`.
-        share: How much of that is done at every frame, 0 (as in `base`) to 1, (T,).
-        pole: Where the elbow points to, (3,) or (T, 3).
+        wrist: Target position of the wrist [m], (T, 3).
+        hand: Target world rotation of the hand (T, 3, 3), as from `arms.palm_frame`.
+        share: Weight of the target at each frame, 0 (as in `base`) to 1, (T,).
+        pole: Direction of the elbow, (3,) or (T, 3).
         fingers: Rotations of the finger joints, joint index -> axis-angle (T, 3).
     """
     positions, quaternions = body.joint_frames(base)

@@ -1,4 +1,4 @@
-"""The plan of a walk: its steps, and where the pelvis and the feet are at each phase.
+"""The plan of a walk: its steps, and the positions of pelvis and feet at each phase.
 
 The phase counts steps. Step length follows from speed by the walk ratio, which is the same for most
 adults at most speeds (Sekiya and Nagasaki 1998).
@@ -20,7 +20,7 @@ WALK_RATIO = 0.0064 * 60.0
 
 
 def ease(x: ArrayLike) -> Array:
-    """0 below 0, 1 above 1, between them a polynomial without a jump in acceleration."""
+    """Ease from 0 at 0 to 1 at 1 by a polynomial with continuous acceleration."""
     x = np.clip(np.asarray(x, dtype=np.float64), 0.0, 1.0)
     result: Array = x * x * x * (10.0 + x * (6.0 * x - 15.0))
     return result
@@ -31,8 +31,8 @@ class Kick:
     """A step that swings its foot through a ball.
 
     Attributes:
-        step: Which step of the walk, counted from 0.
-        slow: How much longer than an ordinary step it takes (1: twice as long).
+        step: Index of the step in the walk, from 0.
+        slow: Extra time as a fraction of an ordinary step's (1: twice as long).
     """
 
     step: int
@@ -44,16 +44,16 @@ class Walk:
     """A straight walk along +x, from standing to standing.
 
     Attributes:
-        distance: Of the whole walk [m].
-        speed: Of the pelvis between the first and the last step [m/s].
-        start: Where it starts, (x, y) [m].
+        distance: Length of the whole walk [m].
+        speed: Speed of the pelvis between the first and the last step [m/s].
+        start: Start of the walk, (x, y) [m].
         heading: Direction of walking about z [rad], 0 along +x.
         before: Time standing before the first step [s].
         after: Time standing after the last step [s].
-        first: The foot that steps first.
+        first: The foot that steps first, "left" or "right".
         kick: A kick on the way, or None.
         lift: Height of the soles over the ground at z = 0 [m]: more than the simulator's
-            clearance, so that the floor disturbs nothing.
+            clearance, so that the floor does not disturb the motion.
     """
 
     distance: float
@@ -96,7 +96,7 @@ class Walk:
         return self.first if step % 2 == 0 else other
 
     def travelled(self, phase: ArrayLike) -> Array:
-        """How far the pelvis is along the path at a phase [m]."""
+        """Distance of the pelvis along the path at a phase [m]."""
         phase = np.asarray(phase, dtype=np.float64)
 
         def risen(x: Array) -> Array:  # integral of `ease` from 0
@@ -107,7 +107,7 @@ class Walk:
         return self.stride * (risen(phase) - risen(phase - (n - 1.0)))
 
     def mark(self, step: int) -> float:
-        """Where along the path the foot of a step lands [m]; both start at 0."""
+        """Position along the path where the foot of a step lands [m]; both feet start at 0."""
         if step < 0:
             return 0.0
         return min(float(self.travelled(step + 1.0)) + 0.5 * self.stride, self.distance)

@@ -1,1 +1,1 @@
-"""What stands around and lies in hands in the scenarios."""
+"""Furniture and hand-held objects of the scenarios."""

@@ -1,4 +1,4 @@
-"""A chest of drawers, for the scenarios in which a hand moves one of them."""
+"""A chest of drawers, for the scenarios in which a hand moves a drawer."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from halfphysics.base.validation import number
 from halfphysics.scenarios.props import stage
 from halfphysics.scene.scene import Scene
 
-#: The drawers from above, and the middle of each front over the floor [m].
+#: The drawers from top to bottom, and the height of the middle of each front [m].
 DRAWERS = {"top": 1.06, "middle": 0.79, "bottom": 0.52}
-#: How far a drawer comes out [m].
+#: Travel of a drawer [m].
 TRAVEL = 0.30
 #: A front's width, height, thickness [m].
 WIDTH, HEIGHT, THICKNESS = 0.50, 0.24, 0.02
 #: Depth of the case behind the fronts [m], its height, thickness of its panels.
 DEPTH, TOP, _PANEL = 0.42, 1.22, 0.02
-#: The bar across the middle of a front [m]: half its length, its radius, its middle before it.
+#: The bar across the middle of a front [m]: half length, radius, distance from the front.
 BAR_HALF, BAR_RADIUS, BAR_OUT = 0.060, 0.006, 0.050
 
-# The frame: on the floor, in the middle of the fronts' outer side when shut, drawers opening
-# toward -x. Coordinates of the rails: 0 shut, `TRAVEL` out.
+# Origin: on the floor, at the middle of the outer side of the shut fronts; drawers open toward -x.
+# Coordinates of the rails: 0 shut, `TRAVEL` open.
 _CASE = """
 <mujoco model="chest"><worldbody>
   <geom type="box" pos="{middle} -{side} {half}" size="{deep} {thin} {half}"/>
@@ -31,7 +31,7 @@ _CASE = """
   {drawers}
 </worldbody></mujoco>
 """
-# Masses of front, bottom, sides, back and bar are shares of the drawer's.
+# Masses of front, bottom, sides, back and bar are fractions of the drawer's mass.
 _DRAWER = """
   <body name="{name}" pos="0 0 {height}">
     <joint name="{name}_rail" type="slide" axis="-1 0 0" range="0 {travel}" damping="{damping}"/>
@@ -49,17 +49,17 @@ _DRAWER = """
 def add_chest(
     scene: Scene, at: float, *, mass: float, damping: float, out: dict[str, float]
 ) -> None:
-    """An articulated "chest" whose shut fronts are at x = `at` [m], facing -x.
+    """Add an articulated "chest" whose shut fronts are at x = `at` [m], facing -x.
 
     Args:
-        scene: Gets it.
-        at: Outer side of the fronts [m].
-        mass: Of each drawer with what is in it [kg].
-        damping: Of its rails [N s/m].
-        out: Drawer -> how far it is out [m].
+        scene: The scene to extend.
+        at: Position x of the outer side of the fronts [m].
+        mass: Mass of each drawer with its contents [kg].
+        damping: Damping of the rails [N s/m].
+        out: Drawer -> its opening [m].
 
     Raises:
-        InputError: No mass, a negative damping.
+        InputError: A mass not above 0, or a negative damping.
     """
     mass = number(mass, "mass", above=0.0, unit="kg")
     damping = number(damping, "damping", least=0.0, unit="N s/m")

@@ -1,4 +1,4 @@
-"""Furniture of boxes and of one mesh, for the scenarios of rooms."""
+"""Furniture of boxes and of one mesh, for the scenarios with rooms."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from halfphysics.geometry.shapes import Box, Sphere
 from halfphysics.scenarios.props import stage
 from halfphysics.scene.scene import Scene
 
-#: Cloth against cloth: a seated person does not slide.
+#: Friction of cloth against cloth: a seated person does not slide.
 CLOTH = 0.6
 
 
 def block(
     scene: Scene, name: str, low: ArrayLike, high: ArrayLike, friction: float = stage.WOOD
 ) -> None:
-    """A box between two corners (3,) [m]."""
+    """Add a static box between two corners (3,) [m]."""
     low, high = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
     size = tuple(float(x) for x in high - low)
     scene.add_static(name, Box(size), position=0.5 * (low + high), friction=friction)
@@ -26,7 +26,7 @@ def block(
 def table(
     scene: Scene, low: ArrayLike, high: ArrayLike, height: float, thick: float = 0.04
 ) -> None:
-    """A plate "table" from `low` to `high` (2,) whose top is at `height`, on four legs [m]."""
+    """Add a "table" from `low` to `high` (2,) with its top at `height`, on four legs [m]."""
     low, high = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
     block(scene, "table", (*low, height - thick), (*high, height))
     leg, inset = 0.05, 0.04
@@ -36,9 +36,9 @@ def table(
 
 
 def cushion(size: ArrayLike, rounding: float = 0.06) -> Mesh:
-    """A closed mesh of a mattress of `size` (3,) about the origin, its edges rounded [m]."""
+    """Closed mesh of a mattress of `size` (3,) [m] about the origin, with rounded edges."""
     half = 0.5 * np.asarray(size, dtype=np.float64)
-    # A ball pulled apart by a box with soft corners that is smaller by the rounding.
+    # The sum of a ball and a soft-cornered box that is smaller by the rounding.
     vertices, faces = Sphere(1.0).triangles()
     box = np.sign(vertices) * np.abs(vertices) ** 0.35
     box /= np.abs(box).max(axis=0)

@@ -1,7 +1,7 @@
-"""What the scenarios with a glass share: a standing or walking person whose right hand handles it.
+"""Common parts of the scenarios with a glass in the right hand of a standing or walking person.
 
-The hand is planned as if it were alone: where the glass is to be and how it is to be turned, at
-every time; the arm follows by `arms.solve`. While the person walks the plan moves along.
+The plan gives position and rotation of the glass over time, independent of the body; the arm
+follows by `arms.solve`. While the person walks, the plan moves along.
 """
 
 from __future__ import annotations
@@ -35,35 +35,35 @@ Array = NDArray[np.float64]
 
 #: Finger targets further than this beyond contact [rad] eject the object.
 MOST_SQUEEZE = 0.5
-#: A thing starts this far over what it stands on [m].
+#: Initial height of an object above its support [m].
 _ABOVE = 0.001
-#: Half the width of the stand [m] and its thickness.
+#: Radius of the stand and thickness of its top [m].
 _STAND, _TOP = 0.09, 0.03
-#: The hand comes from this far to the right of the glass [m], and where it waits before.
+#: Distance to the right from which the hand approaches, and its initial offset [m].
 _ASIDE, _WAITS = 0.07, np.array([-0.08, -0.10, 0.06])
-#: Fingers point this much to the left of ahead [rad]: at the stand, and in front of the chest.
+#: Yaw of the fingers, positive to the left [rad]: at the stand, and in front of the chest.
 AT_STAND, BEFORE_CHEST = np.radians([-40.0, 0.0])
-#: Middle of the standing glass from the shoulder, in lengths of the arm.
+#: Middle of the standing glass from the shoulder, in arm lengths.
 _PLACE = np.array([0.60, -0.44, -0.66])
-# When what happens at the start, and for how long [s].
+# Durations of the phases of the grasp [s].
 _WAIT, _COME, _NEAR, _CLOSE, _FIRM = 0.2, 0.7, 0.4, 0.6, 0.3
-#: The lift: to where [m], fingers pointing where [rad], in what time [s].
+#: Displacement of the lift [m] and its duration [s].
 _UP, _LIFTING = np.array([0.02, 0.10, 0.20]), 1.0
-#: Time that the hand takes to open and to draw back [s], and how far it draws back [m].
+#: Time of the hand to open and draw back [s], and the displacement [m].
 _OPENING, _AWAY = 0.12, np.array([-0.01, -0.05, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """What the hand wants of the glass over time, as columns of knots that are eased between.
+    """Targets of the hand and the glass over time: columns of knots, with easing between them.
 
     Attributes:
         time: (n,) [s].
-        place: Of the middle of the glass against where it stood, moving along, (n, 3) [m].
-        hand: Of the hand against where it holds the glass, (n, 3) [m].
-        yaw: Of the way that the fingers point to the left of ahead [rad], (n,).
-        turn: Of the hand about that way [rad], (n,).
-        closed: 0 open to 1 closed, (n,).
+        place: Middle of the glass from its start, moving along with a walk, (n, 3) [m].
+        hand: Offset of the hand from its position when holding, (n, 3) [m].
+        yaw: Yaw of the fingers, positive to the left [rad], (n,).
+        turn: Rotation of the hand about the fingers' direction [rad], (n,).
+        closed: Closure of the hand, 0 (open) to 1 (closed), (n,).
     """
 
     time: Array
@@ -75,7 +75,7 @@ class Track:
 
 
 class Plan:
-    """A track that is written down one stage after the other."""
+    """A track built one stage after the other."""
 
     def __init__(self) -> None:
         zero = np.zeros(3)
@@ -92,20 +92,20 @@ class Plan:
 
     @property
     def time(self) -> float:
-        """The end so far [s]."""
+        """Time of the last knot [s]."""
         return self._knots[-1][0]
 
     def then(self, seconds: float, **changes: Array | float) -> None:
-        """Go on to new values, the others staying as they are."""
+        """Add a knot after `seconds` with changed values; the others stay."""
         self._now.update(changes)
         self._knots.append((self.time + seconds, dict(self._now)))
 
     def stage(self, name: str, begin: float) -> None:
-        """Note what was written since `begin` [s] as a stage."""
+        """Name the knots since `begin` [s] as a stage."""
         self.times[name] = (begin, self.time)
 
     def grasp(self) -> None:
-        """Reach, come near, close and hold firm."""
+        """Add the grasp: reach, approach, close, hold firmly."""
         begin = self.time
         self.then(_WAIT)
         self.then(_COME, hand=np.array([0.0, -_ASIDE, 0.0]))
@@ -115,20 +115,20 @@ class Plan:
         self.stage("grasp", begin)
 
     def lift(self) -> None:
-        """Up and before the chest."""
+        """Add the lift to a position before the chest."""
         begin = self.time
         self.then(_LIFTING, place=_UP, yaw=float(BEFORE_CHEST))
         self.stage("lift", begin)
 
     def open(self, seconds: float) -> None:
-        """Let go and draw back, then wait."""
+        """Add the release: open, draw back, wait."""
         begin = self.time
         self.then(_OPENING, closed=0.0, hand=_AWAY)
         self.then(seconds)
         self.stage("open", begin)
 
     def track(self) -> Track:
-        """Everything written so far."""
+        """The track of all knots so far."""
         columns = {
             name: np.array([values[name] for _, values in self._knots]) for name in self._now
         }
@@ -137,7 +137,7 @@ class Plan:
 
 @dataclass(frozen=True, kw_only=True)
 class Shake:
-    """An up and down of the hand: `size` [m] to either side, at `rate` [Hz]."""
+    """Vertical oscillation of the hand: amplitude `size` [m], frequency `rate` [Hz]."""
 
     begin: float
     seconds: float
@@ -145,7 +145,7 @@ class Shake:
     size: float = 0.1
 
     def __call__(self, times: Array) -> Array:
-        """Height (T,) [m]: sine waves that swell and fade over a period."""
+        """Height (T,) [m]: sine waves that grow and decay over one period each."""
         x = times - self.begin
         on = ease(x * self.rate) * ease((self.seconds - x) * self.rate)
         out: Array = self.size * on * np.sin(2.0 * np.pi * self.rate * x)
@@ -153,9 +153,9 @@ class Shake:
 
 
 def start(body: Body) -> Array:
-    """Middle of the glass as it stands beside a person at the origin who looks along +x, (3,).
+    """Initial middle of the glass beside a person at the origin facing +x, (3,) [m].
 
-    Within easy reach of the right arm, and far enough to the right to be walked past.
+    It is within easy reach of the right arm, and far enough to the right to walk past.
     """
     arm = arm_of(body, "right")
     standing = walk(body, Walk(distance=1.0), 30.0)[0]
@@ -179,15 +179,15 @@ def perform(
 
     Args:
         body: The person's body.
-        plan: Of the hand.
+        plan: The plan of the hand.
         fps: Frames per second.
-        squeeze: How far the fingers' targets are beyond contact [rad].
-        held: What the hand closes around.
-        steps: A walk, whose times count from the start of the plan; None: the person stands.
-        shake: An up and down on top.
+        squeeze: Flexion of the fingers' targets beyond contact [rad].
+        held: The vessel in the hand.
+        steps: A walk with times from the start of the plan; None: the person stands.
+        shake: An oscillation to add.
 
     Raises:
-        InputError: A negative squeeze, an impossible `fps`, a hand too small for the glass.
+        InputError: A negative squeeze, an invalid `fps`, a hand too small for the glass.
     """
     squeeze = number(squeeze, "squeeze", least=0.0, unit="rad")
     if squeeze > MOST_SQUEEZE:
@@ -209,12 +209,12 @@ def perform(
     place[:, 0] += whole.travelled(np.interp(times, clock, phases))
     if shake is not None:
         place[:, 2] += shake(times)
-    # A right hand that points ahead, palm to the left, thumb up.
+    # A right hand pointing ahead, palm to the left, thumb up.
     yaw = about(2, ways["yaw"])
     hand = yaw @ about(2, np.pi) @ about(0, ways["turn"])
     aside = np.einsum("tij,tj->ti", yaw, ways["hand"])
     wrist = place + aside - np.einsum("tij,j->ti", hand, holds.centre)
-    # The elbow hangs behind the hand; turning the hand over lifts it outwards.
+    # The elbow hangs behind the hand; turning the hand over lifts the elbow outwards.
     pole = np.stack(
         [0.0 * times - 0.3, -0.25 - 0.5 * np.sin(0.5 * ways["turn"]), 0.0 * times - 1.0]
     )
@@ -230,7 +230,7 @@ def perform(
 
 
 def eased(track: Track, times: Array) -> dict[str, Array]:
-    """Place, hand, yaw, turn and closing of a track at `times` (T,) [s]."""
+    """Interpolate place, hand, yaw, turn and closure of a track at `times` (T,) [s]."""
     i = np.clip(np.searchsorted(track.time, times, side="right") - 1, 0, len(track.time) - 2)
     x = ease((times - track.time[i]) / (track.time[i + 1] - track.time[i]))
     out = {}
@@ -242,13 +242,13 @@ def eased(track: Track, times: Array) -> dict[str, Array]:
 
 
 def add_glass(scene: Scene, at: Array, held: Vessel, mass: float, friction: float) -> None:
-    """The glass with the place where it is held at `at` (3,) [m]."""
+    """Add the glass with its origin, where it is held, at `at` (3,) [m]."""
     pieces = "auto" if held.pieces is None else held.pieces
     scene.add_object("glass", held.shape, mass=mass, friction=friction, position=at, pieces=pieces)
 
 
 def add_stand(scene: Scene, name: str, at: Array, held: Vessel) -> None:
-    """A round table for a glass that is held at `at` (3,) [m]: a top on one leg."""
+    """Add a round table, a top on one leg, for a glass with its origin at `at` (3,) [m]."""
     top = float(at[2]) - held.below - _ABOVE
     scene.add_static(
         name,

@@ -1,4 +1,4 @@
-"""A laptop on a desk and the person before it, for the scenarios in which a hand moves its lid."""
+"""A laptop on a desk and a seated person, for the scenarios in which a hand moves the lid."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from halfphysics.scene.scene import Scene
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
 
-#: Base and lid [m]: width, depth of base and lid, thickness of base and lid.
+#: Size of the laptop [m]: width and depth of base and lid, thickness of base, of lid.
 WIDTH, DEPTH, BASE, LID = 0.32, 0.225, 0.018, 0.008
 #: Gap between the lid and the base when shut [m]; feet under the base [m].
 GAP, FEET = 0.003, 0.004
-#: How far the lid opens [rad].
+#: Largest opening of the lid [rad].
 OPEN = np.radians(110.0)
 #: The recess in the base's front edge under the lid [m]: half its width, its depth.
 RECESS_HALF, RECESS_DEEP = 0.075, 0.035
 
-#: Of the desk [m]: depth, width, height of its top.
+#: The desk [m]: depth, width, height of its top.
 _DEEP, _WIDE, DESK = 0.63, 1.20, 0.74
 #: Height of the seated person's pelvis [m].
 _SITS = 0.56
-#: Palms that rest are this far over the desk [m].
+#: Height of resting palms above the desk [m].
 _OVER = 0.006
 
-# The frame: on the desk, below the hinge's middle; the base lies toward -x. The joint's coordinate
-# is how far the lid is open.
+# Origin: on the desk, below the hinge's middle; the base lies toward -x. The joint's coordinate is
+# the opening of the lid.
 _LAPTOP = """
 <mujoco model="laptop"><worldbody>
   <body name="base">
@@ -54,7 +54,7 @@ _LAPTOP = """
 
 @dataclass(frozen=True, kw_only=True)
 class Lean:
-    """The trunk goes ahead by so many degrees, from `start` on, and from `back` on back [s]."""
+    """The trunk leans ahead by `degrees` from `start` on, and back from `back` on [s]."""
 
     start: float
     back: float
@@ -63,7 +63,7 @@ class Lean:
 
 
 def hinge_height() -> float:
-    """Of the hinge over the desk [m]: the lid's inner side when shut."""
+    """Height of the hinge above the desk [m], that of the shut lid's inner side."""
     return FEET + BASE + GAP
 
 
@@ -93,17 +93,17 @@ def xml(mass: float, damping: float) -> str:
 def add_laptop(
     scene: Scene, hinge: tuple[float, float, float], *, mass: float, damping: float, angle: float
 ) -> None:
-    """An articulated "laptop" on a desk.
+    """Add an articulated "laptop" on a desk.
 
     Args:
-        scene: Gets it.
-        hinge: The point of the desk's top below the middle of its hinge [m].
-        mass: Of the lid [kg].
-        damping: Of its hinge [N m s].
-        angle: How far the lid is open [rad].
+        scene: The scene to extend.
+        hinge: Point of the desk's top below the middle of the hinge (3,) [m].
+        mass: Mass of the lid [kg].
+        damping: Damping of the hinge [N m s].
+        angle: Opening of the lid [rad].
 
     Raises:
-        InputError: No mass, a negative damping.
+        InputError: A mass not above 0, or a negative damping.
     """
     mass = number(mass, "mass", above=0.0, unit="kg")
     damping = number(damping, "damping", least=0.0, unit="N m s")
@@ -126,16 +126,16 @@ def seated(
     lean: Lean,
     right: tuple[float, float, float] | None = None,
 ) -> Motion:
-    """A person who sits at a desk, hands over it; adds "table", its legs and "chair".
+    """Motion of a person seated at a desk, hands above it; adds "table", its legs and "chair".
 
     Args:
         body: The person's body, pelvis above the origin, facing +x.
-        scene: Gets the furniture.
-        seconds: How long.
+        scene: The scene to extend with the furniture.
+        seconds: Duration of the motion [s].
         fps: Frames per second.
-        edge: The desk's near edge ahead of the person [m].
-        lean: When the trunk leans ahead, and how far.
-        right: Where the right wrist is (3,) [m]; None: on the desk, as the left one.
+        edge: Distance of the desk's near edge ahead of the person [m].
+        lean: The lean of the trunk.
+        right: Position of the right wrist (3,) [m]; None: on the desk, as the left wrist.
     """
     table(scene, (edge, -0.5 * _WIDE), (edge + _DEEP, 0.5 * _WIDE), DESK)
     act = Act(body)

@@ -1,7 +1,7 @@
-"""Turned things: a profile about an upright axis, as a mesh and as the convex pieces it is made of.
+"""Solids of revolution: a profile about an upright axis, as a mesh and as convex pieces.
 
-A turned thing here has `sides` flat sides, so that its pieces are exactly the mesh: between two
-heights of its profile a solid ring is one piece, a wall as many wedges as there are sides.
+A solid has `sides` flat sides, so that its pieces fill the mesh exactly: between two heights of
+the profile a solid part is one piece, a wall is one wedge per side.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Turned:
-    """A turned thing: its surface, closed, and convex pieces that fill exactly what it bounds."""
+    """A turned solid: its closed surface, and convex pieces that fill its volume exactly."""
 
     mesh: Mesh
     pieces: tuple[Mesh, ...]
@@ -30,13 +30,13 @@ def turn(profile: ArrayLike, sides: int = 16) -> Turned:
     """A solid of revolution with flat sides about z, its corners on the profile.
 
     Args:
-        profile: Rows of height, outer radius and inner radius (n, 3) [m], heights rising. Inner
-            radius 0: solid there. Between two rows both surfaces are straight; a wall that begins
-            above something solid stands on a floor at that height: give the height twice.
-        sides: How many, at least 3.
+        profile: Rows of height, outer and inner radius (n, 3) [m], heights rising. An inner
+            radius of 0 is solid. Between two rows both surfaces are straight; a wall on a solid
+            part has a floor at that height: give the height twice.
+        sides: Number of flat sides, at least 3.
 
     Raises:
-        InputError: Rows that are no profile of one solid.
+        InputError: The rows are not the profile of one solid.
     """
     rows = np.asarray(profile, dtype=np.float64)
     if rows.ndim != 2 or rows.shape[1:] != (3,) or len(rows) < 2 or not np.isfinite(rows).all():
@@ -78,7 +78,7 @@ def _ring(radius: float, height: float, sides: int) -> Array:
 
 
 def _hull_faces(points: Array) -> NDArray[np.int32]:
-    """Triangles of the hull of points that are all corners of it, seen from outside."""
+    """Outward-oriented triangles of the hull of points that are all its corners."""
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(points)

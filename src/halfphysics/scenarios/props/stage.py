@@ -1,4 +1,4 @@
-"""Props that the scenarios share: the person, the floor, the ball before the foot."""
+"""Parts that the scenarios share: the person, the floor, the ball in front of the foot."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ Array = NDArray[np.float64]
 
 #: Radius of a football [m].
 BALL_RADIUS = 0.11
-#: Painted wood against cloth: what slides past furniture slides on.
+#: Friction of painted wood against cloth: a person can slide past furniture.
 WOOD = 0.3
 
 
 def actor(body: Body | None) -> Body:
-    """The given body, or the default one."""
+    """The given body, or the default body."""
     if body is not None:
         return body
     from halfphysics.body.body import Body
@@ -37,7 +37,7 @@ def actor(body: Body | None) -> Body:
 
 
 def partner(other: Body | None, stature: float) -> Body:
-    """The given body of a second person, or the default one of a stature [m]."""
+    """The given body of a second person, or the default body with a stature [m]."""
     if other is not None:
         return other
     from halfphysics.body.body import Body
@@ -46,7 +46,7 @@ def partner(other: Body | None, stature: float) -> Body:
 
 
 def floor() -> Scene:
-    """A scene with nothing but a floor at z = 0."""
+    """A scene with only a floor at z = 0."""
     scene = Scene()
     scene.add_static("floor", Plane())
     return scene
@@ -70,7 +70,7 @@ def held(body: Body, pose: Pose, count: int, fps: float) -> Motion:
 
 
 def impact_time(plan: Walk) -> float:
-    """When the kicking foot of a walk is to meet its ball [s].
+    """Planned time of the kicking foot's contact with the ball [s].
 
     Raises:
         InputError: The walk has no kick.
@@ -79,7 +79,7 @@ def impact_time(plan: Walk) -> float:
         raise InputError("kick: found none, expected a walk with a kick")
     times, phases = plan.clock()
     phase = plan.kick.step + 0.5 * DOUBLE + IMPACT * (1.0 - DOUBLE)
-    inside = slice(1, -1)  # the phase stands still while the walker does
+    inside = slice(1, -1)  # the phase is constant while the walker stands
     return float(np.interp(phase, phases[inside], times[inside]))
 
 
@@ -93,17 +93,17 @@ def add_ball(
     radius: float = BALL_RADIUS,
     fixed: bool = False,
 ) -> Array:
-    """Put a ball where the kick will meet it; its centre (3,) [m].
+    """Add a ball at the impact of the kick; returns its centre (3,) [m].
 
-    The ball lies in the line of the foot, touched by the toes at the moment of impact. A `fixed`
-    one is a static.
+    The ball lies in the line of the foot and touches the toes at the time of impact. A `fixed`
+    ball is a static.
     """
     side = plan.swinging(plan.kick.step) if plan.kick else "right"
     part = np.argmax(body.weights, axis=1)
     shoe = np.isin(part, [JOINT_INDEX[f"{side}_ankle"], JOINT_INDEX[f"{side}_foot"]])
     skin = np.asarray(body.vertices(pose_at(body, plan, impact_time(plan))))[shoe]
     ahead = np.array([np.cos(plan.heading), np.sin(plan.heading)])
-    # A sphere of this radius on the ground touches a point at height z this far before its centre.
+    # Distance from a point at height z to the centre of a touching sphere on the ground.
     rise = np.clip(skin[:, 2] - radius, -radius, radius)
     along = skin[:, :2] @ ahead + np.sqrt(radius**2 - rise**2)
     across = skin[:, :2] - np.outer(skin[:, :2] @ ahead, ahead)

@@ -1,4 +1,4 @@
-"""What the scenarios with a glass pour from: a tumbler, and a wine glass with its stem and foot."""
+"""The vessels of the scenarios with a glass: a tumbler, and a wine glass with stem and foot."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from halfphysics.scenarios.props.lathe import turn
 
 Array = NDArray[np.float64]
 
-#: The tumbler [m].
+#: Size of the tumbler [m].
 RADIUS, HEIGHT = 0.035, 0.12
-#: The wine glass: height, outer and inner radius [m]: foot, stem, bowl with a wall of 3 mm.
+#: Profile of the wine glass: height, outer and inner radius [m]; the bowl's wall is 3 mm.
 _WINE = np.array(
     [
         [0.000, 0.0340, 0.0000],
@@ -34,19 +34,19 @@ _WINE = np.array(
         [0.170, 0.0320, 0.0290],
     ]
 )
-#: Where it is held: the middle of the hand at this height; the bowl begins at that one [m].
+#: Heights of the middle of the holding hand and of the start of the bowl [m].
 _HELD, _BOWL = 0.126, 0.070
 
 
 @dataclass(frozen=True, eq=False)
 class Vessel:
-    """Something round that a hand closes around; its origin is where the hand holds it.
+    """A round vessel that a hand closes around; its origin is the middle of the hand.
 
     Attributes:
-        shape: About its upright axis.
-        pieces: Convex meshes that it touches by; None: as it is.
-        below: How far its foot is below the origin [m].
-        outline: Height and radius of what the hand meets (n, 2) [m]; its hull counts.
+        shape: The shape about its upright axis.
+        pieces: Convex meshes for collision; None: from the shape.
+        below: Distance of its foot below the origin [m].
+        outline: Height and radius of the held part (n, 2) [m]; its hull is used.
     """
 
     shape: Shape
@@ -56,10 +56,10 @@ class Vessel:
 
 
 def vessel(name: str) -> Vessel:
-    """The one of this name.
+    """The vessel of this name.
 
     Raises:
-        InputError: There is none.
+        InputError: There is no such vessel.
     """
     if name not in VESSELS:
         raise InputError(f"shape: found {shown(name)}, expected {' or '.join(map(repr, VESSELS))}")
@@ -78,5 +78,5 @@ def _wine() -> Vessel:
     return Vessel(turned.mesh, turned.pieces, _HELD, bowl)
 
 
-#: Name -> how it is made.
+#: Name -> function that makes the vessel.
 VESSELS: dict[str, Callable[[], Vessel]] = {"tumbler": _tumbler, "wine": _wine}

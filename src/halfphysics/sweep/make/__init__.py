@@ -1,1 +1,1 @@
-"""One variant: its scene and motion, its simulation, its sample."""
+"""Making of one variant: its scene and motion, its simulation, its sample."""

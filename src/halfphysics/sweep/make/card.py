@@ -1,7 +1,7 @@
-"""The card of a sample: what it was made from, whether all went well, and what happened in it.
+"""The card of a sample: its sources, the checks of its simulation, and its events.
 
-Plain JSON values, the same for the same simulation on every machine: no time of day, no folder of
-a machine, no number that is not finite (null stands for those).
+A card has plain JSON values, equal for the same simulation on every machine: no time of day, no
+folder of a machine, and null for every number that is not finite.
 """
 
 from __future__ import annotations
@@ -31,47 +31,47 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-#: Of the card's own layout.
+#: Version of the card's layout.
 VERSION = 1
-#: What a simulation has to be to be a success, see `checks`.
+#: The checks that a successful simulation passes, see `checks`.
 CHECKS = ("whole", "finite", "clear", "in_time")
 
 
 class Made(Protocol):
-    """What the card asks of a variant that was made ready (`vary.Ready`)."""
+    """The part of `vary.Ready` that the card reads."""
 
     @property
     def motions(self) -> tuple[Motion, ...]:
-        """What each person was asked to do."""
+        """The reference motion of each person."""
 
     @property
     def settings(self) -> Settings:
-        """How it was simulated."""
+        """The settings of the simulation."""
 
     @property
     def sources(self) -> tuple[Mapping[str, str], ...]:
-        """ "path" and "sha256" of every file that was read."""
+        """ "path" and "sha256" of every source file."""
 
 
 class Labelled(Protocol):
-    """What the card asks of the labels (`labels.ContactLabels`)."""
+    """The part of `labels.ContactLabels` that the card reads."""
 
     @property
     def threshold_m(self) -> float:
-        """Up to how far apart things touch [m]."""
+        """Largest distance at which a vertex touches an object [m]."""
 
 
 @dataclass(frozen=True)
 class Checks:
-    """Whether a simulation went well; all four are a success.
+    """The checks of a simulation; a success passes all four.
 
     Attributes:
-        whole: As many frames came back as were asked for.
-        finite: Every number of people, objects and contacts is one.
-        clear: Nothing is ever inside something again once nothing is: from the first
-            frame where nothing starts inside something, else from the frame in which all are
-            out. A body that never gets out fails.
-        in_time: No blocked step had to be shortened.
+        whole: The result has as many frames as the reference motion.
+        finite: Every number of people, objects and contacts is finite.
+        clear: No new overlap appears after the first frame without overlap: frame 0, or
+            the frame in which all initial overlaps are resolved. A body that stays inside
+            fails.
+        in_time: No blocked step was shortened.
     """
 
     whole: bool
@@ -81,16 +81,16 @@ class Checks:
 
     @property
     def failed(self) -> list[str]:
-        """Names of those that do not hold."""
+        """Names of the failed checks."""
         return [name for name in CHECKS if not getattr(self, name)]
 
 
 def checks(result: Result, motions: Iterable[Motion]) -> Checks:
-    """Whether a simulation went well; see docs/sweeps.md.
+    """The checks of a simulation; see docs/sweeps.md.
 
     Args:
-        result: What came back.
-        motions: What each person was asked to do.
+        result: The result of the simulation.
+        motions: The reference motion of each person.
     """
     asked = [len(motion) for motion in motions]
     return Checks(
@@ -124,15 +124,15 @@ def card_of(
     """The card of one sample.
 
     Args:
-        plan: The sweep's.
-        variant: Which simulation it was.
-        ready: What it was made from.
-        result: What came of it.
+        plan: The plan of the sweep.
+        variant: The variant that was simulated.
+        ready: The input of the simulation.
+        result: The result of the simulation.
         labels: Its contact labels.
         events: Its holds, slips and drops.
 
     Returns:
-        JSON values; docs/sweeps.md says what each is.
+        JSON values; docs/sweeps.md explains each.
     """
     return {
         "card": VERSION,
@@ -143,7 +143,7 @@ def card_of(
 
 
 def _made_from(plan: Plan, variant: Variant, ready: Made) -> dict[str, Any]:
-    """The part of a card that says what the sample was made from."""
+    """The part of a card about the sources of the sample."""
     return {
         "number": variant.number,
         "plan": plan.identity,
@@ -159,7 +159,7 @@ def _made_from(plan: Plan, variant: Variant, ready: Made) -> dict[str, Any]:
 
 
 def _outcome(ready: Made, result: Result) -> dict[str, Any]:
-    """The part of a card that says whether the simulation went well."""
+    """The part of a card about the checks and errors of the simulation."""
     found = checks(result, ready.motions)
     local, everywhere = _deviation(result.people)
     reach = result.settings.clearance_range
@@ -180,7 +180,7 @@ def _outcome(ready: Made, result: Result) -> dict[str, Any]:
 
 
 def _happened(result: Result, labels: Labelled, events: Events) -> dict[str, Any]:
-    """The part of a card that says what happened: contacts, holds, slips, drops, travel."""
+    """The part of a card about events: contacts, holds, slips, drops, travel."""
     slips = events.slips
     strength = result.contacts.strength
     by_people = result.contacts.person >= 0
@@ -203,13 +203,13 @@ def _happened(result: Result, labels: Labelled, events: Events) -> dict[str, Any
 
 
 def _deviation(people: Iterable[PersonResult]) -> tuple[Array, Array]:
-    """Distances of all joints from the reference [m]: as seen from the pelvis, and in the world."""
+    """Distances of all joints from the reference [m]: relative to the pelvis, and in the world."""
     pairs = [person.joint_errors() for person in people]
     return np.stack([p[0] for p in pairs]), np.stack([p[1] for p in pairs])
 
 
 def _travel(result: Result, name: str) -> dict[str, float | None]:
-    """How far an object moved: along its way, from its start at most [m], turned at most [rad]."""
+    """Motion of an object: path length [m], largest distance [m] and turn [rad] from its start."""
     track = result.objects[name]
     turns = rot.normalize(track.quaternion)
     turned = np.linalg.norm(rot.log(rot.multiply(rot.conjugate(turns[0]), turns)), axis=1)
@@ -222,7 +222,7 @@ def _travel(result: Result, name: str) -> dict[str, float | None]:
 
 
 def _source(source: Mapping[str, str], variant: Variant, base: Path) -> dict[str, str]:
-    """A file that was read: its path as the plan has it, or its name where the plan has none."""
+    """A source file: its path as in the plan, or its name if the plan has no path of it."""
     path = os.path.abspath(os.path.join(base, source["path"]))
     said = {
         os.path.abspath(where): name
@@ -234,7 +234,7 @@ def _source(source: Mapping[str, str], variant: Variant, base: Path) -> dict[str
         if where is not None and name is not None
     }
     name = said.get(path, os.path.basename(path))
-    # The folder may be a link, and a path may have been followed to where it is.
+    # The folder may be a link, and a path may have been resolved to its target.
     for root in (os.path.abspath(base), os.path.realpath(base)):
         if path not in said and Path(path).is_relative_to(root):
             name = Path(path).relative_to(root).as_posix()
@@ -242,7 +242,7 @@ def _source(source: Mapping[str, str], variant: Variant, base: Path) -> dict[str
 
 
 def plain(value: Any) -> Any:
-    """Dataclasses, mappings, paths and numpy's numbers as what JSON has."""
+    """Dataclasses, mappings, paths and numpy's numbers as JSON values."""
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
@@ -257,5 +257,5 @@ def plain(value: Any) -> Any:
 
 
 def _number(value: float | np.floating[Any]) -> float | None:
-    """A number for JSON, which has none that are not finite."""
+    """A number for JSON; None if it is not finite."""
     return float(value) if math.isfinite(value) else None

@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 def other_labels(labels: ContactLabels, names: Iterable[str]) -> dict[str, bytes]:
     """``contact.NAME.npz`` for each data set named: contact of the first person with the first
-    object; further ones are numbered as ``human.npz`` and ``object.npz`` are, person first, as in
-    ``contact.behave.1-0.npz``. What is one array there is called ``contact``.
+    object; further pairs are numbered as ``human.npz`` and ``object.npz`` are, person first, as in
+    ``contact.behave.1-0.npz``. A single array is called ``contact``.
 
     Args:
-        labels: Made by `contact_labels`.
-        names: Of `outputs.ALSO`.
+        labels: Labels from `contact_labels`.
+        names: Names of data sets, from `outputs.ALSO`.
     """
     from halfphysics.labels import exporters
 

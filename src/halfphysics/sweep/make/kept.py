@@ -1,4 +1,4 @@
-"""A bounded store of what was made: the last few, and no more."""
+"""A bounded cache that keeps the most recently used values."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ T = TypeVar("T")
 
 
 class Kept(Generic[T]):
-    """What was made for the last `most` keys asked for; the least recently asked goes first.
+    """The values of the `most` keys used last; the least recently used value is dropped first.
 
-    A caller that keys by the `id` of an object must hold that object in the value made: an id is
-    taken again once its owner has gone.
+    A caller that uses the `id` of an object as key must keep that object in the value: Python
+    reuses the id of a deleted object.
     """
 
     def __init__(self, most: int) -> None:
@@ -21,7 +21,7 @@ class Kept(Generic[T]):
         self._made: OrderedDict[Hashable, T] = OrderedDict()
 
     def get(self, key: Hashable, make: Callable[[], T]) -> T:
-        """What is kept under a key, or else what `make` makes; nothing is kept if it raises."""
+        """The value of a key, made by `make` if it is missing; nothing is kept if `make` raises."""
         if key in self._made:
             self._made.move_to_end(key)
             return self._made[key]

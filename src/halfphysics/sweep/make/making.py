@@ -1,4 +1,4 @@
-"""One variant, from its number to the files of its sample, or why there is none."""
+"""One variant, from its number to the files of its sample or the cause of its failure."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ BUG = "(a bug: the traceback is on stderr)"
 
 @dataclass(frozen=True)
 class Sample:
-    """A variant that was simulated: its card and files, and what it was made from (path -> hash).
+    """A simulated variant: its card, its files and its input files (path -> hash).
 
-    Without files a condition of the plan left it out.
+    A sample without files was left out by a condition of the plan.
     """
 
     card: Mapping[str, Any]
@@ -37,7 +37,7 @@ class Sample:
 
 
 class Maker:
-    """Makes the samples of a plan, one after the other; none depends on those before it."""
+    """Makes the samples of a plan one by one; no sample depends on those before it."""
 
     def __init__(self, plan: Plan, variants: Variants) -> None:
         self._plan, self._variants = plan, variants
@@ -48,9 +48,9 @@ class Maker:
     def sample(self, number: int, limit: float | None = None) -> Sample | dict[str, Any] | None:
         """A sample, a failure (plain values: number, input, factors, cause), or None: left out.
 
-        One that takes longer than `limit` [s] is a failure.
-        What a variant raises is its failure. The traceback of what is no error of the input, a
-        bug, goes to stderr, once. Nothing is raised but `MemoryError`.
+        A variant that takes longer than `limit` [s] or raises an exception is a failure. For a bug
+        (no error of the input), the traceback is written to stderr once. Only `MemoryError` is
+        raised.
         """
         variant: Variant | None = None
         try:
@@ -58,13 +58,13 @@ class Maker:
             if not self._variants.keeps(variant):
                 return None
             with time_limit(limit), warnings.catch_warnings():
-                # What is worth knowing of a simulation is in its card.
+                # The card has the information of these warnings.
                 warnings.simplefilter("ignore", HalfPhysicsWarning)
                 return self._made(variant)
         except MemoryError:
             raise
         except OutOfTimeError:
-            # What it was at may be half done: nothing of it is used again.
+            # The interrupted work may be incomplete, so nothing of it is used again.
             self._workshop = Workshop(self._plan)
             return failure(number, variant, f"it took longer than {limit:g} s (--limit)")
         except HalfPhysicsError as error:
@@ -75,7 +75,7 @@ class Maker:
             return failure(number, variant, cause)
 
     def _tell(self, error: Exception) -> None:
-        """The traceback of a bug, once for each place: a million variants may meet the same."""
+        """Print the traceback of a bug, once per place: a million variants may raise the same."""
         last = traceback.extract_tb(error.__traceback__)[-1]
         place = (type(error).__name__, last.filename, last.lineno)
         if place not in self._told:
@@ -83,14 +83,14 @@ class Maker:
             traceback.print_exception(error)
 
     def lost(self, number: int, cause: str) -> dict[str, Any]:
-        """The failure of a variant that is not made, as it kills its process."""
+        """The failure of a variant that is not made because it kills its process."""
         try:
             return failure(number, self._variants[number], cause)
         except HalfPhysicsError:
             return failure(number, None, cause)
 
     def _cause(self, error: Exception) -> str:
-        """What an error says, the same wherever the plan and its files lie together."""
+        """The message of an error, independent of the folder of the plan and its files."""
         base = self._plan.base
         return str(error).replace(f"{base}{os.sep}", "") if base.parts else str(error)
 
@@ -111,7 +111,7 @@ class Maker:
 
 
 def failure(number: int, variant: Variant | None, cause: str) -> dict[str, Any]:
-    """What is kept of a variant that failed; None: not even its input can be told."""
+    """The record of a failed variant; None: its input is unknown."""
     if variant is None:
         return {"number": number, "input": "", "factors": {}, "cause": cause}
     return {

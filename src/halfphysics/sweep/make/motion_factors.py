@@ -1,6 +1,6 @@
-"""Factors of the motions: faster, at another frame rate, turned, elsewhere; several people as one.
+"""Factors of motions: speed, frame rate, rotation, translation; all people of a clip together.
 
-Angles in degrees, lengths in metres; docs/sweeps.md says what each one does.
+Angles are in degrees, lengths in metres; docs/sweeps.md explains each factor.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ Array = NDArray[np.float64]
 
 
 def said_of_motion(factors: Mapping[str, Value]) -> dict[str, float]:
-    """The factors `motion.X` by X (others are passed over).
+    """The factors `motion.X` by X (other factors are ignored).
 
     Raises:
-        InputError: An unknown one, or an impossible value.
+        InputError: A factor is unknown or has an impossible value.
     """
     said = {}
     for factor, value in factors.items():
@@ -55,7 +55,7 @@ def retimed(motions: Sequence[Motion], said: Mapping[str, float]) -> tuple[Motio
 def placed(
     motions: Sequence[Motion], bodies: Sequence[Body], said: Mapping[str, float]
 ) -> tuple[Motion, ...]:
-    """The motions turned about the vertical through the first pelvis' first place, then moved."""
+    """The motions rotated about the vertical at the first person's initial pelvis, then moved."""
     angle = np.radians(said.get("yaw", 0.0))
     offset = np.array([said.get(key, 0.0) for key in OFFSETS])
     if angle == 0.0 and not offset.any():
@@ -76,7 +76,7 @@ def placed(
 
 
 def recorded_in_step(scene: Scene, speed: float) -> Scene:
-    """A new scene where what moves on a trajectory does so `speed` times as fast."""
+    """A new scene in which trajectories are played `speed` times as fast."""
     changed = {}
     for name, item in scene.objects.items():
         if isinstance(item, KinematicObject):

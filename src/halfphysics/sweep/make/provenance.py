@@ -1,10 +1,9 @@
-"""What a sample says of the program that made it.
+"""Versions of the program that made a sample.
 
 The bytes of a sample depend on the package itself (its code, native core and default body) and on
-what `halfphysics.base.code_hash` lists: mujoco compiles masses and shapes, numpy, scipy and trimesh
-compute, coacd cuts meshes, zlib packs. Where one differs, what is stored is another program's and
-is not taken for its own. Everything else (Python, the operating system, h5py) cannot change a
-number, and is in no file.
+the packages listed by `halfphysics.base.code_hash`: mujoco compiles masses and shapes, numpy, scipy
+and trimesh compute, coacd cuts meshes, zlib compresses. If one differs, a stored sample is not
+reused. Everything else (Python, the operating system, h5py) changes no number and is not recorded.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ def versions() -> dict[str, str | None]:
 
 
 def changed(stored: dict[str, str | None], code: str | None = None) -> list[str]:
-    """In words, which versions in a card differ from those of this code (or of hash `code`)."""
+    """The versions in a card that differ from those of this code (or of hash `code`), in words."""
     here = versions() if code is None else {**versions(), "program": code}
     words = []
     for name in sorted({*stored, *here} - {"program"}):

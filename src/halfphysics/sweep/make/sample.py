@@ -1,8 +1,8 @@
-"""A sample: the files that a simulation leaves in a data set, as InterAct and GRAB name them.
+"""A sample: the files of a simulation in a data set, named as in InterAct and GRAB.
 
 The first person and the first object have no number, others are ``human.1.npz``, ``object.1.npz``
-and so on, in the order of `Result.people` and `Result.objects`. docs/sweeps.md says what is in
-each file. World z-up, metres, radians, newtons, seconds; everything is in one world.
+and so on, in the order of `Result.people` and `Result.objects`. docs/sweeps.md lists the content
+of each file. All values are in one world frame, z-up, in metres, radians, newtons and seconds.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _JAW, _EYES = 22, (23, 24)
 
 
 class Labels(Protocol):
-    """What is known of the contacts (`labels.ContactLabels`)."""
+    """The part of `labels.ContactLabels` that a sample needs."""
 
     def arrays(self) -> Mapping[str, NDArray[Any]]:
         """The arrays of ``contact.npz``."""
@@ -37,14 +37,14 @@ def files_of(
 ) -> dict[str, bytes]:
     """The files of a sample by name; the same values give the same bytes.
 
-    Motions are float64: as float32 a place ten metres away is known to 0.5 micrometres only, and
-    what is verified bit by bit could not be simulated on from.
+    Motions are float64: float32 has a resolution of only 0.5 micrometres at ten metres, and a
+    simulation from a rounded motion would not repeat bit by bit.
 
     Args:
-        result: Of the simulation.
+        result: Result of the simulation.
         labels: Its contact labels.
-        card: What the simulation was made from, JSON values.
-        whole: Also ``result.npz``, the result file (`Result.save`).
+        card: The card of the sample, JSON values.
+        whole: Also write ``result.npz``, the result file (`Result.save`).
     """
     files = {"card.json": text_of(card).encode() + b"\n"}
     for index, person in enumerate(result.people):
@@ -64,11 +64,12 @@ def _numbered(name: str, index: int) -> str:
 
 
 def human(person: PersonResult) -> Fields:
-    """The arrays of ``human.npz``: the corrected motion, with the shape that was simulated.
+    """The arrays of ``human.npz``: the corrected motion, with the simulated shape.
 
     ``poses`` (T, 156) is root, body, left hand, right hand, as in all of InterAct and in AMASS's
-    SMPL-H files; hands are bent from flat. ``pose_jaw`` (T, 3) and ``pose_eye`` (T, 6) are the
-    rest. The pelvis is at the model's own, for these betas, plus ``trans`` (T, 3).
+    SMPL-H files; hand poses are relative to the flat hand. ``pose_jaw`` (T, 3) and ``pose_eye``
+    (T, 6) are separate. The pelvis is at the model's rest pelvis, for these betas, plus
+    ``trans`` (T, 3).
     """
     body, motion = person.body, person.motion.rebased(person.body)
     gender = motion.gender if body.gender == "unknown" else body.gender
@@ -89,8 +90,9 @@ def human(person: PersonResult) -> Fields:
 def item(result: Result, name: str) -> Fields:
     """The arrays of ``object.npz``: ``angles`` (T, 3) axis-angle, ``trans`` (T, 3), ``name``.
 
-    A link of an articulated object has besides ``arti``, the values of all its joints that have
-    one number [rad or m]: (T,) for one joint, (T, n) for several, with their names in ``joints``.
+    A link of an articulated object also has ``arti``, the values of all joints of the object with
+    one degree of freedom [rad or m]: (T,) for one joint, (T, n) for several, with their names in
+    ``joints``.
     """
     track = result.objects[name]
     fields = {

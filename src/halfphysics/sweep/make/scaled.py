@@ -1,4 +1,4 @@
-"""Shapes and things in another size, about their own origin; pieces are scaled, never cut again."""
+"""Scaled shapes and objects, about their own origin; convex pieces are scaled, never recomputed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 def scaled_shape(shape: Shape, factor: float) -> Shape:
-    """A shape `factor` times as large about its own origin; a plane has no size and stays."""
+    """A shape `factor` times as large about its own origin; a plane is unchanged."""
     if isinstance(shape, Mesh):
         return Mesh(factor * shape.vertices, shape.faces)
     if isinstance(shape, Box):
@@ -39,7 +39,7 @@ def scaled_shape(shape: Shape, factor: float) -> Shape:
 
 
 def scaled_static(static: Static, factor: float) -> Static:
-    """A static `factor` times as large, its frame where it was."""
+    """A static `factor` times as large; its frame does not move."""
     return replace(
         static,
         shape=scaled_shape(static.shape, factor),
@@ -48,15 +48,15 @@ def scaled_static(static: Static, factor: float) -> Static:
 
 
 def scaled_object(item: Object, factor: float) -> Object:
-    """An object `factor` times as large, its frame where it was.
+    """An object `factor` times as large; its frame does not move.
 
-    Its mass stays, its centre of mass moves with the size, its inertia grows with the square.
-    How far its pieces are off its mesh, and the threshold that was asked for, grow too.
+    The mass is unchanged, the centre of mass scales with the factor, the inertia with its square.
+    The deviation of the pieces from the mesh and the requested threshold scale with the factor.
     """
     made: dict[int, Any] = {}
 
     def scaled(shape: Any) -> Any:
-        # The piece that an object touches by may be its shape: they stay one.
+        # A contact piece may be the same instance as the shape: keep them identical.
         if shape is not None and id(shape) not in made:
             made[id(shape)] = scaled_shape(shape, factor)
         return made.get(id(shape))
@@ -85,12 +85,12 @@ def scaled_object(item: Object, factor: float) -> Object:
 
 
 def weighing(item: Object, mass: float) -> Object:
-    """An object of another mass [kg], evenly filled as before: its inertia goes along."""
+    """An object of another mass [kg]; its inertia scales with the mass (uniform density)."""
     return replace(item, mass=mass, inertia=fixed(mass * item.filling.unit_inertia()))
 
 
 def lowest(item: Static | Object) -> float:
-    """How far the lowest point of what touches is above a thing's origin [m]; a plane: -inf."""
+    """Height of the lowest point of the collision shape above the origin [m]; a plane: -inf."""
     pieces = item.pieces if isinstance(item, Object) else (item.shape,)
     up = rot.to_matrix(item.quaternion)[2]  # of its axes in the world
     return min(_lowest(shape, up) for shape in pieces)

@@ -1,7 +1,7 @@
-"""Factors of a scene: its things lighter, rougher, larger, elsewhere. The scene given stays as it
-is; what comes back is a new one that shares every thing that no factor changes.
+"""Factors of a scene: mass, friction, size and place of its items. The given scene is unchanged;
+the new scene shares every item that no factor changes.
 
-Angles in degrees, lengths in metres, masses in kilograms; docs/sweeps.md says what each one does.
+Angles are in degrees, lengths in metres, masses in kilograms; docs/sweeps.md explains each factor.
 """
 
 from __future__ import annotations
@@ -30,26 +30,26 @@ from halfphysics.sweep.plan.values import Value
 Array = NDArray[np.float64]
 Item: TypeAlias = Static | Object
 _WEIGHTS = ("mass", "mass_factor")
-#: Groups of factors: of all things of a kind, then of one, which comes before.
+#: Groups of factors: of all items of a kind, then of one item, which has priority.
 _GROUPS = (("objects", "statics"), ("object", "static"))
 
-#: What is said of one thing: X of `object.NAME.X` -> its number.
+#: The factors of one item: X of `object.NAME.X` -> its number.
 Said: TypeAlias = dict[str, float]
 
 
 class SceneFactors:
-    """Scenes in many variants; keeps the last few sizes, and what stands on what."""
+    """Scenes in many variants; caches the last few sizes, and which item supports which."""
 
     def __init__(self) -> None:
-        # With the thing or scene they were made from: the keys are their ids.
+        # The values hold the source item or scene, as the keys are ids.
         self._sizes: Kept[tuple[Item, Item, float]] = Kept(32)
         self._supports: Kept[tuple[Scene, Mapping[str, Support]]] = Kept(4)
 
     def varied(self, scene: Scene, factors: Mapping[str, Value]) -> Scene:
-        """A new scene with the factors that are about things (other factors are passed over).
+        """A new scene with the factors of items applied (other factors are ignored).
 
         Raises:
-            InputError: A factor that names nothing of this scene, or an impossible value.
+            InputError: A factor names no item of this scene, or has an impossible value.
         """
         said = said_of(scene, factors)
         items: dict[str, Item | Articulated] = {}
@@ -63,11 +63,11 @@ class SceneFactors:
         return scene._with(items, _frictions(scene, said))
 
     def _changed(self, item: Item, said: Said) -> Item:
-        """A thing as it is said to be, not yet raised by what it stands on."""
+        """An item with its factors applied, before it is raised with its support."""
         factor = said.get("scale", 1.0)
         shift = np.array([said.get(key, 0.0) for key in OFFSETS])
         if factor != 1.0:
-            # What stood on something still does: its lowest point stays at its height.
+            # The lowest point keeps its height, so the item still stands on its support.
             item, foot = self._sized(item, factor)
             shift[2] += foot - factor * foot
         if "friction" in said or "restitution" in said:
@@ -86,7 +86,7 @@ class SceneFactors:
         return moved(item, shift) if shift.any() else item
 
     def _sized(self, item: Item, factor: float) -> tuple[Item, float]:
-        """A thing in another size, and how far its lowest point was above its origin [m]."""
+        """A scaled item, and the previous height of its lowest point above its origin [m]."""
 
         def make() -> tuple[Item, Item, float]:
             if isinstance(item, Static):
@@ -102,7 +102,7 @@ class SceneFactors:
         said: Mapping[str, Said],
         rises: dict[str, float],
     ) -> dict[str, Any]:
-        """What is raised or lowered by what it stands on, which is in another place or size."""
+        """Items raised or lowered with a support whose place or size has changed."""
         found = self._supports.get(id(scene), lambda: (scene, supports(scene)))[1]
         total: dict[str, float] = {}
 
@@ -130,12 +130,12 @@ class SceneFactors:
 
 
 def said_of(scene: Scene, factors: Mapping[str, Value]) -> dict[str, Said]:
-    """What the factors say of every thing of a scene that they say anything of.
+    """The factors of every item of a scene that has any.
 
-    What is said of one thing comes before what is said of all of its kind.
+    A factor of one item has priority over a factor of all items of its kind.
 
     Raises:
-        InputError: A factor that names nothing of this scene, or an impossible value.
+        InputError: A factor names no item of this scene, or has an impossible value.
     """
     parsed = {factor: FactorName.parse(factor) for factor in factors}
     said: dict[str, Said] = {}
@@ -150,7 +150,7 @@ def said_of(scene: Scene, factors: Mapping[str, Value]) -> dict[str, Said]:
 
 
 def _named(scene: Scene, factor: str, name: FactorName) -> Iterable[str]:
-    """The things that a factor is about."""
+    """The names of the items that a factor changes."""
     kind = name.group.removesuffix("s")
     group: Mapping[str, Item] = scene.objects if kind == "object" else scene.statics
     refusals = {n: _refusal(item, name.what) for n, item in group.items()}
@@ -174,7 +174,7 @@ def _named(scene: Scene, factor: str, name: FactorName) -> Iterable[str]:
 
 
 def _refusal(item: Item, key: str) -> str:
-    """Why a factor cannot be said of a thing; empty: it can."""
+    """The reason why a factor does not apply to an item; empty if it applies."""
     if key in _WEIGHTS and isinstance(item, KinematicObject):
         return f"{item.name!r} moves as told and nothing pushes it, whatever its mass"
     if key == "scale" and isinstance(item, Static) and isinstance(item.shape, Plane):
@@ -193,7 +193,7 @@ def _listed(scene: Scene) -> str:
 
 
 def _frictions(scene: Scene, said: Mapping[str, Said]) -> dict[tuple[str, str], float]:
-    """Pairs of which the scene says a friction, and a factor says another of one of the two."""
+    """New frictions of the scene's friction pairs in which a factor changes an item's friction."""
     pairs = {}
     for a, b, _ in scene.friction_pairs:
         told = [said[n]["friction"] for n in (a, b) if "friction" in said.get(n, {})]
@@ -203,7 +203,7 @@ def _frictions(scene: Scene, said: Mapping[str, Said]) -> dict[tuple[str, str], 
 
 
 def moved(item: Any, shift: Array) -> Any:
-    """A thing `shift` (3,) [m] away; its trajectory too, if it moves on one."""
+    """An item translated by `shift` (3,) [m], with its trajectory if it has one."""
     changes = {"position": fixed(item.position + shift)}
     if isinstance(item, KinematicObject):
         changes["positions"] = fixed(item.positions + shift)
@@ -211,9 +211,9 @@ def moved(item: Any, shift: Array) -> Any:
 
 
 def turned(item: Item, angle: float) -> Item:
-    """A thing turned about the vertical [rad] through its own origin where it starts.
+    """An item rotated by `angle` [rad] about the vertical through its initial origin.
 
-    A trajectory is turned as a whole; the start velocity of what is free stays as it is.
+    A trajectory is rotated as a whole; the initial velocity of a free object is unchanged.
     """
     turn = np.array([np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)])
     quaternion = rot.normalize(rot.multiply(turn, item.quaternion))

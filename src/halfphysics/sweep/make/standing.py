@@ -1,4 +1,4 @@
-"""What stands on what in a scene: so that what is raised carries what stands on it."""
+"""Supports in a scene: an item that is raised carries the items that stand on it."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from halfphysics.sweep.make.scaled import lowest
 
 Array = NDArray[np.float64]
 
-#: What is no farther than this above something [m], or below its surface, stands on it.
+#: An item stands on a support up to this height above or depth below its surface [m].
 NEAR = 0.02
 
 
 @dataclass(frozen=True)
 class Support:
-    """What something stands on.
+    """The support of an item.
 
     Attributes:
-        name: Of the static or object beneath.
-        height: Of its surface there over its lowest point [m]; 0 on a plane.
+        name: Name of the static or object beneath.
+        height: Height of its surface there above its lowest point [m]; 0 for a plane.
     """
 
     name: str
@@ -37,7 +37,7 @@ class Support:
 
 @dataclass(frozen=True)
 class _Extent:
-    """Where something is: its bounding box in the world, `low` and `high` (3,) [m]."""
+    """Bounding box of an item in the world, `low` and `high` (3,) [m]."""
 
     low: Array
     high: Array
@@ -48,12 +48,12 @@ class _Extent:
 
 
 def supports(scene: Scene) -> dict[str, Support]:
-    """Of everything that stands on a static or an object: on which.
+    """The support of every item that stands on a static or an object.
 
-    It is the first thing straight below the middle of its bounding box, within `NEAR` of its lowest
-    point; if there is none, the first whose top is as near and whose own middle is below it (a leg
-    of a table top). Things that move as told stand on nothing; nothing stands on an articulated
-    object.
+    The support is the first item straight below the centre of the bounding box, within `NEAR` of
+    the lowest point; otherwise the first item whose top is within `NEAR` and whose centre is below
+    the item (a leg below a table top). Kinematic objects have no support; articulated objects
+    support nothing.
     """
     items: dict[str, Static | Object] = {**scene.statics, **scene.objects}
     extents = {
@@ -78,7 +78,7 @@ def _beneath(
     scene: Scene, extents: Mapping[str, _Extent], mine: _Extent, name: str
 ) -> Support | None:
     bottom = float(mine.low[2])
-    # Only what reaches lower can carry: no two things carry each other.
+    # Only an item with a lower bottom can be a support: no two items support each other.
     above = [n for n, other in extents.items() if n == name or other.low[2] >= bottom]
     start = (mine.middle[0], mine.middle[1], bottom + NEAR)
     hit = scene.ray(start, (0.0, 0.0, -1.0), ignore=above)
@@ -94,14 +94,14 @@ def _beneath(
 
 
 def _extent(vertices: Array, item: Static | Object) -> _Extent:
-    """Of what touches; its lowest point to the last digit, which triangles of round shapes miss."""
+    """Bounding box of a collision shape; its bottom is exact, also for round shapes."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     low[2] = item.position[2] + lowest(item)
     return _Extent(low, high)
 
 
 def _vertices(item: Articulated) -> Array:
-    """Vertices (n, 3) [m] of all that touches, in the world, where it starts."""
+    """Vertices (n, 3) [m] of all collision shapes, in the world, at the start."""
     placed = [
         rot.rotate(quaternion, link.mesh()[0]) + position
         for link, (position, quaternion) in zip(item.links, start_poses(item), strict=True)

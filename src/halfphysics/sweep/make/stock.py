@@ -1,7 +1,7 @@
-"""What variants are made from: clips, bodies and scenes, read once and kept for the neighbours.
+"""A cache of clips, bodies and scenes for neighbouring variants.
 
-Neighbouring variants share them, so the last few are kept and no more. Everything kept follows
-from its key alone: what was asked for before changes nothing.
+Neighbouring variants share them, so only the last few are kept. Every value depends on its key
+alone, not on earlier requests.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ if TYPE_CHECKING:
     from halfphysics.sweep.plan.choices import BodyChoice, SceneChoice
     from halfphysics.sweep.plan.inputs import Input
 
-#: A file that was read: its absolute "path", and "sha256" of its content.
+#: A source file: its absolute "path", and "sha256" of its content.
 Source: TypeAlias = dict[str, str]
 
-#: How many of each are kept. A body is some megabytes, a clip or a scene may be tens of them.
+#: Number of cached values of each kind. A body takes some MB, a clip or a scene up to tens of MB.
 CLIPS, MODELS, BODIES, SCENES, DIGESTS = 2, 2, 4, 3, 10_000
 
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """A clip, and the files that it was read from."""
+    """A clip and its source files."""
 
     clip: Clip
     sources: tuple[Source, ...]
@@ -48,19 +48,19 @@ class Loaded:
 
 @dataclass(frozen=True, eq=False)
 class Furnished:
-    """A scene as it is before any factor of things, and the files that it was read from."""
+    """A scene before any factor of its items, and its source files."""
 
     scene: Scene
     sources: tuple[Source, ...]
 
 
 class Stock:
-    """Clips, body models, bodies, clips on the ground and scenes: the last few of each."""
+    """The last few clips, body models, bodies, grounded clips and scenes."""
 
     def __init__(self) -> None:
         self._digests: Kept[str] = Kept(DIGESTS)
-        # Where a key has the id of something, that something is kept beside the value: no id is
-        # taken again while its key is there.
+        # If a key has the id of an object, the value keeps that object, so that Python does not
+        # reuse the id while the key exists.
         self._clips: Kept[tuple[Any, Loaded]] = Kept(CLIPS)
         self._models: Kept[ShapeSpace] = Kept(MODELS)
         self._bodies: Kept[Body] = Kept(BODIES)
@@ -72,9 +72,9 @@ class Stock:
         """The clip in a file, or a scenario.
 
         Args:
-            input: Which one.
-            options: Of a scenario, besides its input's own.
-            body: Of a scenario; None: its own.
+            input: The input.
+            options: Options of a scenario, in addition to those of its input.
+            body: Body for a scenario; None: the scenario's own.
         """
         if input.kind == "file":
             key: Hashable = ("file", str(input.path), _key(input.options))
@@ -97,16 +97,16 @@ class Stock:
         shape: Mapping[str, float],
         own: Body | None,
     ) -> Body:
-        """The body chosen, with the shape that factors give it.
+        """The chosen body, with the shape from the factors.
 
         Args:
-            choice: Which one.
-            motion: The motion with its betas, where they are that model's; None: of a scenario.
-            shape: Factors of the body by what they say: "stature" [m], "betas.K".
-            own: The body that the clip brings, if it does.
+            choice: The choice of body.
+            motion: The motion with its betas, if they fit the model; None for a scenario.
+            shape: Factors of the body by name: "stature" [m], "betas.K".
+            own: The body of the clip, if it has one.
 
         Raises:
-            InputError: A shape that the body cannot have.
+            InputError: The body cannot have the shape.
         """
         asked = choice.model is not None or choice.stature is not None or bool(shape)
         if own is not None and not asked:
@@ -126,7 +126,7 @@ class Stock:
         return self._modelled(choice, motion, betas)
 
     def _reshaped(self, own: Body, source: ModelSource, betas: Mapping[int, float]) -> Body:
-        """A body that a data set brings, with other shape numbers on its subject's template."""
+        """The body of a data set, with other shape numbers on its subject's template."""
         from halfphysics.body.body import Body
 
         template = own.template_source
@@ -153,7 +153,7 @@ class Stock:
             return self._models.get((str(path), _key(which)), lambda: read_model(path, **which))
 
         if motion is None:
-            # The people of a scenario take the body that is given.
+            # The people of a scenario take the given body.
             space = read(path, gender="neutral" if path.is_dir() else None)
             given = None
         else:
@@ -174,7 +174,7 @@ class Stock:
         return self._grounded.get((id(loaded), *map(id, bodies)), make)[1]
 
     def timed(self, motions: tuple[Motion, ...], timing: Mapping[str, float]) -> tuple[Motion, ...]:
-        """Motions at the speed and frame rate that factors say (`motion_factors.retimed`)."""
+        """Motions at the speed and frame rate given by factors (`motion_factors.retimed`)."""
         speed, fps = timing.get("speed", 1.0), timing.get("fps")
         if speed == 1.0 and fps is None:
             return motions
@@ -185,10 +185,10 @@ class Stock:
         """The scene around a clip.
 
         Args:
-            choice: A file, or what the clip brings.
+            choice: A scene file, or the clip's own scene.
             loaded: The clip.
-            ground: Whether a floor at z = 0 is added, where there is no plane yet.
-            speed: How many times as fast what the clip recorded moves along its trajectories.
+            ground: Whether to add a floor at z = 0 if the scene has no plane.
+            speed: Speed factor of the recorded trajectories.
         """
 
         def make() -> tuple[Any, Furnished]:
@@ -207,13 +207,13 @@ class Stock:
             clip = options.sequence(path)
         if options.model is not None and Path(options.model).is_file():
             others.append(Path(options.model))
-        # Meshes are named by the scene.
+        # The scene lists the meshes.
         meshes = {Path(source.path) for source in _sources_in(clip.scene)}
         left = [other for other in dict.fromkeys(others) if other.resolve() not in meshes]
         return Loaded(clip, self._sources([path, *left]))
 
     def _sources_of(self, scene: Scene, choice: SceneChoice) -> tuple[Source, ...]:
-        """The scene's file and those of its meshes and articulated things."""
+        """The scene's file and those of its meshes and articulated objects."""
         file = choice.path or choice.file
         return (
             *self._sources([] if file is None else [Path(file)]),
@@ -221,7 +221,7 @@ class Stock:
         )
 
     def _sources(self, paths: Iterable[Path]) -> tuple[Source, ...]:
-        """Files by content; of a folder all that is in it."""
+        """Files with their hashes; a folder stands for all files in it."""
         files: list[Path] = []
         for path in paths:
             inner = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
@@ -229,7 +229,7 @@ class Stock:
         return tuple({"path": str(file), "sha256": self._digest(file)} for file in files)
 
     def _digest(self, file: Path) -> str:
-        """SHA-256 (hex) of a file, read again where it looks otherwise than before."""
+        """SHA-256 (hex) of a file, computed again if its size or time has changed."""
 
         try:
             look = file.stat()
@@ -240,7 +240,7 @@ class Stock:
 
 
 def _sources_in(scene: Scene) -> Iterable[MeshSource]:
-    """Where the meshes and articulated things of a scene came from."""
+    """The sources of the meshes and articulated objects of a scene."""
     items: Iterable[Any] = (
         *scene.statics.values(),
         *scene.objects.values(),
@@ -272,5 +272,5 @@ def _with_betas(full: Any, betas: Mapping[int, float], name: str) -> Any:
 
 
 def _key(options: Mapping[Any, Any]) -> Hashable:
-    """Options as a key: the same for the same values, whatever their order."""
+    """Options as a key that does not depend on their order."""
     return tuple(sorted((str(name), repr(value)) for name, value in options.items()))

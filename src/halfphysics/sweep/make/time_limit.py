@@ -1,4 +1,4 @@
-"""A variant may take so long and no longer."""
+"""A time limit for one variant."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from contextlib import contextmanager
 
 from halfphysics.errors import InputError
 
-_AGAIN = 1.0  # code that goes on nevertheless is interrupted again after so long [s]
+_AGAIN = 1.0  # code that continues nevertheless is interrupted again after this time [s]
 
 
 class OutOfTimeError(BaseException):
-    """It took too long. No `Exception`: nothing on the way may take it for its own failure."""
+    """The time limit has passed. Not an `Exception`, so that no `except Exception` catches it."""
 
 
 @contextmanager
 def time_limit(seconds: float | None) -> Iterator[None]:
-    """Raise `OutOfTimeError` inside the block after so long [s] by the clock; None: no limit.
+    """Raise `OutOfTimeError` inside the block after `seconds` of wall time [s]; None: no limit.
 
-    It is raised between two steps of Python: what runs in native code comes to its end first (the
-    physics comes back to Python every tenth of a second, or after the frame that it is at).
+    It is raised between two steps of Python: a native call ends first (the physics returns to
+    Python every tenth of a second, or after the current frame).
     """
     if seconds is None:
         yield
@@ -35,13 +35,13 @@ def time_limit(seconds: float | None) -> Iterator[None]:
             raise OutOfTimeError
 
     before = signal.signal(signal.SIGALRM, late)
-    # Again and again: Python drops what is raised in a destructor.
+    # The timer repeats: Python drops an exception raised in a destructor.
     signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)
     try:
         try:
             yield
         finally:
-            # What comes while the clock is put back must not leave it running.
+            # A signal during the reset of the timer must not leave the timer running.
             inside = False
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
@@ -49,10 +49,10 @@ def time_limit(seconds: float | None) -> Iterator[None]:
 
 
 def check_possible() -> None:
-    """Whether this process can look at the clock while it works.
+    """Check that this process can interrupt itself by a timer.
 
     Raises:
-        InputError: The system has no timers for it, or this is no main thread.
+        InputError: The system has no interval timers, or this is not the main thread.
     """
     if not hasattr(signal, "setitimer"):
         raise InputError(

@@ -1,8 +1,8 @@
-"""From a variant to what `simulate` takes, and to its result.
+"""From a variant to the arguments of `simulate`, and to its result.
 
-In this order: the input is read (or the scenario built), its body chosen and shaped, its motions
-put on the ground where the plan says so, played faster and sampled, turned and moved; its scene is
-furnished, then changed thing by thing. What neighbouring variants share is kept (`stock`).
+The order: read the input (or build the scenario), choose and shape the body, put the motions on the
+ground if the plan requires it, change their speed and frame rate, rotate and move them; then build
+the scene and change it item by item. `stock` caches the data that neighbouring variants share.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Ready:
-    """What `simulate` takes, for one variant.
+    """The arguments of `simulate` for one variant.
 
     Attributes:
-        motions: What each person wants to do.
-        scene: What stands and lies around.
-        bodies: Of each person.
-        settings: How to simulate it.
-        sources: Of every file read (motion, scene, meshes, models): its absolute "path", and
+        motions: The reference motion of each person.
+        scene: Statics and objects.
+        bodies: The body of each person.
+        settings: The settings of the simulation.
+        sources: Every source file (motion, scene, meshes, models): its absolute "path", and
             "sha256" of its content.
         allow_mismatch: As in `simulate`.
     """
@@ -56,9 +56,9 @@ class Ready:
 
 
 class Workshop:
-    """Makes the variants of a plan and simulates them, one after the other.
+    """Makes and simulates the variants of a plan, one after the other.
 
-    What a variant comes to never depends on what was made before it.
+    The result of a variant never depends on the variants before it.
 
     Args:
         plan: Its `settings` and `grounded` are the same for all variants.
@@ -71,11 +71,11 @@ class Workshop:
         self._world: World | None = None
 
     def make(self, variant: Variant) -> Ready:
-        """What to simulate.
+        """The arguments of the simulation.
 
         Raises:
-            InputError: A factor that this variant has nothing for, or an impossible value.
-            FileError: A file that cannot be used.
+            InputError: A factor does not apply to this variant, or has an impossible value.
+            FileError: A file cannot be used.
         """
         said = _by_group(variant.factors)
         timing = said_of_motion(variant.factors)
@@ -102,13 +102,13 @@ class Workshop:
         )
 
     def run(self, ready: Ready) -> Result:
-        """The result of `simulate`, to the last bit.
+        """The result of `simulate`, equal to the last bit.
 
-        Where the neighbour before had the same people and shapes, its world is used
-        again: preparing one takes as long as a second of a motion that meets little.
+        The world of the previous variant is reused if people and shapes are the same: building
+        a world takes as long as simulating a second of motion with few contacts.
 
         Raises:
-            MismatchError: A body of another gender or model than the motion's.
+            MismatchError: A body has another gender or model than its motion.
         """
         for motion, body in zip(ready.motions, ready.bodies, strict=True):
             check_match(motion, body, allow_mismatch=ready.allow_mismatch)
@@ -123,7 +123,7 @@ class Workshop:
             and use_again(last, ready.scene, ready.settings)
         ):
             return last
-        # Forgotten first: two at a time would take twice the memory.
+        # The old world is released first: two worlds would take twice the memory.
         self._world = None
         self._world = build_world(ready.bodies, ready.scene, ready.settings)
         return self._world
@@ -131,7 +131,7 @@ class Workshop:
     def _people(
         self, variant: Variant, said: Mapping[str, Mapping[str, Any]]
     ) -> tuple[Loaded, tuple[Body, ...]]:
-        """The clip, and the body of each person in it."""
+        """The clip and the body of each of its people."""
         from halfphysics.body.body import Body
 
         input, choice, shape = variant.input, variant.body, said["body"]
@@ -152,7 +152,7 @@ class Workshop:
 
 
 def _by_group(factors: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Factors of the body, the scenario and the settings, by what they say."""
+    """Factors of the body, the scenario and the settings, by group and name."""
     groups: dict[str, dict[str, Any]] = {"body": {}, "scenario": {}, "settings": {}}
     for factor, value in factors.items():
         name = FactorName.parse(factor)
@@ -176,6 +176,6 @@ def _check_options(scenario: str, options: Iterable[str]) -> None:
 
 
 def _settings(base: Settings, plan: Mapping[str, Any], factors: Mapping[str, Any]) -> Settings:
-    """The clip's settings, with what the plan says instead, with what factors say instead."""
+    """The clip's settings, overridden by the plan's, overridden by factors."""
     changes = {**plan, **factors}
     return with_options(base, changes)

@@ -1,1 +1,1 @@
-"""What a sweep is to do: axes, factors, values, conditions, numbered variants."""
+"""The plan of a sweep: axes, factors, values, conditions, numbered variants."""

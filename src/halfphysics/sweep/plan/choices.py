@@ -1,4 +1,4 @@
-"""Which body, and which scene: the two axes of a sweep beside its inputs and factors."""
+"""The choice of body and of scene: two axes of a sweep beside its inputs and factors."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from halfphysics.base.validation import shown
 from halfphysics.errors import InputError
 from halfphysics.sweep.plan.factors import STATURE
 
-#: What the input brings.
+#: The name of the body or scene of the input itself.
 OWN = "own"
 
 
 @dataclass(frozen=True, kw_only=True)
 class BodyChoice:
-    """A body: what the input brings or else the default body, unless something is said.
+    """A body; without any field, the input's own body or else the default body.
 
     Attributes:
         stature: Height of the default body [m].
         model: A body model, a file or a folder of them, relative to the plan's folder.
         allow_mismatch: Take a model of another gender or kind than the motion's, with its mean
             shape.
-        path: The model as it can be opened (of a variant; a plan need not say it).
+        path: Path at which the model can be opened (of a variant; a plan may leave it out).
     """
 
     stature: float | None = None
@@ -50,13 +50,13 @@ class BodyChoice:
 
     @property
     def name(self) -> str:
-        """As expressions and cards call it: "own", "stature=1.6" or the model's path as said."""
+        """Its name in expressions and cards: "own", "stature=1.6" or the path given in the plan."""
         if self.stature is not None:
             return f"stature={float(self.stature)!r}"
         return self.model or OWN
 
     def document(self) -> Any:
-        """As plain data."""
+        """The choice as plain data."""
         if self.stature is not None:
             return {"stature": self.stature}
         if self.model is not None:
@@ -66,11 +66,11 @@ class BodyChoice:
 
 @dataclass(frozen=True, kw_only=True)
 class SceneChoice:
-    """A scene: what the input brings, unless a scene file is said.
+    """A scene: the scene file, or else the input's own scene.
 
     Attributes:
         file: A scene file, relative to the plan's folder.
-        path: The file as it can be opened (of a variant; a plan need not say it).
+        path: Path at which the file can be opened (of a variant; a plan may leave it out).
     """
 
     file: str | None = None
@@ -82,9 +82,9 @@ class SceneChoice:
 
     @property
     def name(self) -> str:
-        """As expressions and cards call it: "own" or the file's path as said."""
+        """Its name in expressions and cards: "own" or the path given in the plan."""
         return self.file or OWN
 
     def document(self) -> Any:
-        """As plain data."""
+        """The choice as plain data."""
         return self.name

@@ -1,4 +1,4 @@
-"""What a sweep will do, as text for a terminal."""
+"""Description of a sweep before it runs, as text for a terminal."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from halfphysics.sweep.plan.values import (
 )
 from halfphysics.sweep.plan.variants import Variants, first_inputs
 
-#: Variants from which the share that `keep` lets through is estimated.
+#: Number of variants from which the share that passes `keep` is estimated.
 SAMPLE = 1000
 
 _FIRST = 3
@@ -25,7 +25,7 @@ _WIDTH = 60
 
 
 def describe(plan: Plan, variants: Variants) -> str:
-    """Inputs, bodies, scenes, factors, the number of variants and shards, and where they go.
+    """Inputs, bodies, scenes, factors, the number of variants and shards, and the output folder.
 
     The same text for the same plan and inputs, in bounded time and memory.
 
@@ -74,7 +74,7 @@ def _totals(plan: Plan, variants: Variants) -> list[tuple[str, ...]]:
 
 
 def _row(values: Spec) -> tuple[str, str]:
-    """How the values of a factor are told, and how many there are."""
+    """The values of a factor as text, and their number."""
     if isinstance(values, Listed):
         return _short(values.values), f"{len(values.values):,}"
     if isinstance(values, Range):
@@ -98,7 +98,7 @@ def _chosen(values: Choice) -> str:
 
 
 def _short(values: tuple[Value, ...]) -> str:
-    """Values in a line, those in the middle left out where there are many."""
+    """The values in one line; of many values, the middle ones are left out."""
     texts = [_said(value) for value in values]
     whole = ", ".join(texts)
     return whole if len(whole) <= _WIDTH else f"{texts[0]}, {texts[1]}, ..., {texts[-1]}"
@@ -115,7 +115,7 @@ def _some(names: list[str], own: str) -> str:
 
 
 def _aligned(rows: list[tuple[str, ...]], ruled: bool = False) -> list[str]:
-    """Rows as lines with their columns aligned; `ruled`: a line under the first."""
+    """Rows as lines with aligned columns; `ruled` draws a line under the first row."""
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     lines = [
         "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()

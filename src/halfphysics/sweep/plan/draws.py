@@ -1,9 +1,9 @@
-"""Random numbers by counting: each is a hash of what it is for, so none needs those before it.
+"""Counter-based random numbers: each is a hash of its seed, name and number, not of a state.
 
 A stream belongs to a seed and a name (of a factor), a draw to a stream and a number (of a
-variant). The hash is BLAKE2b, and what follows uses only operations that IEEE 754 prescribes to the
-last bit (no logarithm of a mathematics library, whose last digit depends on the machine): the same
-draws on every platform.
+variant). The hash is BLAKE2b, and the later steps use only operations that IEEE 754 prescribes to
+the last bit (no logarithm of a mathematics library: its last digit depends on the machine). So the
+draws are the same on every platform.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import struct
 from collections.abc import Iterator
 from hashlib import blake2b
 
-#: ln 2 in two parts: the first times a small whole number is exact.
+#: ln 2 in two parts: the product of the first part and a small integer is exact.
 _LN2_HIGH = 0.693147180369123816490
 _LN2_LOW = 1.90821492927058770002e-10
 _LOG2_E = 1.4426950408889634
@@ -35,13 +35,13 @@ class Stream:
         return Stream, (self.seed, self.name)
 
     def uniform(self, number: int) -> float:
-        """The number-th draw, evenly between 0 and 1 (neither is ever drawn)."""
+        """The number-th draw, uniform between 0 and 1 (both excluded)."""
         hashed = self._start.copy()
         hashed.update(_COUNTER.pack(number, 0))
         return _even(int.from_bytes(hashed.digest()[:8], "little"))
 
     def uniforms(self, number: int) -> Iterator[float]:
-        """As many draws as it takes, all belonging to `number`."""
+        """An endless sequence of uniform draws for `number`."""
         block = 0
         while True:
             hashed = self._start.copy()
@@ -51,7 +51,7 @@ class Stream:
             block += 1
 
     def normals(self, number: int) -> Iterator[float]:
-        """As many draws as it takes of the standard normal distribution (Marsaglia's method)."""
+        """An endless sequence of standard normal draws for `number` (Marsaglia's method)."""
         even = self.uniforms(number)
         while True:
             x, y = 2.0 * next(even) - 1.0, 2.0 * next(even) - 1.0
@@ -63,12 +63,12 @@ class Stream:
 
 
 def _even(word: int) -> float:
-    """A number between 0 and 1, never either, of 64 random bits: exact in double precision."""
+    """A number between 0 and 1 (both excluded) from 64 random bits, exact in double precision."""
     return ((word >> 12) + 0.5) * 2.0**-52
 
 
 def log(x: float) -> float:
-    """The natural logarithm of x > 0, to a few units in the last place, on every machine alike."""
+    """The natural logarithm of x > 0, to a few units in the last place, equal on every machine."""
     mantissa, exponent = math.frexp(x)
     if mantissa < 0.7071067811865476:
         mantissa, exponent = 2.0 * mantissa, exponent - 1
@@ -80,7 +80,7 @@ def log(x: float) -> float:
 
 
 def exp(x: float) -> float:
-    """e to the power x (|x| < 700), to a few units in the last place, on every machine alike."""
+    """e to the power x (|x| < 700), to a few units in the last place, equal on every machine."""
     exponent = math.floor(x * _LOG2_E + 0.5)
     rest = (x - exponent * _LN2_HIGH) - exponent * _LN2_LOW  # |rest| < 0.35
     series = 0.0

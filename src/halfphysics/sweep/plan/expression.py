@@ -2,8 +2,8 @@
 
 A small part of Python, read by its own parser and checked node by node: numbers, text in quotes,
 names with dots, comparisons (also chained), and, or, not, + - * / %, min, max, abs, and ``in`` with
-a list written out. Nothing else can be said: no attributes, no other calls, no powers; arithmetic
-is of numbers only. A name with other characters stands in backticks: `object.tea-pot.mass`.
+a list of constants. All else is refused: attributes, other calls, powers; arithmetic is for numbers
+only. A name with other characters is written in backticks: `object.tea-pot.mass`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from halfphysics.errors import InputError
 
 _LONGEST = 1000
 _DEEPEST = 40
-#: The first of the letters that stand for names: one each, of a script that has enough of them.
+#: The first placeholder letter; each name gets a letter, from a script with enough letters.
 _LETTER = 0x4E00
 
 _FUNCTIONS = {"min": min, "max": max, "abs": abs}
@@ -37,7 +37,7 @@ _TOKEN = re.compile(
 _ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Mod)
 _COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq, ast.In, ast.NotIn)
 
-#: What the parser knows and a condition may not have.
+#: Syntax that Python's parser accepts and a condition may not contain.
 _REFUSED: Mapping[type[ast.AST], str] = {
     ast.Pow: "a power (**)",
     ast.Attribute: "an attribute of a value",
@@ -64,18 +64,18 @@ class Expression:
     """A condition, compiled once.
 
     Attributes:
-        text: As it was said.
-        names: The names in it, in their order.
+        text: The source text.
+        names: The names in the text, in order.
     """
 
     def __init__(self, text: str, known: Iterable[str]) -> None:
         """
         Args:
             text: The condition.
-            known: All names that may be in it.
+            known: All names that the condition may use.
 
         Raises:
-            InputError: It cannot be read, or has an unknown name; with the column.
+            InputError: The text is invalid or has an unknown name; the message gives the column.
         """
         self.text = text
         if not isinstance(text, str) or not text.strip():
@@ -102,7 +102,7 @@ class Expression:
         """Whether the condition holds for these values of its names.
 
         Raises:
-            InputError: A name without a value, or values that cannot be compared or computed with.
+            InputError: A name has no value, or its value does not fit the operation.
         """
         try:
             arguments = [values[name] for name in self.names]
@@ -125,7 +125,7 @@ class Expression:
 
 
 class _Names:
-    """Names of a condition: where each is first said, and what stands for it in Python."""
+    """Names of a condition: the first column of each, and its placeholder in Python."""
 
     def __init__(self) -> None:
         self.columns: dict[str, int] = {}
@@ -139,9 +139,9 @@ class _Names:
 
 
 def _placeholders(text: str) -> tuple[str, _Names]:
-    """The condition with every name replaced by one that Python can read, and their names.
+    """The condition with every name replaced by a Python identifier, and the names.
 
-    What is replaced keeps its length, so that columns stay what they are.
+    A replacement has the length of the name, so columns do not change.
     """
     found = _Names()
 
@@ -170,7 +170,7 @@ def _parsed(text: str, plain: str) -> ast.Expression:
 
 
 class _Check:
-    """Walks a condition and refuses what it may not have; notes which names are numbers."""
+    """Walk through a condition: refuse forbidden syntax, note which names are numbers."""
 
     def __init__(self, text: str, plain: str, found: _Names) -> None:
         self.text, self.found = text, found
@@ -179,7 +179,7 @@ class _Check:
         self.numbers: set[str] = set()
 
     def condition(self, node: ast.expr, depth: int) -> None:
-        """Anything that is allowed."""
+        """Check a node that may have any type."""
         self._deep(node, depth)
         if isinstance(node, ast.BoolOp):
             for value in node.values:
@@ -195,7 +195,7 @@ class _Check:
             self.number(node, depth)
 
     def number(self, node: ast.expr, depth: int) -> None:
-        """What can be computed with."""
+        """Check a node that must be a number."""
         self._deep(node, depth)
         if isinstance(node, ast.BinOp):
             if not isinstance(node.op, _ARITHMETIC):
@@ -260,7 +260,7 @@ class _Check:
 
 
 def _compiled(tree: ast.Expression, count: int) -> Callable[..., Any]:
-    """A function of the values of the names, in their order."""
+    """The condition as a function of the values of its names, in order."""
     arguments = ast.arguments(
         posonlyargs=[],
         args=[ast.arg(arg=chr(_LETTER + k)) for k in range(count)],

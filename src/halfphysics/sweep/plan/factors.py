@@ -1,4 +1,4 @@
-"""Names of factors: what each varies, and which of its values are possible.
+"""Names of factors: the quantity that each varies, and its possible values.
 
 settings.FIELD                 a field of halfphysics.Settings, or an option of a baseline
 body.stature, body.betas.K     height of the default body [m]; its K-th shape number
@@ -30,14 +30,14 @@ Group: TypeAlias = Literal[
 
 @dataclass(frozen=True, kw_only=True)
 class Bounds:
-    """Which numbers are possible: from `least` to `most`, above `above`."""
+    """The possible numbers: from `least` to `most`, above `above`."""
 
     least: float = -math.inf
     most: float = math.inf
     above: float = -math.inf
 
     def check(self, name: str, value: Value) -> None:
-        """Raises `InputError` for a value that is no number or out of bounds."""
+        """Raise `InputError` if the value is no number or out of bounds."""
         found = real(value, plain=True)
         if found is None or not (self.least <= found <= self.most and found > self.above):
             raise InputError(f"{name}: found {shown(value)}, expected {self}")
@@ -54,7 +54,7 @@ class Bounds:
 
 
 _ANY, _POSITIVE = Bounds(), Bounds(above=0.0)
-#: Where something is moved to, axis by axis [m].
+#: Factors that translate an object or motion, one per axis [m].
 OFFSETS = ("offset_x", "offset_y", "offset_z")
 _PLACE = {name: _ANY for name in (*OFFSETS, "yaw")}
 
@@ -68,9 +68,9 @@ STATIC: Mapping[str, Bounds] = {
 OBJECT: Mapping[str, Bounds] = {"mass": _POSITIVE, "mass_factor": _POSITIVE, **STATIC}
 STATURE = Bounds(least=0.4, most=2.8)
 
-#: Most shape numbers that a body model has.
+#: Largest number of shape numbers of a body model.
 _MOST_BETAS = 400
-#: Options of a scenario that are no plain value, and what varies instead of them.
+#: Options of a scenario that are no plain values; other factors vary these objects.
 NOT_PLAIN = ("body", "other")
 
 _GROUPS: Mapping[str, str] = {
@@ -87,11 +87,11 @@ _GROUPS: Mapping[str, str] = {
 
 @dataclass(frozen=True, kw_only=True)
 class FactorName:
-    """A factor's name, taken apart.
+    """The parts of a factor's name.
 
     Attributes:
         group: Its first word.
-        thing: NAME of object.NAME.X and static.NAME.X, "" of others.
+        item: NAME of object.NAME.X and static.NAME.X, "" for other factors.
         what: Its last word; K of body.betas.K with "betas." before it.
     """
 
@@ -101,10 +101,10 @@ class FactorName:
 
     @classmethod
     def parse(cls, name: str) -> FactorName:
-        """Take a name apart.
+        """Split a name into its parts.
 
         Raises:
-            InputError: No factor has that name.
+            InputError: No factor has this name.
         """
         if not isinstance(name, str):
             raise InputError(f"factors: found {shown(name)}, expected names such as objects.mass")
@@ -128,7 +128,7 @@ class FactorName:
 
     @property
     def bounds(self) -> Bounds | None:
-        """Which numbers are possible, None where that depends on more (settings, scenarios)."""
+        """The possible numbers; None if they depend on more than the name (settings, scenarios)."""
         if self.group == "body":
             return STATURE if self.what == "stature" else _ANY
         if self.group == "motion":
@@ -156,16 +156,16 @@ _WHATS: Mapping[str, tuple[str, ...]] = {
 def check_factors(
     factors: Mapping[str, Spec], settings: Mapping[str, Any], scenarios: Iterable[str], files: bool
 ) -> None:
-    """Refuse factors that cannot vary anything, and values that are impossible.
+    """Refuse factors without effect and impossible values.
 
     Args:
         factors: Name -> values.
         settings: The plan's settings, the same for all variants.
         scenarios: Names of the scenarios among the inputs.
-        files: Whether there are inputs that are no scenarios.
+        files: Whether some inputs are files.
 
     Raises:
-        InputError: Led by the factor's name.
+        InputError: The message begins with the factor's name.
     """
     for name, values in factors.items():
         parsed = FactorName.parse(name)
@@ -185,7 +185,7 @@ def check_settings(settings: Mapping[str, Any]) -> None:
     """Refuse fields that `halfphysics.Settings` does not have, and impossible values.
 
     Raises:
-        InputError: Naming the field.
+        InputError: The message names the field.
     """
     for name in settings:
         if name not in OPTIONS:
@@ -197,7 +197,7 @@ def check_settings(settings: Mapping[str, Any]) -> None:
 
 
 def _within(values: Spec, check: Callable[..., None], *args: Any) -> None:
-    """check(*args), with the way out for a normal distribution that has no ends."""
+    """check(*args); for a normal distribution without ends, the message advises `within`."""
     try:
         check(*args)
     except InputError as error:
@@ -234,7 +234,7 @@ def _check_option(name: str, option: str, scenarios: tuple[str, ...], files: boo
 
 
 def _check_settings(factors: Mapping[str, Spec], settings: Mapping[str, Any]) -> None:
-    """Each value of a setting makes Settings with some values of the others."""
+    """Check that each value of a setting is valid with some values of the others."""
     axes = {
         name.partition(".")[2]: values
         for name, values in factors.items()

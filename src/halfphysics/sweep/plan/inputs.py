@@ -1,8 +1,8 @@
-"""Inputs of a sweep: entries of its file, and the motions and scenarios that they come to.
+"""Inputs of a sweep: entries of its file, and the motions and scenarios they name.
 
-The inputs that an entry comes to are lines of text, one each, so that a million of them are a file
-and an array of offsets: "file", its path, and the number of the entry; or "scenario", its name, and
-the number; with tabs between.
+Each input of an entry is a line of text, so a million inputs are a file and an array of offsets.
+A line is "file", the path and the number of the entry, or "scenario", the name and the number,
+separated by tabs.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ _CHUNK = 1 << 20
 
 @dataclass(frozen=True, kw_only=True)
 class Inputs:
-    """An entry of a plan's inputs: files or scenarios, with what applies to all of them.
+    """An entry of a plan's inputs: files or scenarios, and their common options.
 
     Attributes:
         files: Patterns (*, ?, [...], ** for any folders between), relative to the plan's folder;
-            one that ends in a slash is of folders, for data sets that keep a clip in a folder.
+            a pattern that ends in a slash matches folders, for data sets with one folder per clip.
         scenarios: Names of scenarios; these or files.
         options: For files the fields of `io.asked.MotionOptions` (fps, up, hands, model, gender,
             frames, clip, assets, objects), for scenarios their own options.
-        ground: A floor at z = 0 where the scene brings no plane.
+        ground: Add a floor at z = 0 if the scene has no plane.
     """
 
     files: tuple[str, ...] = ()
@@ -62,7 +62,7 @@ class Inputs:
         object.__setattr__(self, "options", options)
 
     def document(self) -> dict[str, Any]:
-        """As plain data, all said."""
+        """The entry as plain data, with all defaults written out."""
         what = {"files": list(self.files)} if self.files else {"scenarios": list(self.scenarios)}
         return {**what, **dict(sorted(self.options.items())), "ground": self.ground}
 
@@ -74,10 +74,10 @@ class Input:
     Attributes:
         kind: "file" or "scenario".
         name: The file's path as in the list of inputs (with /), or the scenario's name.
-        path: Where the file is; None of a scenario.
-        options: Of a file the fields of `io.asked.MotionOptions` that were said, paths among
-            them as they can be opened; of a scenario its own options.
-        ground: A floor at z = 0 where the scene brings no plane.
+        path: Path of the file; None for a scenario.
+        options: For a file, the given fields of `io.asked.MotionOptions`, with paths that can be
+            opened; for a scenario, its own options.
+        ground: Add a floor at z = 0 if the scene has no plane.
     """
 
     kind: Literal["file", "scenario"]
@@ -88,7 +88,7 @@ class Input:
 
     @property
     def motion_options(self) -> MotionOptions:
-        """How to read the file."""
+        """The options for reading the file."""
         return MotionOptions(**self.options)
 
 
@@ -113,12 +113,12 @@ def resolve(entries: Sequence[Inputs], base: Path, outputs: str) -> list[str]:
     """The inputs, one line each: entry by entry, files sorted by path within each.
 
     Args:
-        entries: As in the plan.
+        entries: The entries of the plan.
         base: The folder that patterns are relative to.
-        outputs: The folder of the results, relative to it: what lies there is no input.
+        outputs: The folder of the results, relative to `base`; files in it are no inputs.
 
     Raises:
-        FileError: A pattern that no file matches, or a name that a line cannot hold.
+        FileError: No file matches a pattern, or a line cannot hold a name.
     """
     lines = []
     for number, entry in enumerate(entries):
@@ -142,10 +142,10 @@ def resolve(entries: Sequence[Inputs], base: Path, outputs: str) -> list[str]:
 
 
 def read_line(line: str, entries: Sequence[Inputs], base: Path) -> Input:
-    """The input that a line stands for.
+    """The input described by a line.
 
     Raises:
-        FileError: No such line can be of this plan.
+        FileError: The line cannot belong to this plan.
     """
     kind, _, rest = line.partition("\t")
     name, _, number = rest.partition("\t")
@@ -163,15 +163,15 @@ def read_line(line: str, entries: Sequence[Inputs], base: Path) -> Input:
 
 
 class InputList(Sequence[str]):
-    """The lines of a file, read when asked for: a million of them take 8 MB.
+    """The lines of a file, read on access: a million lines take 8 MB.
 
-    The file must stay as it is. Can be sent to other processes, which open it themselves.
+    The file must not change. The list can be sent to other processes, which open the file again.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """
         Raises:
-            FileError: No such file, or nothing in it.
+            FileError: The file does not exist or is empty.
         """
         self.path = file_path(path)
         try:
@@ -274,7 +274,7 @@ def _check_scenarios(names: tuple[str, ...], options: Mapping[str, Any]) -> None
 
 
 def _opened(options: Mapping[str, Any], base: Path) -> dict[str, Any]:
-    """Options with their paths as they can be opened."""
+    """Options with paths that can be opened."""
     opened = dict(options)
     if "assets" in opened:
         opened["assets"] = tuple(base / folder for folder in opened["assets"])
@@ -284,7 +284,7 @@ def _opened(options: Mapping[str, Any], base: Path) -> dict[str, Any]:
 
 
 def _texts(value: Any, what: str) -> tuple[str, ...]:
-    """One text or several, each once, as a tuple."""
+    """One text or several distinct texts, as a tuple."""
     texts = (value,) if isinstance(value, str) else value
     if not isinstance(texts, list | tuple) or not all(isinstance(t, str) and t for t in texts):
         raise InputError(f"{what}: found {shown(value)}, expected text or a list of texts")

@@ -1,29 +1,29 @@
-"""Where things of a sweep lie: numbers of variants, batches and shards, and their files."""
+"""Layout of a sweep: numbers of variants, batches and shards, and the paths of their files."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 
-#: Shards in one folder: file systems and people take long over larger ones.
+#: Shards in one folder: larger folders are slow in file systems and hard to read.
 PER_FOLDER = 1000
-#: How many digits numbers have in names, so that names sort as numbers do.
+#: Number of digits in names, so that names sort like numbers.
 DIGITS = 9
-#: In the folder of a sweep: the plan, and the inputs that it came to.
+#: Files in the folder of a sweep: the plan, and the resolved inputs.
 PLAN, INPUTS = "plan.yaml", "inputs.txt"
 
 
 def key_of(number: int) -> str:
-    """A number in names: of a sample in its shard, of a shard."""
+    """The number of a sample or shard as it is written in names."""
     return f"{number:0{DIGITS}d}"
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Runs of `variants` variants: `batch` of them make a batch, `per_shard` or a few more a shard.
+    """`variants` variants in batches of `batch` and shards of `per_shard` or a few more.
 
-    A shard is whole batches. Everything is computed, nothing listed: a plan of ten million
-    variants takes no more memory than one of ten.
+    A shard consists of whole batches. Everything is computed, nothing is listed: a plan of ten
+    million variants takes no more memory than a plan of ten.
     """
 
     folder: Path
@@ -33,7 +33,7 @@ class Layout:
 
     @property
     def batches(self) -> int:
-        """Number of batches, the last of which may be short."""
+        """Number of batches; the last may be short."""
         return -(-self.variants // self.batch)
 
     @property
@@ -43,7 +43,7 @@ class Layout:
 
     @property
     def shards(self) -> int:
-        """Number of shards, the last of which may be short."""
+        """Number of shards; the last may be short."""
         return -(-self.batches // self.batches_per_shard)
 
     def batches_of(self, shard: int) -> range:
@@ -64,7 +64,7 @@ class Layout:
 
     @property
     def work(self) -> Path:
-        """What is not sealed yet, and notes that are no part of the data."""
+        """The folder of unsealed shards and of notes that are no part of the data."""
         return self.folder / "work"
 
     @property
@@ -72,12 +72,12 @@ class Layout:
         return self.folder / "shards"
 
     def shard_file(self, shard: int, suffix: str) -> Path:
-        """`suffix`: ".tar", ".h5", or ".json" for the record that says it is done."""
+        """The file of a shard; `suffix` is ".tar", ".h5", or ".json" (the record of completion)."""
         folder = self.shard_folder / f"{shard // PER_FOLDER:05d}"
         return folder / f"{key_of(shard)}{suffix}"
 
     def open_shard(self, shard: int) -> Path:
-        """The folder of fragments of a shard that is not sealed yet."""
+        """The folder of fragments of an unsealed shard."""
         return self.work / key_of(shard)
 
     def fragment(self, batch: int) -> Path:
@@ -87,5 +87,5 @@ class Layout:
         return self.fragment(batch).with_suffix(".json")
 
     def stats(self, shard: int) -> Path:
-        """What the input files of a sealed shard looked like when they were read."""
+        """The file with the state of a sealed shard's input files at the time of reading."""
         return self.work / "stats" / f"{key_of(shard)}.json"

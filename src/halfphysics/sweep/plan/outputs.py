@@ -1,4 +1,4 @@
-"""What a sweep writes: how contact is labelled, where results go and cut how."""
+"""Outputs of a sweep: contact labels, the output folder and the division into shards."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from halfphysics.base.validation import is_whole, number, shown
 from halfphysics.errors import InputError
 
 FORMATS = ("webdataset", "hdf5")
-#: Layouts of labels that data sets have at thresholds of their own.
+#: Data sets whose label layouts and thresholds are available.
 ALSO = ("behave", "omomo", "chois", "arctic")
 
 
@@ -18,7 +18,8 @@ class Labels:
     """How contact is labelled.
 
     Attributes:
-        threshold: A vertex this near to a thing touches it [m]; None: clearance plus 1 mm.
+        threshold: A vertex up to this distance from an object touches it [m]; None: clearance
+            plus 1 mm.
         also: Data sets whose labels are written too, at their own thresholds.
     """
 
@@ -31,16 +32,16 @@ class Labels:
         object.__setattr__(self, "also", _names(self.also, "also", ALSO))
 
     def document(self) -> dict[str, Any]:
-        """As plain data."""
+        """The options as plain data."""
         return {"threshold": self.threshold, "also": list(self.also)}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outputs:
-    """Where results go, and cut how.
+    """The output folder, the formats and the division into shards.
 
     Attributes:
-        folder: Relative to the plan's folder.
+        folder: Output folder, relative to the plan's folder.
         formats: "webdataset" (tar), "hdf5", or both.
         variants_per_shard: Variants in a shard, rounded up to whole batches.
         batch: Consecutive variants that are computed and written together.
@@ -69,7 +70,7 @@ class Outputs:
             raise InputError(f"results: found {shown(self.results)}, expected true or false")
 
     def document(self) -> dict[str, Any]:
-        """As plain data."""
+        """The options as plain data."""
         return {
             "folder": self.folder,
             "formats": list(self.formats),
@@ -80,7 +81,7 @@ class Outputs:
 
 
 def _names(value: Any, what: str, known: tuple[str, ...]) -> tuple[str, ...]:
-    """Some of the known names, each once, in the order in which they are known."""
+    """Some of the known names, each once, in the order of `known`."""
     names = (value,) if isinstance(value, str) else value
     if not isinstance(names, list | tuple):
         raise InputError(f"{what}: found {shown(value)}, expected a list of {', '.join(known)}")

@@ -1,4 +1,4 @@
-"""What a sweep is to do: one frozen dataclass, of a file (docs/sweeps.md) or made in Python."""
+"""The plan of a sweep: a frozen dataclass, from a file (docs/sweeps.md) or made in Python."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ __all__ = [
     "resolve_inputs",
 ]
 
-#: Written into files; a reader of another version refuses with both numbers.
+#: Version written into files; a reader of another version raises an error with both numbers.
 VERSION = 1
 
-#: What expressions know of every variant beside its factors.
+#: Names that expressions may use beside the factors.
 OF_VARIANT = ("input", "body", "scene")
-#: What `keep_after` knows beside that: the single values of the card that tell of a result.
+#: Further names that `keep_after` may use: the single values of the card about the result.
 OF_RESULT = (
     "success",
     "frames",
@@ -66,17 +66,17 @@ _MOST_SEED = 2**63 - 1
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """A sweep: inputs x bodies x scenes x values of factors, and what is kept of each variant.
+    """A sweep: inputs x bodies x scenes x values of factors, and which variants are kept.
 
     Attributes:
         inputs: Entries of files or scenarios.
-        bodies: An axis.
-        scenes: An axis.
+        bodies: The axis of bodies.
+        scenes: The axis of scenes.
         grounded: Move each motion up or down until its lowest point is on z = 0.
         factors: Name (see `sweep.factors`) -> values: a list, a range or a distribution (see
             `sweep.values`; plain data is taken as in a file).
-        samples: Draws of the distributions for each combination of all else.
-        seed: Of the draws.
+        samples: Draws of the distributions for each combination of the other axes.
+        seed: Seed of the draws.
         keep: Expressions (see `sweep.expression`) that hold for the variants to simulate.
         keep_after: Expressions, also on values of the card, that hold for the samples to keep.
         settings: Fields of `halfphysics.Settings`, the same for all variants.
@@ -131,7 +131,7 @@ class Plan:
         set_(self, "base", Path(self.base))
 
     def _check_scenes(self) -> None:
-        """A scenario is a scene, which no other can stand in for: all its variants would fail."""
+        """A scenario has its own scene; with another scene all its variants would fail."""
         others = [scene.name for scene in self.scenes if scene.file is not None]
         names = [name for given in self.inputs for name in given.scenarios]
         if others and names:
@@ -145,7 +145,7 @@ class Plan:
         """The plan in a .yaml, .yml or .json file.
 
         Raises:
-            FileError: No such file, or a mistake in it, with its place.
+            FileError: The file does not exist or has a mistake; the message gives the place.
         """
         from halfphysics.sweep.plan.plan_file import load_plan
 
@@ -156,21 +156,21 @@ class Plan:
         """The plan of plain data in the file's format.
 
         Args:
-            document: As `document` gives it; keys may be left out.
+            document: Plain data as returned by `document`; keys may be left out.
             base: The folder that its paths are relative to.
 
         Raises:
-            FileError: A mistake in it, with its place.
+            FileError: The document has a mistake; the message gives the place.
         """
         from halfphysics.sweep.plan.plan_file import plan_of
 
         return plan_of(document, base)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the plan as YAML; paths stay as they are, `base` says what they are relative to.
+        """Write the plan as YAML; paths stay unchanged, relative to `base`.
 
         Raises:
-            FileError: It cannot be written.
+            FileError: The file cannot be written.
         """
         from halfphysics.sweep.plan.plan_file import save_plan
 
@@ -196,9 +196,9 @@ class Plan:
 
     @property
     def identity(self) -> str:
-        """SHA-256 (hex) of the document without outputs.folder: equal where all bytes will be.
+        """SHA-256 (hex) of the document without outputs.folder.
 
-        The inputs, named by patterns here, and the program are the other half of that.
+        The output bytes depend on this, on the input files (here only patterns) and on the program.
         """
         document = self.document()
         del document["outputs"]["folder"]
@@ -208,12 +208,12 @@ class Plan:
 
     @property
     def folder(self) -> Path:
-        """Where results go, as it can be opened."""
+        """The output folder, as a path that can be opened."""
         return self.base / self.outputs.folder
 
     @property
     def axes(self) -> dict[str, Axis]:
-        """The factors whose values are all combined, in their order."""
+        """The factors whose values are all combined, in order."""
         return {k: v for k, v in self.factors.items() if isinstance(v, Axis)}
 
     @property
@@ -225,7 +225,7 @@ class Plan:
         """The expressions of "keep" or "keep_after", ready to evaluate.
 
         Raises:
-            InputError: One that cannot be read, or a name that is not known.
+            InputError: An expression is invalid or has an unknown name.
         """
         known = (*OF_VARIANT, *self.factors, *(OF_RESULT if which == "keep_after" else ()))
         texts: tuple[str, ...] = getattr(self, which)
@@ -267,7 +267,7 @@ def resolve_inputs(plan: Plan) -> list[str]:
     """The plan's inputs, one line each ("file" or "scenario", name, number of the entry; tabs).
 
     Raises:
-        FileError: A pattern that no file matches.
+        FileError: No file matches a pattern.
     """
     return resolve(plan.inputs, plan.base, plan.outputs.folder)
 

@@ -50,7 +50,7 @@ _OUTPUT_KEYS = ("folder", "formats", "variants_per_shard", "batch", "results")
 
 
 def load_plan(path: str | os.PathLike[str]) -> Plan:
-    """The work behind `Plan.load`; see there."""
+    """Implementation of `Plan.load`; see there."""
     path = file_path(path)
     if path.suffix.lower() not in _SUFFIXES:
         raise FileError(
@@ -62,12 +62,12 @@ def load_plan(path: str | os.PathLike[str]) -> Plan:
 
 
 def plan_of(document: Mapping[str, Any], base: Path) -> Plan:
-    """The work behind `Plan.from_document`; see there."""
+    """Implementation of `Plan.from_document`; see there."""
     return _plan(plain_tree(document, Path("plan")), Path(base))
 
 
 def save_plan(plan: Plan, path: str | os.PathLike[str]) -> None:
-    """The work behind `Plan.save`; see there."""
+    """Implementation of `Plan.save`; see there."""
     import yaml
 
     path = file_path(path)
@@ -182,7 +182,7 @@ def _spec(entry: Entry) -> Spec:
 
 
 def _at(entry: Entry, path: Path) -> Path:
-    """A path that can be asked for: something may be there or not."""
+    """A path that the system can look up; it need not exist."""
     return guarded(entry, file_path, path)
 
 
@@ -192,7 +192,7 @@ def _made(entry: Entry, kind: Callable[..., T], given: Mapping[str, Entry]) -> T
 
 
 def _each(entry: Entry, read: Callable[[Entry], Any]) -> tuple[Any, ...]:
-    """One entry or a list of them."""
+    """Read one entry or each entry of a list."""
     if isinstance(entry.value, list):
         if not entry.value:
             raise entry.error("found an empty list, expected one entry or more")
@@ -201,9 +201,9 @@ def _each(entry: Entry, read: Callable[[Entry], Any]) -> tuple[Any, ...]:
 
 
 def _placed(entry: Entry, make: Callable[[], T]) -> T:
-    """make(), with the place in the file put before what goes wrong.
+    """make(); an error message is prefixed with the place in the file.
 
-    Messages begin with the key they are about, and a colon: the place is that key's.
+    A message begins with its key and a colon: the place is that of the key.
     """
     try:
         return make()
@@ -215,7 +215,7 @@ def _placed(entry: Entry, make: Callable[[], T]) -> T:
 
 
 def _innermost(entry: Entry, said: str) -> tuple[Entry, str]:
-    """The entry that a message is about, and the message without its path."""
+    """The entry named by a message, and the message without the entry's path."""
     children: dict[str, Entry] = {}
     if isinstance(entry.value, dict):
         children = {

@@ -1,4 +1,4 @@
-"""What a factor's values are: a list, a range or a distribution."""
+"""The values of a factor: a list, a range or a distribution."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ Value: TypeAlias = float | int | str | bool | None
 
 #: Share of a normal distribution that must lie in `within`: draws outside are drawn again.
 _LEAST_SHARE = 0.01
-#: Standard deviations within which practically all draws of a normal distribution are.
+#: Number of standard deviations that contain practically all draws of a normal distribution.
 _FAR = 6
 _MOST_VALUES = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
 class Listed:
-    """Values in a list, each combined with all else."""
+    """A list of values; each is combined with the values of all other axes."""
 
     values: tuple[Value, ...]
 
@@ -37,11 +37,11 @@ class Listed:
         return self.values
 
     def extremes(self) -> tuple[Value, ...]:
-        """Values that are possible if all are."""
+        """The values to check: all values of the factor are possible if these are."""
         return self.values
 
     def document(self) -> Any:
-        """As plain data."""
+        """The values as plain data."""
         return list(self.values)
 
 
@@ -79,7 +79,7 @@ class Range:
             )
 
     def listed(self) -> tuple[Value, ...]:
-        """The numbers; whole ones where both ends and all steps are."""
+        """The numbers; integers if both ends and all steps are integers."""
         steps = self.count - 1
         span = self.last - self.first
         if self.scale == "log":
@@ -92,11 +92,11 @@ class Range:
         return (self.first, *inner, self.last)
 
     def extremes(self) -> tuple[Value, ...]:
-        """Values that are possible if all are."""
+        """The values to check: all values of the factor are possible if these are."""
         return self.listed()
 
     def document(self) -> Any:
-        """As plain data."""
+        """The values as plain data."""
         return {"from": self.first, "to": self.last, "count": self.count, "scale": self.scale}
 
 
@@ -115,11 +115,11 @@ class Uniform:
         return self.low + (self.high - self.low) * stream.uniform(number)
 
     def extremes(self) -> tuple[Value, ...]:
-        """Values that are possible if all are; no whole numbers, as none will be drawn."""
+        """The values to check (both ends), as floats: no integer will be drawn."""
         return (float(self.low), float(self.high))
 
     def document(self) -> Any:
-        """As plain data."""
+        """The values as plain data."""
         return {"uniform": [self.low, self.high]}
 
 
@@ -142,17 +142,17 @@ class LogUniform:
         return min(max(self.low * exp(span * stream.uniform(number)), self.low), self.high)
 
     def extremes(self) -> tuple[Value, ...]:
-        """Values that are possible if all are; no whole numbers, as none will be drawn."""
+        """The values to check (both ends), as floats: no integer will be drawn."""
         return (float(self.low), float(self.high))
 
     def document(self) -> Any:
-        """As plain data."""
+        """The values as plain data."""
         return {"log_uniform": [self.low, self.high]}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Normal:
-    """A normal distribution; with `within` (low, high), what falls outside is drawn again."""
+    """A normal distribution; with `within` (low, high), values outside are drawn again."""
 
     mean: float
     sd: float
@@ -189,20 +189,20 @@ class Normal:
         return value
 
     def extremes(self) -> tuple[Value, ...]:
-        """Values that are possible if all are; without `within` those of two in a billion."""
+        """The values to check: both ends, without `within` those of two draws in a billion."""
         if self.within is not None:
             return (float(self.within[0]), float(self.within[1]))
         return tuple(float(self.mean + k * self.sd) for k in (-_FAR, _FAR))
 
     def document(self) -> Any:
-        """As plain data."""
+        """The values as plain data."""
         inside = {} if self.within is None else {"within": list(self.within)}
         return {"normal": [self.mean, self.sd], **inside}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
-    """One of the values, drawn: all equally likely, or in proportion to their weights."""
+    """A draw among values: equally likely, or in proportion to their weights."""
 
     values: tuple[Value, ...]
     weights: tuple[float, ...] | None = None
@@ -227,16 +227,16 @@ class Choice:
         return self.values[min(place, len(sums) - 1)]
 
     def extremes(self) -> tuple[Value, ...]:
-        """Values that are possible if all are."""
+        """The values to check: all values of the factor are possible if these are."""
         return self.values
 
     def document(self) -> Any:
-        """As plain data."""
+        """The values as plain data."""
         weights = {} if self.weights is None else {"weights": list(self.weights)}
         return {"choice": list(self.values), **weights}
 
 
-#: Kinds that are axes of the sweep, and kinds that are drawn for each variant.
+#: Kinds of values that form axes of the sweep, and kinds that are drawn for each variant.
 Axis: TypeAlias = Listed | Range
 Drawn: TypeAlias = Uniform | LogUniform | Normal | Choice
 Spec: TypeAlias = Axis | Drawn
@@ -257,10 +257,10 @@ EXPECTED = (
 
 
 def spec(value: Any) -> Spec:
-    """The values of a factor from plain data, as a sweep file has it, or as they are.
+    """The values of a factor from plain data of a sweep file; a `Spec` is returned unchanged.
 
     Raises:
-        InputError: Anything else, led by the key that is wrong where there is one.
+        InputError: The data is anything else; the message begins with the wrong key, if any.
     """
     if isinstance(value, Spec):
         return value
@@ -304,7 +304,7 @@ def _interval(low: float, high: float, what: str) -> None:
 
 
 def _values(values: Any, what: str) -> tuple[Value, ...]:
-    """Values that can be told apart, as a tuple."""
+    """The values as a tuple, checked to be distinct."""
     if not isinstance(values, list | tuple) or not values:
         raise InputError(f"{what}: found {shown(values)}, expected a list of one value or more")
     seen = set()
@@ -323,7 +323,7 @@ def _values(values: Any, what: str) -> tuple[Value, ...]:
 
 
 def _told_apart(value: Value) -> tuple[str, Value]:
-    """What is equal where the same simulation would come of it."""
+    """A key that is equal for values that give the same simulation."""
     if isinstance(value, bool) or value is None:
         return "word", value
     return ("text", value) if isinstance(value, str) else ("number", float(value))

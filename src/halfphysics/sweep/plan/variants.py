@@ -1,8 +1,8 @@
-"""From a number to the simulation that it stands for, without a list of them.
+"""The simulation for each number of a sweep, computed without a list of all simulations.
 
 The number is written in the mixed radix of the axes: inputs, bodies, scenes, the factors with lists
 or ranges in the plan's order, and the samples; the first varies slowest, so that neighbours share
-clip, body and scene. What is drawn is a hash of seed, number and name (`sweep.draws`).
+clip, body and scene. A drawn value is a hash of seed, number and name (`sweep.draws`).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from halfphysics.sweep.plan.layout import DIGITS, key_of
 from halfphysics.sweep.plan.plan import Plan
 from halfphysics.sweep.plan.values import Value
 
-#: How many variants a sweep may have: keys in shards sort as numbers do.
+#: The largest number of variants of a sweep, so that keys in shards sort like numbers.
 MOST = 10**DIGITS
 
 
@@ -30,10 +30,10 @@ class Variant:
     """One simulation of a sweep.
 
     Attributes:
-        number: Its place in the sweep, from 0.
+        number: Index in the sweep, from 0.
         input: The motion file or scenario.
-        body: Which body; its path, of a model, can be opened.
-        scene: Which scene; its path, of a file, can be opened.
+        body: The body; the path of a model can be opened.
+        scene: The scene; the path of a file can be opened.
         factors: Name -> value of every factor of the plan, in the plan's order.
     """
 
@@ -49,7 +49,7 @@ class Variant:
         return key_of(self.number)
 
     def values(self) -> dict[str, Value]:
-        """What expressions know of it."""
+        """The values of the names in expressions."""
         return {
             **self.factors,
             "input": self.input.name,
@@ -59,13 +59,13 @@ class Variant:
 
 
 class Variants(Sequence[Variant]):
-    """All variants of a plan, each made when asked for, in any order, in any process."""
+    """All variants of a plan; each is computed on access, in any order, in any process."""
 
     def __init__(self, plan: Plan, inputs: Sequence[str]) -> None:
         """
         Args:
             plan: The plan.
-            inputs: The lines that `resolve_inputs` gives for it, a list or an `InputList`.
+            inputs: The lines from `resolve_inputs` for this plan, a list or an `InputList`.
 
         Raises:
             InputError: No inputs, or more variants than can be numbered.
@@ -83,7 +83,7 @@ class Variants(Sequence[Variant]):
             for scene in plan.scenes
         )
         listed = {name: axis.listed() for name, axis in plan.axes.items()}
-        #: The last axis varies fastest; of the samples nothing but their count matters.
+        #: The last axis varies fastest; of the samples only the count matters.
         self._axes = tuple((name, values, len(values)) for name, values in reversed(listed.items()))
         self._drawn = tuple((k, v.draw, Stream(plan.seed, k)) for k, v in plan.drawn.items())
         self._blank = dict.fromkeys(plan.factors)
@@ -126,7 +126,7 @@ class Variants(Sequence[Variant]):
         )
 
     def keeps(self, variant: Variant) -> bool:
-        """Whether a variant is to be simulated: all of the plan's `keep` hold for it.
+        """Whether a variant is to be simulated: all `keep` conditions of the plan hold for it.
 
         Raises:
             InputError: Values that a condition cannot compare or compute with.
@@ -137,9 +137,9 @@ class Variants(Sequence[Variant]):
         return all(holds(values) for holds in self._keep)
 
     def sample(self, count: int) -> list[int]:
-        """Numbers of up to `count` variants, spread at random but always the same; sorted.
+        """Sorted numbers of up to `count` variants, chosen at random but always the same.
 
-        All of them where there are no more than that.
+        All numbers if the sweep has at most `count` variants.
         """
         if count >= self._length:
             return list(range(self._length))

@@ -1,1 +1,1 @@
-"""What came of a sweep: counts, data card, verification."""
+"""Reports on a sweep: summary and verification."""

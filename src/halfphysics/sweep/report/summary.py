@@ -1,4 +1,4 @@
-"""What a sweep has come to, as text for a terminal: from its data card."""
+"""The summary of a sweep as text for a terminal, from its data card."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from halfphysics.errors import FileError
 from halfphysics.sweep.run.driver import Report
 from halfphysics.sweep.run.progress import bytes_text
 
-_CAUSES = 5  # so many kinds of failures are named
+_CAUSES = 5  # number of kinds of failures that are listed
 _WIDTH = 100
 
 
 def summary(report: Report) -> str:
-    """Variants, failures by cause, events, and where everything is.
+    """Variants, failures by cause, events, and paths of the output.
 
     Raises:
         FileError: The folder's card or manifest cannot be read.
@@ -58,7 +58,7 @@ def _short(text: str) -> str:
 
 
 def _sizes(manifest: Path) -> dict[str, int]:
-    """What the files of all shards take, by kind [bytes]."""
+    """Total size of the files of all shards, by kind [bytes]."""
     sizes: dict[str, int] = {}
     with manifest.open("rb") as lines:
         for line in lines:

@@ -1,4 +1,4 @@
-"""Verifying a sweep: some of its samples are made again and compared bit by bit."""
+"""Verifying a sweep: making some of its samples again and comparing them bit by bit."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from halfphysics.sweep.store.contents import DAMAGE
 from halfphysics.sweep.store.pieces import Piece, ranges_made
 from halfphysics.sweep.store.sources import Sources
 
-#: So many variants are looked at for each one asked for, where filters leave most of them out.
+#: Variants tried for each requested sample, as filters may leave most of them out.
 _TRIES = 100
-#: Differences that are told; there may be many more, and the first ones say enough.
+#: Largest number of differences that are listed.
 _TOLD = 20
 
 
 @dataclass(frozen=True)
 class Report:
-    """What verifying a sweep found.
+    """The result of verifying a sweep.
 
     Attributes:
         equal: Samples that are equal bit by bit.
-        out: Variants without a sample that again have none.
-        differences: What differs, in words.
-        notes: What is worth knowing besides, such as another version of the program.
+        out: Variants that have no sample, neither stored nor made again.
+        differences: Descriptions of the differences.
+        notes: Other information, such as another version of the program.
     """
 
     equal: int
@@ -42,7 +42,7 @@ class Report:
     notes: tuple[str, ...]
 
     def __str__(self) -> str:
-        """As lines of text."""
+        """The report as lines of text."""
         if not (self.equal or self.out or self.differences):
             return "\n".join(["no sample to compare: none is there", *self.notes])
         lines = [f"{self.equal} sample(s) made again are equal bit by bit"]
@@ -63,23 +63,23 @@ def verify(
     seed: int = 0,
     progress: Callable[[int], None] | None = None,
 ) -> Report:
-    """Make some samples of a sweep again, and compare them with what is stored, bit by bit.
+    """Make some samples of a sweep again, and compare them with the stored ones, bit by bit.
 
-    The files that they are in are compared with their SHA-256 as well, and the inputs with theirs.
+    The SHA-256 of the files that hold the samples, and of the inputs, is compared as well.
     Variants that failed are not tried again.
 
     Args:
-        folder: Of the sweep, finished or not.
-        count: How many samples; all where there are fewer.
-        seed: Which ones.
-        progress: Told after each sample how many have been compared.
+        folder: The folder of the sweep, finished or not.
+        count: Number of samples; all if there are fewer.
+        seed: Seed of the random choice of samples.
+        progress: Called after each sample with the number of samples compared.
 
     Returns:
-        What was found; no differences are among it.
+        The report, without differences.
 
     Raises:
-        FileError: Something differs: the report is the message. Or no sweep is in the folder.
-        InputError: There is nothing to compare yet, or an impossible count.
+        FileError: A sample differs (the report is the message), or the folder has no sweep.
+        InputError: The sweep has no samples to compare yet, or `count` is invalid.
     """
     if not is_whole(count, least=1):
         raise InputError(f"verify: count: found {shown(count)}, expected 1 or more samples")
@@ -101,7 +101,7 @@ class _Verifier:
         plan = Plan.load(folder / PLAN)
         self._folder = folder
         self._variants = Variants(plan, InputList(folder / INPUTS))
-        # Its own: what the workers of this process have read may have changed since.
+        # A new maker: files that other makers of this process have read may have changed since.
         self._maker = Maker(plan, self._variants)
         self._layout = Store(folder, plan).layout
         self._sources = Sources(since=0, base=plan.base)
@@ -110,7 +110,7 @@ class _Verifier:
         self._notes: dict[str, None] = {}
 
     def run(self, count: int, seed: int, progress: Callable[[int], None] | None) -> Report:
-        """Compare so many samples."""
+        """Compare `count` samples."""
         ranges = list(ranges_made(self._layout))
         ends = list(accumulate(len(numbers) for numbers in ranges))
         if not ranges:
@@ -141,7 +141,7 @@ class _Verifier:
         return report
 
     def _absent(self, piece: Piece, number: int, most: int) -> None:
-        """A variant without a sample: one that failed, or one that a condition leaves out."""
+        """Check a variant without a sample: it failed, or a condition leaves it out."""
         if number in piece.failed or not self._variants.keeps(self._variants[number]):
             return
         if self._out < most:
@@ -151,7 +151,7 @@ class _Verifier:
             self._out += 1
 
     def _compare(self, piece: Piece, number: int) -> None:
-        """Make a sample again, and say where it differs."""
+        """Make a sample again, and record its differences."""
         made = self._maker.sample(number)
         if not isinstance(made, Sample) or not made.files:
             why = f"fails: {made['cause']}" if isinstance(made, dict) else "is left out"
@@ -162,14 +162,14 @@ class _Verifier:
             for name, digest in self._sources.named(made.inputs).items()
             if piece.inputs.get(name, digest) != digest
         ]
-        if changes:  # then all else may differ
+        if changes:  # then all other contents may differ
             self._differences += [text for text in changes if text not in self._differences]
             return
         try:
             card = piece.card(number)
             others = changed(card["versions"])
             self._notes |= {f"made by another program: {text}": None for text in others}
-            # What another program made should be the same but for its name.
+            # Data of another program should be the same except for the versions in the card.
             differ = piece.differ(number, made.files, ("versions",) if others else ())
         except DAMAGE as error:
             differ = [f"cannot be read ({error})"]

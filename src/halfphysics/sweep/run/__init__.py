@@ -1,1 +1,1 @@
-"""The work of a sweep is done here: driver, local processes, Ray."""
+"""Running a sweep: driver, local processes, Ray."""

@@ -1,7 +1,7 @@
-"""The loop of a sweep: hands out batches, seals shards, and gets over the death of processes.
+"""The loop of a sweep: hands out batches, seals shards, and recovers from the death of processes.
 
-What it remembers is about shards that are open, at most twice as many tasks as the engine runs at
-a time. Everything else is on disk, so that it may end at any moment and start again.
+The driver keeps open shards only in memory, and at most twice as many tasks as the engine has
+slots. Everything else is on disk, so the driver may end at any moment and start again.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ if TYPE_CHECKING:
     from halfphysics.sweep.plan.layout import Layout
     from halfphysics.sweep.store.store import Store
 
-AHEAD = 2  # so many tasks for each slot are handed over
-TARGET = 2.0  # a task should take so long [s],
-RATE = 400.0  # and longer where more than so many tasks would end in a second: one process drives
-_ENDING = 3  # what is left is shared out in so many tasks for each slot
-_LEARNING = 0.3  # the weight of the latest task in what a batch is said to take
-_TRIES = 2  # a batch, or a variant alone, whose process died runs so often in all
-_HOPELESS = 50  # so many processes in a row may die, and no task end: more with many slots
+AHEAD = 2  # number of tasks handed over for each slot
+TARGET = 2.0  # duration of a task [s],
+RATE = 400.0  # longer if more than this many tasks would end per second: one process drives all
+_ENDING = 3  # the last batches are divided into this many tasks for each slot
+_LEARNING = 0.3  # weight of the latest task in the estimated duration of a batch
+_TRIES = 2  # number of attempts at a batch, or a variant alone, whose process dies
+_HOPELESS = 50  # deaths in a row without a finished task before the sweep stops; plus 4 per slot
 
 _TOGETHER = "its process died, again and again, though each variant of its batch alone survived"
 
 
 class SweepError(HalfPhysicsError):
-    """A sweep that cannot go on: its outputs cannot be written, or processes die all the time."""
+    """A sweep cannot continue: its outputs cannot be written, or its processes keep dying."""
 
 
 @dataclass(frozen=True)
 class Report:
-    """What a sweep has come to, with what was there before.
+    """The totals of a sweep, including earlier runs.
 
     Attributes:
-        folder: Where it is.
-        shards, samples, skipped, failures: Numbers of shards, of variants that are in them, that a
-            condition of the plan left out, and that failed (``failures.jsonl``).
+        folder: The folder of the sweep.
+        shards, samples, skipped, failures: Numbers of shards, of variants in them, of variants that
+            a condition of the plan left out, and of failed variants (``failures.jsonl``).
     """
 
     folder: Path
@@ -54,32 +54,32 @@ class Report:
 
     @property
     def variants(self) -> int:
-        """How many variants that is."""
+        """Number of variants."""
         return self.samples + self.skipped + self.failures
 
 
 class Shards(Protocol):
-    """What the driver asks of the outputs (`store.Store`)."""
+    """The interface of the outputs that the driver uses (`store.Store`)."""
 
     @property
     def layout(self) -> Layout:
-        """Which variants, batches and shards there are."""
+        """The variants, batches and shards of the sweep."""
 
     def done(self, shard: int) -> bool:
-        """Whether it is sealed."""
+        """Whether a shard is sealed."""
 
     def left(self, shard: int) -> Sequence[int]:
-        """Its batches that have to be made, in order."""
+        """The batches of a shard that have to be made, in order."""
 
 
 class Progress(Protocol):
-    """The one that is told what happens."""
+    """Receives the events of a sweep."""
 
     def begin(self, variants: int) -> None:
-        """Work on so many variants in all begins."""
+        """The sweep starts; `variants` is the total number."""
 
     def found(self, variants: int) -> None:
-        """So many of them were done before."""
+        """An earlier run finished this number of variants."""
 
     def ended(self, task: Task, done: Done) -> None:
         """A task has ended."""
@@ -89,16 +89,16 @@ class Progress(Protocol):
 
 
 def run(store: Store, engine: Engine, progress: Progress, *, limit: float | None = None) -> Report:
-    """Do all that is left of a sweep.
+    """Do all remaining work of a sweep.
 
     Args:
-        store: Its folder, begun.
-        engine: What works; the caller closes it.
-        progress: What is told.
-        limit: How long a variant may take [s]; None: as long as it takes.
+        store: The opened folder of the sweep (`begin` was called).
+        engine: Runs the tasks; the caller closes it.
+        progress: Receives the events.
+        limit: Time limit of a variant [s]; None: no limit.
 
     Raises:
-        SweepError: It cannot go on. What is done stays done; the same sweep continues.
+        SweepError: The sweep cannot continue. Finished work stays; starting it again continues.
     """
     Driver(store, engine, progress, limit).run()
     return Report(store.folder, **store.finish())
@@ -106,14 +106,14 @@ def run(store: Store, engine: Engine, progress: Progress, *, limit: float | None
 
 @dataclass
 class _Suspect:
-    """A batch whose variants are tried alone: how many are left to try, and which died of it."""
+    """A batch whose variants run alone: number of variants left, and those whose process died."""
 
     left: int
     dead: tuple[tuple[int, str], ...] = ()
 
 
 class Driver:
-    """The state of a sweep that runs."""
+    """The state of a running sweep."""
 
     def __init__(
         self, store: Shards, engine: Engine, progress: Progress, limit: float | None = None
@@ -121,21 +121,21 @@ class Driver:
         self.store, self.engine, self.progress = store, engine, progress
         self._limit = limit
         self._under_way = 0
-        self._first = deque[Task]()  # what goes before new batches
+        self._first = deque[Task]()  # tasks that go before new batches
         self._shard = -1  # the shard that batches are taken from
-        self._left = deque[int]()  # its batches that no process has yet
+        self._left = deque[int]()  # its batches that are not handed out yet
         self._open: dict[int, int] = {}  # shard -> batches that have not come back
-        self._tries: dict[tuple[str, int], int] = {}  # deaths by kind of task and its first
+        self._tries: dict[tuple[str, int], int] = {}  # deaths by kind and first number of a task
         self._suspects: dict[int, _Suspect] = {}  # by batch
-        self._pace: float | None = None  # what a batch takes [s]
-        self._deaths = 0  # since a task ended
+        self._pace: float | None = None  # estimated duration of a batch [s]
+        self._deaths = 0  # deaths since a task ended
         self._layout = store.layout
 
     def run(self) -> None:
-        """Do all that is to be done.
+        """Do all remaining work.
 
         Raises:
-            SweepError: It cannot go on; what is done is on disk.
+            SweepError: The sweep cannot continue; finished work is on disk.
         """
         self.progress.begin(self._layout.variants)
         while True:
@@ -155,7 +155,7 @@ class Driver:
                     self._ended(task, outcome)
 
     def _next(self) -> Task | None:
-        """What is to be handed over next."""
+        """The next task to hand over."""
         while not self._first:
             if self._left:
                 return self._batches()
@@ -178,7 +178,7 @@ class Driver:
             self._first.append(Task("seal", shard))
 
     def _batches(self) -> Task:
-        """Batches of the shard in hand that are neighbours, as many as fill a task."""
+        """Consecutive batches of the current shard, as many as fill a task."""
         rest = self._layout.batches - self._left[0]
         target = max(TARGET, self.engine.slots / RATE)
         most = 1 if self._pace is None else max(1, round(target / max(self._pace, 1e-3)))
@@ -210,7 +210,7 @@ class Driver:
         self.progress.ended(task, done)
 
     def _died(self, task: Task, death: Death) -> None:
-        """It may have been chance, or one of the task's variants: which is found out."""
+        """Try again after a death: find out whether chance or a variant of the task caused it."""
         self._deaths += 1
         if self._deaths >= _HOPELESS + 2 * AHEAD * self.engine.slots:
             raise SweepError(
@@ -220,7 +220,7 @@ class Driver:
             )
         batches = range(task.first, task.first + task.count)
         if task.count > 1:
-            # Each goes alone from now on, so that one variant costs little.
+            # Each batch runs alone from now on, so that a fatal variant costs little.
             again = [Task(task.kind, task.shard, batch) for batch in batches]
         else:
             again = [task]
@@ -247,8 +247,8 @@ class Driver:
             self._first.extend(Task("variants", task.shard, n) for n in numbers)
 
     def _tried(self, task: Task, dead: tuple[tuple[int, str], ...]) -> None:
-        """A variant has been tried alone; after the last one of a batch, it is made without them
-        that died of it."""
+        """Record that a variant ran alone; after the last one, make the batch without the fatal
+        variants."""
         batch = task.first // self._layout.batch
         suspect = self._suspects[batch]
         suspect.left -= 1

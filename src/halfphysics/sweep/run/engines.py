@@ -1,4 +1,4 @@
-"""What a sweep runs on: anything that runs tasks somewhere and says how they ended."""
+"""The interface of engines, which run the tasks of a sweep and report their outcomes."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ __all__ = ["Death", "Engine"]
 class Engine(Protocol):
     """Runs `work.do(folder, task)` in processes that may die.
 
-    `slots`: how many tasks run at a time; the driver keeps up to twice as many handed over. A
-    task of the kind "variants" is handed over because it may kill its process: it runs in a
-    process that does nothing else before or after. An engine does not repeat what died.
+    `slots`: number of tasks that run at a time; the driver hands over up to twice as many. A task
+    of the kind "variants" may kill its process: it runs in a process that runs no other task. An
+    engine does not repeat a task whose process died.
     """
 
     slots: int
@@ -26,7 +26,7 @@ class Engine(Protocol):
         """Hand over a task; does not block."""
 
     def wait(self) -> list[tuple[Task, Done | Death]]:
-        """How tasks ended, at least one; nothing only where none is under way."""
+        """Outcomes of at least one task; the list is empty only if no task is in progress."""
 
     def close(self) -> None:
-        """End everything, what is under way included, within seconds."""
+        """End all processes within seconds, tasks in progress included."""

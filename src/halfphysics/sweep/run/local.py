@@ -1,4 +1,4 @@
-"""The processes of this machine: what a sweep runs on if nothing else is said."""
+"""The processes of this machine: the default engine of a sweep."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from halfphysics.sweep.run.work import Done, Task, do
 
 GIB = 2**30
 
-#: Of the machine's memory, what a sweep takes if nothing else is said.
+#: Default share of the machine's memory that a sweep uses.
 PART = 0.8
-#: What a worker can live on [bytes]: the program, and a clip, a body, a scene and a result.
+#: Least memory of a worker [bytes]: the program, and a clip, a body, a scene and a result.
 LEAST = int(0.5 * GIB)
-#: What a worker should have [bytes]; where memory is short there are fewer of them.
+#: Recommended memory of a worker [bytes]; if memory is short there are fewer workers.
 GOOD = int(1.0 * GIB)
 
 
 def shares(jobs: int | None = None, gib: float | None = None) -> tuple[int, int]:
-    """How many worker processes, and what each may hold [bytes].
+    """Number of worker processes, and the memory limit of each [bytes].
 
     Args:
-        jobs: So many; None: one per core, fewer where memory is short.
-        gib: Memory for all of them [GiB]; None: 80 % of the machine's.
+        jobs: Number of processes; None: one per core, fewer if memory is short.
+        gib: Memory for all processes together [GiB]; None: 80 % of the machine's.
 
     Raises:
-        InputError: Impossible numbers, or less memory than the workers can live on.
+        InputError: Invalid numbers, or less memory than the workers need.
     """
     if jobs is not None and jobs < 1:
         raise InputError(f"jobs: found {jobs}, expected at least 1")
@@ -51,12 +51,12 @@ class LocalEngine:
     """Worker processes of this machine.
 
     Args:
-        folder: The sweep's.
+        folder: The folder of the sweep.
         jobs, memory: See `shares`.
-        function: What the processes run.
+        function: The function that the processes run.
 
     Raises:
-        InputError: Impossible numbers.
+        InputError: Invalid numbers.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class LocalEngine:
         self._pool.submit(task, alone=task.kind == "variants")
 
     def wait(self) -> list[tuple[Task, Done | Death]]:
-        """How tasks ended, at least one; nothing only where none is under way."""
+        """Outcomes of at least one task; the list is empty only if no task is in progress."""
         return self._pool.wait()
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""How far a sweep is: a bar at a terminal, elsewhere a line now and then."""
+"""The progress of a sweep: a bar at a terminal, otherwise a line every few seconds."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ if TYPE_CHECKING:
     from halfphysics.sweep.run.engines import Death
     from halfphysics.sweep.run.work import Done, Task
 
-_EVERY = 5.0  # lines elsewhere than at a terminal are so far apart [s]
+_EVERY = 5.0  # time between lines without a terminal [s]
 
 
 class Progress:
-    """Counts, and says so on stderr.
+    """Counts variants and reports the counts on stderr.
 
     Args:
-        bar: Whether to show a bar; None: where stderr is a terminal.
-        say: What to do with a line instead of writing it to stderr.
+        bar: Whether to show a bar; None: if stderr is a terminal.
+        say: Receives each line; None: write it to stderr.
     """
 
     def __init__(self, bar: bool | None = None, say: Callable[[str], None] | None = None) -> None:
@@ -33,7 +33,7 @@ class Progress:
 
     @property
     def done(self) -> int:
-        """How many variants have come to an end, now or before."""
+        """Number of finished variants, in this run and earlier ones."""
         return self.before + self._now
 
     @property
@@ -41,7 +41,7 @@ class Progress:
         return self.kept + self.skipped + self.failed
 
     def begin(self, variants: int) -> None:
-        """Work on so many variants begins."""
+        """Start the progress of a number of variants."""
         self.total = variants
         self._start = self._said = time.monotonic()
         if self._wanted:
@@ -50,15 +50,15 @@ class Progress:
             self._bar = tqdm(total=variants, unit=" variants", leave=False, smoothing=0.05)
 
     def found(self, variants: int) -> None:
-        """So many of them were done before."""
+        """Count variants that an earlier run finished."""
         self.before += variants
         if self._bar is not None and variants:
-            # What was done before says nothing about how long the rest takes.
+            # Variants of an earlier run must not change the estimated time left.
             self._bar.initial += variants
             self._bar.update(variants)
 
     def ended(self, task: Task, done: Done) -> None:
-        """A task has ended."""
+        """Count the variants of a finished task."""
         self.kept += done.kept
         self.skipped += done.skipped
         self.failed += len(done.causes)
@@ -75,7 +75,7 @@ class Progress:
             self._tell(self.line())
 
     def died(self, task: Task, death: Death) -> None:
-        """A process has died."""
+        """Report the death of a process."""
         self.deaths += 1
         what = {"batches": "batch", "variants": "variant", "seal": "shard"}[task.kind]
         number = task.shard if task.kind == "seal" else task.first
@@ -88,7 +88,7 @@ class Progress:
             self._bar = None
 
     def estimate(self, first: Done) -> str:
-        """What the first task says about the whole."""
+        """The estimated time and size of the sweep, from its first task."""
         left = self.total - self.before
         each = first.seconds / first.variants
         size = f", {bytes_text(left * first.size / first.variants)}" if first.size else ""
@@ -98,7 +98,7 @@ class Progress:
         )
 
     def line(self) -> str:
-        """How far it is, in a line."""
+        """The progress as a line."""
         rate = self._now / max(time.monotonic() - self._start, 1e-9)
         left = f", {time_text((self.total - self.done) / rate)} left" if rate else ""
         failed = f", {self.failed} failed" if self.failed else ""
@@ -113,7 +113,7 @@ class Progress:
 
 
 def time_text(seconds: float) -> str:
-    """A time for people."""
+    """A time in readable units."""
     if seconds < 90.0:
         return f"{seconds:.0f} s"
     if seconds < 90.0 * 60.0:
@@ -123,7 +123,7 @@ def time_text(seconds: float) -> str:
 
 
 def bytes_text(size: float) -> str:
-    """A size for people."""
+    """A size in readable units."""
     for unit in ("B", "kB", "MB", "GB"):
         if size < 1000.0:
             return f"{size:.3g} {unit}"

@@ -1,10 +1,10 @@
-"""A sweep on a cluster: Ray's core runs the tasks, nothing else of Ray is used.
+"""A sweep on a cluster: Ray's core runs the tasks, no other part of Ray is used.
 
-Tasks and what they answer are a few numbers; clips, results and shards go through the folder of
-the sweep, which all machines see. Ray repeats nothing by itself (`max_retries=0`): a process that
-dies names its task to the driver, as it does with processes of this machine, so that a variant
-that kills its process is found in the same way. Only what a lost machine took along is handed over
-again here, for that is no fault of the task's.
+Tasks and answers are a few numbers; clips, results and shards are read and written in the folder
+of the sweep, which all machines share. Ray repeats no task (`max_retries=0`): the death of a
+process is reported to the driver with its task, as for processes of this machine, so a variant that
+kills its process is found in the same way. Only tasks of a lost machine are handed over again here,
+as the task did not cause the loss.
 """
 
 from __future__ import annotations
@@ -41,47 +41,45 @@ if TYPE_CHECKING:
 
 LOST = "its machine was lost, again and again"
 
-_MOVES = 5  # so many machines may be lost under one task
-_REFRESH = 5.0  # how often the size of the cluster is asked for [s]
-_PATIENCE = 10.0  # for a cluster to answer at all [s]
-_LONGEST = 20  # letters of the folder of temporary files
-_FRESH = 1000  # after so many tasks a process is replaced: no leak grows for days
-_STORE = (
-    80_000_000  # Ray's object store where we start it, hardly its least [bytes]: it stays empty
-)
+_MOVES = 5  # number of times a task is moved after its machine was lost
+_REFRESH = 5.0  # time between queries of the size of the cluster [s]
+_PATIENCE = 10.0  # time for a cluster to answer [s]
+_LONGEST = 20  # longest path of the folder of temporary files [characters]
+_FRESH = 1000  # tasks after which a process is replaced, so that leaks stay small
+_STORE = 80_000_000  # Ray's object store if started here, near its minimum [bytes]; stays empty
 
 
 class ClusterError(HalfPhysicsError):
-    """Ray cannot run tasks: no such cluster, no halfphysics there, another version."""
+    """Ray cannot run tasks: no cluster at the address, or halfphysics is missing or differs."""
 
 
 @dataclass(frozen=True)
 class _Answer:
-    """What comes back from a process: how the task ended, and what was said if it went wrong."""
+    """The answer of a process: the outcome of the task, and its stderr if the task failed."""
 
     end: Done | Death
     said: str = ""
 
 
 class RayEngine:
-    """The cores of a Ray cluster, or of a Ray that is started here and ended by `close`.
+    """Runs tasks on a Ray cluster, or on a local Ray that is started here and ended by `close`.
 
-    A Ray that this process is connected to already is used as it is and stays. On a cluster,
-    `slots` follows its size as machines come and go.
+    If this process is already connected to Ray, that connection is used and stays open. On a
+    cluster, `slots` follows its size as machines are added and removed.
 
     Args:
-        folder: The sweep's: the same path on all machines.
-        jobs: At most so many tasks at a time; None: one per core.
-        memory: For all of them together [GiB]: each is refused more than its part. None: Ray's own
-            watch ends processes where a machine runs out.
-        address: Of a cluster ("auto", "HOST:PORT", "ray://HOST:PORT"). None: `$RAY_ADDRESS`,
-            which `ray job submit` sets; without one, processes of this machine.
-        function: What the processes run.
+        folder: The folder of the sweep: the same path on all machines.
+        jobs: Largest number of tasks at a time; None: one per core.
+        memory: Memory of all tasks together [GiB], divided evenly; a task cannot allocate more than
+            its share. None: Ray's memory monitor ends processes if a machine runs out of memory.
+        address: Address of a cluster ("auto", "HOST:PORT", "ray://HOST:PORT"). None:
+            `$RAY_ADDRESS`, which `ray job submit` sets; without it, processes of this machine.
+        function: The function that the processes run.
 
     Raises:
         MissingDependencyError: ray is not installed.
-        InputError: Impossible numbers.
-        ClusterError: There is no such cluster, or it cannot be used.
+        InputError: Invalid numbers.
+        ClusterError: There is no cluster at the address, or it cannot be used.
     """
 
     def __init__(
@@ -113,7 +111,7 @@ class RayEngine:
         share = None if memory is None else int(GIB * memory / self.slots)
         self._order = function, str(Path(folder).absolute()), share, code_hash()
         self._remote = self._function("halfphysics", calls=_FRESH)
-        # Processes belong to an environment, and those of this one answer once: it finds none.
+        # Ray reuses processes by environment: this one has processes of its own, used for one call.
         self._alone = self._function("halfphysics-alone", calls=1, HALFPHYSICS_ALONE="1")
 
     def submit(self, task: Task) -> None:
@@ -122,10 +120,10 @@ class RayEngine:
         self._dispatch()
 
     def wait(self) -> list[tuple[Task, Done | Death]]:
-        """How tasks ended, at least one; nothing only where none is under way.
+        """Outcomes of at least one task; the list is empty only if no task is in progress.
 
         Raises:
-            ClusterError: Ray cannot run what it is given.
+            ClusterError: Ray cannot run the tasks.
         """
         found: list[tuple[Task, Done | Death]] = []
         while self._under_way and not (found and self._ended.empty()):
@@ -142,7 +140,7 @@ class RayEngine:
         return found
 
     def close(self) -> None:
-        """End what is under way, and Ray if it was started or connected to here."""
+        """End the tasks in progress, and Ray if this engine started it or connected to it."""
         self._queue.clear()
         if self._started:
             self._ray.shutdown()
@@ -154,7 +152,7 @@ class RayEngine:
         self._under_way.clear()
 
     def _function(self, name: str, *, calls: int, **environment: str) -> Any:
-        """`_answer` as Ray knows it, in processes that end after so many calls."""
+        """`_answer` as a Ray function, in processes that end after `calls` calls."""
         return self._ray.remote(
             name=name,
             num_cpus=1,
@@ -164,19 +162,19 @@ class RayEngine:
         )(_answer)
 
     def _dispatch(self) -> None:
-        """Give to Ray what it may run; it keeps a queue of its own, of all that it is given."""
+        """Hand tasks to Ray, up to the limit of `jobs`; Ray keeps a queue of its own."""
         while self._queue and (self._most is None or len(self._under_way) < self._most):
             task, moves = self._queue.popleft()
             remote = self._alone if task.kind == "variants" else self._remote
             reference = remote.remote(*self._order, task)
             self._under_way[reference] = task, moves
-            # `ray.wait` looks at all that is under way each time; this costs the same for each.
+            # `ray.wait` checks all tasks in progress on each call; a callback has a constant cost.
             reference.future().add_done_callback(
                 lambda future, reference=reference: self._ended.put((reference, future))
             )
 
     def _end(self, future: Future[_Answer]) -> Done | Death | None:
-        """How a task ended; None: its machine was lost."""
+        """The outcome of a task; None if its machine was lost."""
         errors = self._ray.exceptions
         error = future.exception()
         if error is None:
@@ -196,12 +194,12 @@ class RayEngine:
         ) from error
 
     def _refresh(self) -> None:
-        """Count the cores of the cluster, now and then."""
+        """Count the cores of the cluster, at most every `_REFRESH` seconds."""
         now = time.monotonic()
         if self._asked and now - self._asked < _REFRESH:
             return
         self._asked = now
-        # A cluster that grows on demand may have no cores yet: what waits makes it grow.
+        # A cluster that grows on demand may have no cores yet: waiting tasks make it grow.
         cores = max(1, int(self._ray.cluster_resources().get("CPU", 1)))
         self.slots = cores if self._most is None else min(cores, self._most)
 
@@ -213,7 +211,7 @@ def _answer(
     ours: str,
     task: Task,
 ) -> _Answer:
-    """What runs in the processes of the cluster."""
+    """Run a task in a process of the cluster."""
     place = f"on {socket.gethostname()}"
     if code_hash() != ours:
         stop = (
@@ -237,16 +235,16 @@ def _answer(
 
 
 def _environment() -> Mapping[str, str]:
-    """What the processes need to know: one thread each, and where licensed models lie."""
+    """Environment variables of the processes: one thread each, and paths of licensed models."""
     ours = {name: value for name, value in os.environ.items() if name.startswith("HALFPHYSICS_")}
     return {**{name: os.environ.get(name, "1") for name in THREADS}, **ours}
 
 
 def _ray() -> Any:
-    """The module, told to keep to itself."""
-    # It would send what it is used for to its makers.
+    """The module, without usage statistics and warnings."""
+    # Ray would send usage statistics to its developers.
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-    # Of what it will do with graphics cards one day it warns each time.
+    # Ray would warn each time about a future change of its GPU settings.
     os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
     try:
         import ray
@@ -258,10 +256,10 @@ def _ray() -> Any:
 
 
 def _scratch() -> Path | None:
-    """A folder for sockets and logs that goes with the sweep; None: where Ray always has them.
+    """A folder for sockets and logs, removed with the sweep; None: the default folder of Ray.
 
-    Ray makes sockets some 65 letters further down, and paths of sockets are short: 107 letters on
-    Linux, 103 on macOS.
+    Ray adds about 65 characters for its sockets, and paths of sockets are limited: 107 characters
+    on Linux, 103 on macOS.
     """
     folder = Path(tempfile.gettempdir()).absolute()
     if len(str(folder)) > _LONGEST:
@@ -291,18 +289,18 @@ def _connect(ray: Any, address: str, jobs: int | None, scratch: Path | None) -> 
             f"ray: cannot use {address}: {_last_line(error)}. `ray start --head` starts a cluster, "
             "`ray status` says whether there is one"
         ) from error
-    # Of every process that dies it would tell on stdout, where there is no setting against it.
+    # Ray would report every death of a process on stdout, and has no setting against it.
     worker = sys.modules.get("ray._private.worker")
     if hasattr(worker, "_worker_logs_enabled"):
         setattr(worker, "_worker_logs_enabled", False)  # noqa: B010
 
 
 def _reach(address: str) -> None:
-    """Check that a server listens there: Ray itself would wait for minutes, and then say nothing.
+    """Check that a server listens there: Ray would wait for minutes without a clear error.
 
     Raises:
-        OSError: No server does.
-        ValueError: An address whose port is no number.
+        OSError: No server listens there.
+        ValueError: The port of the address is not a number.
     """
     parts = urlsplit(address if "://" in address else f"//{address}")
     if parts.hostname is not None and parts.port is not None:
@@ -311,7 +309,7 @@ def _reach(address: str) -> None:
 
 @contextlib.contextmanager
 def _signals_kept() -> Iterator[None]:
-    """Ray answers SIGTERM in its own way; the caller's handler is put back."""
+    """Restore the caller's handler of SIGTERM, which Ray replaces."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,4 +1,4 @@
-"""What a worker does: batches of variants made and written, shards sealed."""
+"""The tasks of a worker: making and writing batches of variants, sealing shards."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Task:
-    """A piece of a sweep's work; done twice, it leaves the same files.
+    """A unit of a sweep's work; running it twice leaves the same files.
 
-    Kinds: "batches" makes `count` batches of a shard from batch `first` on, "seal" makes a shard of
-    its batches, "variants" simulates `count` variants from number `first` on and keeps nothing: to
-    see whether the process survives them. `dead`: number and cause of the variants in these
-    batches that are known to kill their process: they are not made, but failures. `limit`: a
-    variant that takes longer [s] is a failure too.
+    Kinds: "batches" makes `count` batches of a shard from batch `first` on, "seal" makes a shard
+    from its batches, "variants" simulates `count` variants from number `first` on and keeps no
+    output: it tests whether the process survives them. `dead`: number and cause of the variants in
+    these batches that kill their process: they are not made but recorded as failures. `limit`: time
+    limit of a variant [s]; a slower one is a failure too.
     """
 
     kind: Literal["batches", "seal", "variants"]
@@ -39,11 +39,11 @@ class Task:
 
 @dataclass(frozen=True)
 class Done:
-    """How a task ended: seconds of work, and numbers of variants.
+    """The outcome of a task: seconds of work, and numbers of variants.
 
-    `kept` are in the fragments, `skipped` fell to a condition of the plan, `causes` are those of
-    the failures. `size`: of the fragments [bytes]. `stop`: why the sweep cannot go on at all ("" if
-    it can), such as a full disk.
+    `kept` variants are in the fragments, a condition of the plan left out `skipped`, `causes` has
+    the cause of each failure. `size`: size of the fragments [bytes]. `stop`: why the sweep cannot
+    continue, such as a full disk; "" if it can.
     """
 
     seconds: float
@@ -55,15 +55,15 @@ class Done:
 
     @property
     def variants(self) -> int:
-        """How many variants this was."""
+        """Number of variants of the task."""
         return self.kept + self.skipped + len(self.causes)
 
 
 def do(folder: str, task: Task) -> Done:
-    """Do a task of the sweep in `folder`: what every engine runs, in whatever process.
+    """Do a task of the sweep in `folder`; every engine runs this function in its processes.
 
-    Raises nothing but `MemoryError`: what goes wrong with a variant is its failure, what goes
-    wrong with the outputs stops the sweep.
+    Raises only `MemoryError`: an error of a variant is recorded as its failure, an error of the
+    outputs stops the sweep.
     """
     start = time.perf_counter()
     records: list[Mapping[str, Any]] = []
@@ -83,7 +83,7 @@ def do(folder: str, task: Task) -> Done:
             for batch in range(task.first, last):
                 records.append(_batch(store, maker, batch, task, took))
             if fresh and len(took) > 1:
-                # What a process needs to begin is not the task's.
+                # Do not count the startup of the process as time of the task.
                 rest = sum(took[1:]) / len(took[1:])
                 start += max(0.0, took[0] - rest)
     except MemoryError:
@@ -107,7 +107,7 @@ def do(folder: str, task: Task) -> Done:
 
 @lru_cache(maxsize=1)
 def opened(folder: str) -> tuple[Store, Maker]:
-    """The sweep in a folder, with what it has loaded: kept from task to task of a process."""
+    """The sweep in a folder with its loaded data, which a process keeps between tasks."""
     from halfphysics.sweep.make.making import Maker
     from halfphysics.sweep.plan.plan import InputList, Plan
     from halfphysics.sweep.plan.variants import Variants
@@ -123,8 +123,8 @@ def opened(folder: str) -> tuple[Store, Maker]:
 def _batch(
     store: Store, maker: Maker, batch: int, task: Task, took: list[float]
 ) -> Mapping[str, Any]:
-    """Make a batch of a task; its samples are written as they come. `took`: adds seconds of each
-    variant."""
+    """Make a batch of a task and write each sample when it is made; appends the seconds of each
+    variant to `took`."""
     from halfphysics.sweep.make.making import Sample
     from halfphysics.sweep.store.data_card import DataCard
 

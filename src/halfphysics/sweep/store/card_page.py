@@ -1,4 +1,4 @@
-"""The data card as a page: what is in the data set, how it came out, how to load it."""
+"""The data card as a Markdown page: contents of the data set, outcome, how to load it."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Any
 
 from halfphysics.sweep.store.counting import COUNTED
 
-#: Of more rows than these for a factor, neighbours are taken together: bins, and numbers that were
-#: drawn, of which each has fewer samples than the other.
+#: A factor with more rows than the first number has neighbouring rows merged, if they are bins or
+#: drawn numbers; numbers count as drawn if each has fewer samples on average than the second.
 _ROWS, _FEW = 12, 10
-#: Of metres, seconds, newtons: less is rounding.
+#: Smaller values are rounding errors [m, s, N].
 _NOTHING = 1e-12
 _LOADING = """\
 ```python
@@ -36,7 +36,11 @@ _SUCCESS = {
 
 
 def page(card: Mapping[str, Any]) -> str:
-    """Markdown of what `DataCard.document` gives."""
+    """The Markdown text of a card.
+
+    Args:
+        card: The result of `DataCard.document`.
+    """
     blocks = [
         "# Data card",
         _about(card),
@@ -124,7 +128,7 @@ def _spreads(card: Mapping[str, Any]) -> Iterable[tuple[str, ...]]:
 
 
 def _number(value: float) -> str:
-    """Four digits; what is nothing but rounding is zero."""
+    """A value with four digits; rounding errors become zero."""
     return f"{value if abs(value) > _NOTHING else 0.0:.4g}"
 
 
@@ -154,7 +158,7 @@ def _factor(row: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _together(rows: Sequence[Mapping[str, Any]]) -> Sequence[Mapping[str, Any]]:
-    """Rows of bins and of drawn numbers, neighbours together so that few are left."""
+    """Rows of bins or drawn numbers, neighbours merged into at most `_ROWS` rows."""
     size = -(-len(rows) // _ROWS)
     drawn = sum(row["samples"] for row in rows) < _FEW * len(rows)
     if size <= 1 or ("value" in rows[0] and not (drawn and _numbers(rows))):

@@ -1,4 +1,4 @@
-"""Where two versions of a sample's file differ, in words: which array, which entry."""
+"""The differences of two versions of a sample's files as text: which array, which entry."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ _SHOWN = 40
 def files_differ(
     there: Mapping[str, bytes], here: Mapping[str, bytes], ignored: Collection[str] = ()
 ) -> list[str]:
-    """Where the files of a sample differ, at most a line for each array.
+    """The differences between the files of two versions of a sample, at most a line per array.
 
     Args:
-        there: Name -> content, as stored.
-        here: The same, as made again.
+        there: Name -> content, the stored version.
+        here: Name -> content, the version that was made again.
         ignored: Entries of card.json that may differ.
     """
     words = _missing("", there, here)
@@ -34,7 +34,7 @@ def files_differ(
             words.append(f"{name}: cannot be read ({error})")
             continue
         found = contents_differ(name, one, other, ignored)
-        # A card may only differ in what is ignored.
+        # The difference may be in ignored entries of a card.
         if not found and not (name.endswith(".json") and ignored):
             found = [f"{name}: the bytes differ, what is in it is the same"]
         words += found
@@ -42,7 +42,7 @@ def files_differ(
 
 
 def contents_differ(name: str, there: Any, here: Any, ignored: Collection[str] = ()) -> list[str]:
-    """Where what is in a file differs; see `files_differ`."""
+    """The differences between the contents of two files; see `files_differ`."""
     if name.endswith(".json"):
         one, other = ({k: v for k, v in its.items() if k not in ignored} for its in (there, here))
         first = next(_values_differ(one, other), None)
@@ -60,10 +60,10 @@ def _missing(what: str, there: Mapping[str, Any], here: Mapping[str, Any]) -> li
 
 
 def _arrays_differ(there: NDArray[Any], here: NDArray[Any]) -> str:
-    """The first entry in which arrays differ, bit by bit; "" where they do not."""
+    """The first entry in which arrays differ, bit by bit; "" if they are equal."""
     if there.dtype != here.dtype or there.shape != here.shape:
         return f" is {there.dtype} of shape {there.shape} there, {here.dtype} of {here.shape} here"
-    # Bits: NaN is NaN, and 0.0 is not -0.0.
+    # Compare bits: NaN equals NaN, and 0.0 differs from -0.0.
     size = there.dtype.itemsize
     one, other = (
         np.frombuffer(np.ascontiguousarray(a).tobytes(), np.uint8).reshape(-1, size)
@@ -93,7 +93,7 @@ def _values_differ(there: Any, here: Any, where: str = "") -> Iterator[str]:
     elif isinstance(there, list) and isinstance(here, list) and len(there) == len(here):
         for place, pair in enumerate(zip(there, here, strict=True)):
             yield from _values_differ(*pair, f"{where}[{place}]")
-    # As text: 1 is not 1.0, and 0.0 is not -0.0.
+    # Compare as text: 1 differs from 1.0, and 0.0 from -0.0.
     elif json.dumps(there) != json.dumps(here):
         yield f"{where} is {_short(there)} there, {_short(here)} here"
 

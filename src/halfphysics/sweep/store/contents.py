@@ -1,4 +1,4 @@
-"""What is in a file of a sample, from its bytes."""
+"""The contents of a file of a sample, read from its bytes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-#: How reading a damaged file or archive can fail.
+#: Exceptions that reading a damaged file or archive can raise.
 DAMAGE = (
     tarfile.TarError,
     zipfile.BadZipFile,
@@ -26,7 +26,7 @@ DAMAGE = (
 def contents(name: str, data: bytes) -> Any:
     """The values of a JSON file, or the arrays of an npz file by name; nothing is unpickled.
 
-    Raises one of `DAMAGE` where it is neither.
+    Raises one of `DAMAGE` if the file is neither.
     """
     if name.endswith(".json"):
         return json.loads(data)

@@ -1,7 +1,6 @@
-"""Counting without end in bounded memory, with the same outcome in whatever order.
+"""Counting any number of samples in bounded memory, with a result that does not depend on order.
 
-Everything here is whole numbers, or smallest and largest ones: what batches counted is merged
-exactly, in any order.
+All values are integers, minima or maxima, so counts of batches are merged exactly, in any order.
 """
 
 from __future__ import annotations
@@ -11,29 +10,29 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-#: The finest bins are 2 to this wide: 60 nanometres of a length.
+#: Exponent of the width of the finest bins, a power of 2: 60 nanometres for lengths.
 FINEST = -24
-#: Sums are kept in such parts of a unit, as whole numbers.
+#: Sums are integers in units of 1 / NANO.
 NANO = 1_000_000_000
 
 Counts = list[int]
-#: What is counted of each value of a factor, in this order.
+#: The counts of each value of a factor, in this order.
 COUNTED = ("samples", "success", "slipped", "dropped", "failed")
 
 
 def add_to(counts: Counts, more: Counts) -> None:
-    """Add numbers to others, place by place."""
+    """Add counts to `counts`, element by element."""
     for place, number in enumerate(more):
         counts[place] += number
 
 
 class Table:
-    """Counts by value, of at most so many values: with one more none are known any more.
+    """Counts by value, of at most `most` values: one value more discards all counts.
 
-    So what a table ends as depends on which values there were only, not on their order.
+    So the final table depends on the set of values only, not on their order.
 
     Args:
-        most: Values.
+        most: Largest number of values.
     """
 
     def __init__(self, most: int) -> None:
@@ -52,7 +51,7 @@ class Table:
                 self.rows = None
 
     def merge(self, other: Mapping[str, Counts] | None) -> None:
-        """Add what another one's `document` says."""
+        """Add the `document` of another object of this class."""
         if other is None:
             self.rows = None
         else:
@@ -60,35 +59,35 @@ class Table:
                 self.add(value, counts)
 
     def document(self) -> dict[str, Counts] | None:
-        """Value -> counts, sorted; None: there are too many values."""
+        """Value -> counts, sorted; None if there are too many values."""
         return None if self.rows is None else dict(sorted(self.rows.items()))
 
 
 class Bins:
-    """Counts by bins of numbers, of one width, a power of two, from its whole multiples on.
+    """Counts by bins of numbers; all bins have one width, a power of two, and start at multiples.
 
-    There are at most so many that are not empty. Their width is the smallest with which that is
-    so, from 2 to the power `FINEST` on, and so does not depend on the order of the numbers.
+    At most `most` bins are not empty. The width is the smallest that achieves this, at least
+    2 to the power `FINEST`, and so does not depend on the order of the numbers.
 
     Args:
-        most: Bins that are not empty.
+        most: Largest number of bins that are not empty.
     """
 
     def __init__(self, most: int) -> None:
         self.most = most
-        self.width = FINEST  # 2 to this
+        self.width = FINEST  # exponent of 2
         self.rows: dict[int, Counts] = {}
 
     def add(self, number: float, counts: Counts) -> None:
-        """Count a number that is finite."""
-        above, below = number.as_integer_ratio()  # exact, and so is what follows
+        """Count a finite number."""
+        above, below = number.as_integer_ratio()  # exact, as is the integer arithmetic below
         shift = -self.width
         place = (above << shift) // below if shift >= 0 else above // (below << -shift)
         self._put(place, counts)
         self._narrow()
 
     def merge(self, other: Mapping[str, Any]) -> None:
-        """Add what another one's `document` says."""
+        """Add the `document` of another object of this class."""
         width = other["width"]
         while self.width < width:
             self._coarsen()
@@ -117,23 +116,23 @@ class Bins:
         return {"width": self.width, "rows": [[k, v] for k, v in sorted(self.rows.items())]}
 
     def edges(self) -> list[tuple[float, float, Counts]]:
-        """From where to where each bin goes, and its counts, in order."""
+        """Lower edge, upper edge and counts of each bin, in order."""
         return [(self.edge(k), self.edge(k + 1), v) for k, v in sorted(self.rows.items())]
 
     def edge(self, place: int) -> float:
-        """Where a bin begins."""
+        """The lower edge of a bin."""
         most = sys.float_info.max
         exact = place * Fraction(2) ** self.width
         return float(min(max(exact, Fraction(-most)), Fraction(most)))
 
 
 class Spread:
-    """How numbers are spread: how many, their sum, the least and the most, and bins.
+    """Statistics of numbers: count, sum, minimum, maximum and bins.
 
-    Sums are of whole billionths.
+    The sum is an integer number of billionths.
     """
 
-    #: Percentiles are known to the width of a bin.
+    #: Number of bins; percentiles are accurate to the width of a bin.
     BINS = 100
 
     def __init__(self) -> None:
@@ -144,14 +143,14 @@ class Spread:
         self.bins = Bins(self.BINS)
 
     def add(self, value: float) -> None:
-        """Count a number that is finite."""
+        """Count a finite number."""
         value = float(value)
-        above, below = value.as_integer_ratio()  # too large a product is no infinity
+        above, below = value.as_integer_ratio()  # integers: a large product does not overflow
         self._extend(1, (2 * above * NANO + below) // (2 * below), value, value)
         self.bins.add(value, [1])
 
     def merge(self, other: Mapping[str, Any]) -> None:
-        """Add what another one's `document` says."""
+        """Add the `document` of another object of this class."""
         if other["number"]:
             self._extend(other["number"], other["nano"], other["least"], other["most"])
             self.bins.merge(other["bins"])
@@ -159,12 +158,12 @@ class Spread:
     def _extend(self, number: int, nano: int, least: float, most: float) -> None:
         self.number += number
         self.nano += nano
-        # min would take the first of 0.0 and -0.0; with + 0.0 they are one.
+        # min returns the first of 0.0 and -0.0; adding 0.0 turns -0.0 into 0.0.
         self.least = least + 0.0 if self.least is None else min(self.least, least + 0.0)
         self.most = most + 0.0 if self.most is None else max(self.most, most + 0.0)
 
     def document(self) -> dict[str, Any]:
-        """All that it takes to merge it."""
+        """The values that `merge` needs."""
         return {
             "number": self.number,
             "nano": self.nano,
@@ -174,7 +173,7 @@ class Spread:
         }
 
     def summary(self) -> dict[str, Any]:
-        """Number, least, most, mean and percentiles, None where there are no numbers."""
+        """Count, minimum, maximum, mean and percentiles; None for each of these without numbers."""
         mean = self.nano / (NANO * self.number) if self.number else None
         percentiles = {f"p{percent}": self.percentile(percent) for percent in (1, 5, 50, 95, 99)}
         return {
@@ -186,13 +185,13 @@ class Spread:
         }
 
     def percentile(self, percent: int) -> float | None:
-        """A number that so many percent are at or below, to the width of a bin; None: no numbers.
+        """A percentile, accurate to the width of a bin; None if there are no numbers.
 
-        The lower edge of the bin in which the share is reached, but not below the least number.
+        It is the lower edge of the bin in which the percentile lies, at least the minimum.
         """
         if self.least is None:
             return None
-        # Whole numbers: no rounding decides.
+        # Integers: the result does not depend on rounding.
         wanted = -(-self.number * percent // 100)
         for place, (count,) in sorted(self.bins.rows.items()):
             wanted -= count

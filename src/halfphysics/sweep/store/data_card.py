@@ -1,6 +1,6 @@
-"""The card of a whole data set: what is in it and how it came out, from counts alone.
+"""The card of a whole data set: its contents and outcome, from counts alone.
 
-Batches count their samples, shards merge batches, the data set merges shards: all exactly and in
+Batches count their samples, shards merge batches and the data set merges shards, exactly and in
 any order, in memory that does not grow with the number of samples.
 """
 
@@ -18,11 +18,11 @@ from halfphysics.sweep.store.counting import COUNTED, Bins, Counts, Spread, Tabl
 if TYPE_CHECKING:
     from halfphysics.sweep.plan.plan import Plan
 
-#: Of the layout of counts and of the data card.
+#: Version of the layout of counts and of the data card.
 VERSION = 1
-#: A factor with more values than these is told in bins, of as many at most.
+#: A factor with more values than this is reported in bins, at most this many.
 VALUES = 50
-#: Numbers of a sample's card whose spread is told, and their unit.
+#: Numbers of a sample's card whose statistics are reported, and their unit.
 SPREADS = {
     "seconds": "s",
     "clearance_min": "m",
@@ -34,14 +34,14 @@ SPREADS = {
     "slid": "m",
     "travel_max": "m",
 }
-#: Whole numbers of a sample's card that are summed, and in how many samples there are any.
+#: Integers of a sample's card that are summed; samples with a nonzero value are counted too.
 SUMMED = ("frames", "contacts", "holds", "lost_grasps", "slips", "drops", "started_inside")
 _AXES = ("input", "body", "scene")
 _CAUSE = 120
 
 
 class _Factor:
-    """How samples with each value of a factor came out."""
+    """The outcome of samples by value of a factor."""
 
     def __init__(self) -> None:
         self.values = Table(VALUES)
@@ -60,7 +60,7 @@ class _Factor:
         return {"values": self.values.document(), "bins": self.bins.document()}
 
     def rows(self) -> list[dict[str, Any]] | None:
-        """Counts by value or by bin; None: many texts."""
+        """Counts by value or by bin; None if there are too many values that are text."""
         if self.values.rows is not None:
             known = ((json.loads(text), counts) for text, counts in self.values.rows.items())
             ordered = sorted(known, key=lambda row: (isinstance(row[0], str), row[0]))
@@ -77,10 +77,10 @@ class _Factor:
 
 
 class DataCard:
-    """Counts of samples, failures and of what was skipped; what they come to.
+    """Counts of samples, failures and skipped variants, and the card computed from them.
 
     Args:
-        plan: Of the sweep; None: nothing is said of it.
+        plan: The plan of the sweep; None: the card does not contain it.
     """
 
     def __init__(self, plan: Plan | None = None) -> None:
@@ -96,7 +96,11 @@ class DataCard:
     # -- counting ------------------------------------------------------------------------------
 
     def sample(self, card: Mapping[str, Any]) -> None:
-        """Count a sample that is in the data set, by its card."""
+        """Count a sample of the data set.
+
+        Args:
+            card: The card of the sample.
+        """
         self._numbers["samples"] += 1
         self._numbers["success"] += bool(card["success"])
         for name in CHECKS:
@@ -127,7 +131,7 @@ class DataCard:
             self._factors.setdefault(name, _Factor()).add(value, counts)
 
     def sums(self) -> dict[str, Any]:
-        """All counts as JSON values: what `add` takes."""
+        """All counts as JSON values, the argument of `add`."""
         return {
             "version": VERSION,
             "numbers": dict(self._numbers),
@@ -143,10 +147,10 @@ class DataCard:
         """Add the counts of a batch or a shard.
 
         Args:
-            record: What another card's `sums` gave, or a record that has it as its "sums".
+            record: The `sums` of another card, or a record with these under the key "sums".
 
         Raises:
-            InputError: Counts of another layout.
+            InputError: The counts have another layout.
         """
         other = record.get("sums") if "numbers" not in record else record
         if not isinstance(other, Mapping) or other.get("version") != VERSION:
@@ -169,17 +173,17 @@ class DataCard:
         self._causes.merge(other["causes"])
         self._versions.merge(other["versions"])
 
-    # -- what they come to ---------------------------------------------------------------------
+    # -- the card ------------------------------------------------------------------------------
 
     def document(self) -> dict[str, Any]:
-        """The card as JSON values; docs/sweeps.md says what each is."""
+        """The card as JSON values; docs/sweeps.md describes each value."""
         versions, causes = self._versions.document(), self._causes.document()
         return {
             "data_card": VERSION,
             "plan": None if self._plan is None else self._plan.document(),
             "plan_identity": None if self._plan is None else self._plan.identity,
             "seed": None if self._plan is None else self._plan.seed,
-            # More than one where a program changed while a shard stayed as it was.
+            # More than one if the program changed and older shards were kept.
             "versions": None if versions is None else [json.loads(text) for text in versions],
             **self._numbers,
             "unsuccessful": dict(self._unsuccessful),
@@ -198,7 +202,7 @@ class DataCard:
         }
 
     def markdown(self) -> str:
-        """The card as a page that a person reads."""
+        """The card as a Markdown page."""
         from halfphysics.sweep.store.card_page import page
 
         return page(self.document())
@@ -209,12 +213,12 @@ def counted(
     failures: Iterable[Mapping[str, Any]] = (),
     skipped: int = 0,
 ) -> dict[str, Any]:
-    """What a batch's record has as "sums": of the cards of its samples, and of what failed.
+    """The entry "sums" of a batch's record.
 
     Args:
-        cards: Of the samples in the data set.
+        cards: The cards of the batch's samples in the data set.
         failures: "input", "factors" and "cause" of each variant that could not be simulated.
-        skipped: Variants that a filter left out.
+        skipped: Number of variants that a filter left out.
     """
     card = DataCard()
     for one in cards:
@@ -226,7 +230,7 @@ def counted(
 
 
 def _kind(cause: str) -> str:
-    """A cause without what differs from one variant to the next: names and numbers."""
+    """A cause without the parts that differ between variants: names and numbers."""
     line = cause.strip().partition("\n")[0]
     line = re.sub(r"'[^']*'|\"[^\"]*\"", "'...'", line)
     line = re.sub(r"\S*/\S+", "...", line)

@@ -1,7 +1,7 @@
-"""The code that makes a sweep: fixed at the first start, so that no finished data is thrown away.
+"""The code that makes a sweep: fixed at the first start, so that no finished data is discarded.
 
-Numbers depend on the code. Data of another version would all have to be made again, which may be
-weeks of work: the user decides that.
+The data depends on the code. All data of another version would have to be made again, which may
+take weeks: the user decides that.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from halfphysics.errors import InputError
 from halfphysics.sweep.make.provenance import changed, versions
 from halfphysics.sweep.plan.layout import Layout
 
-#: In the folder of a sweep.
+#: The file in the folder of a sweep.
 NAME = "program.json"
 
 
@@ -23,12 +23,12 @@ def check_code(layout: Layout, code: str, identity: str, *, remake: bool) -> Non
     Args:
         layout: The folder.
         code: Hash of this code.
-        identity: Of the plan with that code, as in records.
-        remake: Make again what other code has made.
+        identity: Identity of the plan with that code, as in records.
+        remake: Make data of other code again.
 
     Raises:
-        InputError: Other code has made what is there, and `remake` is not set.
-        FileError: It cannot be read or written.
+        InputError: Other code has made the data in the folder, and `remake` is not set.
+        FileError: The recorded hash cannot be read or written.
     """
     path = layout.folder / NAME
     here = {**versions(), "program": code}
@@ -45,10 +45,10 @@ def check_code(layout: Layout, code: str, identity: str, *, remake: bool) -> Non
 
 
 def check_same(layout: Layout, code: str) -> None:
-    """Check that a worker runs the code with which the sweep was begun.
+    """Check that a worker runs the code that started the sweep.
 
     Raises:
-        InputError: It does not.
+        InputError: The worker runs other code.
     """
     there = json_files.read(layout.folder / NAME)
     if there is not None and there.get("program") != code:
@@ -65,7 +65,7 @@ def _words(there: dict[str, Any] | None, code: str) -> str:
 
 
 def _made_by_another(layout: Layout, identity: str) -> bool:
-    """Whether the first finished batch or shard that is found was made by other code."""
+    """Whether other code made the first finished batch or shard found."""
     for folder, pattern in ((layout.shard_folder, "*/*.json"), (layout.work, "0*/*.json")):
         first = next(folder.glob(pattern), None)
         if first is not None:

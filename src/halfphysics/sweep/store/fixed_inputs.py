@@ -1,4 +1,4 @@
-"""The list of inputs of a sweep: fixed at the first start, so that numbers keep their meaning."""
+"""The list of inputs of a sweep: fixed at the first start, so that variants keep their numbers."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _SHOWN = 3
 
 
 def check_inputs(path: Path, lines: Sequence[str]) -> None:
-    """Write the list of inputs, or compare it with the one that is there.
+    """Write the list of inputs, or compare it with the list already in the folder.
 
     Args:
-        path: The file.
-        lines: What the plan's inputs are now, sorted.
+        path: The file with the list.
+        lines: The plan's current inputs, sorted.
 
     Raises:
-        InputError: Inputs have come or gone since the sweep began.
+        InputError: Inputs were added or removed since the sweep began.
         FileError: The file cannot be read or written.
     """
     if not path.exists():

@@ -1,4 +1,4 @@
-"""The plan of a sweep's folder: fixed at the first start, as its inputs and its program are."""
+"""The plan of a sweep's folder: fixed at the first start, like its inputs and its program."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from halfphysics.sweep.plan.plan import Plan
 
 
 def check_plan(folder: Path, plan: Plan) -> Plan | None:
-    """The plan that is in the folder, None where there is none.
+    """The plan in the folder; None if the folder has no plan.
 
     Raises:
-        InputError: It is another one.
-        FileError: It cannot be read.
+        InputError: The folder has another plan.
+        FileError: The plan in the folder cannot be read.
     """
     path = folder / PLAN
     if not path.exists():
@@ -36,7 +36,7 @@ def check_plan(folder: Path, plan: Plan) -> Plan | None:
 
 
 def _difference(there: Any, here: Any, where: str = "") -> str:
-    """The first place where two documents differ, in words."""
+    """The first difference between two documents, as text."""
     if isinstance(there, dict) and isinstance(here, dict):
         for key in sorted({*there, *here}, key=str):
             if there.get(key) != here.get(key) and f"{where}.{key}" != "outputs.folder":

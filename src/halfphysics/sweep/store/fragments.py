@@ -1,7 +1,7 @@
 """Fragments: the samples of one batch, as the members of a tar without its end.
 
-A fragment counts as there once its record is: JSON beside it, written after it, that says of which
-plan and program it is, how long it is, and its SHA-256.
+A fragment exists once its record exists: a JSON file beside it, written after it, with the
+identity of the plan and the program, the size of the fragment and its SHA-256.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ class Fragments:
 
     Args:
         layout: The folder.
-        identity: Of the plan and the program; fragments of others count as not there.
-        sources: Looks at what they were made from.
+        identity: Identity of the plan and the program; fragments of others count as missing.
+        sources: Checks the files that fragments were made from.
     """
 
     def __init__(self, layout: Layout, identity: str, sources: Sources) -> None:
@@ -43,7 +43,7 @@ class Fragments:
         path = self._layout.fragment(batch)
         keys = [key_of(number) for number in self._layout.variants_of(batch)]
         digest, size, count, last = hashlib.sha256(), 0, 0, ""
-        # A record must not vouch for another fragment than the one it was written for.
+        # An old record must not be valid for a new fragment.
         self.forget(batch)
         with json_files.replacing(path) as handle:
             for key, files in samples:
@@ -73,7 +73,7 @@ class Fragments:
         return whole
 
     def read(self, batch: int) -> dict[str, Any] | None:
-        """The record of a fragment that is there, else None."""
+        """The record of a fragment; None if the fragment is missing."""
         record = json_files.read(self._layout.fragment_record(batch))
         if record is None or record.get("of") != self._identity or record.get("batch") != batch:
             return None
@@ -84,12 +84,12 @@ class Fragments:
         return record if size == record.get("bytes") else None
 
     def current(self, batch: int) -> bool:
-        """Whether a fragment is there and made from the files as they are now.
+        """Whether a fragment exists and its source files are unchanged.
 
-        Warns where they have changed.
+        Warns if they have changed.
 
         Raises:
-            InputError: A file that it was made from has gone.
+            InputError: A source file is missing.
         """
         record = self.read(batch)
         if record is None:
@@ -97,19 +97,19 @@ class Fragments:
         return not self._sources.warn(record["inputs"], record["stats"])
 
     def forget(self, batch: int) -> None:
-        """Make a fragment count as not there."""
+        """Make a fragment count as missing."""
         path = self._layout.fragment_record(batch)
         with reported(path):
             path.unlink(missing_ok=True)
 
     def remove(self, shard: int) -> None:
-        """Remove all fragments of a shard, and what else lies in their folder."""
+        """Remove all fragments of a shard, and all other files of their folder."""
         folder = self._layout.open_shard(shard)
         if not folder.is_dir():
             return
         with reported(folder):
             for path in sorted(folder.iterdir()):
                 path.unlink(missing_ok=True)
-            # A worker that was thought dead may just have finished: the next start cleans up.
+            # A worker that was taken for dead may just have finished: the next start cleans up.
             with suppress(OSError):
                 folder.rmdir()

@@ -1,7 +1,7 @@
 """Shards as HDF5: a group for each sample, in it a group for each file, its arrays as datasets.
 
-The same tar gives the same bytes: nothing in the file depends on the time, and the version of the
-format is fixed (HDF5 1.10).
+The same tar gives the same bytes: the file contains no times, and the version of the format is
+fixed (HDF5 1.10).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from halfphysics.errors import FileError, MissingDependencyError
 if TYPE_CHECKING:
     import h5py
 
-# Arrays from this size on are cut into chunks of about the other, which are packed [bytes].
+# Arrays of at least the first size are compressed, in chunks of about the second size [bytes].
 _PACKED, _CHUNK = 4096, 1 << 20
 
 
@@ -32,8 +32,8 @@ def convert(read: Iterable[dict[str, Any]], path: Path) -> None:
     """Write samples into an HDF5 file, one at a time.
 
     Args:
-        read: Samples as `reading.read` gives those of a tar.
-        path: The file; it is replaced.
+        read: Samples as `reading.read` yields them from a tar.
+        path: The file; an old one is replaced.
 
     Raises:
         MissingDependencyError: h5py is not installed.
@@ -52,10 +52,11 @@ def convert(read: Iterable[dict[str, Any]], path: Path) -> None:
 
 
 class _Sink(io.RawIOBase):
-    """A file that keeps the first error of writing to itself.
+    """A file that hides write errors from the HDF5 library and keeps the first one.
 
-    The library is not made for a disk that is full: it reports that from destructors, prints, and
-    crashes when the process ends. It is told that all is well, and stopped at the next sample.
+    The library does not handle a full disk: it reports the error from destructors, prints, and
+    crashes when the process ends. Here every write appears to succeed, and `convert` stops at the
+    next sample.
     """
 
     def __init__(self, path: Path) -> None:
@@ -102,13 +103,13 @@ def _add(file: h5py.File, sample: dict[str, Any]) -> None:
 
 
 def _put(group: h5py.Group, key: str, array: NDArray[Any]) -> None:
-    """A dataset, packed where that is cheap, as in `npz_bytes`.
+    """Write a dataset, compressed where that is cheap, as in `npz_bytes`.
 
-    A slash would make a group of what stands before it, which may be a dataset itself ("body",
-    "body/cup"): such keys are written with a colon, and say what they are.
+    A slash would create a group of the name before it, which may be a dataset itself ("body",
+    "body/cup"): such keys are written with a colon, and an attribute keeps the original key.
     """
     options: dict[str, Any] = {}
-    if array.dtype.kind == "U":  # the library has no text of four bytes a letter
+    if array.dtype.kind == "U":  # HDF5 has no UTF-32 text
         array, options = array.astype(object), {"dtype": _h5py().string_dtype()}
     elif array.nbytes >= _PACKED and packs(array):
         rows = max(1, _CHUNK * len(array) // array.nbytes)
@@ -126,7 +127,7 @@ def _put(group: h5py.Group, key: str, array: NDArray[Any]) -> None:
 
 
 def samples(path: Path, parts: Collection[str] | None = None) -> Iterator[dict[str, Any]]:
-    """The samples of an HDF5 shard, as `sweep.read` gives them."""
+    """The samples of an HDF5 shard, as `sweep.read` yields them."""
     with _opened(path) as file:
         for key in file:
             yield _sample(file[key], key, parts)
@@ -174,7 +175,7 @@ def _array(dataset: h5py.Dataset) -> NDArray[Any]:
 
 
 def check() -> None:
-    """Say at once what would be missing when the first shard is sealed.
+    """Check for h5py at the start, not when the first shard is sealed.
 
     Raises:
         MissingDependencyError: h5py is not installed.
@@ -183,7 +184,7 @@ def check() -> None:
 
 
 def _h5py() -> Any:
-    # Locks are the store's; many file systems of clusters have none.
+    # The store has its own lock; many file systems of clusters support no file locks.
     os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
     try:
         import h5py

@@ -1,4 +1,4 @@
-"""One driver in a folder: a lock that goes with the process, also where it is killed."""
+"""One driver per folder: a lock that ends with its process, even if the process is killed."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from halfphysics.errors import InputError
 
 try:
     import fcntl
-except ImportError:  # Windows: nothing to lock with, no process is refused
+except ImportError:  # Windows: no locks, no process is refused
     fcntl = None  # type: ignore[assignment]
 
-#: File systems without locks: there the user sees to it that one driver runs.
+#: Errors of file systems without locks: there the user must run only one driver.
 _NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
-# Locks are a process's own: what this one has locked it would be given again.
+# POSIX locks belong to a process, which may lock the same file again: remember its locks.
 _held: set[Path] = set()
 
 
 class Lock:
-    """Holds `path` from `take` until `release` or the end of the process.
+    """Locks `path` from `take` until `release` or the end of the process.
 
-    A lock of the process (POSIX), not of the open file: workers that a killed driver leaves
-    behind do not keep it, and it holds over machines that share a file system.
+    The lock belongs to the process (POSIX), not to the open file: workers that outlive a killed
+    driver do not keep it, and it is valid across machines that share a file system.
     """
 
     def __init__(self, path: Path) -> None:
-        #: The file; its date is when it was last taken.
+        #: The lock file; its modification time is the time of the last `take`.
         self.path = path.absolute()
         self._handle: int | None = None
 
@@ -37,10 +37,10 @@ class Lock:
         """Lock.
 
         Raises:
-            InputError: Another process holds it.
-            FileError: The file cannot be made.
+            InputError: Another process holds the lock.
+            FileError: The file cannot be created.
         """
-        if self.path in _held:  # not even opened: closing it again would let go of the lock
+        if self.path in _held:  # do not open the file: closing it would release the lock
             raise self._taken("this process")
         with reported(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)
@@ -64,7 +64,7 @@ class Lock:
         )
 
     def release(self) -> None:
-        """Let go; the file stays."""
+        """Release the lock; the file stays."""
         if self._handle is not None:
             _held.discard(self.path)
             os.close(self._handle)

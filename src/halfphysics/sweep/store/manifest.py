@@ -1,6 +1,6 @@
-"""What a sweep made, in four files: manifest, data card (two), failures.
+"""The summary of a sweep in four files: manifest, data card (two), failures.
 
-All are written by going over the records of the shards once, in order, one at a time.
+All are written in one pass over the records of the shards, in order, one at a time.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def write(plan: Plan, layout: Layout, records: Iterable[Mapping[str, Any]]) -> d
     """Write `manifest.jsonl`, `failures.jsonl`, `card.json` and `card.md`.
 
     Returns:
-        Numbers of "shards", "samples", "skipped" and "failures".
+        The numbers of "shards", "samples", "skipped" and "failures".
     """
     from halfphysics.sweep.store.data_card import DataCard
 

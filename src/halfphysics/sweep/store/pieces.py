@@ -1,4 +1,4 @@
-"""Looking into what a sweep has stored, sample by sample: shards, and fragments not yet in one."""
+"""Reads the stored samples of a sweep one by one: from shards, and from unsealed fragments."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from halfphysics.sweep.store import sealing
 from halfphysics.sweep.store.comparing import contents_differ, files_differ
 from halfphysics.sweep.store.contents import contents
 
-#: Files of a shard from which samples are read, the better first.
+#: Files of a shard from which samples are read, in order of preference.
 _SUFFIXES = (".tar", ".h5")
 
 
 def ranges_made(layout: Layout) -> Iterator[range]:
-    """The variants of every sealed shard and of every fragment of the others, in order."""
+    """The variants of every sealed shard and of every fragment of open shards, in order."""
     for shard in range(layout.shards):
         batches = layout.batches_of(shard)
         if layout.shard_file(shard, ".json").is_file():
@@ -36,11 +36,11 @@ def ranges_made(layout: Layout) -> Iterator[range]:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A shard or a fragment: the samples of a run of variants.
+    """A shard or a fragment: the samples of consecutive variants.
 
     Attributes:
-        record: Its record.
-        files: Its files and the SHA-256 that the record has of each; the first is read.
+        record: The record of the shard or fragment.
+        files: File -> SHA-256 in the record; samples are read from the first file.
     """
 
     record: Mapping[str, Any]
@@ -48,10 +48,10 @@ class Piece:
 
     @classmethod
     def open(cls, layout: Layout, numbers: range) -> Piece:
-        """That of some variants that `ranges_made` gave.
+        """Open the piece that holds a range of variants from `ranges_made`.
 
         Raises:
-            FileError: Its record cannot be read.
+            FileError: The record cannot be read.
         """
         batch = numbers[0] // layout.batch
         shard = layout.shard_of(batch)
@@ -75,7 +75,7 @@ class Piece:
 
     @property
     def inputs(self) -> Mapping[str, str]:
-        """The files that it was made from: path -> SHA-256."""
+        """The source files of the piece: path -> SHA-256."""
         inputs: Mapping[str, str] = self.record.get("inputs", {})
         return inputs
 
@@ -85,7 +85,7 @@ class Piece:
         return frozenset(failure["number"] for failure in self.record.get("failures", ()))
 
     def damage(self) -> list[str]:
-        """In words, which files are not what was written."""
+        """Descriptions of the files that differ from their SHA-256 in the record."""
         words = []
         for path, expected in self.files.items():
             try:
@@ -114,9 +114,9 @@ class Piece:
     def differ(
         self, number: int, files: Mapping[str, bytes], ignored: Collection[str]
     ) -> list[str]:
-        """Where a sample differs from these files; raises one of `contents.DAMAGE`.
+        """The differences of a sample from `files`; raises one of `contents.DAMAGE`.
 
-        In HDF5 there are no files: what would be in them is compared.
+        HDF5 stores arrays, not files: then the contents are compared.
         """
         if not self._h5:
             return files_differ(self._bytes(number), files, ignored)
@@ -140,7 +140,7 @@ class Piece:
 
     @cached_property
     def _places(self) -> Mapping[str, list[tuple[str, int, int]]]:
-        """Key -> name, offset and size of each file; of HDF5 no files."""
+        """Key -> name, offset and size of each file; no files for HDF5."""
         if self._h5:
             from halfphysics.sweep.store.hdf5 import keys
 

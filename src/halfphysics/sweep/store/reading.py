@@ -1,4 +1,4 @@
-"""Reading what a sweep made: samples one at a time, from a folder, a tar or an HDF5 file.
+"""Reading the samples of a sweep one at a time, from a folder, a tar or an HDF5 file.
 
 for sample in halfphysics.sweep.read("out"):
     sample["card"]["factors"], sample["human"]["poses"], sample["contact"]["body"]
@@ -20,19 +20,19 @@ from halfphysics.sweep.store.contents import DAMAGE, contents
 def read(
     path: str | os.PathLike[str], parts: Collection[str] | None = None
 ) -> Iterator[dict[str, Any]]:
-    """Samples in the order of their numbers, each read when it is asked for.
+    """Samples in the order of their numbers; each is read when the iteration reaches it.
 
     Args:
-        path: A folder that a sweep wrote (also while it is being written: what is sealed), or one
-            of its shards, .tar or .h5.
-        parts: Which files of a sample to look into, such as ("human", "card"); None: all.
+        path: A folder of a sweep (of a running sweep, the sealed shards are read), or one of its
+            shards, .tar or .h5.
+        parts: The files of a sample to read, such as ("human", "card"); None: all.
 
     Yields:
-        A dict: "key" its number as text, "card" what it was made from, and for each file its
-        arrays by name: "human", "object", "contact", "human.1" (a second person), "result".
+        A dict: "key" (the number as text), "card" (its `card.json`), and for each other file
+        its arrays by name: "human", "object", "contact", "human.1" (a second person), "result".
 
     Raises:
-        FileError: Missing, damaged, or not what a sweep writes. Nothing is unpickled.
+        FileError: `path` is missing, damaged, or not from a sweep. Nothing is unpickled.
         InputError: `parts` is not a collection of names.
     """
     path = file_path(path)
@@ -51,7 +51,7 @@ def read(
 
 def _of_folder(folder: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any]]:
     root = folder / "shards" if (folder / "shards").is_dir() else folder
-    # A shard counts once its record is there.
+    # A shard exists once its record exists.
     records = sorted(path for path in root.rglob("*.json") if path.stem.isdecimal())
     if not records and root == folder:
         raise FileError(
@@ -88,5 +88,5 @@ def _of_tar(path: Path, parts: Collection[str] | None) -> Iterator[dict[str, Any
 
 
 def _part(name: str) -> str:
-    """What a file of a sample is called in what is read: "human" of human.npz."""
+    """The key of a file in the dict of a sample: "human" for human.npz."""
     return name.rpartition(".")[0]

@@ -1,4 +1,4 @@
-"""Reopening a sealed shard: its fragments again, but for the batches in which something failed."""
+"""Reopening a sealed shard: its fragments again, except for batches with failures."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ Files = dict[str, bytes]
 
 
 def reopen(layout: Layout, fragments: Fragments, record: Mapping[str, Any]) -> None:
-    """Make a shard count as open, with the fragments of the batches that had no failures.
+    """Make a shard count as open, with the fragments of the batches without failures.
 
-    They are cut out of its tar; where there is none, all batches are to be made. A driver that is
-    killed before the end leaves a sealed shard, and fragments that the next start removes.
+    The fragments are cut out of its tar; without a tar, all batches have to be made again. A driver
+    that is killed before the end leaves a sealed shard, and fragments that the next start removes.
 
     Raises:
-        FileError: The tar is damaged, or something cannot be written.
+        FileError: The tar is damaged, or a file cannot be written.
     """
     shard = record["shard"]
     if ".tar" in record["files"]:
@@ -49,7 +49,7 @@ def reopen(layout: Layout, fragments: Fragments, record: Mapping[str, Any]) -> N
 def _record(
     layout: Layout, batch: int, samples: list[tuple[str, Files]], shard: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """What a worker said of a batch without failures, from its samples."""
+    """The record of a batch without failures, computed from its samples."""
     from halfphysics.sweep.store.data_card import DataCard
 
     card = DataCard()
@@ -57,12 +57,12 @@ def _record(
     for _, files in samples:
         card.sample(json.loads(files["card.json"]))
     card.skip(skipped)
-    # Which of the shard's inputs were this batch's is not known: all stand for them.
+    # The record of the shard does not list inputs by batch: use all of them.
     return {"skipped": skipped, "failures": [], "sums": card.sums(), "inputs": shard["inputs"]}
 
 
 def _check(path: Path, expected: str) -> None:
-    """Refuse a tar that is not what was written: reading one ends where it is damaged, unsaid."""
+    """Raise if a tar is damaged: reading it would stop at the damage without an error."""
     try:
         found = sha256_of(path)
     except OSError as error:

@@ -1,7 +1,7 @@
-"""Sealing: the fragments of a shard become its files, whatever happens in between.
+"""Sealing: the fragments of a shard become its files, safe against interruption at any point.
 
-The order makes it safe to be killed anywhere: first the files of the data, whole or not at all,
-then the record of the shard, which makes it count, and only then the fragments are deleted.
+The order of writing makes it safe: first the data files, each complete or absent, then the record
+of the shard, which makes the shard valid, and only then the fragments are deleted.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from halfphysics.sweep.store import tar
 from halfphysics.sweep.store.fragments import Fragments
 
 _PIECE = 1 << 20
-#: The files that a plan can ask for: name of the format -> suffix.
+#: The formats that a plan can request: name -> suffix of the file.
 SUFFIXES = {"webdataset": ".tar", "hdf5": ".h5"}
 
-# What a record has.
+# The required keys of a record.
 _KEYS = {"files", "inputs", "first", "variants", "samples", "skipped", "failures", "sums"}
 
 
 def seal(
     layout: Layout, fragments: Fragments, identity: str, formats: Iterable[str], shard: int
 ) -> None:
-    """Make a shard of its fragments.
+    """Make a shard from its fragments.
 
     Raises:
         FileError: A fragment is missing or damaged, or the shard cannot be written.
-        InputError: A file changed while the fragments were made from it.
+        InputError: A source file changed while the fragments were made.
     """
     batches = layout.batches_of(shard)
     records = [_record(layout, fragments, batch) for batch in batches]
@@ -75,14 +75,14 @@ def _write_files(
     shard: int,
     suffixes: list[str],
 ) -> dict[str, dict[str, Any]]:
-    """The files of a shard: suffix -> name, size and SHA-256.
+    """Write the files of a shard; returns suffix -> size and SHA-256.
 
-    The tar is made in any case, as other formats are made from it; where it is not wanted it does
-    not stay.
+    The tar is always written, as other formats are made from it; it is removed if the plan does not
+    request it.
     """
     files = {}
     old = layout.shard_file(shard, ".json")
-    with reported(old):  # it must not vouch for new files
+    with reported(old):  # the old record must not be valid for new files
         old.unlink(missing_ok=True)
     target = layout.shard_file(shard, ".tar")
     keep = ".tar" in suffixes
@@ -116,7 +116,7 @@ def _write_files(
 def _join(
     layout: Layout, fragments: Fragments, records: list[dict[str, Any]], out: Any
 ) -> dict[str, Any]:
-    """Write fragments in a row and the end of the archive; says its size and SHA-256."""
+    """Write the fragments in order and the end of the archive; returns size and SHA-256."""
     digest, size = hashlib.sha256(), 0
     for record in records:
         own = hashlib.sha256()
@@ -143,13 +143,13 @@ def _join(
 def _inputs(
     fragments: Fragments, records: list[dict[str, Any]]
 ) -> tuple[dict[str, str], dict[str, list[int]]]:
-    """What all fragments were made from, and what it looked like."""
+    """The source files of all fragments: name -> SHA-256, and name -> size and date."""
     inputs: dict[str, str] = {}
     stats: dict[str, list[int]] = {}
     for record in records:
         for path, digest in record["inputs"].items():
             if inputs.setdefault(path, digest) != digest:
-                # Which of the two is meant is for the user to say.
+                # Only the user knows which of the two versions is right.
                 for one in records:
                     if path in one["inputs"]:
                         fragments.forget(one["batch"])
@@ -163,7 +163,7 @@ def _inputs(
 
 
 def _merged(records: list[dict[str, Any]]) -> dict[str, Any]:
-    """What the fragments' records say together."""
+    """The sums of the fragments' records."""
     from halfphysics.sweep.store.data_card import DataCard
 
     card = DataCard()
@@ -178,12 +178,12 @@ def _merged(records: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def whole(record: Mapping[str, Any]) -> bool:
-    """Whether a record has all keys of a record: it may have been edited."""
+    """Whether a record has all required keys: a user may have edited it."""
     return record.keys() >= _KEYS and bool(record["files"])
 
 
 def sizes_fit(layout: Layout, record: Mapping[str, Any]) -> bool:
-    """Whether the files of a shard are as long as its record says."""
+    """Whether the files of a shard have the sizes in its record."""
     for suffix, file in record["files"].items():
         try:
             size = layout.shard_file(record["shard"], suffix).stat().st_size

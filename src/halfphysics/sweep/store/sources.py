@@ -1,7 +1,7 @@
-"""Whether the files that a sweep was made from are still what they were, for one look each.
+"""Checks whether the source files of a sweep are unchanged, with one `stat` for each file.
 
-The reader of a file notes what it contained (SHA-256) and, where it is certain, what the file
-looked like then (size, date). A file that still looks so is not read again.
+The program that reads a file records its SHA-256 and, where that is safe, its size and date. A file
+with the same size and date is not read again.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ T = TypeVar("T")
 
 #: Name of a file -> [size, date in ns].
 Stats = Mapping[str, list[int]]
-# How many files to remember; variants of one shard share them.
+# Number of remembered files; variants of one shard share them.
 _REMEMBERED = 20_000
 
 
 class Sources:
-    """Looks at files, at each once as long as it is remembered.
+    """Checks source files, each only once while it is remembered.
 
     Args:
-        since: When the run began [ns]: what changed later may not be what was read.
-        base: What names are relative to; files elsewhere go by their whole path.
+        since: Start of the run [ns]: a file that changed later may differ from the content read.
+        base: The folder that names are relative to; files elsewhere are named by absolute path.
     """
 
     def __init__(self, since: int, base: Path = Path()) -> None:
@@ -42,7 +42,7 @@ class Sources:
         self._hashes: OrderedDict[str, str] = OrderedDict()
 
     def named(self, inputs: Mapping[str, str]) -> dict[str, str]:
-        """Paths as names that are the same wherever the plan and its files lie together."""
+        """Paths relative to the plan: the names stay valid if plan and files are moved together."""
         return {self._name(path): digest for path, digest in sorted(inputs.items())}
 
     def _name(self, path: str) -> str:
@@ -56,28 +56,28 @@ class Sources:
         return Path(self._base, name)
 
     def stats(self, inputs: Mapping[str, str]) -> dict[str, list[int]]:
-        """What the files look like that have not changed since the run began."""
+        """Size and date of the files that have not changed since the run began."""
         found = {}
         for name in inputs:
             try:
                 its = self._path(name).stat()
             except OSError:
-                continue  # it is looked at again when the sweep is
-            # The date of a folder is not that of what is in its files.
+                continue  # `changed` checks it again
+            # The date of a folder does not change when the content of its files changes.
             if stat.S_ISREG(its.st_mode) and max(its.st_mtime_ns, its.st_ctime_ns) < self._since:
                 found[name] = [its.st_size, its.st_mtime_ns]
         return found
 
     def changed(self, inputs: Mapping[str, str], stats: Stats) -> str | None:
-        """The first file that is not what it was, or None.
+        """The first file that has changed, or None.
 
         Args:
-            inputs: Name -> SHA-256 of what was read.
-            stats: What they looked like, as far as it is known.
+            inputs: Name -> SHA-256 of the content that was read.
+            stats: Name -> size and date, as far as known.
 
         Raises:
-            InputError: A file is not there any more.
-            FileError: It cannot be read.
+            InputError: A file is missing.
+            FileError: A file cannot be read.
         """
         for name, digest in inputs.items():
             if self._look(name) != stats.get(name) and self._hash(name) != digest:
@@ -85,7 +85,7 @@ class Sources:
         return None
 
     def warn(self, inputs: Mapping[str, str], stats: Stats) -> bool:
-        """Whether a file is not what it was, with a warning, one for each file; see `changed`."""
+        """Whether a file has changed; warns once for each changed file. See `changed`."""
         name = self.changed(inputs, stats)
         if name is not None and name not in self._warned:
             self._warned.add(name)

@@ -1,7 +1,7 @@
-"""The folder of a sweep: what is in it, what is left to do, and how to never lose work.
+"""The folder of a sweep: its contents, the remaining work, and safety against interruption.
 
-Everything appears whole or not at all, and counts once a record says so. A process that is killed
-at any moment leaves files that count and files that do not; the next start removes the latter.
+Every file appears complete or not at all, and is valid once its record exists. A process that is
+killed at any moment leaves valid and invalid files; the next start removes the invalid ones.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from halfphysics.sweep.store.sources import Sources
 if TYPE_CHECKING:
     from halfphysics.sweep.plan.plan import Plan
 
-# Clocks of a machine and of its file server may differ so much [ns].
+# Largest difference between the clocks of a machine and of its file server [ns].
 _CLOCKS = 2_000_000_000
 
 
@@ -37,13 +37,13 @@ class Store:
     """The folder of a sweep.
 
     A driver calls `begin` first and `finish` at the end; workers write fragments and seal shards,
-    from any process. Whatever two of them do twice leaves the same bytes.
+    from any process. If two workers do the same work, the bytes are the same.
 
     Args:
-        folder: Where it is or will be.
-        plan: What is made.
-        code: Hash of the code that makes the data; None: of this code.
-        remake: Make again what other code has made, instead of refusing the folder.
+        folder: Path of the folder, which may not exist yet.
+        plan: The plan of the sweep.
+        code: Hash of the code that makes the data; None: hash of this code.
+        remake: Make data of other code again, instead of refusing the folder.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class Store:
 
     @cached_property
     def layout(self) -> Layout:
-        """Which variants, batches and shards there are, and where they lie."""
+        """The variants, batches and shards of the sweep, and their paths."""
         from halfphysics.sweep.plan.inputs import InputList
         from halfphysics.sweep.plan.variants import Variants
 
@@ -78,7 +78,7 @@ class Store:
         try:
             since = os.stat(self._lock.path).st_mtime_ns - _CLOCKS
         except OSError:
-            since = 0  # nothing was begun: what files look like is not to be trusted
+            since = 0  # the sweep has not started: sizes and dates of files prove nothing
         return Sources(since, self.plan.base)
 
     @cached_property
@@ -86,13 +86,13 @@ class Store:
         return Fragments(self.layout, self.identity, self._sources)
 
     def begin(self) -> None:
-        """Make or open the folder, keep others out, and remove what a killed run left.
+        """Create or open the folder, lock it, and remove the incomplete files of a killed run.
 
         Raises:
-            InputError: The folder holds another plan or other things, or what another program has
-                made; its inputs are not what they were; or another sweep works in it.
-            FileError: It cannot be written.
-            MissingDependencyError: The plan wants HDF5 and h5py is not installed.
+            InputError: The folder holds another plan, unrelated files, or data of another program;
+                the list of inputs has changed; or another sweep works in it.
+            FileError: The folder cannot be written.
+            MissingDependencyError: The plan requests HDF5 and h5py is not installed.
         """
         if self.folder.exists() and not self.folder.is_dir():
             raise FileError(
@@ -128,15 +128,15 @@ class Store:
         self._remove_sealed()
 
     def join(self) -> None:
-        """What a worker calls instead of `begin`.
+        """Open the folder in a worker, which calls this instead of `begin`.
 
         Raises:
-            InputError: The sweep was begun by another program than this.
+            InputError: Another program started the sweep.
         """
         check_same(self.layout, self._code)
 
     def close(self) -> None:
-        """Let others in."""
+        """Unlock the folder."""
         self._lock.release()
 
     def __enter__(self) -> Store:
@@ -160,35 +160,35 @@ class Store:
 
     @staticmethod
     def _clean(folder: Path) -> None:
-        """Remove what was being written when a process was killed."""
+        """Remove the incomplete files of a killed process."""
         with reported(folder):
             for path in sorted(folder.glob(".*.part")):
                 path.unlink(missing_ok=True)
 
     def _remove_sealed(self) -> None:
-        """Remove the fragments of shards that are sealed."""
+        """Remove the fragments of sealed shards."""
         for folder in sorted(p for p in self.layout.work.iterdir() if p.name.isdecimal()):
             if self.done(int(folder.name)):
                 self._fragments.remove(int(folder.name))
 
-    # -- what is done --------------------------------------------------------------------------
+    # -- finished work -------------------------------------------------------------------------
 
     def batches(self, shard: int) -> range:
         """The batches of a shard."""
         return self.layout.batches_of(shard)
 
     def record(self, shard: int) -> dict[str, Any] | None:
-        """The record of a shard that was sealed for this plan by this program, else None."""
+        """The record of a shard that this program sealed for this plan, else None."""
         record = json_files.read(self.layout.shard_file(shard, ".json"))
         if record is None or record.get("of") != self.identity or record.get("shard") != shard:
             return None
         return record if sealing.whole(record) else None
 
     def done(self, shard: int) -> bool:
-        """Whether a shard is sealed, its files have their size, and its inputs are what they were.
+        """Whether a shard is sealed, its files have the recorded sizes and inputs are unchanged.
 
         Raises:
-            InputError: A file that it was made from has gone.
+            InputError: A source file is missing.
         """
         record = self.record(shard)
         if record is None or not sealing.sizes_fit(self.layout, record):
@@ -201,10 +201,10 @@ class Store:
     def left(self, shard: int) -> list[int]:
         """The batches of a shard that have to be made, in order.
 
-        Warns where that is because a file has changed.
+        Warns if a changed source file is the reason.
 
         Raises:
-            InputError: A file that a fragment was made from has gone.
+            InputError: A source file is missing.
         """
         if self.done(shard):
             return []
@@ -212,7 +212,7 @@ class Store:
         if record is not None:
             self._sources.warn(record["inputs"], self._stats(shard))
         if not self.layout.open_shard(shard).is_dir():
-            return list(self.batches(shard))  # one look instead of one for each batch
+            return list(self.batches(shard))  # one file access instead of one per batch
         return [b for b in self.batches(shard) if not self._fragments.current(b)]
 
     def records(self) -> Iterator[dict[str, Any]]:
@@ -227,29 +227,29 @@ class Store:
     def write_fragment(
         self, batch: int, samples: Iterable[Sample], record: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """Write the samples of a batch as they come.
+        """Write the samples of a batch as the iterable yields them.
 
         Args:
             batch: Its number.
             samples: Key and files (name -> content) of each variant that is kept, in order.
-            record: What else is to be known of the batch: "skipped", "failures", "sums", "inputs"
-                (path -> SHA-256 of what was read); looked at after the last sample, so that it may
-                be filled while they are made.
+            record: Other entries of the record: "skipped", "failures", "sums", "inputs" (path ->
+                SHA-256 of the content read). It is read after the last sample, so the caller may
+                fill it while the samples are made.
 
         Returns:
             The record as written: with "samples", "bytes" and "sha256".
 
         Raises:
-            FileError: It cannot be written (a full disk); nothing is left behind.
+            FileError: The fragment cannot be written (a full disk); no partial file remains.
         """
         return self._fragments.write(batch, samples, record)
 
     def seal(self, shard: int) -> None:
-        """Make the files of a shard from its fragments; does nothing where that is done.
+        """Make the files of a shard from its fragments; a finished shard is left as it is.
 
         Raises:
-            FileError: A fragment is missing or damaged, or it cannot be written.
-            InputError: An input changed while the fragments were made from it.
+            FileError: A fragment is missing or damaged, or the shard cannot be written.
+            InputError: A source file changed while the fragments were made.
         """
         if not self.done(shard):
             formats = self.plan.outputs.formats
@@ -257,11 +257,11 @@ class Store:
         self._fragments.remove(shard)
 
     def drop_failed(self) -> int:
-        """Make all batches with failures count as not there; says how many variants failed.
+        """Make all batches with failures count as missing; returns the number of failed variants.
 
         Raises:
-            InputError: A file that a shard was made from has gone.
-            FileError: A shard is damaged, or something cannot be written.
+            InputError: A source file of a shard is missing.
+            FileError: A shard is damaged, or a file cannot be written.
         """
         count = 0
         for shard in range(self.layout.shards):
@@ -270,7 +270,7 @@ class Store:
                 if record["failures"]:
                     count += len(record["failures"])
                     if not self.done(shard):
-                        continue  # all of it is made again anyway
+                        continue  # the whole shard is made again anyway
                     reopening.reopen(self.layout, self._fragments, record)
                 continue
             if self.layout.open_shard(shard).is_dir():
@@ -282,7 +282,7 @@ class Store:
         return count
 
     def finish(self) -> dict[str, Any]:
-        """Write manifest, data card and list of failures of all that is sealed.
+        """Write manifest, data card and list of failures of all sealed shards.
 
         Returns:
             The numbers of shards, samples, skipped variants and failures.

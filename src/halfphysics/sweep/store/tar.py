@@ -1,7 +1,7 @@
-"""Tar archives in pieces: members alone, the end that makes them an archive, and samples in it.
+"""Tar archives in pieces: single members, the end of an archive, and reading samples.
 
-Pieces in a row followed by the end are, byte for byte, what `tarfile` writes in one go (USTAR).
-The bytes depend on names and content only: no dates, owners or rights of the machine.
+Consecutive members followed by the end are, byte for byte, the USTAR archive that `tarfile` writes.
+The bytes depend on names and content only: no dates, owners or permissions of the machine.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from halfphysics.errors import InputError
 
 
 def member(name: str, data: bytes) -> tuple[bytes, bytes, bytes]:
-    """A file of an archive as three pieces: its header, `data` itself, and what fills the block.
+    """A file of an archive as three pieces: its header, `data` itself, and the padding.
 
     Raises:
-        InputError: The name does not fit a USTAR header (100 bytes), or the data (8 GiB).
+        InputError: The name (100 bytes) or the data (8 GiB) does not fit a USTAR header.
     """
     info = tarfile.TarInfo(name)  # mode 0644, no date, no owner
     info.size = len(data)
@@ -32,7 +32,7 @@ def member(name: str, data: bytes) -> tuple[bytes, bytes, bytes]:
 
 
 def ending(size: int) -> bytes:
-    """What closes an archive whose members take `size` bytes: two empty blocks, a full record."""
+    """The end of an archive with `size` bytes of members: two empty blocks, padded to a record."""
     empty = 2 * tarfile.BLOCKSIZE
     return bytes(empty + -(size + empty) % tarfile.RECORDSIZE)
 
@@ -44,9 +44,9 @@ def samples(
 
     Args:
         path: The shard.
-        wanted: Which files to read, by name; None: all.
+        wanted: Selects the files to read by name; None: all.
 
-    Raises one of `contents.DAMAGE` where it is no shard, or not a whole one.
+    Raises one of `contents.DAMAGE` if the file is not a shard, or incomplete.
     """
     key, files, end = "", dict[str, bytes](), 0
     with tarfile.open(path, "r|") as archive:
@@ -68,7 +68,7 @@ def samples(
 
 
 def _check_end(path: Path, end: int) -> None:
-    """Refuse a tar that does not end as it should: `tarfile` takes damage for the end."""
+    """Raise if a tar has no valid end: `tarfile` takes damage for the end."""
     with path.open("rb") as handle:
         handle.seek(end)
         rest = handle.read(2 * tarfile.RECORDSIZE)

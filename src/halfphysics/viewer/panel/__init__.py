@@ -1,1 +1,1 @@
-"""The panel of the playground: what to play, how, and how well the machine keeps up."""
+"""The panel of the playground: choice, playing, knobs and status."""

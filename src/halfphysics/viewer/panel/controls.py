@@ -1,7 +1,7 @@
-"""Controls that show what a session has, and ask it for what a person sets.
+"""Controls that show the values of a session, and post the values that the user sets.
 
-Callbacks run in threads of viser. They only post commands; the playground's thread carries them out
-and shows their outcome with `Controls.follow`.
+Callbacks run in threads of viser. They only post commands; the playground's thread executes them
+and shows the outcome with `Controls.follow`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 from halfphysics.viewer import session as do
 
-#: A slider is not moved while its value was set by hand less than this ago [s].
+#: A slider is not updated for this long after its value was set by hand [s].
 _HANDS_OFF = 0.8
 
 LIVE = "Takes effect at once"
@@ -23,7 +23,7 @@ ANEW = "Starts from the beginning"
 
 @dataclass(eq=False)
 class _Control:
-    """A handle of viser, the value it should show, and when it was last set by hand [s]."""
+    """A handle of viser, the value to show, and the time when it was last set by hand [s]."""
 
     handle: Any
     value_of: Callable[[], Any]
@@ -65,7 +65,7 @@ class Controls:
         self._bound.append(control)
 
         def moved(event: Any) -> None:
-            if event.client_id is None:  # the program set the value, not a person
+            if event.client_id is None:  # the program set the value, not the user
                 return
             control.touched = time.monotonic()
             self.post(command_for(event.target.value))
@@ -73,7 +73,7 @@ class Controls:
         handle.on_update(moved)
 
     def forget(self, handles: Iterable[Any]) -> None:
-        """Unbind handles, which are about to be removed."""
+        """Unbind handles before they are removed."""
         gone = list(handles)
         self._bound = [c for c in self._bound if not any(c.handle is h for h in gone)]
 
@@ -89,7 +89,7 @@ def change(name: str) -> Callable[[Any], do.Command]:
 
 
 def turn(name: str, item: str | None = None) -> Callable[[Any], do.Command]:
-    """The command that turns a knob of the person or of an item, for a value."""
+    """The command that sets a knob of the person or of an item, for a value."""
     return lambda value: do.Turn(name, value, item)
 
 

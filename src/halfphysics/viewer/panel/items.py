@@ -1,4 +1,4 @@
-"""The part of the panel that turns the knobs of a scene's objects: mass and friction."""
+"""The part of the panel with the knobs of a scene's objects: mass and friction."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from halfphysics.viewer.panel.controls import LIVE, Controls, turn
 
 
 class ItemKnobs:
-    """Knobs of one object of the scene, and the choice of it where there are several.
+    """Knobs of one object of the scene, and the choice of the object if there are several.
 
     Attributes:
         folder: The folder of these controls in the panel.
-        mass, friction: Handles of viser; those of the last scenario that had objects.
+        mass, friction: Handles of viser, for the last scenario with objects.
     """
 
     def __init__(
@@ -25,7 +25,7 @@ class ItemKnobs:
         controls: Controls,
         choose: Callable[[Callable[[], None]], None],
     ) -> None:
-        """`choose` runs a task in the playground's thread and builds the controls anew."""
+        """`choose` runs a task in the playground's thread and rebuilds the controls."""
         self._gui, self._session, self._controls = gui, session, controls
         self._choose = choose
         self._name = ""

@@ -1,4 +1,4 @@
-"""The panel of the playground: its parts in their order, cameras, layers, and what it reads out."""
+"""The panel of the playground: its parts in order, cameras, layers and status."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from halfphysics.viewer.server import icon
 if TYPE_CHECKING:
     from halfphysics.viewer.playground import Playground
 
-#: The panel shows the session's values this often [s].
+#: Interval between updates of the panel [s].
 _FOLLOW = 0.15
-#: Under this share of real time the panel calls it slow motion.
+#: Below this fraction of real time the panel reports slow motion.
 _SLOW = 0.95
 
 
 class Panel:
-    """Controls for a `Playground`; their callbacks only post what they ask for."""
+    """Controls for a `Playground`; their callbacks only post commands and tasks."""
 
     def __init__(self, playground: Playground) -> None:
         self._playground = playground
@@ -65,7 +65,7 @@ class Panel:
 
     @property
     def following(self) -> bool:
-        """Whether cameras go along with people."""
+        """Whether cameras follow people."""
         return bool(self.follow.value)
 
     def _follow(self) -> None:
@@ -137,10 +137,10 @@ class Panel:
 
         return shows
 
-    # -- what the session has: shown by the playground's thread ------------------------------
+    # -- values of the session, shown by the playground's thread -----------------------------
 
     def refresh(self, now: bool = False) -> None:
-        """Show everything as the session has it: a few times a second, or `now`."""
+        """Show the session's present values, a few times per second or `now`."""
         clock = time.monotonic()
         if not now and clock - self._followed < _FOLLOW:
             return

@@ -1,4 +1,4 @@
-"""The part of the panel that turns a person's knobs: firmness, strength, drive, substeps."""
+"""The part of the panel with a person's knobs: firmness, strength, drive, substeps."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class PersonKnobs:
         self._add_algorithm(gui)
 
     def refresh(self) -> None:
-        """Algorithm 1 has neither strength nor a time constant."""
+        """Disable strength and time constant with Algorithm 1, which has neither."""
         self.strength.disabled = self.drive_time.disabled = self._paper()
 
     def _add_drive(self, gui: Any) -> None:

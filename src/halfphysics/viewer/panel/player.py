@@ -1,4 +1,4 @@
-"""The part of the panel that chooses what is played, and plays it: scenario, motion, speed."""
+"""The part of the panel for choosing and playing: scenario, motion, speed."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Player:
         self._add_playing()
 
     def refresh(self) -> None:
-        """Let the button say what it would do now."""
+        """Update the label and icon of the play button."""
         label = _PAUSE if self._session.playing else _PLAY
         if self._play.label != label:
             self._play.label = label

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -61,3 +62,17 @@ def test_documents_that_a_source_names_exist():
         if gone:
             missing[file] = sorted(gone)
     assert not missing
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="bash expands the list")
+def test_the_tests_that_run_under_sanitizers_exist():
+    script = (ROOT / "tools/sanitize.sh").read_text(encoding="utf-8")
+    listed = re.findall(r"tests/[\w/{},]+\.py", script)
+    expanded = subprocess.run(
+        ["bash", "-c", f"printf '%s\\n' {' '.join(listed)}"],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.split()
+    assert expanded
+    assert [name for name in expanded if not (ROOT / name).is_file()] == ["tests/test_x.py"]

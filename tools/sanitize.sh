@@ -55,7 +55,7 @@ if [ $# -eq 0 ]; then
     tests/native/dynamics/test_kinematic_tree.py tests/native/geometry/test_convex.py \
     tests/reference/test_step.py tests/simulation/test_{mesh_trees,simulator,objects,fuzz}.py \
     tests/body/test_skinning.py tests/geometry/test_mesh_queries.py \
-    tests/metrics/test_penetration.py tests/render/test_{drawing,rasterizer,contact_sheet}.py \
+    tests/metrics/test_penetration.py tests/render/test_{result_meshes,rasterizer,contact_sheet}.py \
     tests/labels/test_{contact_labels,reference}.py
 fi
 export PYTHONPATH=$site HALFPHYSICS_FUZZ=${HALFPHYSICS_FUZZ:-1}

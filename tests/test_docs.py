@@ -75,4 +75,4 @@ def test_the_tests_that_run_under_sanitizers_exist():
         check=True,
     ).stdout.split()
     assert expanded
-    assert [name for name in expanded if not (ROOT / name).is_file()] == ["tests/test_x.py"]
+    assert not [name for name in expanded if not (ROOT / name).is_file()]

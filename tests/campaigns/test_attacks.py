@@ -1,0 +1,70 @@
+"""Attack scenes: a sample of `campaigns.attacks`, a few frames each, judged at every substep."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from campaigns.attacks import Case, complaints, fuzz_cases, run, set_up, simulate, table
+from support.attacks.families import FAMILIES
+
+pytest.importorskip("trimesh")
+
+#: Family -> frames until its contacts are many. No frame of these took the old core seconds.
+SAMPLE = {
+    "needles": 6,
+    "slivers": 5,
+    "sheet_stack": 5,
+    "ring": 8,
+    "slot": 8,
+    "thin_poles": 6,
+    "wall_drive": 6,
+    "stamp": 12,
+    "two_flailing": 10,
+}
+
+
+def clearness(row):
+    """The complaints that do not depend on the machine."""
+    return [text for text in complaints(row) if "took" not in text]
+
+
+@pytest.mark.parametrize("family", SAMPLE)
+def test_attacks_leave_everybody_clear(family):
+    row = run(Case(family, 0), SAMPLE[family])
+    assert clearness(row) == []
+    assert row["start_mm"] is None or row["start_mm"] > 0.0
+    assert row["frames"] == SAMPLE[family]
+
+
+def test_there_are_35_families():
+    assert len(FAMILIES) >= 35
+
+
+def test_a_case_is_the_same_attack_every_time():
+    for case in (Case("leaves", 1), Case("leaves", 1, fuzz=True)):
+        a, b = set_up(case), set_up(case)
+        np.testing.assert_array_equal(a.motions[0].translation, b.motions[0].translation)
+        assert list(a.scene.statics) == list(b.scene.statics)
+        assert a.settings == b.settings
+
+
+def test_fuzzing_mixes_two_families_and_draws_settings():
+    cases = fuzz_cases(2, 100)
+    some = [next(cases) for _ in range(8)]
+    assert len({c.id for c in some}) == 8
+    attack = set_up(some[0])
+    assert {"substeps", "stiffness", "drive_time"} <= set(attack.settings)
+    _, _, frames, seconds, _ = simulate(attack, 2)
+    assert len(frames) == len(seconds) == 2
+
+
+def test_a_row_complains_of_time_memory_and_depth():
+    row = run(Case("ring", 0), 1, judge=False)
+    assert "ring-0" in table([row])
+    bad = {"slowest": [[9.0, 1]], "memory_mb": 99.0, "start_mm": 1.0, "gap_mm": -1.0}
+    bad |= {"inside": 1, "crossed": 1, "pair": "a/b"}
+    found = complaints(row | bad)
+    assert len(found) == 4
+    assert sum("UNREPORTED" in text for text in found) == 2
+    assert len(complaints(row | bad | {"breaches": 1})) == 3

@@ -53,6 +53,26 @@ class MeshTree:
     @property
     def shares(self) -> int: ...
 
+class SkinShapes:
+    def __init__(
+        self,
+        *,
+        body: Annotated[NDArray[numpy.int32], "(*,)"],
+        dof: Annotated[NDArray[numpy.int32], "(*,)"],
+        parent: Annotated[NDArray[numpy.int32], "(*,)"],
+        joint: Annotated[NDArray[numpy.float64], "(*, 3)"],
+        rest: Annotated[NDArray[numpy.float64], "(*, 3)"],
+        first: Annotated[NDArray[numpy.int32], "(*,)"],
+        at: Annotated[NDArray[numpy.int32], "(*,)"],
+        weight: Annotated[NDArray[numpy.float64], "(*,)"],
+        bend: Annotated[NDArray[numpy.float64], "(*, *, *)"],
+        part: Annotated[NDArray[numpy.int32], "(*,)"],
+        start: Annotated[NDArray[numpy.int32], "(*,)"],
+        vertex: Annotated[NDArray[numpy.int32], "(*,)"],
+    ) -> None: ...
+
+    def __len__(self) -> int: ...
+
 class Stepper:
     def __init__(self) -> None: ...
 
@@ -153,26 +173,11 @@ class Stepper:
 
     def set_slack(self, arg: float, /) -> None: ...
 
-    def add_skin(
+    def add_skin_shapes(
         self,
-        arg0: Annotated[NDArray[numpy.int32], "(*,)"],
-        arg1: Annotated[NDArray[numpy.int32], "(*,)"],
-        arg2: Annotated[NDArray[numpy.float64], "(*, 3)"],
-        arg3: Annotated[NDArray[numpy.float64], "(*, 3)"],
-        arg4: Annotated[NDArray[numpy.int32], "(*,)"],
-        arg5: Annotated[NDArray[numpy.int32], "(*,)"],
-        arg6: Annotated[NDArray[numpy.float64], "(*,)"],
-        arg7: Annotated[NDArray[numpy.float64], "(*, *, *)"],
-        /,
-    ) -> int: ...
-
-    def add_skin_shape(
-        self,
-        arg0: int,
+        arg0: SkinShapes,
         arg1: int,
-        arg2: int,
-        arg3: int,
-        arg4: Annotated[NDArray[numpy.int32], "(*,)"],
+        arg2: Annotated[NDArray[numpy.int32], "(*,)"],
         /,
     ) -> None: ...
 

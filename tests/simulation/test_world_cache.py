@@ -1,6 +1,5 @@
 """A reused world equals the world that its scene would make, to the last bit."""
 
-import hashlib
 from dataclasses import replace
 
 import numpy as np
@@ -14,28 +13,13 @@ from halfphysics.simulation.compiled_model import model_arrays
 from halfphysics.simulation.simulate import follow
 from halfphysics.simulation.simulator import Simulator
 from halfphysics.simulation.world_cache import use_again
+from support.results.bits import bits
 
 SHAPES = {
     "ball": hp.Sphere(0.1),
     "box": hp.Box((0.2, 0.3, 0.1)),
     "tin": hp.Cylinder(0.05, 0.2),
 }
-
-
-def bits(result):
-    """All numbers of a result, as one digest."""
-    digest = hashlib.sha256()
-    arrays = [result.clearance, result.lost_time, *result.diagnostics.values()]
-    for person in result.people:
-        arrays += [person.motion.translation, person.motion.rotations, person.torque]
-    for track in result.objects.values():
-        arrays += [track.position, track.quaternion]
-    arrays += [*result.joints.values()]
-    for table in (result.contacts, result.inside):
-        arrays += [getattr(table, column) for column in table.columns()]
-    for array in arrays:
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()
 
 
 def room(masses=(1.0, 2.0, 0.5), frictions=(0.8, 0.8, 0.8), places=None, pairs=()):

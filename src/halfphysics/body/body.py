@@ -79,7 +79,10 @@ class Body:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if isinstance(value, np.ndarray):
-                value = np.ascontiguousarray(value).view()
+                value = np.ascontiguousarray(value)
+                if value.flags.writeable:  # the caller's: what is derived from it is kept
+                    value = value.copy()
+                value = value.view()
                 value.setflags(write=False)
                 object.__setattr__(self, field.name, value)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import warnings
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -54,6 +55,14 @@ class ShapeSpace:
     hands_components: Array | None = None
     source: Source | None = None
     template_source: Source | None = None
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):  # so bodies share them and copy nothing
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray):
+                value = value.view()
+                value.setflags(write=False)
+                object.__setattr__(self, field.name, value)
 
     def betas(self, betas: ArrayLike | None, stacklevel: int = 2) -> Array:
         """Coefficients (n,) for all directions: padded with zeros, or truncated.

@@ -98,7 +98,7 @@ def clearances(result: Result, frames: slice = slice(None)) -> tuple[Array, Ints
     """
     world = _world(result)
     count = len(range(len(result))[frames])
-    qpos = np.tile(world.model.qpos0, (count, 1))  # only static geometry matters
+    qpos = np.tile(world.joined.qpos0, (count, 1))  # only static geometry matters
     for place, person in zip(world.people, result.people, strict=True):
         motion = person.motion
         qpos[:, place.qpos : place.qpos + place.count] = place.coordinates(

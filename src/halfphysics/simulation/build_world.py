@@ -12,19 +12,15 @@ from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.scene import articulated as jointed
 from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation.collision_shapes import ShapeTable, add_shapes
-from halfphysics.simulation.compiled_model import (
-    armature_of,
-    compile_model,
-    joint_arrays,
-    model_arrays,
-)
+from halfphysics.simulation.compiled_model import armature_of, joint_arrays, model_arrays
 from halfphysics.simulation.coordinates import FreeObject, Person
 from halfphysics.simulation.core_settings import set_settings, set_strength
 from halfphysics.simulation.holding import HeldObject
+from halfphysics.simulation.joined_model import join_model
 from halfphysics.simulation.names import Names
 from halfphysics.simulation.pairing import set_pairings
 from halfphysics.simulation.self_contact import set_self_pairs
-from halfphysics.simulation.world import World, signature_of
+from halfphysics.simulation.world import World
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -55,7 +51,7 @@ def build_world(
     held = dict(held or {})
     names = Names.of(scene, len(bodies))
     stiffness = stiffness_array(settings.stiffness, "Settings.stiffness")
-    model = compile_model(bodies, names.people, scene, held, armature_of(stiffness))
+    model = join_model(bodies, names.people, scene, held, armature_of(stiffness))
     places = _places(model, bodies, scene, names, held)
     core = _native.Stepper()
     shapes = _fill(core, model, scene, settings, names, places)
@@ -68,9 +64,9 @@ def build_world(
         scene=scene,
         settings=settings,
         held=held,
+        made_of=scene._copied(),
         called=names,
-        signature=signature_of(names, bodies, scene),
-        model=model,
+        joined=model,
         stepper=core,
         stiffness=stiffness,
         shape_name=shape_name,

@@ -1,7 +1,8 @@
 """People and a scene as a MuJoCo model, and the arrays of it that the core reads once.
 
 MuJoCo turns the trees of bodies into arrays of masses, inertias and joints. Nothing of it steps:
-the geometry goes to the core directly, in float64.
+the geometry goes to the core directly, in float64. `joined_model` makes the same arrays from trees
+that were compiled before.
 """
 
 from __future__ import annotations
@@ -76,19 +77,34 @@ def _add_object(spec: Any, item: Object, people: Sequence[str], hold: Hold | Non
         parent = spec.body(f"{people[hold.person]}/{hold.part}")
         body = parent.add_body(name=name, pos=hold.position, quat=hold.quaternion)
     given = isinstance(item, KinematicObject)  # its mass is never asked for
-    body.mass, body.ipos = 1.0 if given else item.mass, [0.0, 0.0, 0.0]  # else ipos becomes pos
-    body.inertia, body.iquat = principal(np.eye(3) if given else item.inertia)
-    body.explicitinertial = True
+    _set_inertia(body, 1.0 if given else item.mass, np.eye(3) if given else item.inertia)
 
 
-def compiled_inertia(item: Object) -> tuple[Any, Any]:
-    """Moments (3,) [kg m^2] and quaternion (4,) of an object as a compiled model has them."""
+def compiled_inertia(mass: float, inertia: Array) -> tuple[Array, Array]:
+    """Moments (3,) [kg m^2] and quaternion (4,) of a body as a compiled model has them.
+
+    Args:
+        mass: [kg].
+        inertia: About the centre of mass (3, 3) [kg m^2].
+
+    Raises:
+        ValueError: MuJoCo refuses them.
+    """
     import mujoco
 
     spec = mujoco.MjSpec()
-    _add_object(spec, item, (), None)
+    body = spec.worldbody.add_body()
+    body.add_freejoint()
+    _set_inertia(body, mass, inertia)
     model = spec.compile()
     return model.body_inertia[1].copy(), model.body_iquat[1].copy()
+
+
+def _set_inertia(body: Any, mass: float, inertia: Array) -> None:
+    """About the body's origin."""
+    body.mass, body.ipos = mass, [0.0, 0.0, 0.0]  # else ipos becomes pos
+    body.inertia, body.iquat = principal(inertia)
+    body.explicitinertial = True
 
 
 def joint_arrays(model: Any) -> dict[str, Any]:

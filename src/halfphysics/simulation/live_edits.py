@@ -119,12 +119,12 @@ def rebuilt(
     new.place_objects(qpos, qvel)
     # An object whose hold changes is new to the core: its contacts are found again.
     other = {n for n in scene.objects if world.held.get(n) != held.get(n)}
-    bodies = {world.model.body(i).name: i for i in range(world.model.nbody)}
+    bodies = {world.joined.body(i).name: i for i in range(world.joined.nbody)}
     bodies = {name: i for name, i in bodies.items() if name.removeprefix("object/") not in other}
-    body = [bodies.get(new.model.body(i).name, -1) for i in range(new.model.nbody)]
+    body = [bodies.get(new.joined.body(i).name, -1) for i in range(new.joined.nbody)]
     for b, old in enumerate(body):
         if old >= 0:
-            qpos[_coordinates(new.model, b)] = was[_coordinates(world.model, old)]
+            qpos[_coordinates(new.joined, b)] = was[_coordinates(world.joined, old)]
     let_go = [p for p in world.objects if p.name in other and not isinstance(p, FreeObject)]
     free = {p.name: p for p in new.objects if isinstance(p, FreeObject)}
     let_go = [p for p in let_go if p.name in free]
@@ -194,4 +194,4 @@ def _turn(world: World, place: FreeObject) -> Array:
 
 
 def _body(world: World, name: str) -> int:
-    return int(world.model.body(f"object/{name}").id)
+    return int(world.joined.body(f"object/{name}").id)

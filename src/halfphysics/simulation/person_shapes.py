@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
+from halfphysics.body.mjcf_person import addresses
 from halfphysics.body.rigid_parts import part_collider
-from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
+from halfphysics.motion.skeleton import PARENTS
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -57,18 +60,43 @@ def _add_parts(
 def _add_skin(
     core: Any, model: Any, body: Body, prefix: str, index: int, row: Callable[[int], int]
 ) -> list[int]:
-    skin = core.add_skin(
-        np.array([model.body(prefix + j).id for j in JOINT_NAMES], dtype=np.int32),
-        np.ascontiguousarray(PARENTS, dtype=np.int32),
-        np.ascontiguousarray(body.rest_joints),
-        np.ascontiguousarray(body.rest_vertices),
-        *body.skin.sparse_weights,
-        np.zeros((0, 3, 0)) if body.posedirs is None else body.posedirs,
-    )
-    hulls = body.skin_corners
-    for h, part in enumerate(hulls.part):
-        vertices = hulls.vertex[hulls.first[h] : hulls.first[h + 1]]
-        core.add_skin_shape(
-            skin, row(int(part)), index, int(part), np.ascontiguousarray(vertices, dtype=np.int32)
+    joints = [int(part) for part in body.skin_corners.part]
+    rows = {part: row(part) for part in set(joints)}
+    shapes = _skin_shapes(body, model, addresses(model, prefix).body)
+    core.add_skin_shapes(shapes, index, np.array([rows[part] for part in joints], dtype=np.int32))
+    return joints
+
+
+#: Of a body, by where a model has it: as the first person, the second, and so on.
+_known: WeakKeyDictionary[Body, dict[bytes, Any]] = WeakKeyDictionary()
+#: Places of one body that are remembered.
+_PLACES = 4
+
+
+def _skin_shapes(body: Body, model: Any, ids: NDArray[np.int64]) -> Any:
+    """The skin and its hulls as the core has them, derived once per body and place in a model."""
+    from halfphysics import _native
+
+    numbers = np.stack([ids, model.body_dofadr[ids]]).astype(np.int32)
+    known = _known.setdefault(body, {})
+    shapes = known.get(numbers.tobytes())
+    if shapes is None:
+        while len(known) >= _PLACES:
+            known.pop(next(iter(known)), None)
+        hulls = body.skin_corners
+        first, joint, weight = body.skin.sparse_weights
+        shapes = known[numbers.tobytes()] = _native.SkinShapes(
+            body=numbers[0],
+            dof=numbers[1],
+            parent=np.ascontiguousarray(PARENTS, dtype=np.int32),
+            joint=np.ascontiguousarray(body.rest_joints),
+            rest=np.ascontiguousarray(body.rest_vertices),
+            first=first,
+            at=joint,
+            weight=weight,
+            bend=np.zeros((0, 3, 0)) if body.posedirs is None else body.posedirs,
+            part=hulls.part.astype(np.int32),
+            start=hulls.first.astype(np.int32),
+            vertex=np.ascontiguousarray(hulls.vertex, dtype=np.int32),
         )
-    return [int(part) for part in hulls.part]
+    return shapes

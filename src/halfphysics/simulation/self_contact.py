@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
-from halfphysics.simulation.compiled_model import compile_model, model_arrays
+from halfphysics.simulation.compiled_model import model_arrays
 from halfphysics.simulation.coordinates import Person
+from halfphysics.simulation.joined_model import join_model
 from halfphysics.simulation.person_shapes import add_person_shapes
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def _alone(body: Body) -> tuple[Any, Any, Person, Ints]:
     """A core with the skin of one person alone, its model, the person, and each shape's joint."""
     from halfphysics import _native
 
-    model = compile_model([body], ["person"], Scene(), {}, np.zeros(N_JOINTS))
+    model = join_model([body], ["person"], Scene(), {}, np.zeros(N_JOINTS))
     person = Person.of(model, "person/", "person", body)
     core = _native.Stepper()
     core.set_model(**model_arrays(model))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import shown
 from halfphysics.scene import articulated as jointed
 from halfphysics.simulation import coordinates
+from halfphysics.simulation.compiled_model import armature_of, compile_model
 from halfphysics.simulation.coordinates import FreeObject, Person
 from halfphysics.simulation.fingerprint import fingerprint
 
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from halfphysics.scene.scene import Scene
     from halfphysics.settings import Settings
     from halfphysics.simulation.holding import HeldObject, Hold
+    from halfphysics.simulation.joined_model import JoinedModel
     from halfphysics.simulation.names import Names
 
 Array = NDArray[np.float64]
@@ -35,9 +38,9 @@ class World:
     Attributes:
         bodies, scene, settings: What it was made of.
         held: Name of an object -> how a person holds it: it has no coordinates of its own.
+        made_of: The scene as it was then: later changes to `scene` do not change the world.
         called: Names of everything.
-        signature: Differs where people or items do, however they are held.
-        model: The `mujoco.MjModel` that the core's model was read from.
+        joined: The arrays of the core's model.
         stepper: The native stepper: the core.
         stiffness: Firmness of every joint by the settings (55,).
         people, objects, links, joints: Their places in the coordinates.
@@ -50,9 +53,9 @@ class World:
     scene: Scene
     settings: Settings
     held: Mapping[str, Hold]
+    made_of: Scene
     called: Names
-    signature: str
-    model: Any
+    joined: JoinedModel
     stepper: Any
     stiffness: Array
     people: tuple[Person, ...]
@@ -71,12 +74,29 @@ class World:
     @property
     def nq(self) -> int:
         """Number of coordinates."""
-        return int(self.model.nq)
+        return self.joined.nq
 
     @property
     def nv(self) -> int:
         """Number of velocities."""
-        return int(self.model.nv)
+        return self.joined.nv
+
+    @cached_property
+    def model(self) -> Any:
+        """A `mujoco.MjModel` of the same numbers, compiled when first asked for."""
+        people, armature = self.called.people, armature_of(self.stiffness)
+        return compile_model(self.bodies, people, self.made_of, self.held, armature)
+
+    @cached_property
+    def signature(self) -> str:
+        """Differs where people or items do, however they are held: which states fit."""
+        return f"{self.called.everything} {fingerprint(self.bodies, self.made_of)}"
+
+    def changed(self, scene: Scene, settings: Settings) -> None:
+        """Keep what the world is made of from now on."""
+        self.scene, self.made_of, self.settings = scene, scene._copied(), settings
+        for derived in ("model", "signature"):
+            vars(self).pop(derived, None)
 
     @property
     def tracked(self) -> tuple[FreeObject | HeldObject | jointed.LinkPlace, ...]:
@@ -110,7 +130,7 @@ class World:
             if isinstance(place, FreeObject):
                 place.put_at_start(item, qpos, qvel)
         for articulated in self.scene.articulated.values():
-            jointed.start(self.model, articulated, qpos, qvel)
+            jointed.start(self.joined, articulated, qpos, qvel)
 
     def targets(self, poses: Sequence[Pose]) -> Array:
         """What the core's frame() takes: all people's coordinates, one after the other."""
@@ -143,8 +163,3 @@ class World:
     def torques_from_core(self, balls: Array) -> Array:
         """Torques (..., people, 55, 3) [N m] from those of the core (..., balls, 3)."""
         return coordinates.joints_from_core(self.people, balls)
-
-
-def signature_of(names: Names, bodies: Sequence[Body], scene: Scene) -> str:
-    """`World.signature`: states fit worlds of the same."""
-    return f"{names.everything} {fingerprint(bodies, scene)}"

@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from halfphysics.motion.joint_groups import stiffness_array
-from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.settings import HALF_PHYSICS
-from halfphysics.simulation.compiled_model import armature_of, compiled_inertia, model_arrays
+from halfphysics.simulation.compiled_model import armature_of, model_arrays
 from halfphysics.simulation.core_settings import set_settings
+from halfphysics.simulation.joined_model import join_model
 from halfphysics.simulation.names import parts_set_apart
 from halfphysics.simulation.pairing import set_pairings
-from halfphysics.simulation.world import signature_of
 
 if TYPE_CHECKING:
     from halfphysics.scene.items import Object, Static
@@ -44,50 +43,18 @@ def use_again(world: World, scene: Scene, settings: Settings) -> bool:
     """
     if not _fits(world, scene, settings):
         return False
-    model, changed = world.model, _set_firmness(world, settings)
-    for name, item in scene.objects.items():
-        was = world.scene.objects[name]
-        if item is was:
-            continue
-        body = model.body(f"object/{name}").id
-        if not np.array_equal(item.position, was.position):
-            at = model.jnt_qposadr[model.body_jntadr[body]]
-            model.body_pos[body] = model.qpos0[at : at + 3] = item.position
-            changed = True
-        if item.mass != was.mass or not np.array_equal(item.inertia, was.inertia):
-            model.body_mass[body] = item.mass
-            model.body_inertia[body], model.body_iquat[body] = compiled_inertia(item)
-            changed = True
-    _put(world, scene, settings, changed)
-    return True
-
-
-def _put(world: World, scene: Scene, settings: Settings, model_changed: bool) -> None:
-    """Give the core of a world a scene and settings that it fits."""
-    world.scene, world.settings = scene, settings
-    if model_changed:
-        world.stepper.set_model(**model_arrays(world.model))
+    world.stiffness = stiffness_array(settings.stiffness, "Settings.stiffness")
+    world.changed(scene, settings)
+    armature = armature_of(world.stiffness)
+    world.joined = join_model(world.bodies, world.called.people, scene, {}, armature)
+    world.stepper.set_model(**model_arrays(world.joined))
     set_pairings(world.stepper, scene, settings, world.called)
     set_settings(world.stepper, settings, scene.gravity)
-    world.signature = signature_of(world.called, world.bodies, scene)
-
-
-def _set_firmness(world: World, settings: Settings) -> bool:
-    """Firmness of the joints by the settings; whether the model changed: fingers' armature has."""
-    stiffness = stiffness_array(settings.stiffness, "Settings.stiffness")
-    if np.array_equal(stiffness, world.stiffness):
-        return False
-    world.stiffness, model = stiffness, world.model
-    armature = armature_of(stiffness)
-    for person in world.people:
-        for joint in np.flatnonzero(armature):
-            dof = int(model.jnt_dofadr[model.joint(f"{person.name}/{JOINT_NAMES[joint]}").id])
-            model.dof_armature[dof : dof + 3] = armature[joint]
     return True
 
 
 def _fits(world: World, scene: Scene, settings: Settings) -> bool:
-    was = world.scene
+    was = world.made_of
     if world.held or not settings.drive == world.settings.drive == HALF_PHYSICS:
         return False
     if any(getattr(settings, field) != getattr(world.settings, field) for field in FIXED):

@@ -19,6 +19,8 @@ void bind_physics(nb::module_& m) {
       // Number of holders of the tree, this one included.
       .def_prop_ro("shares", [](const MeshTree& t) { return t.tree.use_count(); });
 
+  bind_skin_shapes(m);
+
   StepperClass stepper(m, "Stepper");
   stepper.def(nb::init<>());
   bind_stepper_system(stepper);

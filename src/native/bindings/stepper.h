@@ -3,6 +3,13 @@
 #include "bindings/arrays.h"
 #include "stepping/stepper.h"
 
+// A person's skin and the hulls that collide, derived once: steppers in which the person's bodies
+// have the same numbers share them.
+struct SkinShapes {
+  std::shared_ptr<const hp::Skin> skin;
+  std::vector<hp::CollisionShape> shapes;
+};
+
 using StepperClass = nb::class_<hp::Stepper>;
 
 // A static mesh in the world frame: its tree, shared by all that ask for the same triangles.
@@ -11,7 +18,8 @@ struct MeshTree {
 };
 
 // Each in the file of its name:
-void bind_stepper_system(StepperClass& stepper);   // model, settings, strength
+void bind_stepper_system(StepperClass& stepper);  // model, settings, strength
+void bind_skin_shapes(nb::module_& m);
 void bind_stepper_shapes(StepperClass& stepper);   // shapes, static geometry, pairs of them
 void bind_stepper_frames(StepperClass& stepper);   // reset, frames, hosting, snapshots
 void bind_stepper_results(StepperClass& stepper);  // poses, contacts, clearances

@@ -20,41 +20,20 @@ void set_slack(Stepper& s, double slack) {
   s.system.world.shapes.back().slack = slack;
 }
 
-// bend: (vertices, 3, features), or of no vertices: no pose blend shapes. Returns the skin's index.
-int add_skin(Stepper& s, Ints body, Ints parent, Rows3 joint, Rows3 rest, Ints first, Ints at,
-             Doubles weight, f64<nb::ndim<3>> bend) {
-  auto skin = std::make_shared<Skin>();
-  skin->body = list<int>(body), skin->parent = list<int>(parent);
-  skin->joint = vectors(joint), skin->rest = vectors(rest);
-  skin->first_weight = list<int>(first), skin->weight_joint = list<int>(at);
-  skin->weight = list<double>(weight);
-  const size_t n = rest.shape(0), joints = joint.shape(0);
-  need(body.shape(0) == joints && parent.shape(0) == joints && first.shape(0) == n + 1 &&
-           at.shape(0) == weight.shape(0) && (size_t)skin->first_weight[n] == at.shape(0),
-       "add_skin: arrays that do not fit together");
-  for (int b : skin->body) {
-    need(b > 0 && b < s.system.model.nbody, "add_skin: no such body");
-    skin->dof.push_back(s.system.model.dof_first[b]);
+// Adds the shapes of a skin as person `person`; `names` (shapes,): their rows of material pairs.
+void add_skin_shapes(Stepper& s, const SkinShapes& person_shapes, int person, Ints names) {
+  const Model& m = s.system.model;
+  const Skin& skin = *person_shapes.skin;
+  need(names.shape(0) == person_shapes.shapes.size(), "add_skin_shapes: one name per shape");
+  for (size_t j = 0; j < skin.body.size(); j++)
+    need(skin.body[j] > 0 && skin.body[j] < m.nbody && m.dof_first[skin.body[j]] == skin.dof[j],
+         "add_skin_shapes: the skin is of other bodies");
+  s.system.skins.push_back(person_shapes.skin);
+  for (size_t i = 0; i < person_shapes.shapes.size(); i++) {
+    CollisionShape v = person_shapes.shapes[i];
+    v.name = names.data()[i], v.person = person;
+    s.system.world.shapes.push_back(std::move(v));
   }
-  for (int j : skin->weight_joint) need(j >= 0 && (size_t)j < joints, "add_skin: no such joint");
-  need(bend.shape(0) == 0 ||
-           (bend.shape(0) == n && bend.shape(1) == 3 && bend.shape(2) == (size_t)skin->features()),
-       "add_skin: bend has the wrong shape");
-  skin->pose_blend.assign(bend.data(), bend.data() + bend.size());
-  s.system.skins.push_back(std::move(skin));
-  return (int)s.system.skins.size() - 1;
-}
-
-void add_skin_shape(Stepper& s, int skin, int name, int person, int part, Ints vertices) {
-  CollisionShape v;
-  v.skin = s.system.skins.at(skin);
-  v.name = name, v.person = person, v.part = part;
-  v.vertex = list<int>(vertices);
-  need(!v.vertex.empty(), "add_skin_shape: a hull needs at least one vertex");
-  for (int i : v.vertex)
-    need(i >= 0 && (size_t)i < v.skin->rest.size(), "add_skin_shape: no such vertex");
-  v.finish();
-  s.system.world.shapes.push_back(std::move(v));
 }
 
 void add_half_space(Stepper& s, int name, Doubles n, double offset) {
@@ -111,8 +90,7 @@ void set_self_pairs(Stepper& s, Square pairs) {
 void bind_stepper_shapes(StepperClass& stepper) {
   stepper.def("add_shape", &add_shape)
       .def("set_slack", &set_slack)
-      .def("add_skin", &add_skin)
-      .def("add_skin_shape", &add_skin_shape)
+      .def("add_skin_shapes", &add_skin_shapes)
       .def("add_half_space", &add_half_space)
       .def("add_hull", &add_hull)
       .def("add_mesh", &add_mesh)

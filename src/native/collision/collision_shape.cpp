@@ -72,6 +72,8 @@ void CollisionShape::add_influence(int joint, double max_weight, double reach) {
 }
 
 void CollisionShape::finish() {
+  if (finished_) return;
+  finished_ = true;
   if (!skin) {
     hull.finish();
     influences = {{body, 1, hull.center, hull.bound, hull.center}};

@@ -58,7 +58,8 @@ struct CollisionShape {
   };
   std::vector<BlendBound> blend_bounds;
 
-  // Derives everything from hull (rigid) or from skin and vertex (skin hulls); call once.
+  // Derives everything from hull (rigid) or from skin and vertex (skin hulls), once: copies of a
+  // finished shape are finished.
   void finish();
 
   // Upper bound for every point of the shape of what `of(influence)` bounds for the points that one
@@ -76,6 +77,7 @@ struct CollisionShape {
   }
 
  private:
+  bool finished_ = false;
   double find_blend_bounds();
   void order_vertices(const std::vector<int>& joints);
   void add_influence(int joint, double max_weight, double reach);

@@ -44,7 +44,9 @@ SETTINGS = {
     "lean": 8,
     "settle": 4,
     "tree": 4,
+    "meeting": 2,
     "doorway": 2,
+    "instructions": 0,  # no valgrind, test_instructions.py
     "metrics": 4,
     "viewer": 3,
     "sweep": 4,
@@ -70,7 +72,9 @@ def measured(clip, tmp_path_factory):
     """The files that one quick run of all cases writes."""
     out = tmp_path_factory.mktemp("bench") / "bench.json"
     arguments = ["bench", "--quick", "--repeats", "1", "--motion", str(clip), "--json", str(out)]
-    assert main(arguments) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("halfphysics.bench.instructions.shutil.which", lambda name: None)
+        assert main(arguments) == 0
     return json.loads(out.read_text())
 
 

@@ -87,7 +87,18 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "what the room's mesh takes before the first frame: its tree, built, and found again "
             "by its content; seconds",
         ),
+        "meeting": (
+            "meeting",
+            "meeting",
+            "the scenario meet: two people walk into each other, N=8; no peer",
+        ),
         "doorway": ("doorway", "doorway", "the demo's story: doorway, table, ball"),
+        "instructions": (
+            "instructions",
+            "instructions",
+            "the core alone, skin, default drive, N=8: instructions per substep with contact, "
+            "counted by valgrind where it is installed; millions, less is better",
+        ),
         "metrics": (
             "measuring",
             "penetration",

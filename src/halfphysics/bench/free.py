@@ -89,6 +89,7 @@ def core_loop(simulator: Simulator, motion: Motion) -> Callable[[], Array]:
     """The core's loop over precomputed targets of a motion; returns the last coordinates (nq,)."""
     core = simulator.world.stepper
     targets = simulator.world.motion_coordinates([motion])
+    simulator.world.reset([motion[0]])  # the firmness too, which the core keeps when it is reset
     start = simulator.world.start([motion[0]])
     dt, substeps = simulator.dt, simulator.settings.substeps_for(simulator.dt)
 

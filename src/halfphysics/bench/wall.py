@@ -10,7 +10,7 @@ import numpy as np
 
 from halfphysics.bench.clips import SUBSTEPS, body, straight
 from halfphysics.bench.mujoco_loop import MujocoLoop
-from halfphysics.bench.pressing import contacts, solving
+from halfphysics.bench.pressing import Play, contacts, solving
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.sides import driven, followed
 from halfphysics.geometry.shapes import Box
@@ -27,12 +27,10 @@ _SPEED, _START, _SECONDS = 1.5, -0.4, 2.0
 
 def wall(options: Options) -> Iterator[Record]:
     """Records of both drives from low to high stiffness."""
-    person = body()
-    motion = straight(_SPEED, _SECONDS, _START)
+    person, play = body(), walking()
+    motion, scene = play.motion, play.scene
     if options.quick:
         motion = motion[:30]  # the wall is met in frame 15
-    scene = Scene()
-    scene.add_static("wall", Box(tuple(_SIZE)), position=_AT)
     peer = MujocoLoop(person, motion.fps, SUBSTEPS, scene)
     for skin, done in driven(
         "wall",
@@ -57,6 +55,13 @@ def wall(options: Options) -> Iterator[Record]:
                 **solving(skin, motion),
             },
         )
+
+
+def walking() -> Play:
+    """The motion, and the wall that it leads into."""
+    scene = Scene()
+    scene.add_static("wall", Box(tuple(_SIZE)), position=_AT)
+    return Play(motion=straight(_SPEED, _SECONDS, _START), scene=scene)
 
 
 def past_face(body: Body, motion: Motion) -> float:

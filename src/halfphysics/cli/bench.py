@@ -68,7 +68,8 @@ class Command:
             if self.case and name not in self.case:
                 continue
             found = list(_shown(name, bench.run(name, options)))
-            print(f"\n{name}: {what}\n\n{_tables(found)}", flush=True)
+            tables = _tables(found) if found else "left out: valgrind is not installed"
+            print(f"\n{name}: {what}\n\n{tables}", flush=True)
             records += found
         if self.json is not None:
             _write(self.json, machine, options, records)

@@ -5,11 +5,11 @@ writes some hundred cases (tools/result_cases: scenarios, clips, meshes, setting
 edits, a person in a MuJoCo world, labels, pictures, files) and compares SHA-256 of what comes out
 with those of a record.
 
-    python tools/compare_results.py compare              # with tools/results.json; 1: something differs
+    python tools/compare_results.py record               # before the change: into out/results.json
+    python tools/compare_results.py compare              # after it; 1: something differs
     python tools/compare_results.py compare --quick      # a part of every family, in under a minute
     python tools/compare_results.py compare --only 'live/*' --only '*/self_contact'
     python tools/compare_results.py compare --vector all # the core built for AVX2, SSE2, plain loops
-    python tools/compare_results.py record               # write a new record, after results changed
     python tools/compare_results.py list
 
 What is run is the `halfphysics` that Python imports: the installed one, or the one of this checkout
@@ -38,7 +38,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-RECORD = Path(__file__).resolve().with_name("results.json")
+RECORD = Path(__file__).resolve().parents[1] / "out" / "results.json"
 #: Packages that take part in the numbers.
 PACKAGES = ("numpy", "scipy", "mujoco", "trimesh", "coacd", "pillow", "usd-core")
 #: Threads of numpy's linear algebra: their number may change its sums.

@@ -71,12 +71,10 @@ def test_a_case_comes_out_the_same_twice_and_a_nudge_is_seen():
     assert nudged[1]["joints"] == first[1]["joints"]
 
 
-def test_the_record_has_every_case(shared_data):
+def test_a_quick_comparison_has_a_case_of_every_family(shared_data):
     from result_cases import all_cases
 
     cases = all_cases()
-    record = json.loads((ROOT / "tools" / "results.json").read_text())["cases"]
-    assert set(record) == set(cases)
     families = {name.split("/")[0] for name in cases}
     quick = {name.split("/")[0] for name, case in cases.items() if case.quick}
     played = {"push_door", "sit_on_sofa", "kick_ball", "grasp_glass"}  # others represent them

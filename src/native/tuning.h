@@ -76,9 +76,12 @@ constexpr double kNoTriangle = 1e-14;
 // A box, a triangle, may stick out of the plane that culls it by this [m]: neighbours in a flat face
 // do, by rounding of normals.
 constexpr double kBoxBehind = 1e-9, kTriangleBehind = 1e-7;
-// Planes of one shape against one mesh. Beyond this the farthest are left out, and the shape is measured
-// again in every substep.
-constexpr int kMostPlanes = 64;
+// Planes of one shape against one mesh. From the first number on the search ends where all triangles
+// within kEnoughReach [m] are settled, at the second one it ends anyway; what is missing is farther than
+// the last plane, and the shape may move no farther than that in one step. Fewer: steps near meshes of
+// many loose triangles are cut into pieces. More: a search costs their square (2,048: some 20 ms).
+constexpr size_t kManyPlanes = 256, kMostPlanes = 2048;
+constexpr double kEnoughReach = 5e-3;
 // Planes that cull others without being a result. Each is tested against every box and triangle: many
 // cost more than they save. No result depends on it.
 constexpr size_t kMostCullers = 12;

@@ -52,7 +52,7 @@ def nearest(point, vertices, faces):
     alone = (
         _native.triangle_planes(vertices[f], one, point[None], 0.0, NO_DISC, 50.0) for f in faces
     )
-    return min(distance for _, distance in alone)
+    return min(distance for _, distance, _ in alone)
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_no_triangle_is_lost(mesh):
     points[0] = [0.0, 0.0, -0.1]
     for point in points:
         expected = nearest(point, vertices, faces)
-        planes, found = _native.triangle_planes(vertices, faces, point[None], 0.0, NO_DISC, 50.0)
+        planes, found, _ = _native.triangle_planes(vertices, faces, point[None], 0.0, NO_DISC, 50.0)
         assert found == pytest.approx(expected, abs=EXACT)
         # The nearest plane names its face by its given index.
         a, b, c = vertices[faces[int(planes[0, 5])]]

@@ -136,10 +136,8 @@ COVERED_BY = {
     ),
     "native/collision/*depenetration.*": "campaigns/test_starts.py simulation/test_self_contact.py",
     "native/collision/*exit*": "campaigns/test_starts.py simulation/test_holding.py",
-    "native/collision/narrow_phase.*": "native/geometry/test_convex.py",
     "native/contact/*": "native/contact/test_contact_problem.py native/contact/test_squeezed.py",
     "native/geometry/*": "geometry/test_mesh_queries.py native/geometry/test_convex.py",
-    "native/geometry/bvh.*": "simulation/test_mesh_trees.py",
     "native/geometry/skinning.*": "body/test_skinning.py",
     "native/labels/*": "labels/test_reference.py",
     "native/math/*": (

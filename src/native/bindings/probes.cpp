@@ -239,7 +239,8 @@ auto convex_distance(Rows3 a, Rows3 normals_a, double ra, Doubles rim_a, Rows3 b
   return nb::make_tuple(s.dist, array(n), array(x), array(y));
 }
 
-// Planes (normal, offset, distance, triangle) between a convex shape and triangles.
+// Planes (normal, offset, distance, triangle) between a convex shape and triangles, the smallest
+// distance, and the reach that the planes hold for.
 auto triangle_planes(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
                      double reach) {
   TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
@@ -247,13 +248,13 @@ auto triangle_planes(Rows3 vertices, Faces faces, Rows3 hull, double radius, Dou
   PosedShape p;
   p.place(A, {}, {});
   std::vector<Plane> planes;
-  tree.planes(p, reach, planes);
+  const double holds = tree.planes(p, reach, planes);
   std::vector<double> out;
   for (const Plane& q : planes) {
     push(out, q.n);
     out.insert(out.end(), {q.offset, q.dist, (double)tree.face(q.triangle)});
   }
-  return nb::make_tuple(array({planes.size(), 6}, out), tree.distance(p, reach));
+  return nb::make_tuple(array({planes.size(), 6}, out), tree.distance(p, reach), holds);
 }
 
 }  // namespace

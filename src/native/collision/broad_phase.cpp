@@ -148,7 +148,7 @@ void BroadPhase::measure_static(Poses& p, BroadPhasePair& e, double r) const {
     e.planes.clear();
     if (norm2(s.n) > 0) e.planes.push_back({s.n, S.posed.highest(s.n), s.dist, -1, s.dist < 0});
   } else {
-    if (!S.tree->planes(a, r, e.planes)) e.planes_reach = 0;
+    e.planes_reach = S.tree->planes(a, r, e.planes);
     e.dist = r;
     for (const Plane& q : e.planes) e.dist = std::min(e.dist, q.dist);
     // The mesh is far: a larger lower bound of its distance saves measurements later.

@@ -78,21 +78,22 @@ void Depenetration::add_group(Poses& start, const Obstacle& o, const OverlapGrou
   }
 }
 
-void Depenetration::find_planes(const PosedShape& a, const Obstacle& o, BroadPhasePair& e,
-                                double range) const {
-  if (o.is(Static::Kind::Mesh)) {
-    o.fixed->tree->planes(a, range, e.planes);
-  } else if (o.is(Static::Kind::HalfSpace)) {
+// Returns how far the planes hold, at most `range` [m].
+double Depenetration::find_planes(const PosedShape& a, const Obstacle& o, BroadPhasePair& e,
+                                  double range) const {
+  if (o.is(Static::Kind::Mesh)) return o.fixed->tree->planes(a, range, e.planes);
+  if (o.is(Static::Kind::HalfSpace)) {
     e.planes = {{o.fixed->n, o.fixed->offset, a.lowest(o.fixed->n) - o.fixed->offset, -1, false}};
   } else {
     const Separation s = separate(a, o.posed(), range, true, e.axis);
     e.axis = s.n;
     e.planes = {{s.n, o.posed().highest(s.n), s.dist, -1, false}};
   }
+  return range;
 }
 
 void Depenetration::add_candidates(Poses& start, BroadPhasePair& e, InitialOverlap& in,
-                                   double reach, double h, std::vector<ContactCandidate>& out) {
+                                   double& reach, double h, std::vector<ContactCandidate>& out) {
   in.next_progress = in.progress;
   e.dist = BroadPhasePair::kUnknown;
   e.planes_reach = 0;
@@ -105,8 +106,13 @@ void Depenetration::add_candidates(Poses& start, BroadPhasePair& e, InitialOverl
                ease = std::min(1.0, std::max(tune::kLeastPace, in.depth() / tune::kEaseDepth)),
                pace = growth * ease * speed * h;
   const double r = reach + pace + tune::kExitLookAhead;
-  find_planes(displaced(world_.place(start, in.shape), (1 - in.progress) * in.exit), o, e, r);
+  const double holds =
+      find_planes(displaced(world_.place(start, in.shape), (1 - in.progress) * in.exit), o, e, r);
   double most = (pace + tune::kExitLookAhead) / length;
+  if (holds < r) {  // half of it for the step, half for the way out
+    reach = std::min(reach, 0.5 * holds);
+    most = std::min(most, 0.5 * holds / length);
+  }
   for (const Plane& p : e.planes) {
     const double closing = dot(p.n, in.exit);
     if (p.dist <= r && closing > 1e-9)

@@ -38,8 +38,9 @@ class Depenetration {
   // Finds exits for these pairs, which overlap at the poses `start`.
   void begin(const Model& m, Poses& start, const std::vector<PairId>& pairs);
   // The candidates that hold a pair: planes of the obstacle against the displaced shape, up to
-  // `reach`; decides how far the pair comes out in this substep.
-  void add_candidates(Poses& start, BroadPhasePair& e, InitialOverlap& in, double reach, double h,
+  // `reach`, which is lowered where they hold for less; decides how far the pair comes out in this
+  // substep.
+  void add_candidates(Poses& start, BroadPhasePair& e, InitialOverlap& in, double& reach, double h,
                       std::vector<ContactCandidate>& out);
   // Groups that are stuck try another direction. True if the pairs have changed.
   bool reroute(const Model& m, Poses& start);
@@ -64,7 +65,7 @@ class Depenetration {
  private:
   Obstacle obstacle(Poses& start, int other_static, int other_shape) const;
   void add_group(Poses& start, const Obstacle& o, const OverlapGroup& group, const Exit& exit);
-  void find_planes(const PosedShape& a, const Obstacle& o, BroadPhasePair& e, double range) const;
+  double find_planes(const PosedShape& a, const Obstacle& o, BroadPhasePair& e, double range) const;
 
   const CollisionWorld& world_;
   GapTargets& targets_;

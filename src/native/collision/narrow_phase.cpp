@@ -9,16 +9,18 @@ namespace hp {
 
 namespace tune = tuning::collision;
 
-void NarrowPhase::gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
+void NarrowPhase::gather(const Model& m, Poses& start, std::vector<double>& valid, double h,
                          std::vector<ContactCandidate>& out) {
   out.clear();
   forced_.update(m, start, broad_phase_.pairs());
   for (BroadPhasePair& e : broad_phase_.pairs()) {
     if (!world_.takes_part(e)) continue;
-    const double r = reach[e.shape] + (e.other_shape >= 0 ? reach[e.other_shape] : 0.0);
+    const double r = valid[e.shape] + (e.other_shape >= 0 ? valid[e.other_shape] : 0.0);
     if (depenetration_.any())
       if (InitialOverlap* in = depenetration_.find(e)) {
-        depenetration_.add_candidates(start, e, *in, r, h, out);
+        double holds = r;
+        depenetration_.add_candidates(start, e, *in, holds, h, out);
+        if (holds < r) valid[e.shape] = std::min(valid[e.shape], holds);
         continue;
       }
     if (broad_phase_.far(e, r)) continue;
@@ -32,7 +34,7 @@ void NarrowPhase::gather(const Model& m, Poses& start, const std::vector<double>
     else if (world_.statics[e.other_static].kind == Static::Kind::HalfSpace)
       add_half_space(a, e, c, r, h, out);
     else
-      add_static(start, a, e, c, r, h, out);
+      add_static(m, start, a, e, c, valid[e.shape], h, out);
   }
 }
 
@@ -104,9 +106,20 @@ void NarrowPhase::add_shapes(const Model& m, Poses& start, const PosedShape& a, 
   out.push_back(c);
 }
 
-void NarrowPhase::add_static(Poses& start, const PosedShape& a, BroadPhasePair& e,
-                             ContactCandidate& c, double r, double h,
+// An overlap that no step can have made.
+void NarrowPhase::resolve(const Model& m, Poses& start, BroadPhasePair& e, double& valid, double h,
+                          std::vector<ContactCandidate>& out) {
+  if (world_.forced && world_.shapes[e.shape].person >= 0) return;  // static geometry stops no pose
+  depenetration_.begin(m, start, {{e.shape, e.other_static, e.other_shape}});
+  broad_phase_.invalidate();  // shapes that are cut off are to be listed too
+  if (InitialOverlap* in = depenetration_.find(e))
+    depenetration_.add_candidates(start, e, *in, valid, h, out);
+}
+
+void NarrowPhase::add_static(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
+                             ContactCandidate& c, double& valid, double h,
                              std::vector<ContactCandidate>& out) {
+  const double r = valid;
   if (broad_phase_.behind_planes(e, a, r)) return;
   // A pair that was near will be measured again in the next substep anyhow; one that was not is
   // measured a little farther, so that its bound lasts.
@@ -125,12 +138,13 @@ void NarrowPhase::add_static(Poses& start, const PosedShape& a, BroadPhasePair& 
   }
   bool overlaps = false;
   for (const Plane& p : e.planes) overlaps |= p.overlaps;
-  if (overlaps) return;  // only a failed solve can have let the shape in
+  if (overlaps) return resolve(m, start, e, valid, h, out);
+  valid = std::min(valid, e.planes_reach);
   for (const Plane& p : e.planes)
-    if (p.dist <= r) targets_.add(c, p, h, out);
+    if (p.dist <= valid) targets_.add(c, p, h, out);
 }
 
-void NarrowPhase::search_behind(Poses& start, const std::vector<double>& reach, double h, int index,
+void NarrowPhase::search_behind(Poses& start, std::vector<double>& valid, double h, int index,
                                 std::vector<ContactCandidate>& all) {
   all[index].searched = true;
   ContactCandidate c = all[index];
@@ -146,8 +160,9 @@ void NarrowPhase::search_behind(Poses& start, const std::vector<double>& reach, 
     else
       planes.push_back({k.n, k.offset, k.dist, k.triangle, false});
   }
-  world_.statics[c.other_static].tree->planes(displaced(world_.place(start, c.shape), c.from),
-                                              reach[c.shape], planes, without);
+  double& reach = valid[c.shape];
+  const PosedShape& a = world_.place(start, c.shape);
+  reach = world_.statics[c.other_static].tree->planes(displaced(a, c.from), reach, planes, without);
   c.searched = c.forgiven = false;
   for (const Plane& p : planes) {
     bool known = false;

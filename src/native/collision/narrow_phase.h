@@ -8,11 +8,13 @@
 //   when the overlap is first seen, in the world or, of two shapes of one person, in the frame of
 //   the heavier one, so that the pair leaves steadily;
 // - mesh: planes to triangles, nearest first, without the triangles behind a plane already found
-//   (geometry/bvh.h). A mesh triangle that a shape overlaps gives no plane: initial overlaps are
-//   resolved by depenetration.h, and none can arise later.
+//   (geometry/bvh.h). A mesh triangle that a shape overlaps gives no plane: overlaps are resolved by
+//   depenetration.h. None arises by a step, but a host, or an edit of the scene, may make one: it is
+//   then held and resolved like those at the start.
 //
-// Planes are valid for displacements up to the reach they were asked for. What each candidate
-// demands of its gap is set by gap_targets.h. Lengths in [m], times in [s].
+// Planes are valid for displacements up to the reach they were asked for, or less where a mesh has
+// too many of them: `valid` is lowered to that, per shape. What each candidate demands of its gap is
+// set by gap_targets.h. Lengths in [m], times in [s].
 #pragma once
 #include <vector>
 
@@ -38,11 +40,12 @@ class NarrowPhase {
         forced_(forced),
         self_(self) {}
 
-  // The candidates of all listed pairs within `reach[shape]` of each other, for a substep of h.
-  void gather(const Model& m, Poses& start, const std::vector<double>& reach, double h,
+  // The candidates of all listed pairs within `valid[shape]` of each other, for a substep of h.
+  // Lowers `valid` where they hold for less.
+  void gather(const Model& m, Poses& start, std::vector<double>& valid, double h,
               std::vector<ContactCandidate>& out);
   // A plane of a mesh that may be crossed hides nothing: appends the candidates behind all[index].
-  void search_behind(Poses& start, const std::vector<double>& reach, double h, int index,
+  void search_behind(Poses& start, std::vector<double>& valid, double h, int index,
                      std::vector<ContactCandidate>& all);
 
  private:
@@ -51,8 +54,10 @@ class NarrowPhase {
                       double h, std::vector<ContactCandidate>& out);
   void add_shapes(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
                   ContactCandidate& c, double r, double h, std::vector<ContactCandidate>& out);
-  void add_static(Poses& start, const PosedShape& a, BroadPhasePair& e, ContactCandidate& c,
-                  double r, double h, std::vector<ContactCandidate>& out);
+  void add_static(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
+                  ContactCandidate& c, double& valid, double h, std::vector<ContactCandidate>& out);
+  void resolve(const Model& m, Poses& start, BroadPhasePair& e, double& valid, double h,
+               std::vector<ContactCandidate>& out);
   bool passing_through(const PosedShape& a, const PosedShape& b, const ContactCandidate& c);
   void fix_exit(const PosedShape& a, const PosedShape& b, const Mat3& frame, ContactCandidate& c);
 

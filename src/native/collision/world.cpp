@@ -32,7 +32,7 @@ std::vector<PairId> World::initial_overlaps(Poses& start) {
 void World::reset(const Model& m, Poses& start) {
   pair_states.clear();
   depenetration.clear();
-  const std::vector<double> reach(shapes.size(), settings.clearance);
+  std::vector<double> reach(shapes.size(), settings.clearance);
   broad_phase.update(m, start, reach, depenetration.overlaps());
   const std::vector<PairId> found = initial_overlaps(start);
   if (!found.empty()) {

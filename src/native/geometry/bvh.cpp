@@ -142,9 +142,10 @@ struct TriangleTree::PlaneSearch {
   std::vector<Plane>& out;
   Scratch& s;
 
-  bool run();
+  double run();  // the reach that the planes hold for
 
  private:
+  bool too_many(const Entry& next) const;
   bool left_out(int t) const {
     return std::find(without.begin(), without.end(), t) != without.end();
   }
@@ -252,7 +253,14 @@ void TriangleTree::PlaneSearch::visit(const Entry& e) {
   }
 }
 
-bool TriangleTree::PlaneSearch::run() {
+// Are there planes enough to move some way with, everything nearer than `next` being settled?
+bool TriangleTree::PlaneSearch::too_many(const Entry& next) const {
+  const size_t n = out.size();
+  return n >= tune::kMostPlanes ||
+         (n >= tune::kManyPlanes && next.d2 > tune::kEnoughReach * tune::kEnoughReach);
+}
+
+double TriangleTree::PlaneSearch::run() {
   s.queue.heap.clear();
   s.known.clear();
   s.waiting.clear();
@@ -260,18 +268,19 @@ bool TriangleTree::PlaneSearch::run() {
   measure_old();
   double start = gap2(tree.nodes_[0].box, a.box);
   if (start <= reach * reach) s.queue.push(start, 0);
-  while (!s.queue.heap.empty() && (int)out.size() < tune::kMostPlanes) {
+  while (!s.queue.heap.empty()) {
     const Entry e = s.queue.pop();
+    if (too_many(e)) return std::min(reach, std::sqrt(e.d2));
     if (e.id >= 0)
       open(e);
     else
       visit(e);
   }
-  return s.queue.heap.empty();
+  return reach;
 }
 
-bool TriangleTree::planes(const PosedShape& a, double reach, std::vector<Plane>& out,
-                          const std::vector<int>& without) const {
+double TriangleTree::planes(const PosedShape& a, double reach, std::vector<Plane>& out,
+                            const std::vector<int>& without) const {
   static thread_local PlaneSearch::Scratch scratch;
   return PlaneSearch{*this, a, reach, without, out, scratch}.run();
 }

@@ -22,7 +22,6 @@ void ContactStep::run(double h) {
     if (!attempt.good) return;  // made shorter it stays within reach
     if (!extend_reach(query + 1 == tune::kMostQueries)) return;
   }
-  attempt.good = false;
 }
 
 void ContactStep::begin(double h) {
@@ -76,7 +75,8 @@ void ContactStep::find_candidates(double h, bool first) {
   attempt.tolerance = world.settings.tolerance;
   world.broad_phase.update(system_.model, data_.state.pose, attempt.reach,
                            world.depenetration.overlaps());
-  world.narrow_phase.gather(system_.model, data_.state.pose, attempt.reach, h, attempt.candidates);
+  attempt.valid = attempt.reach;
+  world.narrow_phase.gather(system_.model, data_.state.pose, attempt.valid, h, attempt.candidates);
   if (first) kinematic_.give_up_clearance(system_, data_);
   relax(system_, attempt);
   int& most = data_.result.diagnostics.candidates;
@@ -168,20 +168,24 @@ bool ContactStep::rebound(double h, bool good) {
 }
 
 // Planes hold only for what was asked: true if a shape moved farther. Then it is asked again, from
-// the start pose, with a larger reach (not after the last time).
+// the start pose, with a larger reach. The attempt is not good if that was the last time, or if a
+// mesh has too many planes to hold for more.
 bool ContactStep::extend_reach(bool last) {
   const World& world = system_.world;
-  std::vector<double>& reach = data_.attempt.reach;
+  Attempt& attempt = data_.attempt;
   bool beyond = false;
   travel_bounds(world.shapes, data_.state.pose, data_.step.end, world.active, way_);
-  for (size_t i = 0; i < reach.size(); i++) {
+  for (size_t i = 0; i < attempt.reach.size(); i++) {
     if (!world.active[world.shapes[i].body]) continue;
-    const double least = way_[i] + world.settings.clearance;
-    if (least <= reach[i]) continue;
+    const bool limited = attempt.valid[i] < attempt.reach[i];
+    const double least = way_[i] + (limited ? tune::kBeyondReach : world.settings.clearance);
+    if (least <= attempt.valid[i]) continue;
     beyond = true;
-    if (!last) reach[i] = tune::kReachFactor * least + tune::kReachMargin;
+    last |= limited;
+    if (!last) attempt.reach[i] = tune::kReachFactor * least + tune::kReachMargin;
   }
-  return beyond;
+  attempt.good = !(beyond && last);
+  return beyond && !last;
 }
 
 void ContactStep::solve(double h) {

@@ -48,6 +48,7 @@ struct Attempt {
   std::vector<Contact> contacts;             // contact points
   std::vector<Contact> limits;               // rows of joint ranges, solved with the contacts
   std::vector<double> reach;                 // per shape: how far candidates are looked for [m]
+  std::vector<double> valid;                 // per shape: how far they hold, at most that [m]
   std::vector<char> violated;                // per candidate: the end pose misses its target
   std::vector<char> relaxed;  // per root body: the clearance of its island has been given up
   double overdue = 0;         // the largest violation that solving should have cured [m]

@@ -26,8 +26,8 @@ std::vector<char> SubStepping::possible(const std::vector<double>& at, double h)
       ok[data_.islands.of(system_, attempt.candidates[i])] = 0;
   // Planes hold only for the reach that was asked.
   travel_bounds(world.shapes, data_.state.pose, data_.step.end, world.active, way_);
-  for (size_t i = 0; i < attempt.reach.size(); i++)
-    if (world.active[world.shapes[i].body] && way_[i] + tune::kBeyondReach > attempt.reach[i])
+  for (size_t i = 0; i < attempt.valid.size(); i++)
+    if (world.active[world.shapes[i].body] && way_[i] + tune::kBeyondReach > attempt.valid[i])
       ok[data_.islands.of_tree(system_.tree((int)i))] = 0;
   return ok;
 }

@@ -41,7 +41,7 @@ double excess(System& system, Data& data, size_t i, double h) {
   const double e = world.gap_check.excess(start, end, candidates[i]);
   if (candidates[i].forgiven && candidates[i].triangle >= 0 && !candidates[i].searched &&
       !world.gap_check.mesh_clear(candidates[i], start, end))
-    world.narrow_phase.search_behind(start, data.attempt.reach, h, (int)i, candidates);
+    world.narrow_phase.search_behind(start, data.attempt.valid, h, (int)i, candidates);
   return e;
 }
 

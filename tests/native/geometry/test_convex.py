@@ -229,7 +229,7 @@ def test_planes_separate_from_every_triangle_in_reach(kind):
             shape = convex_collider(Cylinder(*rng.uniform(0.02, 0.2, size=2)))
         hull = shape.moved(random_turn(rng), rng.uniform(-1.2, 1.2, size=3))
         reach = 0.3
-        planes, nearest = _native.triangle_planes(
+        planes, nearest, _ = _native.triangle_planes(
             vertices, faces, hull.vertices, hull.radius, hull.rim, reach
         )
         exact = np.array([distance(hull, hull_collider(t))[0] for t in corners])
@@ -260,7 +260,7 @@ def test_a_finely_divided_floor_gives_one_plane():
         ]
     ).astype(np.int32)
     foot = hull_collider(Box((0.1, 0.25, 0.06)).convex_vertices() + np.array([0.013, 0.027, 0.035]))
-    planes, nearest = _native.triangle_planes(
+    planes, nearest, _ = _native.triangle_planes(
         vertices, faces, foot.vertices, foot.radius, foot.rim, 0.05
     )
     assert len(planes) == 1

@@ -1,0 +1,75 @@
+"""Planes of a shape among more triangles than it keeps planes for: none within reach is missing."""
+
+from __future__ import annotations
+
+import coal
+import numpy as np
+import pytest
+
+from halfphysics import _native
+from halfphysics.geometry.shapes import Mesh
+from support.judges.coal_shapes import coal_hull, coal_shape
+from support.loose_triangles import around_a_ball
+
+NO_DISC = np.zeros(3)
+#: Triangles may stick out of the plane that leaves them out by this [m].
+BEHIND = 1.1e-7
+#: Accuracy of coal's own distances [m].
+ROUNDING = 1e-6
+
+
+def ball(radius=0.1, points=60):
+    """Points of a sphere, by Fibonacci's lattice."""
+    z = 1.0 - (2.0 * np.arange(points) + 1.0) / points
+    angle = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(points)
+    flat = np.sqrt(1.0 - z * z)
+    return radius * np.stack([flat * np.cos(angle), flat * np.sin(angle), z], axis=1)
+
+
+def distances(points, corners):
+    """Of a hull from triangles (F, 3, 3), each by itself."""
+    hull, here = coal_hull(points), coal.Transform3s.Identity()
+
+    def distance(corners):
+        triangle = coal_shape(Mesh(corners, np.array([[0, 1, 2]])), solid=False)
+        request, result = coal.DistanceRequest(), coal.DistanceResult()
+        return coal.distance(hull, here, triangle, here, request, result)
+
+    return np.array([distance(t) for t in corners])
+
+
+@pytest.mark.parametrize(
+    ("count", "near", "far", "fine"),
+    [
+        (40, 0.002, 0.003, 60),
+        (100, 0.002, 0.003, 60),
+        (700, 0.002, 0.003, 60),
+        (2500, 0.002, 0.02, 60),
+        (700, 0.008, 0.009, 1500),
+        (1500, 0.002, 0.02, 1500),
+    ],
+)
+def test_planes_hold_for_the_reach_that_is_said(count, near, far, fine):
+    """Loose triangles near to far from a ball of so many points: none within reach is missing."""
+    reach = 0.05
+    points = ball(points=fine)
+    vertices, faces = around_a_ball(np.random.default_rng(count), count, near=near, far=far)
+    planes, nearest, holds = _native.triangle_planes(vertices, faces, points, 0.0, NO_DISC, reach)
+    exact = distances(points, vertices[faces])
+    assert nearest == pytest.approx(exact.min(), abs=ROUNDING)
+    corners = vertices[faces[exact < holds - ROUNDING]]
+    heights = corners @ planes[:, :3].T - planes[:, 3]
+    assert (heights.max(axis=1) <= BEHIND).any(axis=1).all()
+    # Where there are too many for the whole reach, some way is left: 5 mm.
+    if len(planes) < 256:
+        assert holds == reach
+    else:
+        assert near > 0.005
+        assert 0.005 < holds < reach
+
+
+def test_a_small_number_of_planes_holds_for_the_whole_reach():
+    vertices, faces = around_a_ball(np.random.default_rng(1), 150, near=0.003)
+    planes, _, holds = _native.triangle_planes(vertices, faces, ball(), 0.0, NO_DISC, 0.05)
+    assert holds == 0.05
+    assert len(planes) > 64  # more than were once kept

@@ -385,6 +385,7 @@ def solve_contacts(
     arg5: float,
     arg6: float,
     arg7: int,
+    arg8: float,
     /,
 ) -> tuple[Any, ...]: ...
 

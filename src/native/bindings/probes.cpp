@@ -5,6 +5,7 @@
 
 #include "bindings/stepper.h"
 #include "geometry/separation.h"
+#include "tuning.h"
 
 using namespace hp;
 
@@ -183,22 +184,23 @@ auto shape_jacobian(Stepper& s, Doubles qpos, int shape, int corner) {
 }
 
 // Contacts w = beta + A p on their own: impulses, sweeps and steps, what is left of it all and of
-// the normals alone [m/s].
+// the normals alone [m/s], the work [multiplications], and if its budget ended before the tolerance.
 auto solve_contacts(Square A, Doubles beta, Doubles mu, Ints pairs, Doubles warm, double tolerance,
-                    double fine, int most) {
+                    double fine, int most, double budget) {
   const size_t n = mu.shape(0), n3 = 3 * n;
   need(A.shape(0) == n3 && A.shape(1) == n3 && beta.shape(0) == n3 && warm.shape(0) == n3 &&
            pairs.shape(0) == n,
        "solve_contacts: A (3n, 3n), beta (3n,), mu (n,), pairs (n,), warm (3n,)");
   ContactProblem problem;
-  problem.clear((int)n);
+  problem.clear(budget);
+  problem.A.reserve((int)n, 0);
   for (size_t i = 0; i < n; i++) {
     for (size_t j = 0; j <= i; j++)
       for (size_t r = 0; r < 3; r++)
         for (size_t c = 0; c < 3; c++) {
           const double a = A.data()[(3 * i + r) * n3 + 3 * j + c];
-          problem.block((int)i, (int)j)[r * problem.stride() + c] = a;
-          problem.block((int)j, (int)i)[c * problem.stride() + r] = a;
+          problem.A.block((int)i, (int)j)[r * problem.A.stride() + c] = a;
+          problem.A.block((int)j, (int)i)[c * problem.A.stride() + r] = a;
         }
     problem.add(beta.data() + 3 * i, warm.data() + 3 * i, mu.data()[i], pairs.data()[i]);
   }
@@ -207,7 +209,8 @@ auto solve_contacts(Square A, Doubles beta, Doubles mu, Ints pairs, Doubles warm
     nb::gil_scoped_release release;
     problem.solve(tolerance, fine, most, report);
   }
-  return nb::make_tuple(array(problem.p), report.sweeps, report.residual, report.normal);
+  return nb::make_tuple(array(problem.p), report.sweeps, report.residual, report.normal,
+                        report.work, report.exhausted);
 }
 
 // Impulses of one contact for each row of r (k, 3); `old` says where to look first.

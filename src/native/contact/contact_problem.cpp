@@ -9,9 +9,9 @@ namespace hp {
 
 namespace tune = tuning::contact;
 
-void ContactProblem::clear(int capacity) {
-  stride_ = 3 * (size_t)capacity;
-  if (delassus_.size() < stride_ * stride_) delassus_.resize(stride_ * stride_);
+void ContactProblem::clear(double most_work) {
+  A.clear();
+  budget.begin(most_work);
   beta.clear();
   p.clear();
   local_.clear();
@@ -20,12 +20,12 @@ void ContactProblem::clear(int capacity) {
 
 void ContactProblem::add(const double* beta3, const double* warm3, double mu, int pair) {
   const int n = size();
-  double* a = block(n, n);
+  double* a = A.block(n, n);
   double floor = tune::kDiagonalShare *
                  std::max(a[0], tune::kLeastInverseMass);  // of a contact between immovable bodies
   Mat3 B;
-  for (int q = 0; q < 3; q++) a[q * (stride_ + 1)] += floor;
-  for (int q = 0; q < 9; q++) B.m[q] = a[(q / 3) * stride_ + q % 3];
+  for (int q = 0; q < 3; q++) a[q * (A.stride() + 1)] += floor;
+  for (int q = 0; q < 9; q++) B.m[q] = a[(q / 3) * A.stride() + q % 3];
   local_.emplace_back();
   local_.back().set(B, mu);
   beta.insert(beta.end(), beta3, beta3 + 3);
@@ -56,7 +56,7 @@ void ContactProblem::finish_groups() {
         for (int r = 0; r < 3; r++)
           for (int c = 0; c < 3; c++)
             g.delassus[(3 * a + r) * 3 * m + 3 * b + c] =
-                block(g.rows[a], g.rows[b])[r * stride_ + c];
+                A.block(g.rows[a], g.rows[b])[r * A.stride() + c];
   }
 }
 
@@ -67,8 +67,9 @@ void ContactProblem::product() {
   for (int i = 0; i < n3; i++) {
     double f = p[i];
     if (f == 0) continue;
-    add_scaled(w, f, &delassus_[(size_t)i * stride_], n3);
+    add_scaled(w, f, A.row(i), n3);
   }
+  budget.spend((double)n3 * n3);
 }
 
 void ContactProblem::project() {
@@ -120,17 +121,18 @@ void ContactProblem::settle(Group& g, double tolerance) {
       double* own = own_.data();
       for (int j = 0; j < m3; j++) own[j] += d.x * r0[j] + d.y * r1[j] + d.z * r2[j];
     }
+    budget.spend(m3 * m3);
     if (m == 1 || change < tolerance) break;
   }
   const int n3 = 3 * size();
+  budget.spend(m3 * n3);
   double* w = w_.data();
   for (int a = 0; a < m; a++) {
     int i = g.rows[a];
     double d0 = p[3 * i] - old_[3 * a], d1 = p[3 * i + 1] - old_[3 * a + 1],
            d2 = p[3 * i + 2] - old_[3 * a + 2];
     if (d0 == 0 && d1 == 0 && d2 == 0) continue;
-    const double *r0 = &delassus_[(size_t)(3 * i) * stride_], *r1 = r0 + stride_,
-                 *r2 = r1 + stride_;
+    const double *r0 = A.row(3 * i), *r1 = A.row(3 * i + 1), *r2 = A.row(3 * i + 2);
     add_scaled(w, d0, r0, d1, r1, d2, r2, n3);
   }
 }
@@ -171,10 +173,11 @@ void ContactProblem::newton_round(Progress& at, SolveReport& report) {
 }
 
 void ContactProblem::solve(double tolerance, double fine, int most, SolveReport& report) {
+  const double before = budget.work();
+  barred_ = false;
   finish_groups();
   product();
-  Progress at;
-  at.goal = fine, at.most = most;
+  Progress at{fine, 0, most, 1e300, budget};
   judge(at, report);
   // One sweep over one contact is exact: what rests feels nothing of where it started.
   if (size() == 1) at.goal = -1, at.most = 1;
@@ -198,6 +201,8 @@ void ContactProblem::solve(double tolerance, double fine, int most, SolveReport&
   report.normal = residual(true);
   if (report.residual >= tolerance && report.normal >= tune::kEnough * tolerance)
     settle_normals(tolerance, report);
+  report.exhausted = report.residual >= tolerance && (barred_ || !budget.affords(0));
+  report.work += budget.work() - before;
 }
 
 }  // namespace hp

@@ -30,6 +30,8 @@
 #include <vector>
 
 #include "contact/coulomb.h"
+#include "contact/delassus.h"
+#include "contact/work_budget.h"
 
 namespace hp {
 
@@ -38,21 +40,22 @@ struct SolveReport {
   int points = 0;        // contacts that took part
   double residual = 0;   // largest violation, friction's included [m/s]
   double normal = 0;     // largest violation of w_n, p_n >= 0 and p_n w_n = 0 [m/s]
+  double work = 0;       // what it cost [multiplications]
   bool crushed = false;  // a body on a track leaves others no room: given up
+  // The budget of rows or of work ended before the tolerance was reached; nothing was given up else.
+  bool exhausted = false;
 };
 
 // Contacts may join after a solve: A grows, p stays as the warm start.
 class ContactProblem {
  public:
+  Delassus A;
   std::vector<double> beta, p;  // 3 per contact
+  WorkBudget budget;            // of all solves since clear()
 
   int size() const { return (int)local_.size(); }
-  void clear(int capacity);
-  // The 3 x 3 block of A of contacts i and j; its rows are `stride` numbers apart.
-  double* block(int i, int j) { return &delassus_[(size_t)(3 * i) * stride_ + 3 * j]; }
-  const double* block(int i, int j) const { return &delassus_[(size_t)(3 * i) * stride_ + 3 * j]; }
-  size_t stride() const { return stride_; }
-  // Another contact: the caller has filled block(n, 0..n) and block(0..n, n). Contacts of one `pair`
+  void clear(double most_work);
+  // Another contact: the caller has reserved room and filled the blocks of A, (n, 0..n) and (0..n, n). Contacts of one `pair`
   // are settled among themselves before a sweep goes on: they lie close together and are the slowest
   // to agree.
   void add(const double* beta3, const double* warm3, double mu, int pair);
@@ -74,7 +77,10 @@ class ContactProblem {
     int done = 0;     // sweeps and steps
     int most = 0;
     double least = 1e300;  // residual so far, of best_
-    bool goes_on(double residual) const { return done < most && residual >= goal; }
+    const WorkBudget& budget;
+    bool goes_on(double residual) const {
+      return done < most && residual >= goal && budget.affords(0);
+    }
   };
 
   void finish_groups();
@@ -98,8 +104,8 @@ class ContactProblem {
   double residual(bool normal_only) const;
   double merit() const;
 
-  size_t stride_ = 0;
-  std::vector<double> delassus_, w_;
+  bool barred_ = false;  // a Newton step of this solve was too dear
+  std::vector<double> w_;
   std::vector<LocalContact> local_;
   std::vector<Group> groups_;
   size_t group_count_ = 0;

@@ -36,7 +36,7 @@ void ContactProblem::newton_rows(int a, double damping) {
   for (int r = 0; r < 3; r++) {
     J[r] = &matrix_[(size_t)(3 * a + r) * m3];
     for (int b = 0; b < m; b++)
-      for (int l = 0; l < 3; l++) J[r][3 * b + l] = block(i, set_[b])[r * stride_ + l];
+      for (int l = 0; l < 3; l++) J[r][3 * b + l] = A.block(i, set_[b])[r * A.stride() + l];
   }
   const double k = c.tangent_step, y = q[1] - k * w[1], z = q[2] - k * w[2],
                length = std::sqrt(y * y + z * z), limit = c.mu * std::max(q[0], 0.0);
@@ -89,11 +89,19 @@ bool ContactProblem::take_share(const double* step, double bound) {
 
 // One damped step of Newton's method on the natural map: a contact carries, w_n = 0, or not, p = 0; it
 // sticks, w_t = 0, or slips (slip_rows). `damping` is relative to the diagonal of A. False if no share
-// of the step brings the merit under `bound`; p is then as it was.
+// of the step brings the merit under `bound`, or if it costs more than is left; p is then as it was.
 bool ContactProblem::newton_step(double damping, double bound) {
   start_ = p;
   drop_unloaded();
   const int m = (int)set_.size(), m3 = 3 * m;
+  const double cost = std::pow((double)m3, 3) / 3;
+  if (!budget.affords(cost)) {
+    barred_ = true;
+    p = start_;
+    product();
+    return false;
+  }
+  budget.spend(cost);
   matrix_.resize((size_t)m3 * m3);
   right_.resize(m3);
   for (int a = 0; a < m; a++) newton_rows(a, damping);

@@ -20,12 +20,13 @@ void ContactProblem::solve_active() {
   right_.resize(k);
   least_pivot_.resize(k);
   for (int a = 0; a < k; a++) {
-    const double diagonal = *block(set_[a], set_[a]);
-    for (int b = 0; b < a; b++) matrix_[(size_t)a * k + b] = *block(set_[a], set_[b]);
+    const double diagonal = *A.block(set_[a], set_[a]);
+    for (int b = 0; b < a; b++) matrix_[(size_t)a * k + b] = *A.block(set_[a], set_[b]);
     matrix_[(size_t)a * (k + 1)] = diagonal * (1 + tune::kCompliance);
     least_pivot_[a] = tune::kCholeskyPivot * diagonal;
     right_[a] = -q_[set_[a]];
   }
+  budget.spend(std::pow((double)k, 3) / 6 + 2.0 * k * n);
   factor_cholesky(matrix_.data(), k, least_pivot_.data());
   solve_cholesky(matrix_.data(), k, right_.data());
   x_.assign(n, 0);
@@ -45,7 +46,7 @@ int ContactProblem::find_wrong(double tolerance, int& last) {
       wrong_[i] = x_[i] < -tune::kPull * largest;
     } else {
       double y = q_[i];
-      for (int j : set_) y += *block(i, j) * x_[j];
+      for (int j : set_) y += *A.block(i, j) * x_[j];
       wrong_[i] = y < -tolerance;
     }
     if (wrong_[i]) wrong++, last = i;
@@ -63,14 +64,14 @@ void ContactProblem::solve_normals(double tolerance) {
   for (int i = 0; i < n; i++) {
     double s = beta[3 * i];
     for (int j = 0; j < n; j++) {
-      const double* a = block(i, j);
+      const double* a = A.block(i, j);
       s += a[1] * p[3 * j + 1] + a[2] * p[3 * j + 2];
     }
     q_[i] = s;
     active_[i] = p[3 * i] > 0;
   }
   int fewest = n + 1, patience = tune::kBlockPivots;
-  for (int it = 0; it < tune::kPivots; it++) {
+  for (int it = 0; it < tune::kPivots && (it == 0 || !budget.spent()); it++) {
     solve_active();
     int last = -1;
     const int wrong = find_wrong(tolerance, last);
@@ -89,10 +90,8 @@ void ContactProblem::solve_normals(double tolerance) {
 // Rounds of normal impulses alone, each followed by the friction that they bear; the best is kept.
 void ContactProblem::settle_normals(double tolerance, SolveReport& report) {
   best_ = p;  // pivots that do not end must not count
-  const double work = std::pow((double)size(), 3) * tune::kPivots / 6;  // of a round, at most
   for (int r = 0;
-       r < tune::kNormalRounds && report.normal >= tolerance && r * work <= tune::kNormalWork;
-       r++) {
+       r < tune::kNormalRounds && report.normal >= tolerance && (r == 0 || !budget.spent()); r++) {
     solve_normals(tune::kNormalGoal * tolerance);
     if (r >= tune::kFrictionRounds)
       for (int i = 0; i < size(); i++)

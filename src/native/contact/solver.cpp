@@ -1,5 +1,6 @@
 #include "contact/solver.h"
 
+#include <algorithm>
 #include <cstring>
 #include <numeric>
 
@@ -116,15 +117,16 @@ void ContactSolver::join(const System& s, const Contact& c, int contact) {
     if (e.bends) add_bends(s, e, sign, axis);
   }
   row.count = (int)dof_.size() - row.first;
+  problem_.A.reserve((int)rows_.size() + 1, (int)rows_.size());
   for (int i = row.first; i < (int)dof_.size(); i++) slot_[dof_[i]] = -1;
   rows_.push_back(row);
   fill_blocks((int)rows_.size() - 1);
 
   // The end of a joint's range has one row only; the other two get something regular to divide by.
   const int n = (int)rows_.size() - 1;
-  const size_t stride = problem_.stride();
+  const size_t stride = problem_.A.stride();
   if (c.a.count == 0 && c.b.count == 0)
-    for (int q = 1; q < 3; q++) problem_.block(n, n)[q * stride + q] += problem_.block(n, n)[0];
+    for (int q = 1; q < 3; q++) problem_.A.block(n, n)[q * stride + q] += problem_.A.block(n, n)[0];
   const double warm[3] = {dot(c.n, c.impulse), dot(c.t, c.impulse), dot(c.s, c.impulse)};
   problem_.add(&demand_[3 * contact], warm, c.friction, c.pair);
 }
@@ -132,17 +134,18 @@ void ContactSolver::join(const System& s, const Contact& c, int contact) {
 // A = Y Y^T: the blocks of row n with itself and the rows before it.
 void ContactSolver::fill_blocks(int n) {
   const Row& row = rows_[n];
-  const size_t stride = problem_.stride();
+  const size_t stride = problem_.A.stride();
   for (int i = row.first; i < row.first + row.count; i++)
     for (int q = 0; q < 3; q++) scatter_[4 * dof_[i] + q] = y_[4 * i + q];
+  problem_.budget.spend(12.0 * y_.size() / 4);
   for (int j = 0; j <= n; j++) {
     const Row& other = rows_[j];
     double s[12];
     meet(scatter_.data(), &dof_[other.first], &y_[4 * (size_t)other.first], other.count, s);
     for (int p = 0; p < 3; p++)
       for (int q = 0; q < 3; q++) {
-        problem_.block(n, j)[p * stride + q] = s[4 * p + q];
-        problem_.block(j, n)[q * stride + p] = s[4 * p + q];
+        problem_.A.block(n, j)[p * stride + q] = s[4 * p + q];
+        problem_.A.block(j, n)[q * stride + p] = s[4 * p + q];
       }
   }
   for (int i = row.first; i < row.first + row.count; i++)
@@ -172,31 +175,45 @@ bool ContactSolver::crushes(const Island& at) const {
   return most > tune::kCrushing * at.mass * asked;
 }
 
-// The worst contacts of every pair, two at most at a time, join those that take part. `violation` says
-// how far a contact is from its demand [m/s], negative where it is violated.
+// The worst contacts of every pair, two at most at a time, of those that do not take part, into worst_.
+// `violation` says how far a contact is from its demand [m/s], negative where it is violated.
 template <typename Violation>
-bool ContactSolver::join_worst(const System& s, const Island& at,
-                               const std::vector<Contact>& contacts, const Violation& violation) {
+void ContactSolver::find_worst(const Island& at, const std::vector<Contact>& contacts,
+                               const Violation& violation) {
   worst_.clear();
   for (int l = 0; l < at.count; l++) {
-    const int i = at.contact[l];
+    const int i = at.contact[l], pair = contacts[i].pair;
     if (joined_[i]) continue;
     const double v = violation(i);
     if (v >= -tune::kJoinShare * at.tolerance) continue;
-    int rivals = 0;
-    Waiting* best = nullptr;
-    for (Waiting& w : worst_)
-      if (w.pair == contacts[i].pair) {
-        rivals++;
-        if (!best || w.violation > best->violation) best = &w;  // the least of them
-      }
-    if (rivals < 2)
-      worst_.push_back({i, contacts[i].pair, v});
-    else if (v < best->violation)
-      *best = {i, contacts[i].pair, v};
+    int* rival = &worst_of_pair_[2 * pair];
+    if (rival[1] < 0) {
+      rival[rival[0] < 0 ? 0 : 1] = (int)worst_.size();
+      worst_.push_back({i, pair, v});
+      continue;
+    }
+    Waiting& least = worst_[rival[worst_[rival[1]].violation > worst_[rival[0]].violation]];
+    if (v < least.violation) least = {i, pair, v};
   }
-  for (const Waiting& w : worst_) join(s, contacts[w.contact], w.contact);
-  return !worst_.empty();
+  for (const Waiting& w : worst_) worst_of_pair_[2 * w.pair] = worst_of_pair_[2 * w.pair + 1] = -1;
+}
+
+// They join, the worst first where the budget may end before the last of them. True if any did.
+template <typename Violation>
+bool ContactSolver::join_worst(const System& s, const Island& at,
+                               const std::vector<Contact>& contacts, const Violation& violation) {
+  find_worst(at, contacts, violation);
+  shut_out_ = false;
+  const size_t before = rows_.size();
+  if (before + worst_.size() > (size_t)tune::kManyJoined)
+    std::stable_sort(worst_.begin(), worst_.end(),
+                     [](const Waiting& a, const Waiting& b) { return a.violation < b.violation; });
+  for (const Waiting& w : worst_) {
+    shut_out_ = !has_room() || problem_.budget.spent();
+    if (shut_out_) break;
+    join(s, contacts[w.contact], w.contact);
+  }
+  return rows_.size() > before;
 }
 
 // The same in view of the impulses that there are.
@@ -214,7 +231,7 @@ bool ContactSolver::join_violated(const System& s, const Island& at,
 // them.
 void ContactSolver::join_first(const System& s, const Island& at,
                                const std::vector<Contact>& contacts) {
-  for (int l = 0; l < at.count; l++) {
+  for (int l = 0; l < at.count && has_room(); l++) {
     const int i = at.contact[l];
     if (norm2(contacts[i].impulse) > 0) join(s, contacts[i], i);
   }
@@ -241,7 +258,8 @@ void ContactSolver::solve_island(const System& s, const Island& at, std::vector<
   rows_.clear();
   dof_.clear();
   y_.clear();
-  problem_.clear(at.count);
+  problem_.clear(at.budget);
+  shut_out_ = false;
   join_first(s, at, contacts);
   // Objects that rest on objects must not creep by what a tolerance allows.
   bool objects = true, squeezed = false;  // by a body on a track
@@ -261,11 +279,13 @@ void ContactSolver::solve_island(const System& s, const Island& at, std::vector<
       report.crushed = true;
       break;
     }
-    if (round >= tune::kJoinRounds || (int)rows_.size() == at.count) break;
+    if (round >= tune::kJoinRounds || (int)rows_.size() == at.count || mine.exhausted) break;
     if (join_violated(s, at, contacts)) continue;
     if (!rough) break;
     rough = false;
   }
+  report.exhausted |= mine.exhausted || shut_out_;
+  report.work += problem_.budget.work();
   report.crushed |= squeezed && mine.normal > tune::kUnsolved * at.tolerance;
   for (int l = 0; l < at.count; l++) contacts[at.contact[l]].impulse = {};
   for (size_t i = 0; i < rows_.size(); i++) {
@@ -283,6 +303,9 @@ void ContactSolver::find_demands(const System& s, double h, const double* v_free
                                  const std::vector<Contact>& contacts) {
   demand_.resize(3 * contacts.size());
   body_twists(s.m, s.k, v_free, twists_);
+  int pairs = 0;
+  for (const Contact& c : contacts) pairs = std::max(pairs, c.pair + 1);
+  worst_of_pair_.resize(2 * (size_t)std::max(pairs, (int)worst_of_pair_.size() / 2), -1);
   for (size_t i = 0; i < contacts.size(); i++) {
     const Contact& c = contacts[i];
     Vec3 u = endpoint_velocity(s.m, s.k, twists_, v_free, c.a) -
@@ -328,7 +351,7 @@ int ContactSolver::any_root(const Model& m, const Contact& c) {
 SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Inertia& inertia,
                                  double h, const double* v_free, double* v,
                                  std::vector<Contact>& contacts, double tolerance, int max_sweeps,
-                                 double mass) {
+                                 double mass, double budget) {
   const System s{m, k, inertia};
   const int n = (int)contacts.size();
   std::memcpy(v, v_free, sizeof(double) * m.nv);
@@ -346,7 +369,8 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
   for (int first = 0; first < n;) {
     int last = first + 1;
     while (last < n && island(last) == island(first)) last++;
-    solve_island(s, {&order_[first], last - first, tolerance, max_sweeps, mass}, contacts, report);
+    solve_island(s, {&order_[first], last - first, tolerance, max_sweeps, mass, budget}, contacts,
+                 report);
     response(s);
     for (int i = 0; i < m.nv; i++) v[i] += dv_[i];
     first = last;

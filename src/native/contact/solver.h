@@ -18,6 +18,10 @@
 // how well another is solved. Within an island only those contacts take part that carry something:
 // those that did so in the substep before, and the worst of each pair. The others are looked at in
 // view of the answer, and join where they are violated; A then grows by their rows.
+//
+// Every island has a budget of contacts and of work (tuning.h, kMostJoined, kSolveWork). Where it ends
+// before the tolerance is reached, the report says so: the answer is then the best so far, and the
+// caller is to take a shorter step.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -25,6 +29,7 @@
 
 #include "contact/contact_problem.h"
 #include "dynamics/kinematic_tree.h"
+#include "tuning.h"
 
 namespace hp {
 
@@ -93,10 +98,11 @@ class ContactSolver {
  public:
   // Writes the velocity with contact into `v` and impulses into `contacts`, whose impulses on entry
   // are the warm start. Stops at `tolerance` [m/s] or `max_sweeps`. `mass` [kg] of all that moves,
-  // where a body on a track may squeeze others: else 0.
+  // where a body on a track may squeeze others: else 0. `budget` [multiplications] is each island's.
   SolveReport solve(const Model& m, const Kinematics& k, const Inertia& inertia, double h,
                     const double* v_free, double* v, std::vector<Contact>& contacts,
-                    double tolerance, int max_sweeps, double mass = 0);
+                    double tolerance, int max_sweeps, double mass = 0,
+                    double budget = tuning::contact::kSolveWork);
 
  private:
   // The model at one pose, its inertia factored.
@@ -110,7 +116,7 @@ class ContactSolver {
     int count;
     double tolerance;  // [m/s]
     int max_sweeps;
-    double mass;
+    double mass, budget;
   };
   // A contact that takes part: its row of Y, sparse over dofs.
   struct Row {
@@ -138,6 +144,10 @@ class ContactSolver {
   template <typename Violation>
   bool join_worst(const System& s, const Island& at, const std::vector<Contact>& contacts,
                   const Violation& violation);
+  template <typename Violation>
+  void find_worst(const Island& at, const std::vector<Contact>& contacts,
+                  const Violation& violation);
+  bool has_room() const { return (int)rows_.size() < tuning::contact::kMostJoined; }
   void join(const System& s, const Contact& c, int contact);
   void half_solve(const System& s, int body);
   void add_body(const System& s, const Endpoint& e, int l, double sign, const Vec3 axis[3]);
@@ -160,6 +170,8 @@ class ContactSolver {
   std::vector<double> y_;        // three per entry of dof_, and a zero
   std::vector<double> scatter_;  // nv x 4, zero between uses
   std::vector<Waiting> worst_;
+  std::vector<int> worst_of_pair_;  // two per pair: into worst_; -1 between uses
+  bool shut_out_ = false;           // a contact that is violated did not join: the budget had ended
 };
 
 }  // namespace hp

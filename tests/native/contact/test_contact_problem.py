@@ -24,6 +24,8 @@ from support.people import along_x
 #: For a substep of 1/240 s, the stepper's tolerance [m/s]; and its limit of sweeps.
 TOLERANCE = 1e-6 * 240
 SWEEPS = 50
+#: Multiplications that a solve may cost: enough for any of these from zero.
+BUDGET = 1e12
 #: The solver's tolerance when it takes long; only friction may miss it.
 ENOUGH = 5 * TOLERANCE
 #: Shares of a run's problems that may stay unsettled when solved from zero, and those with such
@@ -99,8 +101,8 @@ def mechanism(rng):
 
 def solve(A, b, mu, pairs, warm=None, tolerance=TOLERANCE, fine=TOLERANCE, most=SWEEPS):
     warm = np.zeros(len(b)) if warm is None else warm
-    p, sweeps, residual, normal = _native.solve_contacts(
-        A, b, np.asarray(mu, dtype=float), pairs, warm, tolerance, fine, most
+    p, sweeps, residual, normal, _, _ = _native.solve_contacts(
+        A, b, np.asarray(mu, dtype=float), pairs, warm, tolerance, fine, most, BUDGET
     )
     return p.reshape(-1, 3), sweeps, residual, normal
 
@@ -218,3 +220,37 @@ def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, conta
     share, of_normals = FROM_NOTHING[contact, drive_time, stiffness]
     assert missed <= share * solved
     assert normals <= of_normals * solved
+
+
+def net(rng, contacts):
+    """A (3n, 3n), beta (3n,) and pairs (n,) of points that press on few degrees of freedom."""
+    J = rng.normal(size=(3 * contacts, 40))
+    beta = J @ rng.normal(size=40)
+    beta[::3] -= 1.0
+    return symmetric(J @ J.T), beta, np.arange(contacts, dtype=np.int32) // 3
+
+
+@pytest.mark.parametrize("contacts", [30, 100, 300])
+def test_work_ends_with_its_budget_and_is_reported(contacts):
+    """A solve costs what its budget says and one step of pivoting more, at most; if that is not
+    enough it says so."""
+    A, beta, pairs = net(np.random.default_rng(contacts), contacts)
+    mu = np.full(contacts, 0.7)
+    step = contacts**3 / 6 + 2 * contacts**2
+    for budget in (1e4, 1e6, 1e7):
+        found = [
+            _native.solve_contacts(
+                A, beta, mu, pairs, np.zeros(3 * contacts), TOLERANCE, TOLERANCE, SWEEPS, budget
+            )
+            for _ in range(2)
+        ]
+        p, _, residual, _, work, exhausted = found[0]
+        assert found[1][4] == work
+        np.testing.assert_array_equal(found[1][0], p)
+        assert work <= budget + step + 8 * (3 * contacts) ** 2
+        assert np.isfinite(p).all()
+        assert (np.hypot(p[1::3], p[2::3]) <= 0.7 * p[::3] * (1 + 1e-12)).all()
+        if budget == 1e4:
+            assert exhausted
+        if exhausted:
+            assert residual >= TOLERANCE

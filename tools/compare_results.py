@@ -196,6 +196,7 @@ def record(file: Path, head: Mapping[str, str], outcomes: Mapping[str, Outcome])
     kept |= {name: _line(outcome) for name, outcome in outcomes.items() if "error" not in outcome}
     about = {name: value for name, value in head.items() if name != "halfphysics"}
     lines = ",\n".join(f" {json.dumps(name)}: {json.dumps(kept[name])}" for name in sorted(kept))
+    file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(f'{{"about": {json.dumps(about, indent=1)},\n"cases": {{\n{lines}\n}}}}\n')
     failed = 0
     for name, outcome in outcomes.items():

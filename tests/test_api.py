@@ -15,7 +15,7 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
 Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips errors export
-load_sequence metrics scenarios simulate view
+load_sequence metrics scenarios simulate simulate_many view
 """
 
 SETTINGS = (
@@ -67,6 +67,7 @@ PARAMETERS = {
     "Settings": SETTINGS,
     "Settings.paper": "stiffness ** changes",
     "simulate": "motion scene * body settings stiffness allow_mismatch progress",
+    "simulate_many": "jobs scenes * body settings stiffness allow_mismatch threads errors progress",
     "Simulator": "scene * body settings fps",
     "Simulator.reset": "self pose",
     "Simulator.step": "self pose dt",

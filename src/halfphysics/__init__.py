@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from halfphysics.settings import Settings
     from halfphysics.simulation.sequence import Sequence
     from halfphysics.simulation.simulate import simulate
+    from halfphysics.simulation.simulate_many import simulate_many
     from halfphysics.simulation.simulator import Simulator
     from halfphysics.viewer.view import view
     from halfphysics.writers import export
@@ -62,6 +63,7 @@ __all__ = [
     "metrics",
     "scenarios",
     "simulate",
+    "simulate_many",
     "view",
 ]
 
@@ -93,6 +95,7 @@ _FROM: dict[str, str | None] = {
     "export": "writers",
     "load_sequence": "formats.registry",
     "simulate": "simulation.simulate",
+    "simulate_many": "simulation.simulate_many",
     "view": "viewer.view",
 }
 

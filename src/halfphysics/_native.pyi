@@ -419,6 +419,29 @@ def triangle_planes(
     /,
 ) -> tuple[Any, ...]: ...
 
+class Batch:
+    def __init__(self, threads: int) -> None: ...
+
+    def submit(
+        self,
+        key: int,
+        stepper: Stepper,
+        qpos: Annotated[NDArray[numpy.float64], "(*,)"],
+        qvel: Annotated[NDArray[numpy.float64], "(*,)"],
+        lambda_: Annotated[NDArray[numpy.float64], "(*,)"],
+        targets: Annotated[NDArray[numpy.float64], "(*, *)"],
+        dt: float,
+        substeps: int,
+        record: bool,
+        stiffness: Annotated[NDArray[numpy.float64], "(*, *)"],
+    ) -> None: ...
+
+    def ended(self, seconds: float) -> list[int]: ...
+
+    def take(self, key: int) -> dict[str, Any]: ...
+
+    def close(self) -> None: ...
+
 def kinematics(
     rotations: Annotated[NDArray[numpy.float64], "(*, *, 3)"],
     root: Annotated[NDArray[numpy.float64], "(*, 3)"],

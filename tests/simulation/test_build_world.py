@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -58,6 +60,16 @@ def test_a_body_is_not_the_callers_arrays():
     body = dataclasses.replace(default, rest_vertices=rest)
     rest *= 2.0
     assert np.array_equal(body.rest_vertices, default.rest_vertices)
+
+
+def test_nothing_of_the_core_outlives_the_interpreter():
+    code = (
+        "import numpy as np, halfphysics as hp\n"
+        "still = hp.Motion(np.zeros((3, 3)), np.zeros((3, 55, 3)), 30.0)\n"
+        "hp.simulate(still)"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "leaked" not in ran.stderr + ran.stdout
 
 
 def test_a_world_is_of_the_scene_as_it_was():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -69,6 +70,9 @@ def _add_skin(
 
 #: Of a body, by where a model has it: as the first person, the second, and so on.
 _known: WeakKeyDictionary[Body, dict[bytes, Any]] = WeakKeyDictionary()
+atexit.register(
+    _known.clear
+)  # the default body lives as long as the interpreter, the core does not
 #: Places of one body that are remembered.
 _PLACES = 4
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -75,18 +75,9 @@ def record(
     """
     core, settings, dt = world.stepper, world.settings, 1.0 / motions[0].fps
     targets = world.motion_coordinates(motions)
-    count = len(targets)
-    qpos, clearance = np.empty((count, world.nq)), np.empty(count)
-    qpos[0], clearance[0] = core.qpos(), core.clearance()
-    lost_time, numbers = np.zeros(count), np.zeros((count, len(DIAGNOSTICS)))
-    torque = np.zeros((count, len(world.people), N_JOINTS, 3))
-    balls = np.zeros((0, 0)) if firmness is None else world.stiffness_to_core(firmness)
-    substeps = [qpos[:1].copy()]
-    contacts, inside = _Collected(12), _Collected(4)
-    start = core.inside()
-    inside.add(start, np.zeros(len(start), dtype=np.int64))
-    at = 1
-    while at < count:
+    balls = core_firmness(world, firmness)
+    recorder = Recorder(world, len(targets), dt, core.qpos(), core.clearance(), core.inside())
+    while (at := recorder.frames) < len(targets):
         got = core.run(
             targets[at:],
             dt,
@@ -95,28 +86,68 @@ def record(
             _SLICE,
             balls[at:],
         )
-        frames = np.arange(at, at + len(got["qpos"]))
-        qpos[frames], clearance[frames] = got["qpos"], got["clearance"]
-        exerted = frames[got["torque_frames"].astype(np.int64)]
-        torque[exerted] = world.torques_from_core(got["torques"])
-        lost_time[frames], numbers[frames] = got["lost_time"], got["diagnostics"]
-        substeps.append(got["substeps"])
-        contacts.add(got["touches"], np.repeat(frames, got["touch_count"].astype(np.int64)))
-        inside.add(got["inside"], np.repeat(frames, got["inside_count"].astype(np.int64)))
-        at += len(frames)
-        done(len(frames))
-    torque.setflags(write=False)
-    return Recording(
-        dt=dt,
-        qpos=qpos,
-        clearance=clearance,
-        lost_time=lost_time,
-        torque=torque,
-        diagnostics=numbers,
-        substeps=np.concatenate(substeps),
-        contacts=contacts.rows(),
-        inside=inside.rows(),
-    )
+        done(recorder.add(got))
+    return recorder.recording()
+
+
+def core_firmness(world: World, firmness: Array | None) -> Array:
+    """Firmness (T, people, 55) in the core's order (T, balls); (0, 0) of None."""
+    return np.zeros((0, 0)) if firmness is None else world.stiffness_to_core(firmness)
+
+
+class Recorder:
+    """Collects what the core gives of a run, slice after slice.
+
+    Args:
+        world: What is run.
+        count: Number of frames, the start included.
+        dt: Length of a frame [s].
+        qpos, clearance, inside: Of the start: coordinates (nq,), clearance [m], rows (n, 4).
+    """
+
+    def __init__(
+        self, world: World, count: int, dt: float, qpos: Array, clearance: float, inside: Array
+    ) -> None:
+        self._world, self._dt = world, dt
+        self.frames = 1
+        self._qpos, self._clearance = np.empty((count, world.nq)), np.empty(count)
+        self._qpos[0], self._clearance[0] = qpos, clearance
+        self._lost_time, self._numbers = np.zeros(count), np.zeros((count, len(DIAGNOSTICS)))
+        self._torque = np.zeros((count, len(world.people), N_JOINTS, 3))
+        self._substeps = [self._qpos[:1].copy()]
+        self._contacts, self._inside = _Collected(12), _Collected(4)
+        self._inside.add(inside, np.zeros(len(inside), dtype=np.int64))
+
+    def add(self, got: Mapping[str, Any]) -> int:
+        """Add what the core's `run` gave of the next frames; returns their number."""
+        count = len(got["qpos"])
+        at = slice(self.frames, self.frames + count)
+        frames = np.arange(at.start, at.stop)
+        self._qpos[at], self._clearance[at] = got["qpos"], got["clearance"]
+        if len(got["torque_frames"]):
+            exerted = frames[got["torque_frames"].astype(np.int64)]
+            self._torque[exerted] = self._world.torques_from_core(got["torques"])
+        self._lost_time[at], self._numbers[at] = got["lost_time"], got["diagnostics"]
+        self._substeps.append(got["substeps"])
+        self._contacts.add(got["touches"], np.repeat(frames, got["touch_count"].astype(np.int64)))
+        self._inside.add(got["inside"], np.repeat(frames, got["inside_count"].astype(np.int64)))
+        self.frames += count
+        return count
+
+    def recording(self) -> Recording:
+        """All frames that were added."""
+        self._torque.setflags(write=False)
+        return Recording(
+            dt=self._dt,
+            qpos=self._qpos,
+            clearance=self._clearance,
+            lost_time=self._lost_time,
+            torque=self._torque,
+            diagnostics=self._numbers,
+            substeps=np.concatenate(self._substeps),
+            contacts=self._contacts.rows(),
+            inside=self._inside.rows(),
+        )
 
 
 class _Collected:

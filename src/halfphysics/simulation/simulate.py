@@ -89,21 +89,21 @@ def follow(
         stiffness: Firmness (T, people, 55) of every frame; None: by the settings.
         progress: As of `simulate`.
     """
-    with _progress(len(motions[0]) - 1, progress) as bar:
+    with progress_bar(len(motions[0]) - 1, progress) as bar:
         other_engine = world.settings.drive.follow  # a baseline that another engine runs
         if other_engine is not None:
             return cast("Result", other_engine(world, motions, stiffness, bar.update))
         world.reset([motion[0] for motion in motions])
-        warn_of_start(world, motions)
+        warn_of_start(world, motions, world.stepper.inside())
         run = record(world, motions, stiffness, bar.update)
     result = recorded_result(world, motions, run)
     warn_of_lost_time(result, stacklevel=3)
     return result
 
 
-def _progress(frames: int, show: bool) -> Any:
+def progress_bar(count: int, show: bool, unit: str = "frame") -> Any:
     """A progress bar on stderr where that is a terminal, after two seconds, if it is to show."""
     from tqdm import tqdm
 
     hidden = None if show else True
-    return tqdm(total=frames, unit="frame", delay=2.0, disable=hidden, leave=False)
+    return tqdm(total=count, unit=unit, delay=2.0, disable=hidden, leave=False)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.simulation.core_rows import inside_rows
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from halfphysics.results.inside import Depths
     from halfphysics.simulation.world import World
 
+Array = NDArray[np.float64]
+
 #: A start that is deeper inside something than this is warned of [m].
 START_INSIDE = 1e-3
 _NAMED = 5  # this many of them are named
@@ -24,14 +27,14 @@ _NAMED = 5  # this many of them are named
 _CALLER = 5
 
 
-def warn_of_start(world: World, motions: Sequence[Motion]) -> None:
+def warn_of_start(world: World, motions: Sequence[Motion], rows: Array) -> None:
     """Warn of what starts inside something, or, where all is clear, of starts in mid-air.
 
     Args:
-        world: Reset to the first frame of the motions.
+        world: What is run.
         motions: One per person.
+        rows: What is inside something at their first frame: the core's rows (n, 4).
     """
-    rows = world.stepper.inside()
     if len(rows):
         _warn_of_inside(world, inside_rows(world, rows, np.zeros(len(rows), dtype=np.int64)))
     else:

@@ -20,6 +20,7 @@ struct MeshTree {
 // Each in the file of its name:
 void bind_stepper_system(StepperClass& stepper);  // model, settings, strength
 void bind_skin_shapes(nb::module_& m);
+void bind_batch(nb::module_& m);                   // whole motions on threads
 void bind_stepper_shapes(StepperClass& stepper);   // shapes, static geometry, pairs of them
 void bind_stepper_frames(StepperClass& stepper);   // reset, frames, hosting, snapshots
 void bind_stepper_results(StepperClass& stepper);  // poses, contacts, clearances

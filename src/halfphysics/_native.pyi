@@ -16,6 +16,10 @@ class tuning:
 
     root_recovery_time: float = 0.3
 
+    return_per_motion: float = 3.0
+
+    limp_time: float = 0.07
+
     untouched_resistance: float = 100.0
 
     fastest_internal_spin: float = 100.0

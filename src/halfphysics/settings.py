@@ -65,9 +65,10 @@ class Settings:
     number, or one per joint group or joint (see `JOINT_GROUPS`), the smaller group winning: joints
     not named have 1."""
     drive_time: float | None = 0.02
-    """Time constant of the drive [s]; None: Algorithm 1 of the paper to the letter."""
+    """Time constant of the drive [s]; None: Algorithm 1 of the paper."""
     recovery_rate: float = 8.0
-    """Fastest speed at which a joint returns to its reference [rad/s] (with drive_time)."""
+    """Fastest speed at which a joint returns to its reference [rad/s]; with drive_time=None, and
+    three times the speed of the reference."""
     root: Literal["stay", "recover"] = "stay"
     """After an obstacle the root keeps its offset ("stay") or walks back to the reference."""
     root_speed: float = 1.0

@@ -19,6 +19,7 @@ from halfphysics._native import tuning
 from halfphysics.base import rotations as rot
 from halfphysics.motion.joint_groups import stiffness_array
 from halfphysics.motion.skeleton import PARENTS
+from halfphysics.reference.algorithm1 import resistance, returning
 from halfphysics.reference.contact import contact_residual, solve_contacts
 from halfphysics.reference.strength import Yielding, pull_within
 from halfphysics.settings import Settings
@@ -198,7 +199,8 @@ class ReferenceDrive:
         self.v_ref = np.concatenate([root, turns(self.previous, target).ravel() / dt])
         if s.drive_time is None:
             self.q_start = q.copy()
-            self.v_drive = np.concatenate([root, turns(q, target).ravel() / dt])
+            joints = returning(s, turns(q, target) / dt, self.v_ref[3:].reshape(-1, 3))
+            self.v_drive = np.concatenate([root, joints.ravel()])
             qvel[self.dofs] = self.v_drive
 
     def free_velocity(
@@ -238,6 +240,9 @@ class ReferenceDrive:
         turn = np.where(against & (angle > 0.5 * np.pi), other, turn)
         epsilon = np.concatenate([np.zeros(3), turn.ravel()])
         gap = np.where(np.arange(len(v)) < 6, 0.0, epsilon - h * v)
+        total = np.maximum(resistance(s, self.firmness, h), 1e-300)[1:]
+        firm = np.repeat(self.firmness[1:] / total, 3)
+        gap[6:] = firm * gap[6:] - (1.0 - firm) * h * (v - self.v_ref)[6:]
         return v + np.linalg.solve(M + np.diag(stiff), stiff / h * gap)
 
     def heavier(self, h: float, M: Array, stiff: Array) -> Array:
@@ -297,10 +302,11 @@ def _turned(q: Array, turns: Array) -> Array:
     return np.concatenate([q[:3], quats.ravel()])
 
 
-def stiff_diagonal(model: Any, M: Array, drive: ReferenceDrive) -> Array:
-    """lambda * I of all dofs (nv,): per ball joint the mean of its three diagonal entries of M."""
+def stiff_diagonal(model: Any, M: Array, drive: ReferenceDrive, h: float = 1.0 / 240.0) -> Array:
+    """What joints add to M in M^ (nv,): lambda (or what damps limp joints) times, per ball joint,
+    the mean of its three diagonal entries of M; h: length of the substep [s]."""
     out = np.zeros(model.nv)
-    firmness = iter(drive.firmness[1:])
+    firmness = iter(resistance(drive.settings, drive.firmness, h)[1:])
     for d in range(drive.dofs.start + 6, drive.dofs.stop, 3):
         out[d : d + 3] = next(firmness) * np.diag(M)[d : d + 3].mean()
     return out

@@ -15,6 +15,8 @@ void bind_tuning(nb::module_& m) {
   const auto add = [&](const char* name, auto value) { shared.attr(name) = value; };
   add("least_clearance", collision::kWearFloor);
   add("root_recovery_time", stepping::kRootRecoveryTime);
+  add("return_per_motion", stepping::kReturnPerMotion);
+  add("limp_time", stepping::kLimpTime);
   add("untouched_resistance", stepping::kUntouchedResistance);
   add("fastest_internal_spin", stepping::kFastestInternalSpin);
   add("velocity_rounding", stepping::kVelocityRounding);

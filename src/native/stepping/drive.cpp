@@ -1,5 +1,7 @@
 #include "stepping/drive.h"
 
+#include <limits>
+
 #include "tuning.h"
 
 namespace hp {
@@ -71,15 +73,22 @@ void Drive::set_velocities(const DriveSettings& s, const double* q, double* qvel
   for (int i = 0; i < ball_count(); i++) {
     const Ball& b = balls()[i];
     Vec3 w = rate * rotation_between(q + b.qpos, &motion.target()[b.qpos]);
-    if (gentle()) {
-      const Vec3 asked = load3(&v_ref_[b.dof]);
-      w = asked + capped(w - asked, gentle_return.rate(i));
-    }
+    const Vec3 asked = load3(&v_ref_[b.dof]);
+    double most = s.recovery_rate + tune::kReturnPerMotion * norm(asked);
+    if (s.torque()) most = std::numeric_limits<double>::infinity();
+    if (gentle()) most = std::min(most, gentle_return.rate(i));
+    if (norm(w - asked) > most) w = asked + capped(w - asked, most);
     store3(&v_drive_[b.dof], w);
   }
   const int set = s.torque() ? 6 : dof_count();  // torques leave the joints as they are
   for (int i = 0; i < set; i++) qvel[first_dof() + i] = v_drive_[i];
   if (s.torque()) v_ref_.assign(dof_count(), 0);  // all of a velocity is deviation
+}
+
+double DriveSettings::resistance(double lambda, double h) const {
+  if (torque()) return torque_firmness(h);
+  if (time_constant > 0 || own_forces()) return lambda;
+  return std::max(lambda, h / tune::kLimpTime);
 }
 
 void Drive::added_inertia(const DriveSettings& s, double h, const Model& m, const Inertia& inertia,
@@ -88,8 +97,7 @@ void Drive::added_inertia(const DriveSettings& s, double h, const Model& m, cons
     const int d = ball_dof(i);
     double mean = 0;
     for (int c = 0; c < 3; c++) mean += inertia.diagonal(m, d + c) / 3;
-    for (int c = 0; c < 3; c++)
-      extra[d + c] = (s.torque() ? s.torque_firmness(h) : stiffness_[i]) * mean;
+    for (int c = 0; c < 3; c++) extra[d + c] = s.resistance(stiffness_[i], h) * mean;
   }
 }
 
@@ -109,7 +117,7 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
   }
   for (int i = 0; i < dof_count(); i++) v[i] = qvel[first_dof() + i];
   if (s.torque()) return torque_deviation(s, h, qpos, qvel, deviation);
-  return restored_deviation(k, h, q, v, deviation + first_dof());
+  return restored_deviation(s, k, h, q, v, deviation + first_dof());
 }
 
 // v* with a time constant.
@@ -127,12 +135,13 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
   }
 }
 
-// eps - h v of PJSC.
-bool Drive::restored_deviation(int k, double h, const double* q, const double* v,
-                               double* out) const {
+// eps - h v of PJSC, and -h (v - v_ref) of what damps limp joints, each with its share.
+bool Drive::restored_deviation(const DriveSettings& s, int k, double h, const double* q,
+                               const double* v, double* out) const {
   bool any = false;
   for (int i = 1; i < ball_count(); i++) {
-    if (stiffness_[i] == 0) continue;
+    const double total = s.resistance(stiffness_[i], h);
+    if (total == 0) continue;
     const Ball& b = balls()[i];
     const Quat expected =
         load4(&q_start_[b.qpos]) * exp_quat(((k + 1) * h) * load3(&v_drive_[b.dof]));
@@ -140,7 +149,9 @@ bool Drive::restored_deviation(int k, double h, const double* q, const double* v
     // About a half turn rounding decides which way round the log goes; it is the way it turns.
     const double angle = norm(turn);
     if (dot(turn, way) < 0 && angle > 0.5 * M_PI) turn = (1 - 2 * M_PI / angle) * turn;
-    const Vec3 eps = turn - way;
+    const double firm = stiffness_[i] / total;
+    Vec3 eps = turn - way;
+    if (firm < 1) eps = firm * eps - (1 - firm) * (way - h * load3(&v_ref_[b.dof]));
     if (norm2(eps) < tune::kLeastDeviation2) continue;
     any = true;
     store3(out + b.dof, eps);

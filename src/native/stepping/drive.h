@@ -10,6 +10,15 @@
 //                            v* = v + M^^-1 (lambda I/h) (log(q^-1 q~) - h v),
 //                            M^ = M + lambda diag(I)
 //
+// With Algorithm 1 a joint that was kept from its target returns to the motion no faster than
+// `recovery_rate` + kReturnPerMotion |v_ref|, and limp joints (lambda < h/T, T = kLimpTime) are
+// damped against the motion, so that what the root feeds into them does not swing on:
+//
+//   v* = v + M^^-1 (lambda I/h) (log(q^-1 q~) - h v) - M^^-1 (h/T - lambda) I (v - v_ref),
+//   M^ = M + (h/T) diag(I)
+//
+// Neither acts where v = v_ref: free motion stays exact.
+//
 // lambda is the firmness of each ball joint, I the mean of its diagonal entries of M [kg m^2], q~
 // the pose without contact. A deviation decays like a critically damped spring, whatever the frame
 // rate.
@@ -37,6 +46,8 @@ struct DriveSettings {
   bool own_forces() const { return internal_forces || joint_damping > 0; }
   bool torque() const { return torque_frequency > 0; }
   double torque_firmness(double h) const;
+  // What a joint resists with in a substep of length h, in its own inertia: lambda, or more.
+  double resistance(double lambda, double h) const;
 };
 
 // log(from^-1 to) of two rotations (wxyz), in the child's frame [rad].
@@ -111,7 +122,8 @@ class Drive : public PersonDofs {
  private:
   void set_velocities(const DriveSettings& s, const double* q, double* qvel);
   void spring_velocity(const DriveSettings& s, int k, double h, const double* q, double* v) const;
-  bool restored_deviation(int k, double h, const double* q, const double* v, double* out) const;
+  bool restored_deviation(const DriveSettings& s, int k, double h, const double* q, const double* v,
+                          double* out) const;
   // The same of PD torques towards the target (baselines/torque_drive.cpp).
   bool torque_deviation(const DriveSettings& s, double h, const double* qpos, const double* qvel,
                         double* deviation) const;

@@ -263,10 +263,10 @@ class Body:
 
     @cached_property
     def variant(self) -> Variant:
-        """The 55 rigid parts of this shape, made once."""
-        from halfphysics.body.rigid_parts import build_variant
+        """The 55 rigid parts of this shape, made once and kept for the next process."""
+        from halfphysics.body.body_cache import variant_of
 
-        return build_variant(self)
+        return variant_of(self)
 
     @cached_property
     def skin_hulls(self) -> SkinHulls:
@@ -283,9 +283,9 @@ class Body:
     @cached_property
     def skin_corners(self) -> SkinHulls:
         """`skin_hulls` without vertices that are inside their hull at every pose of this shape."""
-        from halfphysics.body.skin_corners import without_inner
+        from halfphysics.body.body_cache import corners_of
 
-        return without_inner(self.skin_hulls, self.weights, self.rest_vertices, self.posedirs)
+        return corners_of(self)
 
     def save_mjcf(self, path: str | os.PathLike[str]) -> None:
         """Write the 55 rigid parts as a MuJoCo model (MJCF) that stock MuJoCo opens.

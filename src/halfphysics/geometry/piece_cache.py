@@ -1,18 +1,17 @@
 """Cache on disk of convex decompositions: one small npz per mesh and set of options.
 
-The folder is $HALFPHYSICS_CACHE, else $XDG_CACHE_HOME/halfphysics, else ~/.cache/halfphysics; it
-may be deleted at any time.
+They are in the folder `pieces` of the `cache_folder`.
 """
 
 from __future__ import annotations
 
-import os
 import warnings
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics.base.cache_folder import cache_folder
 from halfphysics.base.npz import Npz, write_npz
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.mesh import Mesh
@@ -20,18 +19,10 @@ from halfphysics.geometry.mesh import Mesh
 Array = NDArray[np.float64]
 
 
-def folder() -> Path:
-    """The folder of the cache."""
-    own, xdg = os.environ.get("HALFPHYSICS_CACHE"), os.environ.get("XDG_CACHE_HOME")
-    if own:
-        return Path(own)
-    return (Path(xdg) if xdg else Path.home() / ".cache") / "halfphysics"
-
-
 def read(key: str) -> tuple[list[Mesh], Array] | None:
     """Pieces and error figures stored under `key`; None: there are none, or the file is damaged."""
     path = _path(key)
-    if not path.is_file():
+    if path is None or not path.is_file():
         return None
     try:
         file = Npz(path)
@@ -54,6 +45,8 @@ def read(key: str) -> tuple[list[Mesh], Array] | None:
 def write(key: str, pieces: list[Mesh], figures: Array) -> None:
     """Store pieces and error figures; failure gives a `HalfPhysicsWarning`."""
     path = _path(key)
+    if path is None:
+        return
     arrays = {
         "key": np.array(key),
         "figures": figures,
@@ -74,5 +67,6 @@ def write(key: str, pieces: list[Mesh], figures: Array) -> None:
         )
 
 
-def _path(key: str) -> Path:
-    return folder() / "pieces" / f"{key}.npz"
+def _path(key: str) -> Path | None:
+    folder = cache_folder()
+    return None if folder is None else folder / "pieces" / f"{key}.npz"

@@ -1,10 +1,10 @@
-"""The model of people and a scene, joined from trees that are compiled once each.
+"""The model of people and a scene, joined from trees that are made once each.
 
 MuJoCo numbers bodies tree after tree, in the order in which the trees are added, and no number of a
-tree depends on another tree. So the arrays of a person, which cost some 5 ms, are made once per
-body; those of an object are simple enough to be written down; and a world's are all of them one
-after the other. `tests/simulation/test_joined_model.py` holds them equal to MuJoCo's own, bit for
-bit.
+tree depends on another tree. Those of a person, made once per body, and of an object are simple
+enough to be written down: MuJoCo need not even be imported. Articulated objects are compiled, once
+each. A world's arrays are all of them one after the other.
+`tests/simulation/test_joined_model.py` holds them equal to MuJoCo's own, bit for bit.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.body.mjcf_person import principal
-from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
+from halfphysics.body.mjcf_person import UPRIGHT, principal
+from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS, PARENTS
 from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation.compiled_model import compile_model, compiled_inertia
 
@@ -188,15 +188,74 @@ _people: WeakKeyDictionary[Variant, Tree] = WeakKeyDictionary()
 
 
 def _person_tree(variant: Variant, prefix: str, armature: Array) -> Tree:
-    """A person's parts, compiled once; names and armatures are the caller's."""
+    """A person's parts, made once; names and armatures are the caller's."""
     tree = _people.get(variant)
     if tree is None:
-        tree = _people[variant] = _compiled_person(variant)
+        tree = _people[variant] = _made_person(variant)
     joint = [JOINT_NAMES.index(name) for name in tree.joint_names]
     arrays = dict(tree.arrays)
     arrays["dof_armature"] = np.concatenate([np.zeros(6), np.repeat(armature[joint[1:]], 3)])
     names = tuple(prefix + name for name in tree.body_names)
     return Tree(arrays, names, tuple(prefix + name for name in tree.joint_names))
+
+
+def _made_person(variant: Variant) -> Tree:
+    """A free root and 54 ball joints, numbered depth first."""
+    order = _depth_first()
+    parts = [variant.parts[i] for i in order]
+    place = np.argsort(order)  # of every joint among the bodies
+    moments, turns = zip(*(principal(part.inertia) for part in parts), strict=True)
+    mass = np.array([part.mass for part in parts])
+    if any(not acceptable(m, i) for m, i in zip(mass, moments, strict=True)):
+        return _compiled_person(variant)  # its words for what is wrong
+    number = np.arange(N_JOINTS)
+    position = np.array([variant.joint_offsets[i] for i in order])
+    position[0] = (0.0, 0.0, variant.standing_height)
+    turn = np.tile(_NO_TURN, (N_JOINTS, 1))
+    turn[0] = UPRIGHT
+    start = np.concatenate([position[0], UPRIGHT, np.tile(_NO_TURN[0], N_JOINTS - 1)])
+    arrays = {
+        "body_parentid": np.array([-1, *(place[PARENTS[i]] for i in order[1:])]),
+        "body_jntadr": number,
+        "body_jntnum": np.ones(N_JOINTS),
+        "body_dofadr": 3 * number + 3 * (number > 0),
+        "body_dofnum": np.where(number > 0, 3, 6),
+        "jnt_type": (number > 0),
+        "jnt_qposadr": 4 * number + 3 * (number > 0),
+        "jnt_dofadr": 3 * number + 3 * (number > 0),
+        "jnt_bodyid": number,
+        "jnt_limited": np.zeros(N_JOINTS),
+    }
+    floats = {
+        "body_pos": position,
+        "body_quat": turn,
+        "body_ipos": np.array([part.com for part in parts]),
+        "body_iquat": np.array(turns),
+        "body_mass": mass,
+        "body_inertia": np.array(moments),
+        "jnt_pos": np.zeros((N_JOINTS, 3)),
+        "jnt_axis": np.tile((0.0, 0.0, 1.0), (N_JOINTS, 1)),
+        "jnt_stiffness": np.zeros(N_JOINTS),
+        "jnt_range": np.zeros((N_JOINTS, 2)),
+        "qpos0": start,
+        "qpos_spring": start,
+        "dof_armature": np.zeros(3 * N_JOINTS + 3),
+        "dof_damping": np.zeros(3 * N_JOINTS + 3),
+    }
+    names = tuple(JOINT_NAMES[i] for i in order)
+    ints = {key: array.astype(np.int32) for key, array in arrays.items()}
+    return Tree({key: _plain(array) for key, array in (ints | floats).items()}, names, names)
+
+
+def _depth_first() -> list[int]:
+    """Joints in the order of MuJoCo's bodies."""
+    order: list[int] = []
+    waiting = [0]
+    while waiting:
+        joint = waiting.pop()
+        order.append(joint)
+        waiting += [j for j in range(N_JOINTS - 1, 0, -1) if PARENTS[j] == joint]
+    return order
 
 
 def _compiled_person(variant: Variant) -> Tree:
@@ -236,11 +295,16 @@ def object_inertia(mass: float, inertia: bytes) -> tuple[Array, Array]:
     """
     matrix = np.frombuffer(inertia).reshape(3, 3)
     moments, turn = principal(matrix)
-    if mass < LEAST or moments[0] < LEAST or moments[0] + moments[1] < moments[2]:
+    if not acceptable(mass, moments):
         moments, turn = compiled_inertia(mass, matrix)  # its words for what is wrong
     moments.setflags(write=False)
     turn.setflags(write=False)
     return moments, turn
+
+
+def acceptable(mass: float, moments: Array) -> bool:
+    """Whether MuJoCo takes a mass [kg] and moments (3,) [kg m^2], rising: those of a solid."""
+    return bool(mass >= LEAST and moments[0] >= LEAST and moments[0] + moments[1] >= moments[2])
 
 
 _articulated: WeakKeyDictionary[Articulated, tuple[bytes, Tree]] = WeakKeyDictionary()

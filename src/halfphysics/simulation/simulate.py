@@ -101,9 +101,23 @@ def follow(
     return result
 
 
+class NoBar:
+    """A progress bar that does not show."""
+
+    def __enter__(self) -> NoBar:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def update(self, count: int) -> None:
+        """Nothing to draw."""
+
+
 def progress_bar(count: int, show: bool, unit: str = "frame") -> Any:
     """A progress bar on stderr where that is a terminal, after two seconds, if it is to show."""
+    if not show:
+        return NoBar()
     from tqdm import tqdm
 
-    hidden = None if show else True
-    return tqdm(total=count, unit=unit, delay=2.0, disable=hidden, leave=False)
+    return tqdm(total=count, unit=unit, delay=2.0, disable=None, leave=False)

@@ -442,6 +442,10 @@ constexpr size_t kMostContactPoints = 250;
 // rebound.
 constexpr double kBounceSpeed = 0.2;
 constexpr int kMostReboundPasses = 3;
+// Impulses that work, by more than this share of what they move, gain energy: above the rounding of
+// the solver. Bisections of the share of the rebound that gains none: to 1.6 %.
+constexpr double kWorkRounding = 1e-6;
+constexpr int kEnergyBisections = 6;
 
 // Reach of candidates (contact_step.h)
 

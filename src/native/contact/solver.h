@@ -88,6 +88,7 @@ struct Contact {
   Vec3 curve;
   double friction = 0, restitution = 0;
   double bounce = -1e300;  // v_n demanded by restitution [m/s], second pass
+  double rebound = 0;      // what of it is thrown back, not kept [m/s]
   Vec3 impulse;            // world [N s], on a; the warm start on entry
   int pair = 0;            // index of the candidate it came from
   int64_t key = 0;         // identity from substep to substep

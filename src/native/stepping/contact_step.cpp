@@ -3,7 +3,6 @@
 #include <chrono>
 #include <limits>
 
-#include "stepping/restitution.h"
 #include "tuning.h"
 
 namespace hp {
@@ -159,9 +158,10 @@ void ContactStep::correct_prediction(Contact& c, double h) {
 // A second solve where contacts rebound. True if nothing is violated after it, `good` where none
 // rebounds.
 bool ContactStep::rebound(double h, bool good) {
-  if (!demand_rebounds(system_, data_, h)) return good;
+  if (!rebounds_.demand(system_, data_, h)) return good;
   for (int pass = 1; pass <= tune::kMostReboundPasses; pass++) {
     solve(h);
+    rebounds_.bound_energy(system_, data_, [&] { solve(h); });
     if (check(h, pass)) return true;
   }
   return false;

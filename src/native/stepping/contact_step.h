@@ -17,6 +17,7 @@
 #pragma once
 #include "stepping/kinematic_bodies.h"
 #include "stepping/path_curvature.h"
+#include "stepping/restitution.h"
 #include "stepping/self_response.h"
 #include "stepping/untouched_joints.h"
 #include "stepping/verification.h"
@@ -54,6 +55,7 @@ class ContactStep {
   SelfResponse self_;
   UntouchedJoints untouched_;
   PathCurvature curvature_;
+  Rebounds rebounds_;
   std::vector<Twist> twists_;
   std::vector<double> fastest_, way_;  // per root body, per shape [m]
 };

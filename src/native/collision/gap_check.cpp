@@ -33,6 +33,14 @@ struct SweptPoints {
     const double *x = xyz.data(), *y = x + 2 * n, *z = y + 2 * n;
     return Support{{x, y, z, 2 * n}};
   }
+  // The longest way from a vertex at one pose to the same at the other.
+  double farthest() const {
+    const double *x = xyz.data(), *y = x + 2 * n, *z = y + 2 * n;
+    double most = 0;
+    for (int i = 0; i < n; i++)
+      most = std::max(most, norm2(Vec3{x[n + i] - x[i], y[n + i] - y[i], z[n + i] - z[i]}));
+    return std::sqrt(most);
+  }
 };
 
 // The swept hull of the candidate's shape; `back` and `shift` take the end into the start frame of
@@ -56,17 +64,35 @@ SweptPoints swept_points(const PosedShape& a0, const PosedShape& a1, const Conta
 
 }  // namespace
 
-// r angle^2 / 8 of a shape's points, as seen by a frame that turns by `back` meanwhile.
-double GapCheck::bulge(int shape, const Poses& start, const Poses& end, const Mat3& back) const {
-  return world_.shapes[shape].weighted_bound([&](const CollisionShape::Influence& t) {
-    const Mat3 turn = back * (end.kin.xmat[t.body] * transposed(start.kin.xmat[t.body]));
-    const double cosine = 0.5 * (turn.m[0] + turn.m[4] + turn.m[8] - 1),
-                 angle = std::acos(std::min(1.0, std::max(-1.0, cosine)));
-    return t.reach * angle * angle / 8;
-  });
+const PathBounds& GapCheck::paths(const Model& m, const Poses& start, const Poses& end) {
+  if (paths_stamp_ != end.stamp) paths_.find(m, start.kin, end.kin, end.way);
+  paths_stamp_ = end.stamp;
+  return paths_;
 }
 
-bool GapCheck::swept_clear(const ContactCandidate& c, Poses& start, Poses& end) const {
+// How far points of the candidate's shapes stray from straight lines, as the static or the body of
+// the other shape sees them. In a frame that turns at w, points at x with the velocity v have the
+// acceleration -w x (w x x) - w' x x - 2 w x v besides; `chord`: no point gets farther there.
+double GapCheck::bulge(const Model& m, const ContactCandidate& c, Poses& start, Poses& end,
+                       double chord) {
+  const PathBounds& p = paths(m, start, end);
+  double most = p.acceleration(world_.shapes[c.shape]);
+  if (c.other_shape < 0) return 0.125 * most;
+  const CollisionShape& other = world_.shapes[c.other_shape];
+  const int b = other.body;
+  double away = 0;
+  for (int i : {c.shape, c.other_shape})
+    for (Poses* at : {&start, &end}) {
+      const BoundingSphere& s = at->cached_bounding_sphere(world_.shapes, i);
+      away = std::max(away, norm(s.center - at->kin.xpos[b]) + s.radius);
+    }
+  const double spin = p.spin(b), seen = p.acceleration(b, away);
+  if (other.skin) most += p.acceleration(other) + seen;
+  // v is at most the chord and half of the acceleration.
+  return spin < 0.5 ? 0.125 * (most + seen + 2 * spin * chord) / (1 - spin) : 1e300;
+}
+
+bool GapCheck::swept_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end) {
   if (c.dist < world_.settings.clearance) return false;
   const PosedShape &a0 = world_.place(start, c.shape), &a1 = world_.place(end, c.shape);
   Mat3 back;
@@ -78,27 +104,32 @@ bool GapCheck::swept_clear(const ContactCandidate& c, Poses& start, Poses& end) 
     shift = start.kin.xpos[b] - back * end.kin.xpos[b];
   }
   const SweptPoints swept = swept_points(a0, a1, c, back, shift);
-  double margin = bulge(c.shape, start, end, back) + a0.hull->radius + world_.settings.clearance;
+  double chord = c.other_shape >= 0 ? swept.farthest() : 0;
+  double margin = a0.hull->radius + world_.settings.clearance;
   Vec3 pa, pb;
   if (c.other_static >= 0 && c.triangle >= 0) {
     Vec3 v[3];
     world_.statics[c.other_static].tree->triangle(c.triangle, v);
     double tx[3] = {v[0].x, v[1].x, v[2].x}, ty[3] = {v[0].y, v[1].y, v[2].y},
            tz[3] = {v[0].z, v[1].z, v[2].z};
+    margin += bulge(m, c, start, end, chord);
     return gjk(swept.support(), Support{{tx, ty, tz, 3}}, c.n, pa, pb, margin) > margin;
   }
   const PosedShape& b = c.other_static >= 0 ? world_.statics[c.other_static].posed
                                             : world_.place(start, c.other_shape);
   margin += b.hull->radius;
-  if (c.other_shape < 0 || !world_.shapes[c.other_shape].skin)
+  if (c.other_shape < 0 || !world_.shapes[c.other_shape].skin) {
+    margin += bulge(m, c, start, end, chord);
     return gjk(swept.support(), b.support(), c.n, pa, pb, margin) > margin;
+  }
   // A skin hull deforms as seen from the frame that carries it: both ends of it are in its swept
   // hull.
   const Points q0 = b.points(), q1 = world_.place(end, c.other_shape).points();
   SweptPoints other(q0.n);
   for (int i = 0; i < q0.n; i++)
     other.set(i, q0.at(i)), other.set(q0.n + i, back * q1.at(i) + shift);
-  margin += bulge(c.other_shape, start, end, back);
+  chord += other.farthest();
+  margin += bulge(m, c, start, end, chord);
   return gjk(swept.support(), other.support(), c.n, pa, pb, margin) > margin;
 }
 
@@ -130,12 +161,12 @@ bool GapCheck::swept_mesh_clear(const ContactCandidate& c, Poses& start, Poses& 
   for (Vec3 p :
        {a0.box.lo + c.from, a0.box.hi + c.from, a1.box.lo + c.shift(), a1.box.hi + c.shift()})
     swept.box.add(p);
-  const double margin =
-      bulge(c.shape, start, end, {}) + a0.hull->radius + world_.settings.clearance;
+  const double margin = 0.125 * paths_.acceleration(world_.shapes[c.shape]) + a0.hull->radius +
+                        world_.settings.clearance;
   return world_.statics[c.other_static].tree->distance(swept, margin) >= margin;
 }
 
-double GapCheck::excess(Poses& start, Poses& end, ContactCandidate& c) const {
+double GapCheck::excess(const Model& m, Poses& start, Poses& end, ContactCandidate& c) {
   const PosedShape& a1 = world_.place(end, c.shape);
   c.forgiven = false;
   double gap;
@@ -154,7 +185,7 @@ double GapCheck::excess(Poses& start, Poses& end, ContactCandidate& c) const {
     Separation s = separate(a, b1, 1e300, false, c.n, &hint);
     if (s.dist > 0 && dot(s.n, c.n) > tune::kSameSide) return s.dist - c.target;
   }
-  if (swept_clear(c, start, end)) {
+  if (swept_clear(m, c, start, end)) {
     c.forgiven = true;
     return kForgiven;
   }

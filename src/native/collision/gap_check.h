@@ -5,14 +5,15 @@
 // have stayed the same, it is their true distance at the end, because the plane turns as they do. A
 // plane that is crossed is *forgiven* if the shape meets nothing behind it: if the swept hull (the
 // hull of the shape's start and end vertices, seen from the other) is disjoint from the other by
-// the clearance and by the bulge. The bulge is how far the arcs of turning points stray out of the
-// swept hull: a point at r that turns by an angle on an arc strays from the chord by at most r
-// angle^2 / 8 (sagitta). There are no ghost contacts at edges that a shape passes by.
+// the clearance and by the bulge. The bulge is how far the paths of points stray out of the swept
+// hull, on the arcs of all joints that move them (path_bounds.h), as the other one sees them. There
+// are no ghost contacts at edges that a shape passes by.
 #pragma once
 #include <cstdint>
 #include <vector>
 
 #include "collision/collision_world.h"
+#include "collision/path_bounds.h"
 
 namespace hp {
 
@@ -22,15 +23,16 @@ class GapCheck {
 
   // Smallest gap of a candidate at the end pose minus its target [m]; kForgiven, and c.forgiven is
   // set, where the plane is crossed but nothing is behind it.
-  double excess(Poses& start, Poses& end, ContactCandidate& c) const;
+  double excess(const Model& m, Poses& start, Poses& end, ContactCandidate& c);
   static constexpr double kForgiven = 1e300;
   // Is the swept hull clear of the candidate's whole mesh? Then no plane of it that may be crossed
-  // hides anything. Computed once per pair and end pose.
+  // hides anything. Computed once per pair and end pose. Of a candidate that excess() has forgiven.
   bool mesh_clear(const ContactCandidate& c, Poses& start, Poses& end);
 
  private:
-  double bulge(int shape, const Poses& start, const Poses& end, const Mat3& back) const;
-  bool swept_clear(const ContactCandidate& c, Poses& start, Poses& end) const;
+  const PathBounds& paths(const Model& m, const Poses& start, const Poses& end);
+  double bulge(const Model& m, const ContactCandidate& c, Poses& start, Poses& end, double chord);
+  bool swept_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end);
   bool swept_mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) const;
 
   const CollisionWorld& world_;
@@ -40,6 +42,8 @@ class GapCheck {
   };
   std::vector<MeshAnswer> answers_;
   uint64_t answers_stamp_ = 0;  // of the end pose that they hold for
+  PathBounds paths_;
+  uint64_t paths_stamp_ = 0;  // of the end pose that they lead to
 };
 
 }  // namespace hp

@@ -22,6 +22,7 @@ struct BoundingSphere {
 struct Poses {
   uint64_t stamp = 0;  // differs between any two poses of the process
   Kinematics kin;
+  std::vector<double> way;  // of an end pose: how far each dof has gone since the start
   std::vector<PosedShape> posed;
   std::vector<char> fresh;  // per shape: `posed` is of this pose
 

@@ -268,7 +268,8 @@ class Tree {
       const double off =
           c.remainder * inv4 +
           rho * (c.change[0] * inv3 + (c.change[1] + 4.0 * c.remainder * inv) * inv4);
-      if (node.left >= 0 || off < 1e-3) {
+      // Sums would lose small errors beside a very large one: that counts as unknown.
+      if (node.left >= 0 ? off < kUnknown : off < 1e-3) {
         const double inv2 = 1.0 / (length * length);
         return {off, far_field(c, r, inv2, inv2 / length), node.left >= 0 ? index : -1};
       }

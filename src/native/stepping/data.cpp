@@ -19,6 +19,9 @@ void Step::move(const System& system, const State& state, const std::vector<doub
   integrate(system.model, end_qpos.data(), vel.data(), h, active);
   end.kin.update(system.model, end_qpos.data(), active);
   system.world.start_poses(end);
+  end.way.resize(vel.size());
+  for (size_t i = 0; i < vel.size(); i++)
+    end.way[i] = active[system.model.dof_body[i]] ? h * vel[i] : 0;
 }
 
 void FrameResult::clear(int nbody) {

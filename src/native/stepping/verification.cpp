@@ -38,7 +38,7 @@ double excess(System& system, Data& data, size_t i, double h) {
   World& world = system.world;
   Poses &start = data.state.pose, &end = data.step.end;
   std::vector<ContactCandidate>& candidates = data.attempt.candidates;
-  const double e = world.gap_check.excess(start, end, candidates[i]);
+  const double e = world.gap_check.excess(system.model, start, end, candidates[i]);
   if (candidates[i].forgiven && candidates[i].triangle >= 0 && !candidates[i].searched &&
       !world.gap_check.mesh_clear(candidates[i], start, end))
     world.narrow_phase.search_behind(start, data.attempt.valid, h, (int)i, candidates);

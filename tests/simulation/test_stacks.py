@@ -223,3 +223,50 @@ def test_a_jammed_pile_gains_no_energy_at_coarse_steps():
     """0.1 kg between 4 and 8 kg at h = 1/60 s: contact does not push fast spin off its curve."""
     gain, lift = largest_gain(pile(np.random.default_rng(5), 0.8), 60, 1)
     assert gain <= lift
+
+
+def stack(masses):
+    """Boxes of 20 cm on each other on a floor, the lowest first."""
+    scene = Scene()
+    scene.add_static("floor", Plane(), friction=0.8)
+    for i, mass in enumerate(masses):
+        position = (0, 0, 0.1 + 0.2 * i)
+        scene.add_object(f"{i}", Box((0.2, 0.2, 0.2)), mass=mass, friction=0.8, position=position)
+    return scene
+
+
+@pytest.mark.slow
+def test_a_tonne_on_light_boxes_does_not_creep():
+    """1000 kg on 1 on 100 on 1: 52 mm in 5 s where friction that did not settle was kept."""
+    simulator = Simulator(stack((1.0, 100.0, 1.0, 1000.0)), body=[], settings=Settings(), fps=30)
+    simulator.reset([])
+    start = np.array(simulator.world.stepper.qpos()).reshape(4, 7)
+    for _ in range(150):
+        simulator.step([])
+    end = np.array(simulator.world.stepper.qpos()).reshape(4, 7)
+    assert np.abs(end[:, :3] - start[:, :3]).max() < 1e-3
+
+
+@pytest.mark.parametrize("mass", [0.01, 0.1])
+@pytest.mark.parametrize("kind", ["box", "ball"])
+def test_what_a_tonne_squeezes_leaves_slowly(kind, mass):
+    """A sliding tonne falls on something light at 1 m/s: it left at up to 408 m/s."""
+    scene = Scene()
+    scene.add_static("floor", Plane(), friction=0.5)
+    shape = Box((0.1, 0.1, 0.1)) if kind == "box" else Sphere(0.05)
+    scene.add_object("light", shape, mass=mass, position=(0.2, 0, 0.051), friction=0.5)
+    scene.add_object(
+        "heavy",
+        Box((0.6, 0.6, 0.3)),
+        mass=1000.0,
+        position=(0, 0, 0.261),
+        velocity=(1, 0, -1),
+        friction=0.5,
+    )
+    simulator = Simulator(scene, body=[], settings=Settings(), fps=240)
+    simulator.reset([])
+    fastest = 0.0
+    for _ in range(240):
+        simulator.step([])
+        fastest = max(fastest, np.linalg.norm(simulator.world.stepper.qvel()[:3]))
+    assert fastest < 20.0

@@ -201,6 +201,7 @@ void ContactProblem::solve(double tolerance, double fine, int most, SolveReport&
   report.normal = residual(true);
   if (report.residual >= tolerance && report.normal >= tune::kEnough * tolerance)
     settle_normals(tolerance, report);
+  if (report.residual >= tune::kEnough * tolerance) drop_driving_friction(tolerance, report);
   report.exhausted = report.residual >= tolerance && (barred_ || !budget.affords(0));
   report.work += budget.work() - before;
 }

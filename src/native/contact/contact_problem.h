@@ -96,6 +96,7 @@ class ContactProblem {
   bool take_share(const double* step, double bound);
   // normal_impulses.cpp
   void settle_normals(double tolerance, SolveReport& report);
+  void drop_driving_friction(double tolerance, SolveReport& report);
   void solve_normals(double tolerance);
   void solve_active();
   int find_wrong(double tolerance, int& last);

@@ -195,6 +195,8 @@ constexpr double kFlat = 1e-6;
 constexpr double kSamePoint2 = 2e-3 * 2e-3;
 // The first points are at least 5 mm apart, where there is a choice [m^2].
 constexpr double kSpread2 = 5e-3 * 5e-3;
+// A point without an impulse stays for the next substep while its gap exceeds the target by less [m].
+constexpr double kStaysNear = 2e-4;
 // Points of a face are within this of its nearest one, along the normal [m].
 constexpr double kFaceThickness = 2e-3;
 // Cosines of the normals of one contact in two passes, and in two substeps.

@@ -69,6 +69,7 @@ struct CachedContact {
   Material point, other;  // on the shape; on the other shape: the point opposite
   Vec3 normal, impulse;   // in the world
   bool used;
+  int candidate = -1;  // of this attempt, for which it is recalled; -1: none
 };
 
 // Bounds for the shapes on their way from one pose to another, without contact; per shape [m].

@@ -57,6 +57,12 @@ struct Generator {
   void make(Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature, double back = 0);
   void make_opposite(Vec3 n, double dist, Vec3 xa, Vec3 xb, int feature);
   Endpoint endpoint(int which, Vec3 x, Vec3 measured, int feature, Material& gap);
+  bool has(int v) const {
+    return std::any_of(contacts.begin(), contacts.end(),
+                       [&](const Contact& k) { return k.pair == index && k.feature == v; });
+  }
+  void add_vertex(int v);
+  bool add_recalled_vertices();
   void add_deepest_vertices();
   std::vector<RimPoint> deep_rim_points() const;
   void add_rim_points();
@@ -127,12 +133,27 @@ void Generator::replace(int at) {
   contacts.pop_back();
 }
 
+void Generator::add_vertex(int v) {
+  const Vec3 surface = a0.points().at(v) - shape.hull.radius * c.n;
+  make(c.n, dot(c.n, surface + c.from) - c.offset, surface, surface, v);
+}
+
+// Vertices that carried an impulse in the substep before; false if there are none.
+bool Generator::add_recalled_vertices() {
+  bool any = false;
+  for (const CachedContact& w : cached) {
+    if (w.candidate != index) continue;
+    any = true;
+    if (!has(w.feature)) add_vertex(w.feature);
+  }
+  return any;
+}
+
 void Generator::add_deepest_vertices() {
   const Points p0 = a0.points(), p1 = world.place(end, c.shape).points();
-  const double r = shape.hull.radius;
   std::vector<std::pair<double, int>> worst;
   for (int v = 0; v < p1.n; v++) {
-    double gap = dot(c.n, p1.at(v) + c.shift()) - r - c.offset;
+    double gap = dot(c.n, p1.at(v) + c.shift()) - shape.hull.radius - c.offset;
     if (gap < c.target) worst.push_back({gap, v});
   }
   // A heap instead of sorting: a few of many are taken.
@@ -145,16 +166,13 @@ void Generator::add_deepest_vertices() {
     std::pop_heap(worst.begin(), worst.end(), later);
     const int v = worst.back().second;
     worst.pop_back();
-    Vec3 x = p0.at(v);
-    bool skip = false;
-    for (const Contact& k : contacts) skip |= k.pair == index && k.feature == v;
+    bool skip = has(v);
     if (already == 0)
-      for (Vec3 o : chosen) skip |= norm2(o - x) < tune::kSpread2;
+      for (Vec3 o : chosen) skip |= norm2(o - p0.at(v)) < tune::kSpread2;
     if (skip) continue;
-    chosen.push_back(x);
+    chosen.push_back(p0.at(v));
     added++;
-    Vec3 surface = x - r * c.n;
-    make(c.n, dot(c.n, surface + c.from) - c.offset, surface, surface, v);
+    add_vertex(v);
   }
 }
 
@@ -308,7 +326,7 @@ void Generator::add() {
   if (c.other_static >= 0) {
     if (shape.hull.rim > 0)
       add_rim_points();
-    else
+    else if (pass > 0 || already > 0 || !add_recalled_vertices())
       add_deepest_vertices();
   } else if (c.overlap >= 0) {
     add_displaced();
@@ -325,20 +343,6 @@ void ContactPoints::add(const std::vector<CachedContact>& cached, Poses& start, 
                         const ContactCandidate& c, int index, int pass,
                         std::vector<Contact>& contacts) const {
   Generator(world_, cached, start, end, c, index, pass, contacts).add();
-}
-
-bool ContactPoints::recall(const std::vector<CachedContact>& cached,
-                           const std::vector<ContactCandidate>& candidates,
-                           std::vector<char>& out) const {
-  out.assign(candidates.size(), 0);
-  bool any = false;
-  for (size_t i = 0; i < candidates.size(); i++) {
-    const ContactCandidate& c = candidates[i];
-    if (!world_.handles(c) || c.overlap >= 0) continue;
-    for (const CachedContact& w : cached) out[i] |= w.key == pair_key(c);
-    any |= out[i];
-  }
-  return any;
 }
 
 // The point of a disc's rim that lies in the contact's direction, whatever material that is.

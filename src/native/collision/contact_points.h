@@ -2,8 +2,9 @@
 //
 // A candidate is a plane; the solver needs points. Which, depends on the pair:
 //
-// - *against a static*: the vertices that would end deepest, at first spread out (so that few
-//   points carry a face), at most four more per pass;
+// - *against a static*: of a person, first the vertices that carried an impulse in the substep
+//   before; then those that would end deepest, at first spread out (so that few points carry a
+//   face), at most four more per pass;
 // - *a disc against a static*: points of its rim in a direction of the world, not of the material,
 //   so that what rolls or tips is measured where it touches: the deepest, and four that make it
 //   stand;
@@ -36,16 +37,20 @@ class ContactPoints {
   // before; `cached` are those of the substep before.
   void add(const std::vector<CachedContact>& cached, Poses& start, Poses& end,
            const ContactCandidate& c, int index, int pass, std::vector<Contact>& contacts) const;
-  // Marks the candidates, between a person and what moves, that had contacts in the substep before:
-  // they are likely to have them again. True if there are any. (Contacts with static geometry are
-  // not recalled: the points that would end deepest are better. Nor are contacts between objects:
-  // points between two that nothing presses together would give a pile energy.)
-  bool recall(const std::vector<CachedContact>& cached,
-              const std::vector<ContactCandidate>& candidates, std::vector<char>& out) const;
+  // Is a candidate one of those whose contacts are recalled: a person's, not by the rim of a disc?
+  // (Contacts between objects are not: points between two that nothing presses together would give
+  // a pile energy.)
+  bool recalls(const ContactCandidate& c) const;
+  // Gives cached contacts the candidate that they belong to: of several planes of a pair the one
+  // that is most like their own. Points that carried no impulse count as long as they are near.
+  // True if there are any.
+  bool recall(Poses& start, const std::vector<ContactCandidate>& candidates,
+              std::vector<CachedContact>& cached) const;
   // The gap of a contact's own points at the end pose [m].
   double gap_at(Poses& start, Poses& end, const Contact& c) const;
 
  private:
+  bool stays(Poses& start, const ContactCandidate& c, const CachedContact& w) const;
   double rim_gap_at(Poses& start, Poses& end, const Contact& c, int shape) const;
 
   const CollisionWorld& world_;

@@ -272,6 +272,7 @@ void ContactSolver::solve_island(const System& s, const Island& at, std::vector<
   const double roughly = tune::kRoughGoal * at.tolerance;
   SolveReport mine;
   bool rough = true;
+  answered_ = false;
   for (int round = 0;; round++) {
     rough = rough && round < tune::kJoinRounds && (int)rows_.size() < at.count;
     problem_.solve(rough ? roughly : at.tolerance, rough ? roughly : fine, at.max_sweeps, mine);
@@ -281,6 +282,7 @@ void ContactSolver::solve_island(const System& s, const Island& at, std::vector<
     }
     if (round >= tune::kJoinRounds || (int)rows_.size() == at.count || mine.exhausted) break;
     if (join_violated(s, at, contacts)) continue;
+    answered_ = !rough;
     if (!rough) break;
     rough = false;
   }
@@ -371,7 +373,7 @@ SolveReport ContactSolver::solve(const Model& m, const Kinematics& k, const Iner
     while (last < n && island(last) == island(first)) last++;
     solve_island(s, {&order_[first], last - first, tolerance, max_sweeps, mass, budget}, contacts,
                  report);
-    response(s);
+    if (!answered_) response(s);
     for (int i = 0; i < m.nv; i++) v[i] += dv_[i];
     first = last;
   }

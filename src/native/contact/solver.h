@@ -161,6 +161,7 @@ class ContactSolver {
   std::vector<int> body_slot_;  // offset into body_y_, -1: not yet
   std::vector<Twist> twists_, response_;
   std::vector<double> dv_, demand_;
+  bool answered_ = false;  // dv_ is what the impulses of the island that was solved make
   std::vector<int> root_island_, order_;
   std::vector<char> joined_;
   // of the island

@@ -18,6 +18,7 @@ struct State;
 class ContactCache {
  public:
   const std::vector<CachedContact>& contacts() const { return contacts_; }
+  std::vector<CachedContact>& contacts() { return contacts_; }
   void clear() { contacts_.clear(); }
   void restore(const std::vector<CachedContact>& contacts) { contacts_ = contacts; }
   // An attempt at a step begins: no impulse is used yet.
@@ -32,7 +33,7 @@ class ContactCache {
   // Active trees make one more piece of the substep: what the one before left of them is out of
   // date.
   void drop_active(const System& system);
-  // Keeps a contact that carries an impulse for the next substep.
+  // Keeps a contact for the next substep: one that carries an impulse, or a vertex near a static.
   void keep(const System& system, State& state, const ContactCandidate& candidate,
             const Contact& c);
   void end_substep() { contacts_.swap(next_); }

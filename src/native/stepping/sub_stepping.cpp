@@ -90,9 +90,13 @@ void SubStepping::record(const std::vector<double>& share) {
   // Contacts found after the last solve only carry a guess.
   attempt.contacts.resize(std::min(attempt.contacts.size(), attempt.solved));
   for (const Contact& c : attempt.contacts) {
-    if (norm2(c.impulse) == 0) continue;
     const ContactCandidate& k = attempt.candidates[c.pair];
     if (!share.empty() && share[data_.islands.of(system_, k)] < 0) continue;
+    if (norm2(c.impulse) == 0) {
+      if (k.other_static >= 0 && system_.world.contact_points.recalls(k))
+        data_.cache.keep(system_, data_.state, k, c);
+      continue;
+    }
     data_.result.disturbed[system_.tree(k.shape)] = 1;
     if (k.other_shape >= 0) data_.result.disturbed[system_.tree(k.other_shape)] = 1;
     for_each_pushed(system_, k, [&](int b) { data_.step.pushed[b] = 1; });

@@ -32,6 +32,17 @@ double allowed(const System& system, const Attempt& attempt, const ContactCandid
   return slack;
 }
 
+// People with recalled contacts are solved for anyhow: their candidates are checked after that, not
+// before it too.
+bool waits(const System& system, const ContactCandidate& c, const std::vector<char>& begun) {
+  const World& world = system.world;
+  if (!world.contact_points.recalls(c)) return false;
+  auto begins = [&](int shape) {
+    return shape >= 0 && world.shapes[shape].person >= 0 && begun[world.shapes[shape].person];
+  };
+  return begins(c.shape) || begins(c.other_shape);
+}
+
 }  // namespace
 
 double excess(System& system, Data& data, size_t i, double h) {
@@ -51,12 +62,9 @@ bool Verification::check(System& system, Data& data, double h, int pass) {
   attempt.overdue = 0;
   attempt.violated.clear();
   bool good = true;
-  // Where there is a first solve anyhow, candidates between a person and an object are checked
-  // after it, not before it too.
-  const bool begins = pass == 0 && system.world.contact_points.recall(
-                                       data.cache.contacts(), attempt.candidates, recalled_);
+  const bool begins = pass == 0 && recall(system, data);
   for (size_t i = 0; i < attempt.candidates.size(); i++) {  // forgiven planes add to them
-    if (begins && system.world.handles(attempt.candidates[i])) {
+    if (begins && waits(system, attempt.candidates[i], begun_)) {
       attempt.violated.push_back(recalled_[i]);
       good &= !recalled_[i];
       continue;
@@ -71,6 +79,24 @@ bool Verification::check(System& system, Data& data, double h, int pass) {
   }
   if (!good) find_overdue(system, data);
   return good;
+}
+
+// Finds the candidates and people that contacts are recalled for; true if there are any.
+bool Verification::recall(System& system, Data& data) {
+  const World& world = system.world;
+  const std::vector<ContactCandidate>& candidates = data.attempt.candidates;
+  std::vector<CachedContact>& cached = data.cache.contacts();
+  if (!world.contact_points.recall(data.state.pose, candidates, cached)) return false;
+  recalled_.assign(candidates.size(), 0);
+  begun_.assign(system.drives.size(), 0);
+  for (const CachedContact& w : cached) {
+    if (w.candidate < 0) continue;
+    const ContactCandidate& c = candidates[w.candidate];
+    recalled_[w.candidate] = 1;
+    for (int shape : {c.shape, c.other_shape})
+      if (shape >= 0 && world.shapes[shape].person >= 0) begun_[world.shapes[shape].person] = 1;
+  }
+  return true;
 }
 
 // Objects that lie on each other pass on what they carry, a pair more in every pass: of them only

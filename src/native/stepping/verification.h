@@ -20,7 +20,10 @@ class Verification {
 
  private:
   void find_overdue(const System& system, Data& data) const;
+  bool recall(System& system, Data& data);
+
   std::vector<char> recalled_;  // per candidate: its pair had contacts in the substep before
+  std::vector<char> begun_;     // per person: one of theirs had
 };
 
 // Gap at the end pose minus target of candidate i [m]. Where its plane is forgiven, candidates that

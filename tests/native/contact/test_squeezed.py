@@ -291,7 +291,8 @@ def test_between_two_boxes_that_are_pushed_together(body, hulls, mass):
                          position=(0.7 * side, 0.0, 0.301),
                          velocity=(-hit * side, 0.0, 0.0))  # fmt: skip
     run = follow(body, hulls, motion, scene, solids)
-    goes_on(run, hit)
+    # Boxes of 300 kg that start up to 2 mm elsewhere: from 4.7 to 7.8 m/s.
+    goes_on(run, hit + 0.8)
     assert run.gap >= -EXACT
     assert run.things["fresh"] <= EXACT
     assert {"ahead", "behind"} <= _touched(run, scene)

@@ -251,6 +251,7 @@ class Stepper:
         arg3: bool,
         arg4: float,
         arg5: Annotated[NDArray[numpy.float64], "(*, *)"],
+        arg6: Annotated[NDArray[numpy.float64], "(*, *)"],
         /,
     ) -> dict[str, Any]: ...
 
@@ -438,6 +439,7 @@ class Batch:
         substeps: int,
         record: bool,
         stiffness: Annotated[NDArray[numpy.float64], "(*, *)"],
+        out: Annotated[NDArray[numpy.float64], "(*, *)"],
     ) -> None: ...
 
     def ended(self, seconds: float) -> list[int]: ...
@@ -686,3 +688,14 @@ def part_balls(
     """
     Centres (T, groups, 3) and radii (T, groups) of balls around what joints carry of each group where it is wanted (T, groups); -inf: nothing.
     """
+
+def put_rotations(
+    rotations: Annotated[NDArray[numpy.float64], "(*, *, 3)"],
+    at: Annotated[NDArray[numpy.int32], "(*,)"],
+    out: Annotated[NDArray[numpy.float64], "(*, *)"],
+) -> None: ...
+
+def rotations_of(
+    coordinates: Annotated[NDArray[numpy.float64], "(*, *)"],
+    at: Annotated[NDArray[numpy.int32], "(*,)"],
+) -> NDArray[numpy.float64]: ...

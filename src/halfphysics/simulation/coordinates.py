@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from halfphysics import _native
 from halfphysics.base import rotations as rot
 from halfphysics.body.mjcf_person import addresses
 from halfphysics.motion.skeleton import N_JOINTS
@@ -48,16 +49,18 @@ class Person:
 
     def coordinates(self, translation: Array, rotations: Array, axes: Array) -> Array:
         """Coordinates (T, count) of SMPL-X poses: (T, 3) and (T, 55, 3)."""
-        q = np.zeros((len(translation), self.count))
+        q = np.empty((len(translation), self.count))
         q[:, :3] = translation + axes @ self.body.rest_joints[0]
-        q[:, self._quats - self.qpos] = rot.exp(rotations)
+        rotations = np.ascontiguousarray(rotations, dtype=np.float64)
+        _native.put_rotations(rotations, self._places - np.int32(self.qpos), q)
         return q
 
     def pose(self, qpos: Array, axes: Array) -> tuple[Array, Array]:
         """SMPL-X translation (..., 3) and rotations (..., 55, 3) of model coordinates (..., nq)."""
         translation = qpos[..., self.qpos : self.qpos + 3] - axes @ self.body.rest_joints[0]
-        # take() lays the frames out one after the other, whatever their number: the same bits.
-        return translation, rot.log(np.take(qpos, self._quats, axis=-1))
+        rows = np.ascontiguousarray(qpos, dtype=np.float64).reshape(-1, qpos.shape[-1])
+        rotations: Array = _native.rotations_of(rows, self._places)
+        return translation, rotations.reshape(*qpos.shape[:-1], N_JOINTS, 3)
 
     @cached_property
     def balls(self) -> NDArray[np.int64]:
@@ -65,9 +68,9 @@ class Person:
         return np.argsort(self.joint_qpos)
 
     @cached_property
-    def _quats(self) -> NDArray[np.int64]:
-        """Coordinates of every joint's quaternion (55, 4)."""
-        return self.joint_qpos[:, None] + np.arange(4)
+    def _places(self) -> NDArray[np.int32]:
+        """First coordinate of every joint's quaternion (55,), as the core takes it."""
+        return np.ascontiguousarray(self.joint_qpos, dtype=np.int32)
 
 
 @dataclass(frozen=True)

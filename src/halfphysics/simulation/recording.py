@@ -76,7 +76,8 @@ def record(
     core, settings, dt = world.stepper, world.settings, 1.0 / motions[0].fps
     targets = world.motion_coordinates(motions)
     balls = core_firmness(world, firmness)
-    recorder = Recorder(world, len(targets), dt, core.qpos(), core.clearance(), core.inside())
+    recorder = Recorder(world, len(targets), dt)
+    recorder.start(core.qpos(), core.clearance(), core.inside())
     while (at := recorder.frames) < len(targets):
         got = core.run(
             targets[at:],
@@ -85,6 +86,7 @@ def record(
             settings.record == "substeps",
             _SLICE,
             balls[at:],
+            recorder.rest,
         )
         done(recorder.add(got))
     return recorder.recording()
@@ -102,28 +104,35 @@ class Recorder:
         world: What is run.
         count: Number of frames, the start included.
         dt: Length of a frame [s].
-        qpos, clearance, inside: Of the start: coordinates (nq,), clearance [m], rows (n, 4).
     """
 
-    def __init__(
-        self, world: World, count: int, dt: float, qpos: Array, clearance: float, inside: Array
-    ) -> None:
+    def __init__(self, world: World, count: int, dt: float) -> None:
         self._world, self._dt = world, dt
-        self.frames = 1
+        self.frames = 0
         self._qpos, self._clearance = np.empty((count, world.nq)), np.empty(count)
-        self._qpos[0], self._clearance[0] = qpos, clearance
         self._lost_time, self._numbers = np.zeros(count), np.zeros((count, len(DIAGNOSTICS)))
         self._torque = np.zeros((count, len(world.people), N_JOINTS, 3))
-        self._substeps = [self._qpos[:1].copy()]
+        self._substeps: list[Array] = []
         self._contacts, self._inside = _Collected(12), _Collected(4)
+
+    def start(self, qpos: Array, clearance: float, inside: Array) -> None:
+        """The first frame: coordinates (nq,), clearance [m] and rows of overlaps (n, 4)."""
+        self._qpos[0], self._clearance[0] = qpos, clearance
+        self._substeps.append(self._qpos[:1].copy())
         self._inside.add(inside, np.zeros(len(inside), dtype=np.int64))
+        self.frames = 1
+
+    @property
+    def rest(self) -> Array:
+        """Where the core puts the coordinates of the frames to come (., nq)."""
+        return self._qpos[max(self.frames, 1) :]
 
     def add(self, got: Mapping[str, Any]) -> int:
         """Add what the core's `run` gave of the next frames; returns their number."""
-        count = len(got["qpos"])
+        count = int(got["frames"])
         at = slice(self.frames, self.frames + count)
         frames = np.arange(at.start, at.stop)
-        self._qpos[at], self._clearance[at] = got["qpos"], got["clearance"]
+        self._clearance[at] = got["clearance"]
         if len(got["torque_frames"]):
             exerted = frames[got["torque_frames"].astype(np.int64)]
             self._torque[exerted] = self._world.torques_from_core(got["torques"])

@@ -141,6 +141,7 @@ class _Ready:
     firmness: Array
     targets: Array
     stiffness: Array
+    recorder: Recorder
 
 
 class _Run:
@@ -195,7 +196,7 @@ class _Run:
         if world.settings.drive.follow is not None:  # a baseline that another engine runs
             self.results[i] = follow(world, motions, firmness)
             return
-        usual = np.tile(world.stiffness, (len(motions), 1))
+        usual, dt = np.tile(world.stiffness, (len(motions), 1)), 1.0 / motions[0].fps
         ready = _Ready(
             world=world,
             motions=motions,
@@ -203,8 +204,8 @@ class _Run:
             firmness=world.stiffness_to_core(usual),
             targets=world.motion_coordinates(motions)[1:],
             stiffness=core_firmness(world, firmness)[1:],
+            recorder=Recorder(world, len(motions[0]), dt),
         )
-        dt = 1.0 / motions[0].fps
         self._batch.submit(
             key=i,
             stepper=world.stepper,
@@ -216,6 +217,7 @@ class _Run:
             substeps=world.settings.substeps_for(dt),
             record=world.settings.record == "substeps",
             stiffness=ready.stiffness,
+            out=ready.recorder.rest,
         )
         self._open[i] = ready
 
@@ -223,14 +225,8 @@ class _Run:
         got: Mapping[str, Any] = self._batch.take(i)
         world, motions = ready.world, ready.motions
         warn_of_start(world, motions, got["start_inside"])
-        recorder = Recorder(
-            world,
-            len(motions[0]),
-            1.0 / motions[0].fps,
-            got["start_qpos"],
-            got["start_clearance"],
-            got["start_inside"],
-        )
+        recorder = ready.recorder
+        recorder.start(got["start_qpos"], got["start_clearance"], got["start_inside"])
         recorder.add(got)
         result = recorded_result(world, motions, recorder.recording())
         warn_of_lost_time(result, stacklevel=1)

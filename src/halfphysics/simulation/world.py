@@ -144,13 +144,11 @@ class World:
 
     def motion_coordinates(self, motions: Sequence[Motion]) -> Array:
         """Targets (T, .) of whole motions of one length."""
-        return np.concatenate(
-            [
-                person.coordinates(m.translation, m.rotations, m.axes)
-                for person, m in zip(self.people, motions, strict=True)
-            ],
-            axis=1,
-        )
+        each = [
+            person.coordinates(m.translation, m.rotations, m.axes)
+            for person, m in zip(self.people, motions, strict=True)
+        ]
+        return each[0] if len(each) == 1 else np.concatenate(each, axis=1)
 
     def stiffness_to_core(self, stiffness: Array) -> Array:
         """Stiffness (..., people, 55) in the order of the core (..., balls)."""

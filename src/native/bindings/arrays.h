@@ -19,6 +19,7 @@ using Rows3 = f64<nb::shape<-1, 3>>;
 using Rows4 = f64<nb::shape<-1, 4>>;
 using Faces = i32<nb::shape<-1, 3>>;
 using Square = f64<nb::shape<-1, -1>>;
+using Out = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Indices = nb::ndarray<int32_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
 
 inline std::vector<Vec3> vectors(const Rows3& a) {

@@ -52,7 +52,7 @@ class Batch {
   Batch& operator=(const Batch&) = delete;
 
   void submit(int key, Stepper& s, Doubles qpos, Doubles qvel, Doubles lambda, Square targets,
-              double dt, int substeps, bool record, Square stiffness) {
+              double dt, int substeps, bool record, Square stiffness, Out out) {
     const Model& m = s.system.model;
     need((int)qpos.shape(0) == m.nq && (int)qvel.shape(0) == m.nv &&
              (int)lambda.shape(0) == s.system.ball_count(),
@@ -60,7 +60,7 @@ class Batch {
     auto job = std::make_unique<Job>();
     job->stepper = &s;
     job->qpos = qpos.data(), job->qvel = qvel.data(), job->lambda = lambda.data();
-    job->frames = Frames::of(s, targets, dt, substeps, record, stiffness);
+    job->frames = Frames::of(s, targets, dt, substeps, record, stiffness, out);
     const std::lock_guard<std::mutex> lock(mutex_);
     need(jobs_.count(key) == 0 && !stopped_, "submit: known already, or the batch is closed");
     jobs_[key] = std::move(job);
@@ -148,7 +148,7 @@ void bind_batch(nb::module_& m) {
   nb::class_<Batch>(m, "Batch")
       .def(nb::init<int>(), "threads"_a)
       .def("submit", &Batch::submit, "key"_a, "stepper"_a, "qpos"_a, "qvel"_a, "lambda_"_a,
-           "targets"_a, "dt"_a, "substeps"_a, "record"_a, "stiffness"_a)
+           "targets"_a, "dt"_a, "substeps"_a, "record"_a, "stiffness"_a, "out"_a)
       .def("ended", &Batch::ended, "seconds"_a)
       .def("take", &Batch::take, "key"_a)
       .def("close", &Batch::close);

@@ -10,4 +10,5 @@ NB_MODULE(_native, m) {
   bind_touching(m);
   bind_gaps(m);
   bind_part_balls(m);
+  bind_coordinates(m);
 }

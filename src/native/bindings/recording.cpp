@@ -6,7 +6,6 @@ namespace hp {
 
 void Recording::add(Stepper& s) {
   if (s.torques(torques)) torque_frames.push_back((double)done);
-  qpos.insert(qpos.end(), s.qpos().begin(), s.qpos().end());
   clearance.push_back(s.clearance());
   const Diagnostics& g = s.result().diagnostics;
   lost.push_back(g.lost_time);
@@ -22,7 +21,7 @@ void Recording::add(Stepper& s) {
 nb::dict Recording::dict(const Stepper& s) const {
   const size_t nq = s.system.model.nq;
   nb::dict d;
-  d["qpos"] = array({done, nq}, qpos);
+  d["frames"] = done;
   d["clearance"] = array(clearance);
   d["lost_time"] = array(lost);
   // planes, contacts, passes, sweeps, shortened, residual
@@ -38,14 +37,21 @@ nb::dict Recording::dict(const Stepper& s) const {
 }
 
 Frames Frames::of(const Stepper& s, const Square& targets, double dt, int substeps, bool record,
-                  const Square& stiffness) {
+                  const Square& stiffness, const Out& qpos) {
   need((int)targets.shape(1) == target_count(s) && targets.shape(0) > 0,
        "run: bad shape of targets");
   const bool given = stiffness.shape(0) > 0;
   need(!given || (stiffness.shape(0) == targets.shape(0) &&
                   (int)stiffness.shape(1) == s.system.ball_count()),
        "run: bad shape of stiffness");
-  return {targets.data(), given ? stiffness.data() : nullptr, targets.shape(0), dt, substeps,
+  need(qpos.shape(0) == targets.shape(0) && (int)qpos.shape(1) == s.system.model.nq,
+       "run: bad shape of qpos");
+  return {targets.data(),
+          given ? stiffness.data() : nullptr,
+          qpos.data(),
+          targets.shape(0),
+          dt,
+          substeps,
           record};
 }
 
@@ -53,6 +59,7 @@ void Frames::run(Stepper& s, Recording& recording) const {
   const size_t at = recording.done;
   if (stiffness) set_stiffness(s, stiffness + at * s.system.ball_count());
   s.frame(targets + at * target_count(s), dt, substeps, record ? &recording.poses : nullptr);
+  std::copy(s.qpos().begin(), s.qpos().end(), qpos + at * s.qpos().size());
   recording.add(s);
 }
 

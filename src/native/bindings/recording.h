@@ -5,8 +5,8 @@
 namespace hp {
 
 struct Recording {
-  std::vector<double> torques, torque_frames, qpos, poses, clearance, lost, touches, touch_count,
-      numbers, inside, inside_count;
+  std::vector<double> torques, torque_frames, poses, clearance, lost, touches, touch_count, numbers,
+      inside, inside_count;
   size_t done = 0;  // frames
 
   void add(Stepper& s);
@@ -14,10 +14,12 @@ struct Recording {
 };
 
 // Frames to run: targets of all people (frames, numbers of targets), and lambda of all balls in
-// every frame (frames, balls), or null to leave it.
+// every frame (frames, balls), or null to leave it. Coordinates of every frame go to `qpos`
+// (frames, nq).
 struct Frames {
   const double* targets = nullptr;
   const double* stiffness = nullptr;
+  double* qpos = nullptr;
   size_t count = 0;
   double dt = 0;
   int substeps = 1;
@@ -25,7 +27,7 @@ struct Frames {
 
   // Throws std::invalid_argument where the arrays do not fit the stepper.
   static Frames of(const Stepper& s, const Square& targets, double dt, int substeps, bool record,
-                   const Square& stiffness);
+                   const Square& stiffness, const Out& qpos);
   // Runs the next frame and records it.
   void run(Stepper& s, Recording& recording) const;
 };

@@ -20,10 +20,10 @@ auto frame(Stepper& s, Doubles targets, double dt, int n, bool record) {
 }
 
 // As many frames as fit into `seconds` of wall time, one at least. `stiffness`: firmness of every
-// frame (frames, balls), or (0, 0) to leave it.
+// frame (frames, balls), or (0, 0) to leave it. Coordinates go to `qpos` (frames, nq).
 nb::dict run(Stepper& s, Square targets, double dt, int n, bool record, double seconds,
-             Square stiffness) {
-  const Frames frames = Frames::of(s, targets, dt, n, record, stiffness);
+             Square stiffness, Out qpos) {
+  const Frames frames = Frames::of(s, targets, dt, n, record, stiffness, qpos);
   Recording recording;
   {
     nb::gil_scoped_release release;

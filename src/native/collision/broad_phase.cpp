@@ -29,16 +29,21 @@ struct BroadPhase::Bounds {
   std::vector<BoundingSphere> sphere;  // per shape, not grown
   std::vector<Box3> box;               // per shape
   std::vector<Box3> tree;              // per body that is a root
+  std::vector<int> root;               // per shape
+  std::vector<int> next;               // per shape: the next one that is of another tree
 };
 
 BroadPhase::Bounds BroadPhase::bounds(const Model& m, const Poses& p) const {
   const int n = (int)world_.shapes.size();
-  Bounds b{std::vector<BoundingSphere>(n), std::vector<Box3>(n), std::vector<Box3>(m.nbody)};
+  Bounds b{std::vector<BoundingSphere>(n), std::vector<Box3>(n), std::vector<Box3>(m.nbody),
+           std::vector<int>(n), std::vector<int>(n, n)};
+  for (int i = 0; i < n; i++) b.root[i] = m.root[world_.shapes[i].body];
+  for (int i = n - 2; i >= 0; i--) b.next[i] = b.root[i] == b.root[i + 1] ? b.next[i + 1] : i + 1;
   for (int i = 0; i < n; i++) {
     b.sphere[i] = p.bounding_sphere(world_.shapes[i]);
     b.box[i].add(b.sphere[i].center);
     b.box[i].grow(b.sphere[i].radius + range_[i]);
-    Box3& t = b.tree[m.root[world_.shapes[i].body]];
+    Box3& t = b.tree[b.root[i]];
     t.add(b.box[i].lo), t.add(b.box[i].hi);
   }
   return b;
@@ -81,11 +86,13 @@ void BroadPhase::list_statics(const Model& m, const Bounds& b, int i,
 }
 
 void BroadPhase::list_shapes(const Model& m, const Bounds& b, int i) {
-  const std::vector<CollisionShape>& shapes = world_.shapes;
-  for (int j = i + 1; j < (int)shapes.size(); j++) {
-    const bool own = m.root[shapes[i].body] == m.root[shapes[j].body];
-    if (own && !world_.self_contact()) continue;
-    if (b.box[i].meets(b.box[j]) && world_.may_touch(m, i, j)) add(i, -1, j, own);
+  const int n = (int)world_.shapes.size();
+  for (int j = i + 1, end; j < n; j = end) {
+    end = b.next[j];
+    const bool own = b.root[i] == b.root[j];
+    if (own ? !world_.self_contact() : !b.box[i].meets(b.tree[b.root[j]])) continue;
+    for (; j < end; j++)
+      if (b.box[i].meets(b.box[j]) && world_.may_touch(m, i, j)) add(i, -1, j, own);
   }
 }
 

@@ -29,6 +29,7 @@ struct CollisionShape {
     double max_weight;  // of any vertex
     Vec3 anchor;        // body's frame
     double reach;       // no point that the body carries is farther from the anchor [m]
+    double far;         // nor farther than this from the body's origin [m]
     Vec3 center;        // where the body carries the shape's centre; body's frame
   };
   Convex hull;  // in the body's frame; of a skin: at rest

@@ -29,16 +29,17 @@ void local_changes(const Skin& s, const Kinematics& from, const Kinematics& to,
 void travel_bounds(const std::vector<CollisionShape>& shapes, const Poses& from, const Poses& to,
                    const std::vector<char>& active, std::vector<double>& travel) {
   const int bodies = (int)from.kin.xpos.size();
-  static thread_local std::vector<double> turn,
-      step;  // per body: rotation chord; origin's displacement
-  turn.resize(bodies), step.resize(bodies);
+  // Per body: rotation chord; origin's displacement; of joints the change of the local matrix.
+  static thread_local std::vector<double> scratch[3];
+  for (int k = 0; k < 2; k++) scratch[k].resize(bodies);
+  double *turn = scratch[0].data(), *step = scratch[1].data();
+  std::vector<double>& change = scratch[2];
   for (int b = 1; b < bodies; b++) {
     if (!active[b]) continue;
     turn[b] = rotation_chord(from.kin.xquat[b], to.kin.xquat[b]);
     step[b] = norm(to.kin.xpos[b] - from.kin.xpos[b]);
   }
   const Skin* known = nullptr;
-  static thread_local std::vector<double> change;  // of the joints' local rotation matrices
   travel.resize(shapes.size());
   for (size_t i = 0; i < shapes.size(); i++) {
     const CollisionShape& m = shapes[i];

@@ -89,17 +89,18 @@ void FreePaths::bound_speeds(const Model& m, const Drive& d) {
   spin_.resize(m.nbody);
   turn_.resize(m.nbody);
   acceleration_.resize(m.nbody);
+  rate_.resize(m.nbody);
   for (size_t i = 0; i < angular_.size(); i++) {
     const int b = d.body((int)i), p = m.parent[b];
     const double w = angular_[i];
     if (i == 0) {
-      spin_[b] = w, turn_[b] = 0, acceleration_[b] = 0;
+      spin_[b] = w, turn_[b] = 0, acceleration_[b] = 0, rate_[b] = w * w;
       continue;
     }
-    const double arm = norm(m.pos[b]);
     spin_[b] = spin_[p] + w;
     turn_[b] = turn_[p] + spin_[p] * w;
-    acceleration_[b] = acceleration_[p] + (spin_[p] * spin_[p] + turn_[p]) * arm;
+    acceleration_[b] = acceleration_[p] + rate_[p] * norm(m.pos[b]);
+    rate_[b] = spin_[b] * spin_[b] + turn_[b];
   }
 }
 
@@ -107,7 +108,7 @@ void FreePaths::bound_speeds(const Model& m, const Drive& d) {
 double FreePaths::bulge(const Model& m, const CollisionShape& shape) const {
   double bulge = shape.weighted_bound([&](const CollisionShape::Influence& t) {
     const int b = t.body;
-    return acceleration_[b] + (spin_[b] * spin_[b] + turn_[b]) * (norm(t.anchor) + t.reach);
+    return acceleration_[b] + rate_[b] * t.far;
   });
   if (shape.blend_bounds.empty()) return bulge;
   // Blend shapes move the points in frames that turn.
@@ -126,10 +127,12 @@ void FreePaths::sweep(const System& system, const Drive& d, double dt) {
   const Model& model = system.model;
   if (busy_[d.body(0)]) return;
   bound_speeds(model, d);
+  const int root = model.root[d.body(0)];
+  const double share = 0.125 * dt * dt;
   for (size_t i = 0; i < system.world.shapes.size(); i++) {
     const CollisionShape& m = system.world.shapes[i];
-    if (model.root[m.body] != model.root[d.body(0)]) continue;
-    sweep_.bulge[i] = 0.125 * dt * dt * bulge(model, m);
+    if (model.root[m.body] != root) continue;
+    sweep_.bulge[i] = share * bulge(model, m);
     sweep_.travel[i] = sweep_.straight[i] + sweep_.bulge[i];
   }
 }

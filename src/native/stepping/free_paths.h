@@ -54,6 +54,7 @@ class FreePaths {
   std::vector<double> assumed_;  // per shape: how far it may have travelled at most [m]
   std::vector<double> angular_;  // per ball joint of a person: bound of its speed [rad/s]
   std::vector<double> spin_, turn_, acceleration_;  // per body: W, B and A
+  std::vector<double> rate_;                        // per body: W^2 + B
   std::vector<double> way_;
   std::vector<Twist> twists_;
 };

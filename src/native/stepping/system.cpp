@@ -50,7 +50,7 @@ void System::find_joint_reach() {
   joint_reach.assign(model.nbody, 0);
   for (const CollisionShape& m : world.shapes)
     for (const CollisionShape::Influence& t : m.influences) {
-      double far = norm(t.anchor) + t.reach;
+      double far = t.far;
       for (int b = t.body; b > 0; far += norm(model.pos[b]), b = model.parent[b])
         joint_reach[b] = std::max(joint_reach[b], far);
     }

@@ -46,6 +46,9 @@ SETTINGS = {
     "tree": 4,
     "meeting": 2,
     "doorway": 2,
+    "setup": 1,
+    "clip": 1,
+    "batch": 2,
     "instructions": 0,  # no valgrind, test_instructions.py
     "metrics": 4,
     "viewer": 3,
@@ -55,9 +58,10 @@ SETTINGS = {
     "skinning": 1,
 }
 SWEEPS = {"sweep", "sweep-parts", "sweep-memory"}
-ALONE = {"tree", "metrics", "viewer", "skinning", *SWEEPS}  # no parts beside the skin
+WHOLE = {"setup", "clip", "batch"}
+ALONE = {"tree", "metrics", "viewer", "skinning", *WHOLE, *SWEEPS}  # no parts beside the skin
 PRESSED = ("grasp", "lift", "glass", "sofa", "lean", "settle")
-WITH_PEER = {"free", "live", "stepper", "wall", "near", "sweep", "sweep-parts", *PRESSED}
+WITH_PEER = {"free", "live", "stepper", "wall", "near", "sweep", "sweep-parts", *WHOLE, *PRESSED}
 
 
 @pytest.fixture(scope="module")

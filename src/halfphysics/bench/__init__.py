@@ -93,6 +93,23 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "the scenario meet: two people walk into each other, N=8; no peer",
         ),
         "doorway": ("doorway", "doorway", "the demo's story: doorway, table, ball"),
+        "setup": (
+            "whole",
+            "setup",
+            "a world of a body and a scene seen before, seconds. Peer: of a body that this process "
+            "has not seen; less is better",
+        ),
+        "clip": (
+            "whole",
+            "clip",
+            "150 free frames by simulate, set-up included. Peer: the same in a world built before",
+        ),
+        "batch": (
+            "whole",
+            "batch",
+            "simulate_many of 8 clips at a wall, processor time of all threads; and by the clock. "
+            "Peer: simulate, clip after clip",
+        ),
         "instructions": (
             "instructions",
             "instructions",

@@ -33,11 +33,14 @@ def set_pairings(core: Any, scene: Scene, settings: Settings, names: Names) -> N
     for unmoved in (trajectories | set(scene.statics), set_):
         among = np.array([row in unmoved for row in rows], dtype=bool)
         ignore[np.ix_(among, among)] = 1.0
-    for name in set(rows):  # links of one articulated object; an item and itself
-        if not of_person(name):
-            own = _rows_of(rows, name)
-            friction[np.ix_(own, own)] = restitution[np.ix_(own, own)] = 0.0
-            ignore[np.ix_(own, own)] = 1.0 - np.eye(len(own))
+    # Links of one articulated object pass through each other; an item does not meet itself.
+    number = {name: i for i, name in enumerate(dict.fromkeys(rows))}
+    item = np.array([-1 if of_person(name) else number[name] for name in rows], dtype=np.int64)
+    own = (item[:, None] == item) & (item >= 0)
+    friction[own] = restitution[own] = 0.0
+    ignore[own] = 1.0
+    alone = np.flatnonzero(item >= 0)
+    ignore[alone, alone] = 0.0
     core.set_pairings(friction, restitution, ignore)
 
 

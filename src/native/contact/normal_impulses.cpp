@@ -112,6 +112,7 @@ void ContactProblem::settle_normals(double tolerance, SolveReport& report) {
 // dropped where it does, or where the normal impulse does not bear it, and the normal rows are solved
 // for again. With no friction left they always can be.
 void ContactProblem::drop_driving_friction(double tolerance, SolveReport& report) {
+  best_ = p;
   for (int r = 0; r < tune::kDroppingRounds && !budget.spent(); r++) {
     bool drops = false;
     for (int i = 0; i < size(); i++) {
@@ -131,8 +132,14 @@ void ContactProblem::drop_driving_friction(double tolerance, SolveReport& report
   }
   project();
   product();
+  const double normal = residual(true);
+  if (normal > std::max(report.normal, tune::kEnough * tolerance)) {  // rounds that did not end
+    p = best_;
+    product();
+  } else {
+    report.normal = normal;
+  }
   report.residual = residual(false);
-  report.normal = residual(true);
 }
 
 }  // namespace hp

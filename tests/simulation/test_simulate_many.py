@@ -42,6 +42,24 @@ def test_the_bits_of_simulate(stories, one_by_one, threads):
     assert [bits(result) for result in results] == [one_by_one[i] for i in order]
 
 
+def test_jobs_that_share_a_mesh():
+    """Its tree is one for all threads; people are kept out of themselves, and skinned."""
+    walk = scenarios.load("walk_into_wall").motion[:FRAMES]
+    rng = np.random.default_rng(2)
+    lumps = rng.uniform((0.2, -1.0, 0.0), (0.6, 1.0, 2.0), size=(60, 1, 3))
+    corners = (lumps + rng.normal(scale=0.05, size=(60, 3, 3))).reshape(-1, 3)
+    scene = hp.Scene()
+    scene.add_static("lumps", hp.Mesh(corners, np.arange(180).reshape(-1, 3)))
+    jobs = [walk[k:] for k in range(6)]
+    settings = [hp.Settings(self_contact=k % 2 == 0) for k in range(6)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        alone = [hp.simulate(m, scene, settings=s) for m, s in zip(jobs, settings, strict=True)]
+        many = hp.simulate_many(jobs, scene, settings=settings, threads=4)
+    assert any(len(result.contacts.part) for result in alone)
+    assert [bits(result) for result in many] == [bits(result) for result in alone]
+
+
 def test_arguments_for_all_and_for_each():
     walk = scenarios.load("walk_into_wall").motion[:FRAMES]
     wall = scenarios.load("walk_into_wall").scene

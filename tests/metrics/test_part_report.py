@@ -191,7 +191,7 @@ def test_the_nearest_of_several_shapes_of_a_part(body, monkeypatch):
         people=[
             SimpleNamespace(qpos=0, count=3, coordinates=lambda t, r, axes: np.zeros((len(t), 3)))
         ],
-        model=SimpleNamespace(qpos0=np.zeros(3)),
+        joined=SimpleNamespace(qpos0=np.zeros(3)),
         stepper=Stepper(),
         shape_name=np.array([4, 4, 4, 2]),
         shape_part=np.array([HEAD, HEAD, FOOT, -1]),

@@ -8,7 +8,8 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.base import rotations as rot
-from halfphysics.errors import InputError
+from halfphysics.errors import HalfPhysicsWarning, InputError
+from support.people import along_x
 
 #: Of the pelvis over the floor, the soles a centimetre off it; of the wrists over the pelvis [m].
 HEIGHT, WRIST = hp.Body.default().variant.standing_height + 0.01, 0.48
@@ -291,7 +292,8 @@ def test_mistakes_say_what_was_expected():
         control.step(t_pose())
     with pytest.raises(InputError, match=r"expected a halfphysics.Pose"):
         control.reset(np.zeros(165))
-    control.reset(t_pose())
+    with pytest.warns(HalfPhysicsWarning, match="inside upper"):  # of this spec's arm
+        control.reset(t_pose())
     with pytest.raises(InputError, match=r"whole number of the model's timesteps of 0\.002"):
         control.step(t_pose(), dt=1.0 / 30.0)
     with pytest.raises(InputError, match="expected one that get_state gave"):
@@ -319,3 +321,18 @@ def test_a_mocap_body_that_collides_is_refused():
     model = spec.compile()
     with pytest.raises(InputError, match="'tool' is on a mocap body"):
         human.bind(model, mujoco.MjData(model))
+
+
+def test_a_start_inside_a_robot_is_warned_of():
+    """The hinge gives way to nothing: hundreds of kN, without a word."""
+    spec = mujoco.MjSpec.from_string(
+        "<mujoco><worldbody><body name='arm' pos='0 -0.4 1.5'><joint type='hinge' axis='0 0 1'/>"
+        "<geom name='link' type='capsule' fromto='0 0 0 0.6 0 0' size='0.05' mass='5'/></body>"
+        "</worldbody></mujoco>"
+    )
+    human = hp.attach(spec)
+    model = spec.compile()
+    control = human.bind(model, mujoco.MjData(model))
+    start = along_x(0.0, 2, start=0.0, z=1.5)[0]
+    with pytest.warns(HalfPhysicsWarning, match=r"pelvis \d+ mm inside link.*whatever force"):
+        control.reset(start)

@@ -28,6 +28,7 @@ from halfphysics.simulation.coordinates import Person
 from halfphysics.simulation.core_rows import ContactRows, contact_rows
 from halfphysics.simulation.core_settings import set_settings, set_strength
 from halfphysics.simulation.person_shapes import add_person_shapes
+from halfphysics.simulation.start_warnings import warn_of_hosted_start
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -150,7 +151,7 @@ class Control:
     # -- public methods ---------------------------------------------------------------------
 
     def reset(self, pose: Pose) -> None:
-        """Set the person to a pose, at rest; the world keeps its state in `data`."""
+        """Set the person to a pose, at rest; warns of what of it starts inside the world."""
         import mujoco
 
         self._axes = self._checked(pose).axes
@@ -162,6 +163,7 @@ class Control:
         self._stepper.reset(np.array(data.qpos), np.array(data.qvel))
         self._stepper.set_stiffness(self._stiffness[self._person.balls])
         self._started = True
+        warn_of_hosted_start(self, self._stepper.inside())
 
     def step(self, pose: Pose, dt: float | None = None) -> None:
         """Replaces `mujoco.mj_step`: step the world and drive the person to `pose`.
@@ -267,10 +269,8 @@ class Control:
         self._data.qvel[dofs] = self._stepper.qvel()[dofs]
 
     def _coordinates(self, pose: Pose) -> Array:
-        result: Array = self._person.coordinates(
-            pose.translation[None], pose.rotations[None], pose.axes
-        )[0]
-        return result
+        at, turned = pose.translation[None], pose.rotations[None]
+        return np.asarray(self._person.coordinates(at, turned, pose.axes)[0])
 
     def _checked(self, pose: Pose) -> Pose:
         if not isinstance(pose, Pose):

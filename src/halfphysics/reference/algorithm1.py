@@ -23,8 +23,8 @@ def returning(settings: Settings, turning: Array, asked: Array) -> Array:
 
 
 def resistance(settings: Settings, firmness: Array, h: float) -> Array:
-    """What joints resist with, in their own inertia (55,): lambda, `firmness` (55,); with Algorithm 1
-    at least what damps a limp joint in a substep of length h."""
+    """What joints resist with, in their own inertia (55,): lambda, `firmness` (55,); with
+    Algorithm 1 at least what damps a limp joint in a substep of length h."""
     drive = settings.drive
     own = drive.internal_forces or drive.joint_damping > 0.0 or drive.torque_frequency > 0.0
     if settings.drive_time is not None or own:

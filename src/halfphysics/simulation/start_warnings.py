@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.errors import HalfPhysicsWarning
-from halfphysics.simulation.core_rows import inside_rows
+from halfphysics.simulation.core_rows import Named, inside_rows
 from halfphysics.simulation.floating_start import floating
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
-    from halfphysics.results.inside import Depths
     from halfphysics.simulation.world import World
 
 Array = NDArray[np.float64]
@@ -36,13 +35,31 @@ def warn_of_start(world: World, motions: Sequence[Motion], rows: Array) -> None:
         rows: What is inside something at their first frame: the core's rows (n, 4).
     """
     if len(rows):
-        _warn_of_inside(world, inside_rows(world, rows, np.zeros(len(rows), dtype=np.int64)))
+        _warn_of_inside(
+            world,
+            rows,
+            "; that it meets nothing is guaranteed for clear starts. Move the motion or the scene, "
+            "or see motion.grounded(body) for feet in a floor",
+            _CALLER,
+        )
     else:
         _warn_of_floating(world, motions)
 
 
-def _warn_of_inside(world: World, inside: Depths) -> None:
-    """One warning that names what starts inside what."""
+def warn_of_hosted_start(world: Named, rows: Array) -> None:
+    """Warn of what starts inside another program's world; `rows` are those of the core (n, 4)."""
+    _warn_of_inside(
+        world,
+        rows,
+        ", with whatever force that takes where the world cannot give way. Reset to a pose that "
+        "is clear of it",
+        4,
+    )
+
+
+def _warn_of_inside(world: Named, rows: Array, meaning: str, caller: int) -> None:
+    """One warning that names what starts inside what; `caller`: its stacklevel from here."""
+    inside = inside_rows(world, rows, np.zeros(len(rows), dtype=np.int64))
     worth = inside[(inside.depth > START_INSIDE) | inside.no_way_out]
     if not len(worth):
         return
@@ -50,10 +67,9 @@ def _warn_of_inside(world: World, inside: Depths) -> None:
     more = f" and {len(words) - _NAMED} more" if len(words) > _NAMED else ""
     warnings.warn(
         f"the start is not clear: {', '.join(words[:_NAMED])}{more}. What starts inside is pushed "
-        "out; that it meets nothing is guaranteed for clear starts. Move the motion or the scene, "
-        "or see motion.grounded(body) for feet in a floor",
+        f"out{meaning}",
         HalfPhysicsWarning,
-        stacklevel=_CALLER,
+        stacklevel=caller,
     )
 
 

@@ -92,8 +92,29 @@ double GapCheck::bulge(const Model& m, const ContactCandidate& c, Poses& start, 
   return spin < 0.5 ? 0.125 * (most + seen + 2 * spin * chord) / (1 - spin) : 1e300;
 }
 
+// Does the vertex that ends deepest come nearer to a static than the swept hull may? The hull has it,
+// so that it is not clear either. (A polygon stands for a disc.)
+bool GapCheck::vertex_meets(const ContactCandidate& c, Poses& end) const {
+  const PosedShape& a1 = world_.place(end, c.shape);
+  if (c.other_static < 0 || a1.hull->rim > 0) return false;
+  const Points p = a1.points();
+  const Vec3 x = p.at(p.support(-c.n)) + c.shift();
+  const Support point{{&x.x, &x.y, &x.z, 1}};
+  const double least = a1.hull->radius + world_.settings.clearance;
+  Vec3 pa, pb;
+  if (c.triangle < 0) {
+    const PosedShape& b = world_.statics[c.other_static].posed;
+    return gjk(point, b.support(), c.n, pa, pb, least + b.hull->radius) <= least + b.hull->radius;
+  }
+  Vec3 v[3];
+  world_.statics[c.other_static].tree->triangle(c.triangle, v);
+  const double tx[3] = {v[0].x, v[1].x, v[2].x}, ty[3] = {v[0].y, v[1].y, v[2].y},
+               tz[3] = {v[0].z, v[1].z, v[2].z};
+  return gjk(point, Support{{tx, ty, tz, 3}}, c.n, pa, pb, least) <= least;
+}
+
 bool GapCheck::swept_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end) {
-  if (c.dist < world_.settings.clearance) return false;
+  if (c.dist < world_.settings.clearance || vertex_meets(c, end)) return false;
   const PosedShape &a0 = world_.place(start, c.shape), &a1 = world_.place(end, c.shape);
   Mat3 back;
   Vec3 shift;

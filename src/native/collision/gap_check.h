@@ -32,6 +32,7 @@ class GapCheck {
  private:
   const PathBounds& paths(const Model& m, const Poses& start, const Poses& end);
   double bulge(const Model& m, const ContactCandidate& c, Poses& start, Poses& end, double chord);
+  bool vertex_meets(const ContactCandidate& c, Poses& end) const;
   bool swept_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end);
   bool swept_mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) const;
 

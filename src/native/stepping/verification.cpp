@@ -34,9 +34,11 @@ double allowed(const System& system, const Attempt& attempt, const ContactCandid
 
 // People with recalled contacts are solved for anyhow: their candidates are checked after that, not
 // before it too.
-bool waits(const System& system, const ContactCandidate& c, const std::vector<char>& begun) {
+bool waits(const System& system, const ContactCandidate& c, const std::vector<char>& begun,
+           const std::vector<char>& squeezed) {
   const World& world = system.world;
   if (!world.contact_points.recalls(c)) return false;
+  if (c.other_static >= 0 && squeezed[world.shapes[c.shape].person]) return false;
   auto begins = [&](int shape) {
     return shape >= 0 && world.shapes[shape].person >= 0 && begun[world.shapes[shape].person];
   };
@@ -64,7 +66,7 @@ bool Verification::check(System& system, Data& data, double h, int pass) {
   bool good = true;
   const bool begins = pass == 0 && recall(system, data);
   for (size_t i = 0; i < attempt.candidates.size(); i++) {  // forgiven planes add to them
-    if (begins && waits(system, attempt.candidates[i], begun_)) {
+    if (begins && waits(system, attempt.candidates[i], begun_, squeezed_)) {
       attempt.violated.push_back(recalled_[i]);
       good &= !recalled_[i];
       continue;
@@ -89,14 +91,29 @@ bool Verification::recall(System& system, Data& data) {
   if (!world.contact_points.recall(data.state.pose, candidates, cached)) return false;
   recalled_.assign(candidates.size(), 0);
   begun_.assign(system.drives.size(), 0);
-  for (const CachedContact& w : cached) {
+  // Between a kinematic body and a static, where there is hardly room, points of the substep before
+  // lead far from where the deepest vertices do: a person there starts from those.
+  squeezed_.assign(system.drives.size(), 0);
+  for (const ContactCandidate& c : candidates)
+    for (int shape : {c.shape, c.other_shape}) {
+      if (c.other_shape < 0 || world.shapes[shape].person < 0) continue;
+      const int other = shape == c.shape ? c.other_shape : c.shape;
+      if (system.model.held[world.shapes[other].body]) squeezed_[world.shapes[shape].person] = 1;
+    }
+  bool any = false;
+  for (CachedContact& w : cached) {
     if (w.candidate < 0) continue;
     const ContactCandidate& c = candidates[w.candidate];
+    if (c.other_static >= 0 && squeezed_[world.shapes[c.shape].person]) {
+      w.candidate = -1;
+      continue;
+    }
+    any = true;
     recalled_[w.candidate] = 1;
     for (int shape : {c.shape, c.other_shape})
       if (shape >= 0 && world.shapes[shape].person >= 0) begun_[world.shapes[shape].person] = 1;
   }
-  return true;
+  return any;
 }
 
 // Objects that lie on each other pass on what they carry, a pair more in every pass: of them only

@@ -24,6 +24,7 @@ class Verification {
 
   std::vector<char> recalled_;  // per candidate: its pair had contacts in the substep before
   std::vector<char> begun_;     // per person: one of theirs had
+  std::vector<char> squeezed_;  // per person: a kinematic body is near
 };
 
 // Gap at the end pose minus target of candidate i [m]. Where its plane is forgiven, candidates that

@@ -29,7 +29,7 @@ SPEED = 12.0
 #: Values of lambda; those of the paper's figure are 0 and 1.
 SWEEP = (0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 QUICK_SWEEP = (0.0, 0.1, 1.0, 10.0)
-#: Limp: the leg bends this much more than when firm [degrees; 19.5 are measured, 24.6 before limp
+#: Limp: the leg bends this much more than when firm [degrees; 18.8 are measured, 24.6 before limp
 #: joints were damped], and the pelvis stays this near its
 #: path [mm]. Firm: the leg bends at most this much, the body is displaced by at least this [mm],
 #: and by this many times the displacement when limp.

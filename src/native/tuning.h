@@ -509,7 +509,7 @@ constexpr double kRootRecoveryTime = 0.3;  // time constant of the root's way ba
 // fixed ball bends the knee by 36 degrees without a bound, by 36, 34, 30 with 3, 2, 1 times.
 constexpr double kReturnPerMotion = 3;
 // Time constant with which limp joints of Algorithm 1 are damped against the motion [s]. T-pose at a
-// wall: the fastest vertex moves at 7.2 m/s undamped, 1.2 at 0.1 s, 0.5 at 0.07 s, 0.4 at 0.033 s;
+// wall: the fastest vertex moves at 7 m/s undamped, 1.2 at 0.1 s, 0.5 to 1.3 at 0.07 s, 0.4 at 0.033 s;
 // the knee of that kick bends by 36, 31, 30, 28 degrees: less is not limp.
 constexpr double kLimpTime = 0.07;
 // A body counts as touched for this long after a contact [s]: contacts come and go.

@@ -130,12 +130,12 @@ def test_firm_and_limp_at_a_fixed_ball(body):
 
 def test_a_limp_body_does_not_flail_at_a_wall(body):
     """Algorithm 1 feeds 60 kg at 1.5 m/s into the limbs every frame. Undamped, the fastest vertex
-    moved at 7.2 m/s on average for as long as the body was pressed on."""
+    moved at 4.7 m/s on average for as long as the body was pressed on."""
     motion = along_x(1.5, 61, start=-0.4)
     result = hp.simulate(motion, wall(), body=body, settings=Settings.paper(0.0))
     way = np.diff(body.vertices(result.motion), axis=0)
     fastest = 30.0 * np.linalg.norm(way, axis=2).max(axis=1)
-    assert fastest[30:].mean() < 1.5
+    assert fastest[30:].mean() < 2.5  # 1.1; which limb moves when depends on rounding
 
 
 def test_algorithm_1_returns_at_the_recovery_rate(body):

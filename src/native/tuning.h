@@ -82,6 +82,8 @@ constexpr double kBoxBehind = 1e-9, kTriangleBehind = 1e-7;
 // many loose triangles are cut into pieces. More: a search costs their square (2,048: some 20 ms).
 constexpr size_t kManyPlanes = 256, kMostPlanes = 2048;
 constexpr double kEnoughReach = 5e-3;
+// The same for tests of boxes and triangles against planes, some 2 ns each.
+constexpr size_t kManyTests = 200000, kMostTests = 2000000;
 // Planes that cull others without being a result. Each is tested against every box and triangle: many
 // cost more than they save. No result depends on it.
 constexpr size_t kMostCullers = 12;
@@ -440,10 +442,7 @@ constexpr double kNarrowGap = 5e-5, kNarrowTolerance = 0.1;
 // Fastest that bodies, and objects, are pushed apart for the sake of a curved path [m/s]: beyond
 // that a shorter step is better, and objects that spin fast would gain energy.
 constexpr double kMostCorrectionSpeed = 3, kMostObjectCorrectionSpeed = 0.05;
-// Bounds of the work of an attempt; what is left to settle then shortens the step. Multiplications;
-// those of a contact that takes part, per row of A, besides sweeps; and contact points, beyond
-// which idle ones go.
-constexpr double kMostAttemptWork = 1e8, kContactWork = 60;
+// Contact points, beyond which idle ones go.
 constexpr size_t kMostContactPoints = 250;
 // Impacts slower than this do not rebound [m/s]: resting contacts stay at rest. Solves for the
 // rebound.
@@ -475,6 +474,27 @@ constexpr double kFirstReach = 0.05, kFirstReachFactor = 2;
 constexpr double kWarmRadius2 = 0.02 * 0.02, kWarmNormal = 0.8;
 // Contacts of a pair are reported as one touch where the cosine of their normals is larger.
 constexpr double kSameNormal = 0.95;
+
+// Budget (step_budget.h)
+
+// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: about 40 ms. What a
+// substep may take of what is left, at least; the share of that with which nothing is tried again;
+// what a solve may take of what is left of that, and what it may cost at least.
+constexpr double kFrameWork = 2e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
+constexpr double kSolveShare = 0.5, kLeastSolveWork = 3e5;
+constexpr int kFrameSubsteps = 8;
+// What posing a shape is taken to cost, checking a candidate at the end pose, and finding it
+// [multiplications]: measured times.
+constexpr double kPoseWork = 1e3, kCheckWork = 1e3, kPlaneWork = 5e3;
+// Violated candidates, for each person, from which on contacts are made of the worst of each shape only, kPatchPlanes of
+// them with normals that differ by this cosine: the planes that bound a patch span it, the rest of them
+// is violated again in the next pass if that was not enough.
+// Of all shapes kMostPatchPlanes, the worst.
+constexpr size_t kManyViolated = 120, kMostPatchPlanes = 150;
+constexpr int kPatchPlanes = 6;
+constexpr double kPatchNormal = 0.95;
+// Candidates that may be added to those of an attempt because forgiven planes had hidden them.
+constexpr size_t kMostHidden = 500;
 
 // Sub-stepping (sub_stepping.h)
 

@@ -187,6 +187,11 @@ bool GapCheck::swept_mesh_clear(const ContactCandidate& c, Poses& start, Poses& 
   return world_.statics[c.other_static].tree->distance(swept, margin) >= margin;
 }
 
+double GapCheck::unforgiven(Poses& end, ContactCandidate& c) const {
+  c.forgiven = false;
+  return world_.place(end, c.shape).lowest(c.n) + dot(c.n, c.shift()) - c.offset - c.target;
+}
+
 double GapCheck::excess(const Model& m, Poses& start, Poses& end, ContactCandidate& c) {
   const PosedShape& a1 = world_.place(end, c.shape);
   c.forgiven = false;

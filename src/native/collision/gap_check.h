@@ -25,6 +25,8 @@ class GapCheck {
   // set, where the plane is crossed but nothing is behind it.
   double excess(const Model& m, Poses& start, Poses& end, ContactCandidate& c);
   static constexpr double kForgiven = 1e300;
+  // The same of a triangle's plane that may not be crossed.
+  double unforgiven(Poses& end, ContactCandidate& c) const;
   // Is the swept hull clear of the candidate's whole mesh? Then no plane of it that may be crossed
   // hides anything. Computed once per pair and end pose. Of a candidate that excess() has forgiven.
   bool mesh_clear(const ContactCandidate& c, Poses& start, Poses& end);

@@ -146,29 +146,25 @@ void NarrowPhase::add_static(const Model& m, Poses& start, const PosedShape& a, 
 
 void NarrowPhase::search_behind(Poses& start, std::vector<double>& valid, double h, int index,
                                 std::vector<ContactCandidate>& all) {
-  all[index].searched = true;
   ContactCandidate c = all[index];
-  auto same_pair = [&](const ContactCandidate& k) {
-    return k.shape == c.shape && k.other_static == c.other_static;
-  };
-  std::vector<int> without;
+  std::vector<int> without, known;
   std::vector<Plane> planes;
   for (const ContactCandidate& k : all) {
-    if (!same_pair(k)) continue;
+    if (k.shape != c.shape || k.other_static != c.other_static) continue;
+    known.push_back(k.triangle);
     if (k.searched)
       without.push_back(k.triangle);
     else
       planes.push_back({k.n, k.offset, k.dist, k.triangle, false});
   }
+  std::sort(without.begin(), without.end());
+  std::sort(known.begin(), known.end());
   double& reach = valid[c.shape];
   const PosedShape& a = world_.place(start, c.shape);
   reach = world_.statics[c.other_static].tree->planes(displaced(a, c.from), reach, planes, without);
   c.searched = c.forgiven = false;
-  for (const Plane& p : planes) {
-    bool known = false;
-    for (const ContactCandidate& k : all) known |= same_pair(k) && k.triangle == p.triangle;
-    if (!known) targets_.add(c, p, h, all);
-  }
+  for (const Plane& p : planes)
+    if (!std::binary_search(known.begin(), known.end(), p.triangle)) targets_.add(c, p, h, all);
 }
 
 }  // namespace hp

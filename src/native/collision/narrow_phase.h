@@ -44,7 +44,8 @@ class NarrowPhase {
   // Lowers `valid` where they hold for less.
   void gather(const Model& m, Poses& start, std::vector<double>& valid, double h,
               std::vector<ContactCandidate>& out);
-  // A plane of a mesh that may be crossed hides nothing: appends the candidates behind all[index].
+  // Planes of a mesh that may be crossed hide nothing: appends the candidates behind those of the pair
+  // of all[index] that are marked as searched.
   void search_behind(Poses& start, std::vector<double>& valid, double h, int index,
                      std::vector<ContactCandidate>& all);
 

@@ -141,18 +141,18 @@ struct TriangleTree::PlaneSearch {
   const std::vector<int>& without;
   std::vector<Plane>& out;
   Scratch& s;
+  size_t tests = 0;  // of boxes and triangles against planes
 
   double run();  // the reach that the planes hold for
 
  private:
   bool too_many(const Entry& next) const;
-  bool left_out(int t) const {
-    return std::find(without.begin(), without.end(), t) != without.end();
-  }
+  bool left_out(int t) const { return std::binary_search(without.begin(), without.end(), t); }
   // Is everything that `is_behind` tests culled by a plane that is found or out of reach, or put to
   // wait?
   template <typename Behind>
   bool settled(const Entry& e, Behind is_behind) {
+    tests += out.size() + s.out_of_reach.size() + s.known.size();
     for (const Plane& p : out)
       if (!p.overlaps && is_behind(p)) return true;
     for (const Plane& p : s.out_of_reach)
@@ -256,8 +256,9 @@ void TriangleTree::PlaneSearch::visit(const Entry& e) {
 // Are there planes enough to move some way with, everything nearer than `next` being settled?
 bool TriangleTree::PlaneSearch::too_many(const Entry& next) const {
   const size_t n = out.size();
-  return n >= tune::kMostPlanes ||
-         (n >= tune::kManyPlanes && next.d2 > tune::kEnoughReach * tune::kEnoughReach);
+  return n >= tune::kMostPlanes || tests >= tune::kMostTests ||
+         ((n >= tune::kManyPlanes || tests >= tune::kManyTests) &&
+          next.d2 > tune::kEnoughReach * tune::kEnoughReach);
 }
 
 double TriangleTree::PlaneSearch::run() {

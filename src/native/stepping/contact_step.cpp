@@ -19,14 +19,14 @@ void ContactStep::run(double h) {
     if (!attempt.good) attempt.good = settle(h);
     if (!attempt.contacts.empty()) attempt.good = rebound(h, attempt.good);
     if (!attempt.good) return;  // made shorter it stays within reach
-    if (!extend_reach(query + 1 == tune::kMostQueries)) return;
+    if (!extend_reach(query + 1 == tune::kMostQueries || data_.budget.attempt_out())) return;
   }
 }
 
 void ContactStep::begin(double h) {
   Attempt& attempt = data_.attempt;
-  attempt.work = 0;
   attempt.crushed = false;
+  data_.budget.begin_attempt();
   attempt.relaxed.assign(system_.model.nbody, 0);
   curvature_.begin(system_, data_.state);
   estimate_reach(h);
@@ -55,8 +55,10 @@ void ContactStep::estimate_reach(double h) {
     double& fastest = fastest_[system_.model.root[shape.body]];
     fastest = std::max(fastest, reach[i]);
   }
+  data_.attempt.moving = 0;
   for (size_t i = 0; i < reach.size(); i++) {
     const int b = world.shapes[i].body;
+    data_.attempt.moving += world.active[b] != 0;
     if (world.active[b])
       reach[i] = tune::kReachFactor *
                      std::max(reach[i], tune::kSharedReach * fastest_[system_.model.root[b]]) +
@@ -76,10 +78,13 @@ void ContactStep::find_candidates(double h, bool first) {
                            world.depenetration.overlaps());
   attempt.valid = attempt.reach;
   world.narrow_phase.gather(system_.model, data_.state.pose, attempt.valid, h, attempt.candidates);
+  attempt.listed = attempt.candidates.size();
+  attempt.hidden.clear();
   if (first) kinematic_.give_up_clearance(system_, data_);
   relax(system_, attempt);
   int& most = data_.result.diagnostics.candidates;
   most = std::max(most, (int)attempt.candidates.size());
+  data_.budget.spend(tune::kPlaneWork * attempt.candidates.size());
 }
 
 // Moves, and checks every candidate at the end pose; adds contacts where one is violated.
@@ -95,13 +100,14 @@ bool ContactStep::settle(double h) {
   Attempt& attempt = data_.attempt;
   const double hopeless = tune::kHopelessMiss * system_.world.settings.clearance;
   const double infinite = std::numeric_limits<double>::infinity();
-  double most = attempt.work + tune::kMostAttemptWork, least = infinite, mark = infinite;
+  double least = infinite, mark = infinite;
   bool good = false;
   for (int pass = 1, stale = 0; !good; pass++) {
-    if (pass > tune::kMostPasses || attempt.work > most || stale >= tune::kStalePasses) {
+    if (pass > 1 && data_.budget.attempt_out()) break;
+    if (pass > tune::kMostPasses || stale >= tune::kStalePasses) {
       if (least > hopeless || !give_way(system_, data_)) break;
       pass = 1, stale = 0;
-      most = attempt.work + tune::kMostAttemptWork, least = mark = infinite;
+      least = mark = infinite;
     }
     solve(h);
     good = check(h, pass);
@@ -119,6 +125,7 @@ void ContactStep::add_contacts(double h, int pass) {
   if (pass > 0) body_twists(system_.model, start.kin, data_.step.v.data(), twists_);
   if (attempt.contacts.size() > tune::kMostContactPoints) drop_idle();
   const size_t old = attempt.contacts.size();
+  thin_out(system_, attempt);
   for (size_t i = 0; i < attempt.candidates.size(); i++)
     if (attempt.violated[i])
       system_.world.contact_points.add(data_.cache.contacts(), start, end, attempt.candidates[i],
@@ -158,7 +165,7 @@ void ContactStep::correct_prediction(Contact& c, double h) {
 // A second solve where contacts rebound. True if nothing is violated after it, `good` where none
 // rebounds.
 bool ContactStep::rebound(double h, bool good) {
-  if (!rebounds_.demand(system_, data_, h)) return good;
+  if (data_.budget.attempt_out() || !rebounds_.demand(system_, data_, h)) return good;
   for (int pass = 1; pass <= tune::kMostReboundPasses; pass++) {
     solve(h);
     rebounds_.bound_energy(system_, data_, [&] { solve(h); });
@@ -203,8 +210,6 @@ void ContactStep::solve(double h) {
   data_.result.diagnostics.sweeps += r.sweeps;
   data_.result.diagnostics.passes++;
   attempt.crushed = r.crushed;
-  const double rows = 3.0 * r.points;
-  attempt.work += rows * rows * (tune::kContactWork + r.sweeps);
   attempt.solved = contacts;
   if (probe.tracing) probe.trace.contacts = attempt.contacts;
   if (probe.keep_times)
@@ -272,9 +277,12 @@ SolveReport ContactStep::respond_once(double h) {
     }
     from = &self_.without_own(system_, data_);
   }
-  return solver_.solve(system_.model, data_.state.pose.kin, data_.inertia.matrix(), h, from->data(),
-                       step.v.data(), attempt.contacts, attempt.tolerance / h,
-                       system_.world.settings.max_sweeps, kinematic_.pushable_mass(system_));
+  const SolveReport r = solver_.solve(system_.model, data_.state.pose.kin, data_.inertia.matrix(),
+                                      h, from->data(), step.v.data(), attempt.contacts,
+                                      attempt.tolerance / h, system_.world.settings.max_sweeps,
+                                      kinematic_.pushable_mass(system_), data_.budget.solve());
+  data_.budget.spend(r.work);
+  return r;
 }
 
 }  // namespace hp

@@ -7,6 +7,7 @@
 #include "stepping/contact_cache.h"
 #include "stepping/effective_inertia.h"
 #include "stepping/islands.h"
+#include "stepping/step_budget.h"
 #include "stepping/system.h"
 
 namespace hp {
@@ -45,19 +46,27 @@ struct Step {
 // The contact problem of one attempt at a step.
 struct Attempt {
   std::vector<ContactCandidate> candidates;  // separating planes and pairs of shapes within reach
-  std::vector<Contact> contacts;             // contact points
-  std::vector<Contact> limits;               // rows of joint ranges, solved with the contacts
-  std::vector<double> reach;                 // per shape: how far candidates are looked for [m]
-  std::vector<double> valid;                 // per shape: how far they hold, at most that [m]
-  std::vector<char> violated;                // per candidate: the end pose misses its target
-  std::vector<char> relaxed;  // per root body: the clearance of its island has been given up
-  double overdue = 0;         // the largest violation that solving should have cured [m]
-  double worst = 0;           // the largest violation [m], negative
-  double tolerance = 0;       // of solving [m]
-  double work = 0;            // of its solves so far [multiplications]
-  size_t solved = 0;          // number of contacts that the last solve knew
-  bool good = true;           // no candidate is violated at the end pose
-  bool crushed = false;       // the last solve found that a kinematic body leaves others no room
+  size_t listed = 0;                         // candidates that there were at first
+  size_t moving = 0;                         // shapes that take part
+  std::vector<int> hidden;  // candidates, one a pair, behind whose crossed planes is to be searched
+  std::vector<Contact> contacts;  // contact points
+  std::vector<Contact> limits;    // rows of joint ranges, solved with the contacts
+  std::vector<double> reach;      // per shape: how far candidates are looked for [m]
+  std::vector<double> valid;      // per shape: how far they hold, at most that [m]
+  std::vector<char> violated;     // per candidate: the end pose misses its target
+  std::vector<double> excess;     // per candidate: its gap minus its target [m]
+  std::vector<char> relaxed;      // per root body: the clearance of its island has been given up
+  double overdue = 0;             // the largest violation that solving should have cured [m]
+  double worst = 0;               // the largest violation [m], negative
+  double tolerance = 0;           // of solving [m]
+  size_t solved = 0;              // number of contacts that the last solve knew
+  bool good = true;               // no candidate is violated at the end pose
+  bool crushed = false;  // the last solve found that a kinematic body leaves others no room
+
+  // What one check of all candidates at an end pose costs [multiplications].
+  double check_work() const {
+    return tuning::stepping::kPoseWork * moving + tuning::stepping::kCheckWork * candidates.size();
+  }
 };
 
 // Contact of two shapes in a frame, summed over its substeps; position and normal weighted by
@@ -113,6 +122,7 @@ struct Data {
   EffectiveInertia inertia;
   ContactCache cache;
   Islands islands;
+  StepBudget budget;
   FrameResult result;
   Probe probe;
 

@@ -57,6 +57,8 @@ void Hosting::substep(System& system, Data& data, Substep& substep, int k, doubl
   for (int b = 1; b < model.nbody; b++)
     if (!system.is_person(b)) data.result.disturbed[b] = 0;
   data.step.host_v_free = v_free;
+  data.budget.begin_frame(1, (int)system.drives.size());
+  data.budget.begin_substep(1);
   substep.run(k, h);
   data.step.host_v_free = nullptr;
 }

@@ -88,9 +88,10 @@ bool SelfResponse::solve(const System& system, Data& data, ContactSolver& solver
                 whole);
     }
     inertia_.factor(model, data.inertia.scale(), resist, touches_.data(), free_.data());
-    const SolveReport r =
-        solver.solve(model, data.state.pose.kin, inertia_, h, data.step.v_free.data(), v_.data(),
-                     own_, attempt.tolerance / h, system.world.settings.max_sweeps);
+    const SolveReport r = solver.solve(
+        model, data.state.pose.kin, inertia_, h, data.step.v_free.data(), v_.data(), own_,
+        attempt.tolerance / h, system.world.settings.max_sweeps, 0, data.budget.solve());
+    data.budget.spend(r.work);
     data.result.diagnostics.sweeps += r.sweeps;
     if (met(system, data.state, h)) return true;
   }

@@ -95,9 +95,13 @@ void Stepper::substeps(double dt, int n, std::vector<double>* poses) {
   for (int b = 1; b < model.nbody; b++) system.world.active[b] = busy[model.root[b]];
   for (Drive& d : system.drives)
     if (busy[d.body(0)]) d.begin_frame(system.drive_settings, state.qpos.data(), state.qvel.data());
+  data_.budget.begin_frame(n, (int)system.drives.size());
   for (int k = 0; k < n; k++) {
     const int parts = substep_.parts(dt / n);
-    for (int i = 0; i < parts; i++) substep_.run(k * parts + i, dt / n / parts);
+    for (int i = 0; i < parts; i++) {
+      data_.budget.begin_substep((n - k) * parts - i);
+      substep_.run(k * parts + i, dt / n / parts);
+    }
     if (poses && !probe.keep_pieces)
       poses->insert(poses->end(), state.qpos.begin(), state.qpos.end());
   }

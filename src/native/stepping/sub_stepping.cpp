@@ -20,9 +20,10 @@ std::vector<char> SubStepping::possible(const std::vector<double>& at, double h)
   const World& world = system_.world;
   Attempt& attempt = data_.attempt;
   std::vector<char> ok(system_.model.nbody, 1);
+  data_.budget.spend(attempt.check_work());
   for (ContactCandidate& c : attempt.candidates) c.share = at[world.shapes[c.shape].body];
-  for (size_t i = 0; i < attempt.candidates.size(); i++)
-    if (excess(system_, data_, i, h) + attempt.candidates[i].target < attempt.candidates[i].hard)
+  for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system_, data_, h); i++)
+    if (excess(system_, data_, i) + attempt.candidates[i].target < attempt.candidates[i].hard)
       ok[data_.islands.of(system_, attempt.candidates[i])] = 0;
   // Planes hold only for the reach that was asked.
   travel_bounds(world.shapes, data_.state.pose, data_.step.end, world.active, way_);
@@ -113,7 +114,7 @@ double SubStepping::catch_up(double h, double left, bool begun) {
   State& state = data_.state;
   double length = begun ? left : tune::kShorterPiece * left;
   for (int piece = 1; left > tune::kNoTimeLeft * h; piece++) {
-    if (piece > tune::kMostPieces) return left;
+    if (piece > tune::kMostPieces || data_.budget.out()) return left;
     if (begun) {
       // The velocities are kept: what contacts gave is in them.
       data_.cache.clear();

@@ -17,7 +17,7 @@ void Substep::run(int k, double h) {
   free_velocity(k, h);
   strength_.begin(data_.step);
   attempts_.run(h);
-  while (again(h)) attempts_.run(h);
+  while (!data_.budget.out() && again(h)) attempts_.run(h);
   trace(k, h);
   const double lost = sub_stepping_.make(h);
   end(h, lost);

@@ -1,5 +1,7 @@
 #include "stepping/verification.h"
 
+#include <algorithm>
+
 #include "tuning.h"
 
 namespace hp {
@@ -47,34 +49,57 @@ bool waits(const System& system, const ContactCandidate& c, const std::vector<ch
 
 }  // namespace
 
-double excess(System& system, Data& data, size_t i, double h) {
+double excess(System& system, Data& data, size_t i) {
   World& world = system.world;
   Poses &start = data.state.pose, &end = data.step.end;
   std::vector<ContactCandidate>& candidates = data.attempt.candidates;
   const double e = world.gap_check.excess(system.model, start, end, candidates[i]);
-  if (candidates[i].forgiven && candidates[i].triangle >= 0 && !candidates[i].searched &&
-      !world.gap_check.mesh_clear(candidates[i], start, end))
-    world.narrow_phase.search_behind(start, data.attempt.valid, h, (int)i, candidates);
+  ContactCandidate& c = candidates[i];
+  if (!c.forgiven || c.triangle < 0 || c.searched || world.gap_check.mesh_clear(c, start, end))
+    return e;
+  // Where there are too many already it may not be crossed: the step is to be shorter.
+  if (candidates.size() >= data.attempt.listed + tune::kMostHidden || data.budget.out())
+    return world.gap_check.unforgiven(end, c);
+  c.searched = true;
+  std::vector<int>& hidden = data.attempt.hidden;
+  const auto same_pair = [&](int k) { return pair_key(candidates[k]) == pair_key(c); };
+  if (std::none_of(hidden.begin(), hidden.end(), same_pair)) hidden.push_back((int)i);
   return e;
+}
+
+bool search_hidden(System& system, Data& data, double h) {
+  Attempt& attempt = data.attempt;
+  const size_t before = attempt.candidates.size();
+  for (int i : attempt.hidden)
+    system.world.narrow_phase.search_behind(data.state.pose, attempt.valid, h, i,
+                                            attempt.candidates);
+  data.budget.spend(tune::kPlaneWork *
+                    (attempt.hidden.size() + attempt.candidates.size() - before));
+  attempt.hidden.clear();
+  return attempt.candidates.size() > before;
 }
 
 bool Verification::check(System& system, Data& data, double h, int pass) {
   Attempt& attempt = data.attempt;
+  data.budget.spend(attempt.check_work());
   attempt.worst = 0;
   attempt.overdue = 0;
   attempt.violated.clear();
+  attempt.excess.clear();
   bool good = true;
   const bool begins = pass == 0 && recall(system, data);
-  for (size_t i = 0; i < attempt.candidates.size(); i++) {  // forgiven planes add to them
-    if (begins && waits(system, attempt.candidates[i], begun_, squeezed_)) {
+  for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system, data, h); i++) {
+    if (begins && i < recalled_.size() && waits(system, attempt.candidates[i], begun_, squeezed_)) {
       attempt.violated.push_back(recalled_[i]);
+      attempt.excess.push_back(-1);  // not known: first of all
       good &= !recalled_[i];
       continue;
     }
-    const double e = excess(system, data, i, h);
+    const double e = excess(system, data, i);
     attempt.worst = std::min(attempt.worst, e);
     const bool violated = e < -allowed(system, attempt, attempt.candidates[i]);
     attempt.violated.push_back(violated);
+    attempt.excess.push_back(e);
     good &= !violated;
     if (violated && !system.is_object(attempt.candidates[i]))
       attempt.overdue = std::max(attempt.overdue, -e);
@@ -127,6 +152,35 @@ void Verification::find_overdue(const System& system, Data& data) const {
       if (miss > tune::kObjectSettling * system.world.settings.clearance)
         attempt.overdue = std::max(attempt.overdue, miss);
     }
+}
+
+void thin_out(const System& system, Attempt& attempt) {
+  const size_t people = std::max<size_t>(1, system.drives.size());
+  std::vector<char>& violated = attempt.violated;
+  std::vector<int> order;
+  for (size_t i = 0; i < violated.size(); i++)
+    if (violated[i]) order.push_back((int)i);
+  if (order.size() <= people * tune::kManyViolated) return;
+  const std::vector<ContactCandidate>& all = attempt.candidates;
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
+    if (all[i].shape != all[j].shape) return all[i].shape < all[j].shape;
+    return attempt.excess[i] < attempt.excess[j];
+  });
+  std::vector<int> chosen, left;  // of one shape, of all
+  for (int i : order) {
+    if (!chosen.empty() && all[chosen[0]].shape != all[i].shape) chosen.clear();
+    bool same = (int)chosen.size() >= tune::kPatchPlanes;
+    for (int k : chosen)
+      same |=
+          all[i].other_shape == all[k].other_shape && dot(all[i].n, all[k].n) > tune::kPatchNormal;
+    violated[i] = !same;
+    if (same) continue;
+    chosen.push_back(i);
+    left.push_back(i);
+  }
+  std::stable_sort(left.begin(), left.end(),
+                   [&](int i, int j) { return attempt.excess[i] < attempt.excess[j]; });
+  for (size_t k = people * tune::kMostPatchPlanes; k < left.size(); k++) violated[left[k]] = 0;
 }
 
 bool within_limits(const Attempt& attempt, const Step& step, double h) {

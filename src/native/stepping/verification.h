@@ -27,9 +27,15 @@ class Verification {
   std::vector<char> squeezed_;  // per person: a kinematic body is near
 };
 
-// Gap at the end pose minus target of candidate i [m]. Where its plane is forgiven, candidates that
-// the plane had hidden are appended.
-double excess(System& system, Data& data, size_t i, double h);
+// Gap at the end pose minus target of candidate i [m]. Where its plane is forgiven, what it hides is
+// to be searched; where very many such planes have been already, it is not forgiven.
+double excess(System& system, Data& data, size_t i);
+// Appends the candidates that forgiven planes had hidden. True if there are any.
+bool search_hidden(System& system, Data& data, double h);
+
+// Where very many candidates are violated, marks those alone that contacts are to be made of: of each
+// shape the worst, and others whose planes differ from them.
+void thin_out(const System& system, Attempt& attempt);
 
 // Do the joints with ranges end within them?
 bool within_limits(const Attempt& attempt, const Step& step, double h);

@@ -60,12 +60,10 @@ def test_planes_hold_for_the_reach_that_is_said(count, near, far, fine):
     corners = vertices[faces[exact < holds - ROUNDING]]
     heights = corners @ planes[:, :3].T - planes[:, 3]
     assert (heights.max(axis=1) <= BEHIND).any(axis=1).all()
-    # Where there are too many for the whole reach, some way is left: 5 mm.
-    if len(planes) < 256:
-        assert holds == reach
-    else:
-        assert near > 0.005
-        assert 0.005 < holds < reach
+    # Where there are too many for the whole reach, or finding them costs too much: 5 mm.
+    if holds < reach:
+        assert count >= 700
+        assert holds > 0.005
 
 
 def test_a_small_number_of_planes_holds_for_the_whole_reach():

@@ -57,6 +57,7 @@ void PrescribedPoses::frame(System& system, Data& data, Substep& substep, const 
   data.probe.pieces = nullptr;
   bool objects = false;
   for (int b = 1; b < system.model.nbody; b++) objects |= !system.is_person(b);
+  data.budget.begin_frame(n, (int)system.drives.size());
   for (int k = 0; k < n; k++) {
     if (system.prescribed == Prescribed::Interpolated)
       put_people(system, data, (k + 1.0) / n);
@@ -65,6 +66,7 @@ void PrescribedPoses::frame(System& system, Data& data, Substep& substep, const 
     const int parts = substep.parts(dt / n);
     for (int i = 0; i < parts && objects; i++) {
       gain_pace(system.world, dt / n / parts);
+      data.budget.begin_substep((n - k) * parts - i);
       substep.run(k * parts + i, dt / n / parts);
     }
     if (poses) poses->insert(poses->end(), state.qpos.begin(), state.qpos.end());

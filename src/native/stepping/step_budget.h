@@ -1,0 +1,42 @@
+// What a frame may cost, in multiplications and never by the clock: a step that ends by its budget ends
+// so on every machine.
+//
+// A frame has a budget for every person in it. A substep may take its share of what is left of that, or
+// kSpikeShare of it where that is more; what it does not take is left to the substeps after it. Where
+// the budget of a substep ends, nothing is tried again: the step is shortened to what is verified, and
+// the rest of it is lost (sub_stepping.h).
+#pragma once
+#include <algorithm>
+
+#include "tuning.h"
+
+namespace hp {
+
+class StepBudget {
+ public:
+  void begin_frame(int substeps, int people) {
+    frame_ = tuning::stepping::kFrameWork * std::max(1, people) *
+             std::max(1.0, (double)substeps / tuning::stepping::kFrameSubsteps);
+  }
+  // So many substeps of the frame are left, this one included.
+  void begin_substep(int left) {
+    const double share = std::max(1.0 / std::max(1, left), tuning::stepping::kSpikeShare);
+    left_ = share * std::max(0.0, frame_);
+    least_ = tuning::stepping::kWorkReserve * left_;
+  }
+  void spend(double work) { left_ -= work, frame_ -= work; }
+  bool out() const { return left_ <= least_; }
+  // An attempt may take half of what is left: where it fails, shorter steps follow.
+  void begin_attempt() { attempt_end_ = std::max(least_, 0.5 * left_); }
+  bool attempt_out() const { return left_ <= attempt_end_; }
+  // What the next solve may cost.
+  double solve() const {
+    return std::min(tuning::contact::kSolveWork, std::max(tuning::stepping::kLeastSolveWork,
+                                                          tuning::stepping::kSolveShare * left_));
+  }
+
+ private:
+  double frame_ = 0, left_ = 0, least_ = 0, attempt_end_ = 0;
+};
+
+}  // namespace hp

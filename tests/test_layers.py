@@ -93,7 +93,7 @@ NATIVE = {
     "stepping": "geometry dynamics collision",
     "labels": "math geometry",
     "render": "",
-    "bindings": "geometry stepping labels render",
+    "bindings": "math geometry stepping labels render",
 }
 
 #: Includes that run back, each with its reason.

@@ -82,6 +82,7 @@ COVERED_BY = {
     "halfphysics/motion/skeleton.py": "body/test_body.py assets/test_body.py",
     "halfphysics/motion/smplx_names.py": "motion/test_motion.py",
     "halfphysics/mujoco/geoms.py": "mujoco/test_hosted.py",
+    "halfphysics/reference/algorithm1.py": "reference/test_step.py native/stepping/test_drive.py",
     "halfphysics/reference/contact.py": "reference/test_step.py native/contact/test_coulomb.py",
     "halfphysics/reference/strength.py": "reference/test_step.py native/stepping/test_strength.py",
     "halfphysics/render/film/*.py": "render/film/test_film.py",

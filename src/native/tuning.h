@@ -184,6 +184,13 @@ constexpr double kWearFloor = 2e-5, kLastFloor = 5e-6;
 // Corners of the polygon that stands for a disc: it sticks out of the rim by 0.5 % of its radius.
 constexpr int kRimSides = 32;
 
+// End check (end_check.h): overlaps up to the first of these are rounding of what is set down exactly;
+// deeper ones are breaches, and those that were deeper before if they grow by more than the second [m]:
+// twice kOverlapRounding.
+constexpr double kBreach = 1e-6, kDeeper = 2e-7;
+// Distances from triangles and shapes are looked for up to this [m]; no result depends on it.
+constexpr double kEndLook = 5e-3;
+
 // Contact points
 
 // Points of one plane or pair; and those that a pass adds against a static.

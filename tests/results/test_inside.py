@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import pickle
 import re
 from types import SimpleNamespace
@@ -15,7 +16,7 @@ from halfphysics.errors import HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.metrics import penetration
 from halfphysics.motion.skeleton import JOINT_INDEX
-from halfphysics.results.inside import Depths, Inside
+from halfphysics.results.inside import Breaches, Depths, Inside
 from halfphysics.results.result import Result
 from halfphysics.scene.scene import Scene
 from halfphysics.simulation.core_rows import inside_rows
@@ -250,3 +251,14 @@ def test_a_clear_start_says_nothing(body):
     scene.add_static("floor", Plane())
     result = simulate(along_x(0.0, 5, start=0.0).grounded(body, 0.001), scene, body=body)
     assert len(result.inside) == 0
+
+
+def test_breaches_are_said(body):
+    rows = Breaches(**{name: getattr(table(), name) for name in Inside.columns()})
+    result = make_result(body, 1, 1, 3, "z", model="smplx")
+    assert "let inside" in result.summary()
+    said = dataclasses.replace(result, breaches=rows)
+    deepest = f"left_foot 34 mm inside {said.names[0]} at frame 0"
+    assert deepest in said.summary()
+    none = dataclasses.replace(result, breaches=Breaches.none())
+    assert "let inside" not in none.summary()

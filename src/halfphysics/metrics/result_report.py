@@ -39,7 +39,7 @@ def summary(result: Result) -> str:
         ]
         lines += [f"{person.name}:", *(f"  {line}" for line in block)]
     lines += [*_objects(result), *_inside(result, result.inside[result.inside.person < 0])]
-    lines += [*_nearest(result), _cost(result)]
+    lines += [*_breaches(result), *_nearest(result), _cost(result)]
     return "\n".join(lines)
 
 
@@ -161,6 +161,24 @@ def _inside(result: Result, inside: Inside) -> list[str]:
                 else f"all {len(words)} out by {_when(result, max(ends))}"
             )
     return lines
+
+
+def _breaches(result: Result) -> list[str]:
+    """Overlaps that should not be: none, or the deepest of each pair."""
+    found = result.breaches
+    if not len(found):
+        return []
+    keys = np.stack([found.person, found.part, found.subject, found.other])
+    pairs = [found[(keys == key[:, None]).all(axis=0)] for key in np.unique(keys, axis=1).T]
+    pairs.sort(key=lambda rows: -rows.depth.max())
+    people = len(result.people)
+    words = []
+    for rows in pairs:
+        deepest = rows[int(rows.depth.argmax())]
+        words.append(
+            deepest.described(result.names, people)[0] + f" at {_when(result, deepest.frame[0])}"
+        )
+    return [f"clear bodies were let inside: {_some(words, _PARTS, '; ')}"]
 
 
 def _objects(result: Result) -> list[str]:

@@ -95,6 +95,17 @@ class Inside(Depths):
         return Depths(**{name: getattr(rows, name) for name in Depths.columns()})
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Breaches(Inside):
+    """Overlaps that must not be: of bodies that were clear, at any committed pose of a frame.
+
+    As `Inside`; the depth is the largest of the frame. Empty unless the promise was broken that
+    what starts clear stays clear.
+    """
+
+    NAME: ClassVar[str] = "breaches"
+
+
 def deepest_first(depth: Array) -> Array:
     """Depths as sort keys: rows without an exit are deeper than all others."""
     return np.where(depth == 0.0, np.inf, depth)

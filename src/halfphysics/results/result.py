@@ -21,7 +21,7 @@ from halfphysics.motion.motion import Motion
 from halfphysics.motion.pose import checked
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.contacts import Contacts
-from halfphysics.results.inside import Inside
+from halfphysics.results.inside import Breaches, Inside
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
@@ -185,6 +185,8 @@ class Result:
             quaternions (T, 4) of a ball joint. Links are among the `objects`: "NAME/LINK".
         inside: Overlaps of parts with statics or objects, and of objects with statics, with their
             depths; empty if there was none at the start.
+        breaches: Overlaps of bodies that were clear before, found by a check of every committed
+            pose: empty unless the promise that they stay clear was broken.
 
     Raises:
         InputError: Inconsistent parts, or parts of a wrong type.
@@ -201,6 +203,7 @@ class Result:
     substeps: Substeps | None = None
     diagnostics: Mapping[str, Array] = field(default_factory=dict)
     inside: Inside = field(default_factory=Inside.none)
+    breaches: Breaches = field(default_factory=Breaches.none)
     joints: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -212,6 +215,7 @@ class Result:
         _deferred("scene", vars(self)["_scene"], Scene)
         _typed("contacts", self.contacts, Contacts)
         _typed("inside", self.inside, Inside)
+        _typed("breaches", self.breaches, Breaches)
         _typed("settings", self.settings, Settings)
         _set(self, "names", tuple(self.names))
         _set(self, "objects", MappingProxyType(dict(self.objects)))
@@ -233,6 +237,7 @@ class Result:
         }
         self.contacts.check_within(limits)
         self.inside.check_within(limits)
+        self.breaches.check_within(limits)
 
     def _check_lengths(self) -> None:
         """Copy the arrays, read-only; each has one row per frame."""

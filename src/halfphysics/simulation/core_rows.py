@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.results.inside import Inside, deepest_first
+from halfphysics.results.inside import Breaches, Inside, deepest_first
 
 if TYPE_CHECKING:
     from halfphysics.results.table import Ints
@@ -105,8 +105,15 @@ def inside_rows(world: Named, rows: Array, frame: Ints) -> Inside:
             (n, 4).
         frame: The frame of every row (n,).
     """
-    if not len(rows):
-        return Inside.none()
+    return Inside(**_overlaps(world, rows, frame)) if len(rows) else Inside.none()
+
+
+def breach_rows(world: Named, rows: Array, frame: Ints) -> Breaches:
+    """As `inside_rows`, of overlaps that should not be."""
+    return Breaches(**_overlaps(world, rows, frame)) if len(rows) else Breaches.none()
+
+
+def _overlaps(world: Named, rows: Array, frame: Ints) -> dict[str, NDArray[Any]]:
     shape, static, shape2 = rows[:, :3].astype(np.int64).T
     # One more entry for index -1: a row has either a static or a second shape.
     static_name, shape_name = np.append(world.static_name, -1), np.append(world.shape_name, -1)
@@ -125,4 +132,4 @@ def inside_rows(world: Named, rows: Array, frame: Ints) -> Inside:
     order = np.lexsort((-deepest_first(rows[:, 3]), *keys[::-1]))
     keys = keys[:, order]
     new = np.append(True, (keys[:, 1:] != keys[:, :-1]).any(axis=0))
-    return Inside(**{k: values[order[new]] for k, values in columns.items()})
+    return {k: values[order[new]] for k, values in columns.items()}

@@ -17,7 +17,7 @@ from halfphysics.results.result import (
     Substeps,
     at_substeps,
 )
-from halfphysics.simulation.core_rows import contact_rows, inside_rows
+from halfphysics.simulation.core_rows import breach_rows, contact_rows, inside_rows
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
@@ -54,6 +54,7 @@ def recorded_result(world: World, motions: Sequence[Motion], run: Recording) -> 
         substeps=_substeps(world, motions, run) if settings.record == "substeps" else None,
         diagnostics=dict(zip(DIAGNOSTICS, run.diagnostics.T, strict=True)),
         inside=inside_rows(world, run.inside.rows, run.inside.frame),
+        breaches=breach_rows(world, run.breaches.rows, run.breaches.frame),
     )
 
 

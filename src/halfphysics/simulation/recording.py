@@ -44,6 +44,7 @@ class Recording:
         diagnostics: Numbers (T, .) in the order of `DIAGNOSTICS`.
         substeps: Coordinates (S + 1, nq) after every substep, where settings ask for them.
         contacts, inside: Rows of contacts (n, 12) and of overlaps (n, 4), see `core_rows`.
+        breaches: Rows of overlaps that should not be (n, 4).
     """
 
     dt: float
@@ -55,6 +56,7 @@ class Recording:
     substeps: Array
     contacts: Rows
     inside: Rows
+    breaches: Rows
 
 
 def record(
@@ -114,6 +116,7 @@ class Recorder:
         self._torque = np.zeros((count, len(world.people), N_JOINTS, 3))
         self._substeps: list[Array] = []
         self._contacts, self._inside = _Collected(12), _Collected(4)
+        self._breaches = _Collected(4)
 
     def start(self, qpos: Array, clearance: float, inside: Array) -> None:
         """The first frame: coordinates (nq,), clearance [m] and rows of overlaps (n, 4)."""
@@ -140,6 +143,7 @@ class Recorder:
         self._substeps.append(got["substeps"])
         self._contacts.add(got["touches"], np.repeat(frames, got["touch_count"].astype(np.int64)))
         self._inside.add(got["inside"], np.repeat(frames, got["inside_count"].astype(np.int64)))
+        self._breaches.add(got["breaches"], np.repeat(frames, got["breach_count"].astype(np.int64)))
         self.frames += count
         return count
 
@@ -156,6 +160,7 @@ class Recorder:
             substeps=np.concatenate(self._substeps),
             contacts=self._contacts.rows(),
             inside=self._inside.rows(),
+            breaches=self._breaches.rows(),
         )
 
 

@@ -1,5 +1,5 @@
 // Looks inside the stepper and at its parts on their own: for tests against other engines, judges
-// and measures. Nothing here changes a simulation.
+// and measures. Nothing here changes a simulation but `blind`.
 #include <cstring>
 #include <string>
 
@@ -260,12 +260,27 @@ auto triangle_planes(Rows3 vertices, Faces faces, Rows3 hull, double radius, Dou
   return nb::make_tuple(array({planes.size(), 6}, out), tree.distance(p, reach), holds);
 }
 
+// A lower bound of the distance of a convex shape from triangles, or minus its depth; `axes` (n, 3)
+// are directions that are tried first.
+double triangle_gap(Rows3 vertices, Faces faces, Rows3 hull, double radius, Doubles rim,
+                    Rows3 axes) {
+  TriangleTree tree(vertices.data(), (int)vertices.shape(0), faces.data(), (int)faces.shape(0));
+  Convex A = convex(hull, radius, rim);
+  PosedShape p;
+  p.place(A, {}, {});
+  SeparatingAxes known;
+  for (size_t k = 0; k < axes.shape(0) && k < SeparatingAxes::kMost; k++)
+    known.n[k] = load3(axes.data() + 3 * k);
+  return tree.gap(p, tuning::collision::kEndLook, known);
+}
+
 }  // namespace
 
 void bind_probes(nb::module_& m, StepperClass& stepper) {
   stepper.def("keep_pieces", [](Stepper& s, bool on) { s.probe.keep_pieces = on; })
       .def("keep_times", [](Stepper& s, bool on) { s.probe.keep_times = on; })
       .def("solve_times", [](Stepper& s) { return array(s.probe.solve_times); })
+      .def("blind", [](Stepper& s, int how) { s.probe.blind = how; })
       .def("keep_trace", [](Stepper& s, bool on) { s.probe.keep_trace = on; })
       .def("trace", &trace)
       // Kinematics and inertia on their own, for tests against other engines.
@@ -281,4 +296,5 @@ void bind_probes(nb::module_& m, StepperClass& stepper) {
   m.def("coulomb_contact", &coulomb_contact);
   m.def("convex_distance", &convex_distance);
   m.def("triangle_planes", &triangle_planes);
+  m.def("triangle_gap", &triangle_gap);
 }

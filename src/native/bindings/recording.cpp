@@ -15,6 +15,8 @@ void Recording::add(Stepper& s) {
   touch_rows(s.result().touches, touches);
   inside_count.push_back((double)s.system.world.depenetration.overlaps().size());
   inside_rows(s.system.world, inside);
+  breach_count.push_back((double)s.result().breaches.size());
+  breach_rows(s.result().breaches, breaches);
   done++;
 }
 
@@ -30,6 +32,8 @@ nb::dict Recording::dict(const Stepper& s) const {
   d["touches"] = array({touches.size() / 12, 12}, touches);
   d["inside_count"] = array(inside_count);
   d["inside"] = array({inside.size() / 4, 4}, inside);
+  d["breach_count"] = array(breach_count);
+  d["breaches"] = array({breaches.size() / 4, 4}, breaches);
   d["torque_frames"] = array(torque_frames);
   d["torques"] = array({torque_frames.size(), (size_t)s.system.ball_count(), 3}, torques);
   d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);

@@ -33,6 +33,8 @@ namespace hp {
 void touch_rows(const std::vector<Touch>& touches, std::vector<double>& out);
 // Columns: shape, static, other shape, depth [m].
 void inside_rows(const World& world, std::vector<double>& out);
+// The same of overlaps that should not be.
+void breach_rows(const std::vector<Breach>& breaches, std::vector<double>& out);
 // Numbers of targets of all people together.
 int target_count(const Stepper& s);
 // lambda of every ball of all people, in the model's order.

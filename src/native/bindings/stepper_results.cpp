@@ -25,6 +25,12 @@ void inside_rows(const World& world, std::vector<double>& out) {
                {(double)in.shape, (double)in.other_static, (double)in.other_shape, in.depth()});
 }
 
+void breach_rows(const std::vector<Breach>& breaches, std::vector<double>& out) {
+  for (const Breach& k : breaches)
+    out.insert(out.end(), {(double)k.pair.shape, (double)k.pair.other_static,
+                           (double)k.pair.other_shape, k.depth});
+}
+
 }  // namespace hp
 
 namespace {
@@ -109,6 +115,13 @@ void bind_stepper_results(StepperClass& stepper) {
            [](Stepper& s) {
              std::vector<double> out;
              inside_rows(s.system.world, out);
+             return array({out.size() / 4, 4}, out);
+           })
+      // Overlaps of the last frame that should not be, see breach_rows().
+      .def("breaches",
+           [](Stepper& s) {
+             std::vector<double> out;
+             breach_rows(s.result().breaches, out);
              return array({out.size() / 4, 4}, out);
            })
       // Of the last frame (balls, 3), see Stepper::torques; (0, 3): none.

@@ -36,6 +36,11 @@ class BroadPhase {
   // farther than `inner`, which is empty without self-contact.
   void travel(const std::vector<double>& travel, const std::vector<double>& inner);
   double travelled(int shape) const { return travelled_[shape]; }
+  // What the two shapes of a pair have.
+  double travelled(const BroadPhasePair& e) const {
+    if (e.own) return inner_[e.shape] + inner_[e.other_shape];
+    return travelled_[e.shape] + (e.other_shape >= 0 ? travelled_[e.other_shape] : 0.0);
+  }
   // Lists all pairs that can come within `reach[shape]` of each other, unless the list says so
   // already. Overlaps that are being resolved (`overlaps`) are listed wherever they are.
   void update(const Model& m, const Poses& p, const std::vector<double>& reach,
@@ -72,10 +77,6 @@ class BroadPhase {
   const double* load_pairs(const double* in);
 
  private:
-  double travelled(const BroadPhasePair& e) const {
-    if (e.own) return inner_[e.shape] + inner_[e.other_shape];
-    return travelled_[e.shape] + (e.other_shape >= 0 ? travelled_[e.other_shape] : 0.0);
-  }
   struct Bounds;
   Bounds bounds(const Model& m, const Poses& p) const;
   void list_statics(const Model& m, const Bounds& b, int shape,

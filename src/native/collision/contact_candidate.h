@@ -38,6 +38,10 @@ struct BroadPhasePair {
   double planes_reach = 0;
   Vec3 axis;  // direction between the nearest points when last measured; 0: not yet
   Hint hint;  // where that search ended
+  // Of the end check (end_check.h): a lower bound of the distance, what the two had travelled when
+  // it was proved, and directions that separate them.
+  double room = 0, room_at = 0;
+  SeparatingAxes axes;
 };
 
 // A pair of shapes that may meet in this substep, and the plane that is to keep them apart.

@@ -11,6 +11,7 @@
 //       targets                 gaps that are demanded               gap_targets.h
 //     contact_points.add      points of violated candidates          contact_points.h
 //     gap_check.excess        does the end pose keep the gaps?       gap_check.h
+//     end_check.find          is the pose clear, whatever the above says?   end_check.h
 //
 // and a frame asks mark_busy_trees() first, which trees need substeps at all (frame_sweep.h).
 // `pair_states` remembers pairs that started too near or overlapping. A component sees only those
@@ -20,6 +21,7 @@
 #include "collision/clearance_query.h"
 #include "collision/collision_world.h"
 #include "collision/contact_points.h"
+#include "collision/end_check.h"
 #include "collision/depenetration.h"
 #include "collision/frame_sweep.h"
 #include "collision/gap_check.h"
@@ -48,6 +50,7 @@ class World : public CollisionWorld {
                            depenetration, prescribed_exits, self_depenetration};
   ContactPoints contact_points{*this};
   GapCheck gap_check{*this};
+  EndCheck end_check{*this, broad_phase, pair_states, depenetration};
 
   // No point of a shape travels farther between two poses than `way`, seen from the shape's root
   // body [m]; empty without self-contact.

@@ -29,6 +29,13 @@ struct Plane {
   bool overlaps;  // the shape meets the triangle deeper than a touch
 };
 
+// Directions that separated a shape from triangles when last asked, longest ago first.
+struct SeparatingAxes {
+  static constexpr int kMost = 3;
+  Vec3 n[kMost];  // unit, towards the shape; zero: none
+  int next = 0;   // the one that is replaced next
+};
+
 class TriangleTree {
  public:
   // Vertices (nv, 3) in the world frame, faces (nf, 3) of their indices.
@@ -48,6 +55,10 @@ class TriangleTree {
   // Smallest distance of `a` from the triangles, up to `range`; `range` if none is nearer, <= 0
   // where it meets one. The triangles of `near` are measured first.
   double distance(const PosedShape& a, double range, const std::vector<Plane>& near = {}) const;
+  // A lower bound of the distance of `a` from the triangles, each of which some direction separates
+  // from it; where none does, minus the depth. Directions are sought for up to `look`; the result
+  // does not depend on those of `axes`, but for the size of a positive bound.
+  double gap(const PosedShape& a, double look, SeparatingAxes& axes) const;
 
   // How often the triangles wind around p: 1 inside a closed mesh, 0 outside, between where it is
   // open (generalised winding number: Jacobson et al. 2013). Sums over all triangles.

@@ -78,6 +78,7 @@ void ContactStep::find_candidates(double h, bool first) {
                            world.depenetration.overlaps());
   attempt.valid = attempt.reach;
   world.narrow_phase.gather(system_.model, data_.state.pose, attempt.valid, h, attempt.candidates);
+  if (data_.probe.blind > 0) attempt.candidates.clear();
   attempt.listed = attempt.candidates.size();
   attempt.hidden.clear();
   if (first) kinematic_.give_up_clearance(system_, data_);

@@ -26,6 +26,7 @@ void Step::move(const System& system, const State& state, const std::vector<doub
 
 void FrameResult::clear(int nbody) {
   touches.clear();
+  breaches.clear();
   diagnostics = {};
   disturbed.assign(nbody, 0);
 }
@@ -47,6 +48,15 @@ void FrameResult::add(const ContactCandidate& candidate, const Contact& contact)
   t->normal += p * contact.n;
   t->impulse += contact.impulse;
   t->weight += p;
+}
+
+void FrameResult::add(const Breach& breach) {
+  for (Breach& b : breaches)
+    if (pair_key(b.pair) == pair_key(breach.pair)) {
+      b.depth = std::max(b.depth, breach.depth);
+      return;
+    }
+  breaches.push_back(breach);
 }
 
 void Data::finish(const System& system) {

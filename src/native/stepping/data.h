@@ -86,13 +86,15 @@ struct Diagnostics {  // of one frame
 struct FrameResult {
   std::vector<Touch> touches;
   Diagnostics diagnostics;
-  std::vector<char> disturbed;  // per root body: contacts have acted on its tree
+  std::vector<char> disturbed;   // per root body: contacts have acted on its tree
+  std::vector<Breach> breaches;  // overlaps that should not be, at any committed pose; the deepest
 
   void clear(int nbody);
   void add(const ContactCandidate& candidate, const Contact& contact);
+  void add(const Breach& breach);
 };
 
-// Records for tests and measurements. None of it changes a simulation but `keep_pieces`.
+// Records for tests and measurements. None of it changes a simulation but `keep_pieces` and `blind`.
 struct Probe {
   // The last substep's problem and answer, for comparison with the reference implementation.
   struct Trace {
@@ -110,6 +112,8 @@ struct Probe {
   // Recorded poses include those of every piece of a substep; every person is stepped through then.
   bool keep_pieces = false;
   std::vector<double>* pieces = nullptr;  // of the frame under way
+  // For tests of the end check: no step has candidates (1), nor is any refused for its end (2).
+  int blind = 0;
   // Wall time of the solver in every substep since the last reset [s].
   bool keep_times = false;
   std::vector<double> solve_times;

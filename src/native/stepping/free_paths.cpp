@@ -173,10 +173,13 @@ void FreePaths::travel(System& system, Data& data) {
     world.start_poses(end);
     travel_bounds(world.shapes, followed_, end, world.active, way_);
     world.inner_travel(model, followed_, end, sweep_.inner);
-    world.broad_phase.travel(way_, sweep_.inner);
-  } else {
-    world.broad_phase.travel(sweep_.straight, sweep_.inner);
   }
+  const std::vector<double>& way = any_busy_ ? way_ : sweep_.straight;
+  for (const Breach& k :
+       world.end_check.find(any_busy_ ? followed_ : data.state.pose, end, way, sweep_.inner))
+    data.result.add(k);
+  world.broad_phase.travel(way, sweep_.inner);
+  world.end_check.commit();
   std::swap(data.state.pose, end);
   world.active.assign(model.nbody, 1);
 }

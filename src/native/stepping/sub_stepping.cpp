@@ -8,10 +8,27 @@ namespace tune = tuning::stepping;
 
 double SubStepping::make(double h) {
   std::vector<double> share;
-  if (!data_.attempt.good) share = shares(h);
+  if (!good()) share = shares(h);
   if (!share.empty()) return go_on(h, share);
   commit(h, share);
   return 0;
+}
+
+// Is the step verified, and clear at its end?
+bool SubStepping::good() {
+  return data_.attempt.good && (data_.probe.blind > 1 || breaches().empty());
+}
+
+// Overlaps at the end pose that its start did not have, whatever the candidates say.
+const std::vector<Breach>& SubStepping::breaches() {
+  World& world = system_.world;
+  Poses &start = data_.state.pose, &end = data_.step.end;
+  if (way_stamp_ != end.stamp) {
+    way_stamp_ = end.stamp;
+    travel_bounds(world.shapes, start, end, world.active, way_);
+    world.inner_travel(system_.model, start, end, inner_);
+  }
+  return world.end_check.find(start, end, way_, inner_);
 }
 
 // Per island: are all gaps large enough, and all shapes within reach, at the end pose, which trees
@@ -25,8 +42,10 @@ std::vector<char> SubStepping::possible(const std::vector<double>& at, double h)
   for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system_, data_, h); i++)
     if (excess(system_, data_, i) + attempt.candidates[i].target < attempt.candidates[i].hard)
       ok[data_.islands.of(system_, attempt.candidates[i])] = 0;
+  for (const Breach& k : breaches())
+    for (int shape : {k.pair.shape, k.pair.other_shape})
+      if (shape >= 0) ok[data_.islands.of_tree(system_.tree(shape))] = 0;
   // Planes hold only for the reach that was asked.
-  travel_bounds(world.shapes, data_.state.pose, data_.step.end, world.active, way_);
   for (size_t i = 0; i < attempt.valid.size(); i++)
     if (world.active[world.shapes[i].body] && way_[i] + tune::kBeyondReach > attempt.valid[i])
       ok[data_.islands.of_tree(system_.tree((int)i))] = 0;
@@ -56,7 +75,20 @@ std::vector<double> SubStepping::shares(double h) {
   }
   for (int b = 1; b < model.nbody; b++)
     if (hurt[b]) at[b] = good[b];
+  stand_back(at, h);
   return at;
+}
+
+// Islands whose shares were found apart may not do together: of those none makes any of its step.
+void SubStepping::stand_back(std::vector<double>& at, double h) {
+  const Model& model = system_.model;
+  for (int i = 0; i < model.nv; i++) moved_[i] = data_.step.v[i] * at[model.dof_body[i]];
+  data_.step.move(system_, data_.state, moved_, h);
+  for (const Breach& k : breaches())
+    for (int shape : {k.pair.shape, k.pair.other_shape})
+      for (int b = 1; b < model.nbody && shape >= 0; b++)
+        if (data_.islands.of_tree(model.root[b]) == data_.islands.of_tree(system_.tree(shape)))
+          at[b] = 0;
 }
 
 // The step is made: by the trees' shares of it; trees with a negative one have not begun.
@@ -72,9 +104,9 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
     step.move(system_, state, moved_, h);
   }
   record(share);
-  travel_bounds(world.shapes, state.pose, step.end, world.active, way_);
-  world.inner_travel(model, state.pose, step.end, inner_);
+  for (const Breach& k : breaches()) data_.result.add(k);
   world.broad_phase.travel(way_, inner_);
+  world.end_check.commit();
   world.depenetration.advance(share);
   std::swap(state.pose, step.end);
   state.qpos = step.end_qpos;
@@ -128,7 +160,7 @@ double SubStepping::catch_up(double h, double left, bool begun) {
     length = std::min(length, left);
     attempts_.run(length);
     std::vector<double> share;
-    if (!data_.attempt.good) share = shares(length);
+    if (!good()) share = shares(length);
     double least = 1;
     for (int b = 1; b < model.nbody && !share.empty(); b++)
       if (active[b]) least = std::min(least, share[b]);

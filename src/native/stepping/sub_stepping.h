@@ -6,7 +6,8 @@
 // starting gap and 0.1 mm, see gap_targets.h) and no shape is beyond the reach of its planes. The rest of it is made in pieces, at most twelve, one
 // island after the other, while all others stand where they have arrived. Velocities are kept; a
 // step of which less than a quarter is possible is not begun but tried at a quarter of its length.
-// Time that is left after that is lost.
+// Time that is left after that is lost. A step at whose end the end check (end_check.h) finds an
+// overlap is shortened likewise, whether it was verified or not.
 #pragma once
 #include "stepping/step_attempts.h"
 
@@ -24,6 +25,9 @@ class SubStepping {
   // Shares of a step that trees make, per body; empty: all make all of it.
   std::vector<double> shares(double h);
   std::vector<char> possible(const std::vector<double>& at, double h);
+  bool good();
+  const std::vector<Breach>& breaches();
+  void stand_back(std::vector<double>& at, double h);
   void commit(double h, const std::vector<double>& share);
   void record(const std::vector<double>& share);
   double go_on(double h, std::vector<double> share);
@@ -37,6 +41,7 @@ class SubStepping {
   StepAttempts& attempts_;
   std::vector<double> moved_;        // velocities times shares
   std::vector<double> way_, inner_;  // per shape: travelled, and seen from the root body [m]
+  uint64_t way_stamp_ = 0;           // of the end pose that they lead to
 };
 
 }  // namespace hp

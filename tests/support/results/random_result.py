@@ -8,7 +8,7 @@ from halfphysics.base.axes import axes_of
 from halfphysics.geometry.shapes import Box, Capsule, Plane, Sphere
 from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
-from halfphysics.results.inside import Inside
+from halfphysics.results.inside import Breaches, Inside
 from halfphysics.results.result import ObjectTrack, PersonResult, Result
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
@@ -63,6 +63,7 @@ def make_result(body, seed=0, people=1, frames=5, axes="z", scene=None, model="s
         "names": every,
         "contacts": table(Contacts),
         "inside": table(Inside),
+        "breaches": table(Breaches),
         "clearance": np.where(rng.random(frames) < 0.5, np.inf, rng.normal(size=frames)),
         "lost_time": rng.random(frames),
         "diagnostics": {"passes": rng.random(frames), "residual": rng.random(frames)},
@@ -81,7 +82,8 @@ def assert_same(a: Result, b: Result) -> None:
     assert sorted(a.diagnostics) == sorted(b.diagnostics)
     for name, values in a.diagnostics.items():
         np.testing.assert_array_equal(values, b.diagnostics[name])
-    for one, other in ((a.contacts, b.contacts), (a.inside, b.inside)):
+    tables = ((a.contacts, b.contacts), (a.inside, b.inside), (a.breaches, b.breaches))
+    for one, other in tables:
         for column in one.columns():
             np.testing.assert_array_equal(getattr(one, column), getattr(other, column))
     assert list(a.objects) == list(b.objects)

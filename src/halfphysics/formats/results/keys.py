@@ -9,6 +9,7 @@ OBJECT = "object/"
 JOINT = "joint/"
 CONTACT = "contact/"
 INSIDE = "inside/"
+BREACHES = "breaches/"
 SUBSTEPS = "meta/substeps/"
 DIAGNOSTICS = "meta/diagnostics/"
 

@@ -23,6 +23,7 @@ from halfphysics.baselines.options import OPTIONS, from_options
 from halfphysics.errors import FileError, InputError
 from halfphysics.formats import load_motion
 from halfphysics.formats.results.keys import (
+    BREACHES,
     CONTACT,
     DIAGNOSTICS,
     INSIDE,
@@ -35,7 +36,7 @@ from halfphysics.formats.results.keys import (
 )
 from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
-from halfphysics.results.inside import Inside
+from halfphysics.results.inside import Breaches, Inside
 from halfphysics.results.records import BodyRecord, SceneRecord, checked_document
 from halfphysics.results.result import ObjectTrack, PersonResult, Result, Substeps, at_substeps
 from halfphysics.results.table import Table
@@ -51,7 +52,6 @@ T = TypeVar("T", bound=Table)
 
 # Rounding error of rotating a motion to the axes of its file and back [m, rad].
 _SAME = 1e-9
-_CLEAR = Inside.none()  # for files without rows, such as old ones
 
 
 def is_result(path: str | os.PathLike[str]) -> bool:
@@ -164,8 +164,14 @@ def _read(npz: Npz, people_data: list[Any], scene: Scene | None, bodies: Any) ->
             if key.startswith(DIAGNOSTICS)
         },
         joints={k.removeprefix(JOINT): _field(npz, k) for k in npz if k.startswith(JOINT)},
-        inside=_table(npz, INSIDE, Inside) if any(k.startswith(INSIDE) for k in npz) else _CLEAR,
+        inside=_rows(npz, INSIDE, Inside),
+        breaches=_rows(npz, BREACHES, Breaches),
     )
+
+
+def _rows(npz: Npz, prefix: str, of: type[T]) -> T:
+    """A table that files without rows, such as old ones, do not have."""
+    return _table(npz, prefix, of) if any(k.startswith(prefix) for k in npz) else of.none()
 
 
 def _bodies(path: Path, people: list[Any]) -> list[BodyRecord]:

@@ -16,6 +16,7 @@ from halfphysics.formats.amass import smpl as amass_smpl
 from halfphysics.formats.amass import smplh as amass_smplh
 from halfphysics.formats.amass import smplx as amass_smplx
 from halfphysics.formats.results.keys import (
+    BREACHES,
     CONTACT,
     DIAGNOSTICS,
     INSIDE,
@@ -55,6 +56,8 @@ def result_fields(result: Result) -> Fields:
     fields |= _columns(CONTACT, result.contacts)
     if len(result.inside):
         fields |= _columns(INSIDE, result.inside)
+    if len(result.breaches):
+        fields |= _columns(BREACHES, result.breaches)
     people = []
     for index, person in enumerate(result.people):
         fields |= _person_fields(person_prefix(index), person)

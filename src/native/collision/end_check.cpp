@@ -1,0 +1,91 @@
+#include "collision/end_check.h"
+
+#include "collision/least_overlap.h"
+#include "geometry/separation.h"
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::collision;
+
+namespace {
+
+// By how much a direction separates two shapes; the one that GJK finds if the last one does not.
+double shape_gap(const PosedShape& a, const PosedShape& b, SeparatingAxes& axes) {
+  const Vec3 last = axes.n[0];
+  if (norm2(last) > 0) {
+    const double apart = a.lowest(last) - b.highest(last);
+    if (apart > 0) return apart;
+  }
+  const Separation s = separate(a, b, tune::kEndLook, true, last);
+  const double length = norm(s.n);
+  if (length == 0) return s.dist;
+  axes.n[0] = s.dist > 0 ? (1 / length) * s.n : least_overlap(a, b, s.n);
+  return a.lowest(axes.n[0]) - b.highest(axes.n[0]);
+}
+
+}  // namespace
+
+// A lower bound of the distance where it is positive, else minus the depth.
+double EndCheck::gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes) const {
+  const PosedShape& a = world_.place(p, e.shape);
+  if (e.other_shape >= 0) return shape_gap(a, world_.place(p, e.other_shape), axes);
+  const Static& S = world_.statics[e.other_static];
+  if (S.kind == Static::Kind::HalfSpace) return a.lowest(S.n) - S.offset;
+  if (S.kind == Static::Kind::Hull) return shape_gap(a, S.posed, axes);
+  return S.tree->gap(a, tune::kEndLook, axes);
+}
+
+// Overlaps that are resolved, and prescribed poses, which nothing stops.
+bool EndCheck::exempt(const BroadPhasePair& e) const {
+  const std::vector<CollisionShape>& shapes = world_.shapes;
+  if (world_.forced &&
+      (shapes[e.shape].person >= 0 || (e.other_shape >= 0 && shapes[e.other_shape].person >= 0)))
+    return true;
+  const PairState* state = states_.find(e);
+  if (state && (state->through || state->kept || (state->overlapping && e.own))) return true;
+  return depenetration_.any() && depenetration_.find(e);
+}
+
+bool EndCheck::breached(Poses& start, const BroadPhasePair& e, double gap) const {
+  if (gap >= -tune::kBreach) return false;
+  SeparatingAxes axes;
+  const double before = this->gap(start, e, axes);
+  if (before >= -tune::kBreach) return true;
+  // Overlaps at the start of the simulation come out along a direction that is not the shortest.
+  const PairState* state = states_.find(e);
+  if (state && state->overlapping && before < -tune::kRestingOverlap) return false;
+  return gap < before - tune::kDeeper;
+}
+
+const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::vector<double>& way,
+                                          const std::vector<double>& inner) {
+  if (stamp_ == end.stamp) return found_;
+  stamp_ = end.stamp;
+  found_.clear();
+  measured_.clear();
+  std::vector<BroadPhasePair>& pairs = broad_phase_.pairs();
+  for (size_t i = 0; i < pairs.size(); i++) {
+    BroadPhasePair& e = pairs[i];
+    if (!world_.takes_part(e)) continue;
+    const std::vector<double>& moved = e.own ? inner : way;
+    const double went = moved[e.shape] + (e.other_shape >= 0 ? moved[e.other_shape] : 0.0);
+    if (e.room > broad_phase_.travelled(e) - e.room_at + went) continue;
+    if (exempt(e)) continue;
+    const double now = gap(end, e, e.axes);
+    measured_.push_back({i, std::max(0.0, now)});
+    if (breached(start, e, now)) found_.push_back({{e.shape, e.other_static, e.other_shape}, -now});
+  }
+  return found_;
+}
+
+void EndCheck::commit() {
+  std::vector<BroadPhasePair>& pairs = broad_phase_.pairs();
+  for (const Measured& k : measured_) {
+    pairs[k.pair].room = k.room;
+    pairs[k.pair].room_at = broad_phase_.travelled(pairs[k.pair]);
+  }
+  measured_.clear();
+}
+
+}  // namespace hp

@@ -1,0 +1,58 @@
+// The end check: does the pose that a step would commit have an overlap that its start did not have?
+//
+// It does not look at candidates, planes or what the solver believes. Of every listed pair that
+// takes part and can have come into contact it asks both shapes themselves: is there a direction
+// that separates them? Directions are remembered per pair, but only what they prove at the pose
+// counts. `room`, a lower bound of the distance that was proved at a committed pose, less what the
+// two have travelled since, says for most pairs that there is nothing to ask.
+//
+// A step that it refuses is shortened (sub_stepping.h); what cannot be avoided is reported as a
+// breach. Not looked at: overlaps that are being resolved, and what a person's prescribed pose
+// meets. Lengths in [m].
+#pragma once
+#include <vector>
+
+#include "collision/broad_phase.h"
+#include "collision/depenetration.h"
+#include "collision/pair_states.h"
+
+namespace hp {
+
+// Two shapes, or a shape and a static, that overlap although they were clear, or deeper than before.
+struct Breach {
+  PairId pair;
+  double depth = 0;
+};
+
+class EndCheck {
+ public:
+  EndCheck(const CollisionWorld& world, BroadPhase& broad_phase, PairStates& states,
+           Depenetration& depenetration)
+      : world_(world), broad_phase_(broad_phase), states_(states), depenetration_(depenetration) {}
+
+  // The breaches at the end of a step, on which no shape travels farther than `way`, seen from its
+  // root `inner` (empty without self-contact). Once per end pose.
+  const std::vector<Breach>& find(Poses& start, Poses& end, const std::vector<double>& way,
+                                  const std::vector<double>& inner);
+  // The end that was looked at last is the pose from now on, and the broad phase knows.
+  void commit();
+
+ private:
+  double gap(Poses& p, const BroadPhasePair& e, SeparatingAxes& axes) const;
+  bool exempt(const BroadPhasePair& e) const;
+  bool breached(Poses& start, const BroadPhasePair& e, double gap) const;
+
+  const CollisionWorld& world_;
+  BroadPhase& broad_phase_;
+  PairStates& states_;
+  Depenetration& depenetration_;
+  std::vector<Breach> found_;
+  struct Measured {
+    size_t pair;  // index into the list
+    double room;
+  };
+  std::vector<Measured> measured_;
+  uint64_t stamp_ = 0;  // of the end pose that `found_` and `measured_` are of
+};
+
+}  // namespace hp

@@ -21,8 +21,8 @@ DRIVES = {"drive_time": {}, "paper": {"drive_time": None, "stiffness": 1.0}}
 ROUNDING = 1e-9
 #: Largest depth half a second after the start [m].
 LOOSE = 1e-3
-#: Resolving overlaps at 0.5 m/s turns people about their joints: the largest speed [m/s]. Measured: 3.8
-#: (crossed arms); where the solve of self-contact ended too early, 13.
+#: Resolving overlaps at 0.5 m/s turns people about their joints: the largest speed [m/s]. Measured:
+#: 3.8 (crossed arms); where the solve of self-contact ended too early, 13.
 FLUNG = 4.5
 #: "Unchanged": joints followed exactly [m, rad], and with Algorithm 1, where torques push
 #: the whole person, the legs' deviation by the arms' reaction [rad].

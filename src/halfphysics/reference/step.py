@@ -242,7 +242,7 @@ class ReferenceDrive:
         gap = np.where(np.arange(len(v)) < 6, 0.0, epsilon - h * v)
         total = np.maximum(resistance(s, self.firmness, h), 1e-300)[1:]
         firm = np.repeat(self.firmness[1:] / total, 3)
-        gap[6:] = firm * gap[6:] - (1.0 - firm) * h * (v - self.v_ref)[6:]
+        gap[6:] = firm * gap[6:] - (1.0 - firm) * h * (v - self.v_drive)[6:]
         return v + np.linalg.solve(M + np.diag(stiff), stiff / h * gap)
 
     def heavier(self, h: float, M: Array, stiff: Array) -> Array:

@@ -135,7 +135,7 @@ void Drive::spring_velocity(const DriveSettings& s, int k, double h, const doubl
   }
 }
 
-// eps - h v of PJSC, and -h (v - v_ref) of what damps limp joints, each with its share.
+// eps - h v of PJSC, and -h (v - v_drive) of what damps limp joints, each with its share.
 bool Drive::restored_deviation(const DriveSettings& s, int k, double h, const double* q,
                                const double* v, double* out) const {
   bool any = false;
@@ -151,7 +151,7 @@ bool Drive::restored_deviation(const DriveSettings& s, int k, double h, const do
     if (dot(turn, way) < 0 && angle > 0.5 * M_PI) turn = (1 - 2 * M_PI / angle) * turn;
     const double firm = stiffness_[i] / total;
     Vec3 eps = turn - way;
-    if (firm < 1) eps = firm * eps - (1 - firm) * (way - h * load3(&v_ref_[b.dof]));
+    if (firm < 1) eps = firm * eps - (1 - firm) * (way - h * load3(&v_drive_[b.dof]));
     if (norm2(eps) < tune::kLeastDeviation2) continue;
     any = true;
     store3(out + b.dof, eps);

@@ -12,12 +12,12 @@
 //
 // With Algorithm 1 a joint that was kept from its target returns to the motion no faster than
 // `recovery_rate` + kReturnPerMotion |v_ref|, and limp joints (lambda < h/T, T = kLimpTime) are
-// damped against the motion, so that what the root feeds into them does not swing on:
+// damped against that return, so that what the root feeds into them does not swing on:
 //
-//   v* = v + M^^-1 (lambda I/h) (log(q^-1 q~) - h v) - M^^-1 (h/T - lambda) I (v - v_ref),
+//   v* = v + M^^-1 (lambda I/h) (log(q^-1 q~) - h v) - M^^-1 (h/T - lambda) I (v - v_drive),
 //   M^ = M + (h/T) diag(I)
 //
-// Neither acts where v = v_ref: free motion stays exact.
+// (v_drive: the velocity that the frame begins with.) Neither acts in free motion, which stays exact.
 //
 // lambda is the firmness of each ball joint, I the mean of its diagonal entries of M [kg m^2], q~
 // the pose without contact. A deviation decays like a critically damped spring, whatever the frame

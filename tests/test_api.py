@@ -84,7 +84,7 @@ PARAMETERS = {
     "view": "result more * labels host port block",
     "attach": "spec body prefix",
     "Result": "* people objects scene names contacts clearance lost_time settings substeps "
-    "diagnostics inside joints",
+    "diagnostics inside breaches joints",
     "Result.save": "self path",
     "Result.load": "path * scene body",
     "Result.summary": "self",

@@ -29,11 +29,11 @@ SPEED = 12.0
 #: Values of lambda; those of the paper's figure are 0 and 1.
 SWEEP = (0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 QUICK_SWEEP = (0.0, 0.1, 1.0, 10.0)
-#: Limp: the leg bends this much more than when firm [degrees; 18.8 are measured, 24.6 before limp
+#: Limp: the leg bends this much more than when firm [degrees; 17.2 are measured, 24.6 before limp
 #: joints were damped], and the pelvis stays this near its
 #: path [mm]. Firm: the leg bends at most this much, the body is displaced by at least this [mm],
 #: and by this many times the displacement when limp.
-BENDS, STAYS, STRAIGHT, DISPLACED, TIMES = 18.0, 50.0, 15.0, 100.0, 10.0
+BENDS, STAYS, STRAIGHT, DISPLACED, TIMES = 16.0, 50.0, 15.0, 100.0, 10.0
 # The part of the knee curve that is drawn, before and after its largest error [s].
 _ABOUT = 0.4
 # Frames of the pictures, from the largest error of the foot.

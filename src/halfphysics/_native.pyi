@@ -18,7 +18,7 @@ class tuning:
 
     return_per_motion: float = 3.0
 
-    limp_time: float = 0.07
+    limp_time: float = 0.14
 
     untouched_resistance: float = 100.0
 
@@ -332,6 +332,8 @@ class Stepper:
 
     def solve_times(self) -> NDArray[numpy.float64]: ...
 
+    def blind(self, arg: int, /) -> None: ...
+
     def keep_trace(self, arg: bool, /) -> None: ...
 
     def trace(self) -> dict[str, Any]: ...
@@ -425,6 +427,16 @@ def triangle_planes(
     arg5: float,
     /,
 ) -> tuple[Any, ...]: ...
+
+def triangle_gap(
+    arg0: Annotated[NDArray[numpy.float64], "(*, 3)"],
+    arg1: Annotated[NDArray[numpy.int32], "(*, 3)"],
+    arg2: Annotated[NDArray[numpy.float64], "(*, 3)"],
+    arg3: float,
+    arg4: Annotated[NDArray[numpy.float64], "(*,)"],
+    arg5: Annotated[NDArray[numpy.float64], "(*, 3)"],
+    /,
+) -> float: ...
 
 class Batch:
     def __init__(self, threads: int) -> None: ...

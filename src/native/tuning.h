@@ -345,10 +345,10 @@ constexpr double kCompliance = 1e-8;
 // Contacts that take part at most, and multiplications. What is not solved by then is reported. A
 // person inside a box took minutes a frame without a bound, a soup of triangles 10^10 multiplications
 // in one step. At 400 contacts A and its copies take 35 MB. The costliest solve of a limp body at a
-// wall, 52 contacts, takes 5.6e6, of two people who meet 2.8e6; 3e7 take some 15 ms.
+// wall, 52 contacts, takes 5.6e6, of two people who meet 2.8e6; 1e8 take some 50 ms.
 // From kManyJoined on those that are violated most join first.
 constexpr int kMostJoined = 400, kManyJoined = 100;
-constexpr double kSolveWork = 3e7;
+constexpr double kSolveWork = 1e8;
 
 // The share of it that sweeps and Newton steps leave to the normal impulses alone.
 constexpr double kNormalShare = 0.25;
@@ -484,10 +484,11 @@ constexpr double kSameNormal = 0.95;
 
 // Budget (step_budget.h)
 
-// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: about 40 ms. What a
+// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: about 80 ms; with
+// half of it a wall at 10 m/s lost time where nothing was in its way. What a
 // substep may take of what is left, at least; the share of that with which nothing is tried again;
 // what a solve may take of what is left of that, and what it may cost at least.
-constexpr double kFrameWork = 2e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
+constexpr double kFrameWork = 4e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
 constexpr double kSolveShare = 0.5, kLeastSolveWork = 3e5;
 constexpr int kFrameSubsteps = 8;
 // What posing a shape is taken to cost, checking a candidate at the end pose, and finding it
@@ -535,10 +536,10 @@ constexpr double kRootRecoveryTime = 0.3;  // time constant of the root's way ba
 // itself. T-pose at a wall, lambda 1: 400 to 600 frames/s beside no bound. A kick at 12 m/s into a
 // fixed ball bends the knee by 36 degrees without a bound, by 36, 34, 30 with 3, 2, 1 times.
 constexpr double kReturnPerMotion = 3;
-// Time constant with which limp joints of Algorithm 1 are damped against the motion [s]. T-pose at a
-// wall: the fastest vertex moves at 7 m/s undamped, 1.2 at 0.1 s, 0.5 to 1.3 at 0.07 s, 0.4 at 0.033 s;
-// the knee of that kick bends by 36, 31, 30, 28 degrees: less is not limp.
-constexpr double kLimpTime = 0.07;
+// Time constant with which limp joints of Algorithm 1 are damped against the velocity that their frame
+// set [s]. T-pose at a wall: the fastest vertex moves at 7 m/s undamped, 0.2 at 0.14 and at 0.07 s; the
+// knee of that kick bends by 36, 28, 26 degrees: less is not limp.
+constexpr double kLimpTime = 0.14;
 // A body counts as touched for this long after a contact [s]: contacts come and go.
 constexpr double kTouchedTime = 0.1;
 // Deviations from the motion below these are what a contact leaves in rounding [rad], [m/s, rad/s].

@@ -94,7 +94,7 @@ def test_all_cases_leave_complete_records(measured):
         assert len({r["setting"] for r in records}) == len(records)
         for record in records:
             assert record["frames"] > 0
-            units = {"metrics": "s", "tree": "s", "viewer": "updates/s"}
+            units = {"metrics": "s", "tree": "s", "viewer": "updates/s", "setup": "s"}
             units |= {"sweep": "variants/s", "sweep-parts": "s", "sweep-memory": "MB"}
             assert record["unit"] == units.get(case, "frames/s")
             assert len(record["ours"]) == (10 if case == "sweep-memory" else 1)

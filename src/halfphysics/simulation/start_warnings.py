@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 #: A start that is deeper inside something than this is warned of [m].
 START_INSIDE = 1e-3
+#: The same in the world of another program: feet stand a little in floors [m].
+HOSTED_START_INSIDE = 5e-3
 _NAMED = 5  # this many of them are named
 #: From `warnings.warn` to the line that called `simulate`: through `simulate` and `follow`.
 _CALLER = 5
@@ -41,6 +43,7 @@ def warn_of_start(world: World, motions: Sequence[Motion], rows: Array) -> None:
             "; that it meets nothing is guaranteed for clear starts. Move the motion or the scene, "
             "or see motion.grounded(body) for feet in a floor",
             _CALLER,
+            START_INSIDE,
         )
     else:
         _warn_of_floating(world, motions)
@@ -54,13 +57,14 @@ def warn_of_hosted_start(world: Named, rows: Array) -> None:
         ", with whatever force that takes where the world cannot give way. Reset to a pose that "
         "is clear of it",
         4,
+        HOSTED_START_INSIDE,
     )
 
 
-def _warn_of_inside(world: Named, rows: Array, meaning: str, caller: int) -> None:
-    """One warning that names what starts inside what; `caller`: its stacklevel from here."""
+def _warn_of_inside(world: Named, rows: Array, meaning: str, caller: int, least: float) -> None:
+    """One warning that names what starts deeper than `least` [m]; `caller`: its stacklevel."""
     inside = inside_rows(world, rows, np.zeros(len(rows), dtype=np.int64))
-    worth = inside[(inside.depth > START_INSIDE) | inside.no_way_out]
+    worth = inside[(inside.depth > least) | inside.no_way_out]
     if not len(worth):
         return
     words = worth.described(world.names, len(world.people))

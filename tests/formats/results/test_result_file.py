@@ -87,7 +87,13 @@ def test_a_motion_reader_opens_it(tmp_path, body, axes, model):
         assert file["trans"].shape == (5, 3)
         assert file["poses"].shape == (5, {"smplx": 165, "smplh": 156, "smpl": 72}[model])
         others = {k for k in file if "/" in k}
-        assert {k.split("/")[0] for k in others} == {"object", "contact", "inside", "meta"}
+        assert {k.split("/")[0] for k in others} == {
+            "object",
+            "contact",
+            "inside",
+            "breaches",
+            "meta",
+        }
         np.testing.assert_array_equal(file["object/ball/position"], result.objects["ball"].position)
         np.testing.assert_array_equal(file["contact/impulse"], result.contacts.impulse)
 

@@ -55,7 +55,7 @@ def cases():
 def test_no_torque_above_its_limit_in_any_substep(body, case, contact):
     """One substep a frame, so that the reported torque is that of every substep."""
     if (case, contact) == ("flails at 15 m/s and more", "skin"):
-        pytest.xfail("single substeps exceed the limit 29 times; so did 5 of 24 other starts before")
+        pytest.xfail("single substeps exceed the limit 29 times; so did 5 of 24 starts before")
     motion, scene = cases()[case]
     settings = Settings(strength="human", contact=contact)
     assert settings.substeps_for(1.0 / motion.fps) == 1

@@ -114,8 +114,8 @@ def test_momentum_of_body_and_ball(body, drive, stiffness):
     assert solves >= 3
     assert np.linalg.norm(gained) > 5.0  # [N s]: it was a kick
     if DRIVES[drive] is None and stiffness == 0.0:
-        # A step of the limp leg is solved otherwise than its trace says: 1.5 % of the momentum of the
-        # ball is not in the traces. To be found.
+        # A step of the limp leg is solved otherwise than its trace says: 1.5 % of the ball's
+        # momentum is not in the traces. To be found.
         np.testing.assert_allclose(gained, 5.0 * stepper.qvel()[ball : ball + 3], rtol=0.03)
         return
     np.testing.assert_allclose(gained, 5.0 * stepper.qvel()[ball : ball + 3], atol=1e-9)

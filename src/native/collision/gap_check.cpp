@@ -4,6 +4,7 @@
 
 #include "geometry/gjk.h"
 #include "geometry/separation.h"
+#include "geometry/triangle_points.h"
 #include "tuning.h"
 
 namespace hp {
@@ -108,9 +109,8 @@ bool GapCheck::vertex_meets(const ContactCandidate& c, Poses& end) const {
   }
   Vec3 v[3];
   world_.statics[c.other_static].tree->triangle(c.triangle, v);
-  const double tx[3] = {v[0].x, v[1].x, v[2].x}, ty[3] = {v[0].y, v[1].y, v[2].y},
-               tz[3] = {v[0].z, v[1].z, v[2].z};
-  return gjk(point, Support{{tx, ty, tz, 3}}, c.n, pa, pb, least) <= least;
+  const TrianglePoints triangle(v);
+  return gjk(point, triangle.support(), c.n, pa, pb, least) <= least;
 }
 
 bool GapCheck::swept_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end) {
@@ -131,10 +131,9 @@ bool GapCheck::swept_clear(const Model& m, const ContactCandidate& c, Poses& sta
   if (c.other_static >= 0 && c.triangle >= 0) {
     Vec3 v[3];
     world_.statics[c.other_static].tree->triangle(c.triangle, v);
-    double tx[3] = {v[0].x, v[1].x, v[2].x}, ty[3] = {v[0].y, v[1].y, v[2].y},
-           tz[3] = {v[0].z, v[1].z, v[2].z};
+    const TrianglePoints triangle(v);
     margin += bulge(m, c, start, end, chord);
-    return gjk(swept.support(), Support{{tx, ty, tz, 3}}, c.n, pa, pb, margin) > margin;
+    return gjk(swept.support(), triangle.support(), c.n, pa, pb, margin) > margin;
   }
   const PosedShape& b = c.other_static >= 0 ? world_.statics[c.other_static].posed
                                             : world_.place(start, c.other_shape);
@@ -154,17 +153,18 @@ bool GapCheck::swept_clear(const Model& m, const ContactCandidate& c, Poses& sta
   return gjk(swept.support(), other.support(), c.n, pa, pb, margin) > margin;
 }
 
-bool GapCheck::mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) {
+bool GapCheck::mesh_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end) {
   if (world_.shapes[c.shape].hull.rim > 0) return false;
   if (answers_stamp_ != end.stamp) answers_.clear(), answers_stamp_ = end.stamp;
   for (const MeshAnswer& w : answers_)
     if (w.shape == c.shape && w.other_static == c.other_static) return w.clear;
-  const bool clear = swept_mesh_clear(c, start, end);
+  const bool clear = swept_mesh_clear(m, c, start, end);
   answers_.push_back({c.shape, c.other_static, clear});
   return clear;
 }
 
-bool GapCheck::swept_mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) const {
+bool GapCheck::swept_mesh_clear(const Model& m, const ContactCandidate& c, Poses& start,
+                                Poses& end) {
   const PosedShape &a0 = world_.place(start, c.shape), &a1 = world_.place(end, c.shape);
   static thread_local Convex hull;
   static thread_local PosedShape swept;
@@ -182,8 +182,8 @@ bool GapCheck::swept_mesh_clear(const ContactCandidate& c, Poses& start, Poses& 
   for (Vec3 p :
        {a0.box.lo + c.from, a0.box.hi + c.from, a1.box.lo + c.shift(), a1.box.hi + c.shift()})
     swept.box.add(p);
-  const double margin = 0.125 * paths_.acceleration(world_.shapes[c.shape]) + a0.hull->radius +
-                        world_.settings.clearance;
+  const double margin = 0.125 * paths(m, start, end).acceleration(world_.shapes[c.shape]) +
+                        a0.hull->radius + world_.settings.clearance;
   return world_.statics[c.other_static].tree->distance(swept, margin) >= margin;
 }
 

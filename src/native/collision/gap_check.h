@@ -28,15 +28,15 @@ class GapCheck {
   // The same of a triangle's plane that may not be crossed.
   double unforgiven(Poses& end, ContactCandidate& c) const;
   // Is the swept hull clear of the candidate's whole mesh? Then no plane of it that may be crossed
-  // hides anything. Computed once per pair and end pose. Of a candidate that excess() has forgiven.
-  bool mesh_clear(const ContactCandidate& c, Poses& start, Poses& end);
+  // hides anything. Computed once per pair and end pose.
+  bool mesh_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end);
 
  private:
   const PathBounds& paths(const Model& m, const Poses& start, const Poses& end);
   double bulge(const Model& m, const ContactCandidate& c, Poses& start, Poses& end, double chord);
   bool vertex_meets(const ContactCandidate& c, Poses& end) const;
   bool swept_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end);
-  bool swept_mesh_clear(const ContactCandidate& c, Poses& start, Poses& end) const;
+  bool swept_mesh_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end);
 
   const CollisionWorld& world_;
   struct MeshAnswer {

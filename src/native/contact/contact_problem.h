@@ -55,9 +55,9 @@ class ContactProblem {
 
   int size() const { return (int)local_.size(); }
   void clear(double most_work);
-  // Another contact: the caller has reserved room and filled the blocks of A, (n, 0..n) and (0..n, n). Contacts of one `pair`
-  // are settled among themselves before a sweep goes on: they lie close together and are the slowest
-  // to agree.
+  // Another contact: the caller has reserved room and filled the blocks of A, (n, 0..n) and (0..n, n).
+  // Contacts of one `pair` are settled among themselves before a sweep goes on: they lie close
+  // together and are the slowest to agree.
   void add(const double* beta3, const double* warm3, double mu, int pair);
 
   // Stops at `tolerance` [m/s] or after `most` sweeps and steps, and takes the best of them. At first

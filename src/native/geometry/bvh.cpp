@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/gjk.h"
+#include "geometry/triangle_points.h"
 #include "tuning.h"
 
 namespace hp {
@@ -19,12 +20,6 @@ double gap2(const Box3& a, const Box3& b) {
     s += g * g;
   }
   return s;
-}
-
-// Largest n.x over a box.
-double highest(const Box3& b, Vec3 n) {
-  return (n.x > 0 ? b.hi.x : b.lo.x) * n.x + (n.y > 0 ? b.hi.y : b.lo.y) * n.y +
-         (n.z > 0 ? b.hi.z : b.lo.z) * n.z;
 }
 
 // Does a triangle lie behind a plane, up to a tolerance?
@@ -78,19 +73,17 @@ Vec3 nearest_on(const Vec3 v[3], Vec3 p) {
 
 // The plane of the nearest points of a shape and a triangle; dist > reach where they are farther.
 Plane plane_to(const PosedShape& a, const Vec3 v[3], int t, double reach, Vec3 guess = {}) {
-  double x[3] = {v[0].x, v[1].x, v[2].x}, y[3] = {v[0].y, v[1].y, v[2].y},
-         z[3] = {v[0].z, v[1].z, v[2].z};
-  Support tri{{x, y, z, 3}};
+  const TrianglePoints triangle(v);
   Vec3 pa, pb;
   if (norm2(guess) == 0) guess = a.center - nearest_on(v, a.center);
-  double r = a.hull->radius, d = gjk(a.support(), tri, guess, pa, pb, reach + r);
+  double r = a.hull->radius, d = gjk(a.support(), triangle.support(), guess, pa, pb, reach + r);
   if (d > reach + r) {
     Vec3 n = pa - pb;
-    return {n, std::max(dot(n, v[0]), std::max(dot(n, v[1]), dot(n, v[2]))), d - r, t, false};
+    return {n, highest(v, n), d - r, t, false};
   }
   if (d > tune::kProvedApart) {
     Vec3 n = (1 / d) * (pa - pb);
-    double offset = std::max(dot(n, v[0]), std::max(dot(n, v[1]), dot(n, v[2])));
+    double offset = highest(v, n);
     // A line of rounding's length may point anywhere: it counts only if it separates.
     if (d > tune::kTouching || a.lowest(n) - offset > d - r - tune::kSeparates)
       return {n, offset, d - r, t, false};
@@ -167,8 +160,8 @@ struct TriangleTree::PlaneSearch {
   }
   bool node_settled(const Entry& e) {
     const Box3& box = tree.nodes_[e.id].box;
-    return settled(
-        e, [&](const Plane& p) { return highest(box, p.n) <= p.offset + tune::kBoxBehind; });
+    return settled(e,
+                   [&](const Plane& p) { return box.highest(p.n) <= p.offset + tune::kBoxBehind; });
   }
   bool triangle_settled(const Entry& e, const Vec3 v[3]) {
     return settled(e, [&](const Plane& p) { return behind(p, v, tune::kTriangleBehind); });
@@ -309,7 +302,7 @@ struct TriangleTree::DistanceSearch {
     double d2 = gap2(box, a.box);
     if (best > 0 && d2 > best * best) return;
     for (const Plane& p : s.measured)
-      if (highest(box, p.n) <= p.offset) return;
+      if (box.highest(p.n) <= p.offset) return;
     s.queue.push(d2, id);
   }
   void measure_leaf(const Node& node) {

@@ -3,6 +3,7 @@
 
 #include "geometry/bvh.h"
 #include "geometry/gjk.h"
+#include "geometry/triangle_points.h"
 #include "tuning.h"
 
 namespace hp {
@@ -11,20 +12,11 @@ namespace tune = tuning::geometry;
 
 namespace {
 
-double highest(const Box3& b, Vec3 n) {
-  return (n.x > 0 ? b.hi.x : b.lo.x) * n.x + (n.y > 0 ? b.hi.y : b.lo.y) * n.y +
-         (n.z > 0 ? b.hi.z : b.lo.z) * n.z;
-}
-
 // The longest gap along an axis of the world.
 double box_gap(const Box3& a, const Box3& b) {
   double most = -1e300;
   for (int k = 0; k < 3; k++) most = std::max({most, a.lo[k] - b.hi[k], b.lo[k] - a.hi[k]});
   return most;
-}
-
-double triangle_highest(const Vec3 v[3], Vec3 n) {
-  return std::max({dot(n, v[0]), dot(n, v[1]), dot(n, v[2])});
 }
 
 // A shape, and directions with what is lowest of it along them.
@@ -40,26 +32,25 @@ struct Witnesses {
   double apart(const Box3& box) const {
     double most = box_gap(box, a.box);
     for (int k = 0; k < SeparatingAxes::kMost && most <= 0; k++)
-      if (low[k] > -1e300) most = std::max(most, low[k] - highest(box, axes.n[k]));
+      if (low[k] > -1e300) most = std::max(most, low[k] - box.highest(axes.n[k]));
     return most;
   }
   double apart(const Vec3 v[3]) const {
     double most = -1e300;
     for (int k = 0; k < SeparatingAxes::kMost; k++)
-      if (low[k] > -1e300) most = std::max(most, low[k] - triangle_highest(v, axes.n[k]));
+      if (low[k] > -1e300) most = std::max(most, low[k] - highest(v, axes.n[k]));
     return most;
   }
   // Where none of them separates the triangle; remembers a direction that does.
   double measure(const Vec3 v[3], double look) {
-    double x[3] = {v[0].x, v[1].x, v[2].x}, y[3] = {v[0].y, v[1].y, v[2].y},
-           z[3] = {v[0].z, v[1].z, v[2].z};
+    const TrianglePoints triangle(v);
     Vec3 pa, pb;
     const Vec3 guess = a.center - (1.0 / 3) * (v[0] + v[1] + v[2]);
     const double r = a.hull->radius,
-                 d = gjk(a.support(), Support{{x, y, z, 3}}, guess, pa, pb, look + r);
+                 d = gjk(a.support(), triangle.support(), guess, pa, pb, look + r);
     if (d > tune::kProvedApart) {
       const Vec3 n = (1 / norm(pa - pb)) * (pa - pb);
-      const double lowest = a.lowest(n), gap = lowest - triangle_highest(v, n);
+      const double lowest = a.lowest(n), gap = lowest - highest(v, n);
       if (gap <= 0) return gap;
       axes.n[axes.next] = n;
       low[axes.next] = lowest;

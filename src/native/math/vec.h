@@ -117,6 +117,11 @@ struct Box3 {
     hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
   }
   void grow(double r) { lo -= Vec3{r, r, r}, hi += Vec3{r, r, r}; }
+  // Largest n.x over the box.
+  double highest(Vec3 n) const {
+    return (n.x > 0 ? hi.x : lo.x) * n.x + (n.y > 0 ? hi.y : lo.y) * n.y +
+           (n.z > 0 ? hi.z : lo.z) * n.z;
+  }
   bool meets(const Box3& o) const {
     return lo.x <= o.hi.x && o.lo.x <= hi.x && lo.y <= o.hi.y && o.lo.y <= hi.y && lo.z <= o.hi.z &&
            o.lo.z <= hi.z;

@@ -55,7 +55,8 @@ double excess(System& system, Data& data, size_t i) {
   std::vector<ContactCandidate>& candidates = data.attempt.candidates;
   const double e = world.gap_check.excess(system.model, start, end, candidates[i]);
   ContactCandidate& c = candidates[i];
-  if (!c.forgiven || c.triangle < 0 || c.searched || world.gap_check.mesh_clear(c, start, end))
+  if (!c.forgiven || c.triangle < 0 || c.searched ||
+      world.gap_check.mesh_clear(system.model, c, start, end))
     return e;
   // Where there are too many already it may not be crossed: the step is to be shorter.
   if (candidates.size() >= data.attempt.listed + tune::kMostHidden || data.budget.out())

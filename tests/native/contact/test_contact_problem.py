@@ -219,8 +219,8 @@ def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, conta
         missed += residual > ENOUGH
         normals += normal > ENOUGH
     assert solved > 20
-    # A limp body of Algorithm 1 jams: of 968 such solves, also with less friction and some
-    # stiffness, friction is left in 13 (in 39 where contacts started from the deepest points).
+    # A limp body of Algorithm 1 jams: where contacts start from those of the substep before,
+    # friction is left in some of its solves.
     assert unsettled <= (0.1 * solved if stiffness == 0.0 else 0.0)
     share, of_normals = FROM_NOTHING[contact, drive_time, stiffness]
     assert missed <= share * solved

@@ -95,10 +95,15 @@ def test_momentum_of_body_and_ball(body, drive, stiffness):
     scale = 1.0
     if settings.drive_time is not None:
         scale = (1.0 + 1.0 / fps / settings.drive_time) ** 2
-    lost, gained, reported = np.zeros(3), np.zeros(3), np.zeros(3)
-    solves = 0
+    had = np.zeros(3)  # the ball's momentum
+    solves, pieces = 0, 0
     for t in range(1, len(motion)):
         frame = simulator.step(motion[t])
+        has = 5.0 * stepper.qvel()[ball : ball + 3]
+        gained, had = has - had, has
+        # What the labels report is what the ball gains, also in a step that is made in pieces.
+        reported = frame.contacts.impulse[frame.contacts.person == 0].sum(axis=0)
+        np.testing.assert_allclose(reported, -gained, atol=1e-9 * (1.0 + np.linalg.norm(has)))
         trace = stepper.trace()
         if not len(trace["contacts"]["dist"]):
             continue
@@ -109,18 +114,14 @@ def test_momentum_of_body_and_ball(body, drive, stiffness):
         change_of_ball, change_of_body = 5.0 * change[ball : ball + 3], rows @ change
         size = np.abs(rows * trace["v"]).sum() + 5.0 * np.abs(trace["v"][ball : ball + 3]).sum()
         assert np.abs(scale * change_of_body + change_of_ball).max() <= 1e-9 * size
-        gained, lost = gained + change_of_ball, lost + scale * change_of_body
-        reported = reported + frame.contacts.impulse[frame.contacts.person == 0].sum(axis=0)
+        if np.array_equal(trace["v"][ball : ball + 3], stepper.qvel()[ball : ball + 3]):
+            np.testing.assert_allclose(change_of_ball, gained, atol=1e-9 * size)
+        else:  # the trace is of a step that did not settle: its pieces have no trace
+            pieces += 1
     assert solves >= 3
-    assert np.linalg.norm(gained) > 5.0  # [N s]: it was a kick
-    if DRIVES[drive] is None and stiffness == 0.0:
-        # A step of the limp leg is solved otherwise than its trace says: 1.5 % of the ball's
-        # momentum is not in the traces. To be found.
-        np.testing.assert_allclose(gained, 5.0 * stepper.qvel()[ball : ball + 3], rtol=0.03)
-        return
-    np.testing.assert_allclose(gained, 5.0 * stepper.qvel()[ball : ball + 3], atol=1e-9)
-    np.testing.assert_allclose(lost, -gained, atol=1e-9 * np.linalg.norm(gained))
-    np.testing.assert_allclose(reported, -gained, atol=1e-9 * np.linalg.norm(gained))
+    assert np.linalg.norm(had) > 5.0  # [N s]: it was a kick
+    # A limp leg with Algorithm 1 has one such step.
+    assert pieces <= (1 if DRIVES[drive] is None and stiffness == 0.0 else 0)
 
 
 # -- authored and real kicks -----------------------------------------------------------------

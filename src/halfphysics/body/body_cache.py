@@ -187,7 +187,7 @@ def _write(kind: str, key: str, arrays: Arrays) -> None:
     path = _path(kind, key)
     if path is None:
         return
-    # Who cannot keep anything has only lost a second.
+    # Where nothing can be kept the next process makes it again, in a second.
     with contextlib.suppress(FileError, OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_npz(path, {**arrays, "digest": np.array(_digest(key, arrays))})
@@ -229,7 +229,11 @@ def _corners_key(body: Body) -> str:
 
 @cache
 def made_by() -> str:
-    """A digest of the code, the libraries and the kind of machine that the numbers depend on."""
+    """A digest of the code, the libraries and the kind of machine that the numbers depend on.
+
+    Not `base.code_hash`: that reads the whole package, which takes as long as half of a first call,
+    and a change of the core would make all bodies anew.
+    """
     digest = hashlib.sha256(f"{platform.machine()} {np.__version__}\n".encode())
     package = Path(__file__).parents[1]
     for folder in _CODE:

@@ -151,6 +151,7 @@ COVERED_BY = {
     "native/stepping/baselines/*": "native/stepping/test_baselines.py baselines/test_forced.py",
     "native/stepping/contact_cache.*": "simulation/test_stacks.py",
     "native/stepping/*load.*": "simulation/test_holding.py",
+    "native/stepping/island_response.*": "native/stepping/test_islands.py",
     "native/stepping/hosting.*": "mujoco/test_hosted.py",
     "native/stepping/restitution.*": "simulation/test_closed_forms.py",
     "native/stepping/self_response.*": "simulation/test_self_contact.py",

@@ -36,8 +36,9 @@ struct BroadPhasePair {
   // All geometry of the other within `planes_reach` of the shape lies behind these planes.
   std::vector<Plane> planes;
   double planes_reach = 0;
-  Vec3 axis;  // direction between the nearest points when last measured; 0: not yet
-  Hint hint;  // where that search ended
+  Vec3 axis;           // direction between the nearest points when last measured; 0: not yet
+  Hint hint;           // where that search ended
+  uint64_t query = 0;  // the last one that it took part in (last_candidates.h)
   // Of the end check (end_check.h): a lower bound of the distance, what the two had travelled when
   // it was proved, and directions that separate them.
   double room = 0, room_at = 0;
@@ -61,6 +62,7 @@ struct ContactCandidate {
   // displacement (depenetration.h): `from` at the start of the substep and, where the step makes
   // `share` of it, that share of the way from there to `to` at its end.
   int overlap = -1;  // index into Depenetration::overlaps(); -1: an ordinary candidate
+  int island = 0;    // what it is settled with (stepping/islands.h)
   Vec3 from, to;
   double share = 1;
   Vec3 shift() const { return from + share * (to - from); }

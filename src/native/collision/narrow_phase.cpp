@@ -13,29 +13,37 @@ void NarrowPhase::gather(const Model& m, Poses& start, std::vector<double>& vali
                          std::vector<ContactCandidate>& out) {
   out.clear();
   forced_.update(m, start, broad_phase_.pairs());
-  for (BroadPhasePair& e : broad_phase_.pairs()) {
-    if (!world_.takes_part(e)) continue;
-    const double r = valid[e.shape] + (e.other_shape >= 0 ? valid[e.other_shape] : 0.0);
-    if (depenetration_.any())
-      if (InitialOverlap* in = depenetration_.find(e)) {
-        double holds = r;
-        depenetration_.add_candidates(start, e, *in, holds, h, out);
-        if (holds < r) valid[e.shape] = std::min(valid[e.shape], holds);
-        continue;
-      }
-    if (broad_phase_.far(e, r)) continue;
-    ContactCandidate c;
-    c.shape = e.shape;
-    c.other_static = e.other_static;
-    c.other_shape = e.other_shape;
-    const PosedShape& a = world_.place(start, e.shape);
-    if (e.other_shape >= 0)
-      add_shapes(m, start, a, e, c, r, h, out);
-    else if (world_.statics[e.other_static].kind == Static::Kind::HalfSpace)
-      add_half_space(a, e, c, r, h, out);
-    else
-      add_static(m, start, a, e, c, valid[e.shape], h, out);
-  }
+  if (world_.forced) last_.forget();
+  last_.begin(start.stamp, h, valid);
+  for (const InitialOverlap& in : depenetration_.overlaps()) last_.renew(in.shape);
+  for (BroadPhasePair& e : broad_phase_.pairs())
+    if (world_.takes_part(e) && !last_.repeat(e, out)) measure(m, start, e, valid, h, out);
+  last_.end(valid, out);
+}
+
+void NarrowPhase::measure(const Model& m, Poses& start, BroadPhasePair& e,
+                          std::vector<double>& valid, double h,
+                          std::vector<ContactCandidate>& out) {
+  const double r = valid[e.shape] + (e.other_shape >= 0 ? valid[e.other_shape] : 0.0);
+  if (depenetration_.any())
+    if (InitialOverlap* in = depenetration_.find(e)) {
+      double holds = r;
+      depenetration_.add_candidates(start, e, *in, holds, h, out);
+      if (holds < r) valid[e.shape] = std::min(valid[e.shape], holds);
+      return;
+    }
+  if (broad_phase_.far(e, r)) return;
+  ContactCandidate c;
+  c.shape = e.shape;
+  c.other_static = e.other_static;
+  c.other_shape = e.other_shape;
+  const PosedShape& a = world_.place(start, e.shape);
+  if (e.other_shape >= 0)
+    add_shapes(m, start, a, e, c, r, h, out);
+  else if (world_.statics[e.other_static].kind == Static::Kind::HalfSpace)
+    add_half_space(a, e, c, r, h, out);
+  else
+    add_static(m, start, a, e, c, valid[e.shape], h, out);
 }
 
 void NarrowPhase::add_half_space(const PosedShape& a, BroadPhasePair& e, ContactCandidate& c,
@@ -87,6 +95,8 @@ void NarrowPhase::add_shapes(const Model& m, Poses& start, const PosedShape& a, 
   const PosedShape& b = world_.place(start, e.other_shape);
   if (passing_through(a, b, c)) return;
   if (e.own && broad_phase_.spheres_apart(start, e, r)) return;
+  // A pair that was far would have left the list if others had had it made anew: it begins afresh.
+  if (e.dist > r) e.axis = {}, e.hint = {};
   const Separation s = separate(a, b, e.dist > r ? r + tune::kLookAhead : r, true, e.axis, &e.hint);
   e.axis = s.n;
   broad_phase_.measured(e, s.dist);
@@ -121,6 +131,7 @@ void NarrowPhase::add_static(const Model& m, Poses& start, const PosedShape& a, 
                              std::vector<ContactCandidate>& out) {
   const double r = valid;
   if (broad_phase_.behind_planes(e, a, r)) return;
+  if (e.dist > r) e.axis = {}, e.hint = {};
   // A pair that was near will be measured again in the next substep anyhow; one that was not is
   // measured a little farther, so that its bound lasts.
   broad_phase_.measure_static(

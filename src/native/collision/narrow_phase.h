@@ -22,6 +22,7 @@
 #include "collision/depenetration.h"
 #include "collision/prescribed_exits.h"
 #include "collision/gap_targets.h"
+#include "collision/last_candidates.h"
 #include "collision/pair_states.h"
 #include "collision/self_depenetration.h"
 
@@ -41,15 +42,21 @@ class NarrowPhase {
         self_(self) {}
 
   // The candidates of all listed pairs within `valid[shape]` of each other, for a substep of h.
-  // Lowers `valid` where they hold for less.
+  // Lowers `valid` where they hold for less. Asked again at the same pose, pairs of shapes for which
+  // `valid` is the same have the same candidates (last_candidates.h).
   void gather(const Model& m, Poses& start, std::vector<double>& valid, double h,
               std::vector<ContactCandidate>& out);
+  // A substep begins: all pairs are to be measured.
+  void begin_substep() { last_.forget(); }
   // Planes of a mesh that may be crossed hide nothing: appends the candidates behind those of the pair
   // of all[index] that are marked as searched.
   void search_behind(Poses& start, std::vector<double>& valid, double h, int index,
                      std::vector<ContactCandidate>& all);
 
  private:
+  // Of one pair.
+  void measure(const Model& m, Poses& start, BroadPhasePair& e, std::vector<double>& valid,
+               double h, std::vector<ContactCandidate>& out);
   // Of one pair, within a distance of r; `c` names the pair.
   void add_half_space(const PosedShape& a, BroadPhasePair& e, ContactCandidate& c, double r,
                       double h, std::vector<ContactCandidate>& out);
@@ -69,6 +76,7 @@ class NarrowPhase {
   Depenetration& depenetration_;
   PrescribedExits& forced_;
   const SelfDepenetration& self_;
+  LastCandidates last_;
 };
 
 }  // namespace hp

@@ -6,7 +6,7 @@
 //     broad phase       pairs of shapes within reach of where v* would take them (2)
 //     candidates        separating planes of those pairs, with the gap that each demands
 //     verify            v = v*: move, check every candidate at the end pose (3)
-//     repeat until no candidate is violated:
+//     repeat until no candidate is violated, island by island (islands.h):
 //       contacts        points of violated candidates, warm start, better predictions (4)
 //       solve           impulses p: M^ (v - v*) = J^T p, Coulomb (contact/solver.h) (5)
 //       verify          move, check again
@@ -15,11 +15,10 @@
 //
 // The answer is in data.step (v, end, end_qpos) and data.attempt (good, worst, contacts).
 #pragma once
+#include "stepping/island_response.h"
 #include "stepping/kinematic_bodies.h"
 #include "stepping/path_curvature.h"
 #include "stepping/restitution.h"
-#include "stepping/self_response.h"
-#include "stepping/untouched_joints.h"
 #include "stepping/verification.h"
 
 namespace hp {
@@ -33,31 +32,32 @@ class ContactStep {
  private:
   void begin(double h);
   void estimate_reach(double h);
-  void find_candidates(double h, bool first);
-  bool check(double h, int pass);
-  bool settle(double h);
-  void add_contacts(double h, int pass);
+  void find_candidates(double h);
+  void find_islands();
+  void settle(double h);
+  bool goes_on(int island);
+  bool settled() const;
+  void add_contacts(double h);
+  void drop_unsolved();
   void drop_idle();
+  static void find_worst(Attempt& attempt);
   void correct_prediction(Contact& c, double h);
-  bool rebound(double h, bool good);
+  void rebound(double h);
   bool extend_reach(bool last);
 
   void solve(double h);
-  SolveReport respond(double h);
-  SolveReport respond_once(double h);
   void cut_limits(size_t first, double h);
 
   System& system_;
   Data& data_;
   const KinematicBodies& kinematic_;
-  ContactSolver solver_;
   Verification verification_;
-  SelfResponse self_;
-  UntouchedJoints untouched_;
+  IslandResponse response_;
   PathCurvature curvature_;
   Rebounds rebounds_;
   std::vector<Twist> twists_;
   std::vector<double> fastest_, way_;  // per root body, per shape [m]
+  std::vector<int> beyond_;            // shapes that moved farther than their planes hold
 };
 
 }  // namespace hp

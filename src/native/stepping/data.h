@@ -56,12 +56,12 @@ struct Attempt {
   std::vector<char> violated;     // per candidate: the end pose misses its target
   std::vector<double> excess;     // per candidate: its gap minus its target [m]
   std::vector<char> relaxed;      // per root body: the clearance of its island has been given up
-  double overdue = 0;             // the largest violation that solving should have cured [m]
   double worst = 0;               // the largest violation [m], negative
-  double tolerance = 0;           // of solving [m]
-  size_t solved = 0;              // number of contacts that the last solve knew
-  bool good = true;               // no candidate is violated at the end pose
-  bool crushed = false;  // the last solve found that a kinematic body leaves others no room
+  std::vector<IslandProgress> islands;  // per root body that names one
+  size_t solved = 0;                    // number of contacts that the last solve knew
+  bool good = true;  // no candidate is violated at the end pose: all have settled
+
+  bool settled(int island) const { return islands[island].state == IslandProgress::State::Settled; }
 
   // What one check of all candidates at an end pose costs [multiplications].
   double check_work() const {

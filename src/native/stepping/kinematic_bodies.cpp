@@ -70,13 +70,14 @@ void KinematicBodies::set_velocity(const Model& m, const State& state, Step& ste
 
 bool KinematicBodies::slow_down(const System& system, Data& data) {
   const Attempt& attempt = data.attempt;
-  bool slow = false;
-  for (const Pace& p : pace_) slow |= p.share < 1;
-  if (attempt.good || trajectories_.empty() || !(attempt.crushed || slow)) return false;
-  data.islands.find(system, attempt.candidates);
+  if (attempt.good || trajectories_.empty()) return false;
+  const std::vector<char> slow = slowed(system, data);
   std::vector<char> squeezed(system.model.nbody, 0);
-  for (size_t i = 0; i < attempt.candidates.size() && i < attempt.violated.size(); i++)
-    if (attempt.violated[i]) squeezed[data.islands.of(system, attempt.candidates[i])] = 1;
+  for (size_t i = 0; i < attempt.violated.size(); i++) {
+    const int island = attempt.candidates[i].island;
+    if (attempt.violated[i] && (slow[island] || attempt.islands[island].crushed))
+      squeezed[island] = 1;
+  }
   bool any = false;
   for (size_t i = 0; i < trajectories_.size(); i++) {
     Pace& p = pace_[i];
@@ -92,34 +93,39 @@ bool KinematicBodies::slow_down(const System& system, Data& data) {
   return any;
 }
 
+std::vector<char> KinematicBodies::slowed(const System& system, const Data& data) const {
+  std::vector<char> slow(system.model.nbody, 0);
+  for (size_t i = 0; i < trajectories_.size(); i++)
+    if (pace_[i].share < 1 && system.world.active[trajectories_[i].body])
+      slow[data.islands.of_tree(trajectories_[i].body)] = 1;
+  return slow;
+}
+
 void KinematicBodies::give_up_clearance(const System& system, Data& data) const {
-  bool islands = false;
-  for (size_t i = 0; i < trajectories_.size(); i++) {
-    const int body = trajectories_[i].body;
-    if (pace_[i].share == 1 || !system.world.active[body]) continue;
-    if (!islands) data.islands.find(system, data.attempt.candidates);
-    islands = true;
-    for (int b = 1; b < system.model.nbody; b++)
-      if (data.islands.of_tree(system.model.root[b]) == data.islands.of_tree(body))
-        data.attempt.relaxed[b] = 1;
-  }
+  if (trajectories_.empty()) return;
+  const std::vector<char> slow = slowed(system, data);
+  for (int b = 1; b < system.model.nbody; b++)
+    data.attempt.relaxed[b] = slow[data.islands.of_tree(system.model.root[b])];
 }
 
-void KinematicBodies::drop_friction(const System& system, Attempt& attempt) const {
-  bool any = false;
-  for (const Pace& p : pace_) any |= p.share < 1;
-  if (!any) return;
+void KinematicBodies::drop_friction(const System& system, Data& data) const {
+  if (trajectories_.empty()) return;
+  const std::vector<char> slow = slowed(system, data);
+  Attempt& attempt = data.attempt;
   for (Contact& c : attempt.contacts) {
-    const int root = system.tree(attempt.candidates[c.pair].shape);
-    if (system.person[root] && attempt.relaxed[root]) c.friction = 0;
+    const ContactCandidate& k = attempt.candidates[c.pair];
+    const int root = system.tree(k.shape);
+    if (slow[k.island] && system.person[root] && attempt.relaxed[root]) c.friction = 0;
   }
 }
 
-double KinematicBodies::pushable_mass(const System& system) const {
+double KinematicBodies::pushable_mass(const System& system, const Islands& islands,
+                                      int island) const {
   const Model& m = system.model;
   double mass = 0;
   for (int b = 1; b < m.nbody && !trajectories_.empty(); b++)
-    if (system.world.active[b] && !m.held[m.root[b]]) mass += m.mass[b];
+    if (system.world.active[b] && !m.held[m.root[b]] && islands.of_tree(m.root[b]) == island)
+      mass += m.mass[b];
   return mass;
 }
 

@@ -47,12 +47,12 @@ class KinematicBodies {
   // After an attempt that failed: bodies that leave others no room go slower, or stand. True if
   // there are any.
   bool slow_down(const System& system, Data& data);
-  // Islands with a body that was slowed down get no clearance back.
+  // Islands with a body that was slowed down get no clearance back: sets attempt.relaxed.
   void give_up_clearance(const System& system, Data& data) const;
   // Friction does not hold people there either.
-  void drop_friction(const System& system, Attempt& attempt) const;
-  // Mass of all active bodies that contacts can push [kg]; 0 without kinematic bodies.
-  double pushable_mass(const System& system) const;
+  void drop_friction(const System& system, Data& data) const;
+  // Mass of all active bodies of an island that contacts can push [kg]; 0 without kinematic bodies.
+  double pushable_mass(const System& system, const Islands& islands, int island) const;
 
   // A tree has made all but `late` [s] of the substep under way.
   void set_late(int body, double late) { late_[body] = late; }
@@ -71,6 +71,9 @@ class KinematicBodies {
     double share = 1;
     int wait = 0, patience = 0;
   };
+  // Per island: a body in it was slowed down.
+  std::vector<char> slowed(const System& system, const Data& data) const;
+
   std::vector<Trajectory> trajectories_;
   std::vector<double> clock_;  // per trajectory: where on it the body is [s]
   std::vector<Pace> pace_;     // per trajectory

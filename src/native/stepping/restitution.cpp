@@ -36,6 +36,8 @@ bool Rebounds::demand(const System& system, Data& data, double h) {
     const double back = c.restitution * c.restitution * (met * met + height) - height;
     c.rebound = std::sqrt(std::max(0.0, back));
     c.bounce = c.rebound - 0.5 * pull - turned;
+    data.attempt.islands[data.attempt.candidates[c.pair].island].state =
+        IslandProgress::State::Open;
     any = true;
   }
   share_.assign(model.nbody, 1);
@@ -89,7 +91,13 @@ void Rebounds::bound_energy(const System& system, Data& data, const std::functio
   std::vector<double> good(share_.size(), 0), bad(share_), next(share_);
   const auto gains = [&](size_t b) { return work_[b] > tune::kWorkRounding * moved_[b]; };
   std::vector<char> cut(share_.size(), 0);
-  for (size_t b = 0; b < cut.size(); b++) cut[b] = gains(b);
+  std::vector<size_t> closed;  // meanwhile
+  for (size_t b = 0; b < cut.size(); b++) {
+    cut[b] = gains(b);
+    if (cut[b] || !data.attempt.islands[b].open()) continue;
+    closed.push_back(b);
+    data.attempt.islands[b].state = IslandProgress::State::Stuck;
+  }
   for (int k = 0; k < tune::kEnergyBisections; k++) {
     for (size_t b = 0; b < cut.size(); b++)
       if (cut[b]) next[b] = 0.5 * (good[b] + bad[b]);
@@ -103,6 +111,7 @@ void Rebounds::bound_energy(const System& system, Data& data, const std::functio
     if (cut[b]) next[b] = good[b];
   scale(system, data, next);
   solve();
+  for (const size_t b : closed) data.attempt.islands[b].state = IslandProgress::State::Open;
 }
 
 }  // namespace hp

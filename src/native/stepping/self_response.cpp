@@ -12,11 +12,12 @@ bool SelfResponse::is_own(const System& system, const Attempt& attempt, const Co
   return k.other_shape >= 0 && system.tree(k.shape) == system.tree(k.other_shape);
 }
 
-void SelfResponse::find_own(const System& system, const Attempt& attempt) {
+void SelfResponse::find_own(const System& system, const Attempt& attempt,
+                            const std::vector<Contact>& contacts) {
   const Model& model = system.model;
   own_.clear();
   touches_.assign(model.nbody, 0);
-  for (const Contact& c : attempt.contacts)
+  for (const Contact& c : contacts)
     if (is_own(system, attempt, c))
       own_.push_back(c), touches_[system.tree(attempt.candidates[c.pair].shape)] = 1;
   for (int b = 1; b < model.nbody; b++) touches_[b] = touches_[model.root[b]];
@@ -72,10 +73,11 @@ bool SelfResponse::met(const System& system, const State& state, double h) {
   return met;
 }
 
-bool SelfResponse::solve(const System& system, Data& data, ContactSolver& solver, double h) {
+bool SelfResponse::solve(const System& system, Data& data, const std::vector<Contact>& contacts,
+                         double tolerance, ContactSolver& solver, double h) {
   const Model& model = system.model;
   const Attempt& attempt = data.attempt;
-  find_own(system, attempt);
+  find_own(system, attempt, contacts);
   if (own_.empty()) return false;
   v_.resize(model.nv);
   const std::vector<double> resist = resistance(system, data);
@@ -88,9 +90,9 @@ bool SelfResponse::solve(const System& system, Data& data, ContactSolver& solver
                 whole);
     }
     inertia_.factor(model, data.inertia.scale(), resist, touches_.data(), free_.data());
-    const SolveReport r = solver.solve(
-        model, data.state.pose.kin, inertia_, h, data.step.v_free.data(), v_.data(), own_,
-        attempt.tolerance / h, system.world.settings.max_sweeps, 0, data.budget.solve());
+    const SolveReport r =
+        solver.solve(model, data.state.pose.kin, inertia_, h, data.step.v_free.data(), v_.data(),
+                     own_, tolerance, system.world.settings.max_sweeps, 0, data.budget.solve());
     data.budget.spend(r.work);
     data.result.diagnostics.sweeps += r.sweeps;
     if (met(system, data.state, h)) return true;

@@ -23,10 +23,12 @@ namespace hp {
 
 class SelfResponse {
  public:
-  // Solves self-contact alone, where there is any: v' and the impulses of own(). False if there is
+  // Solves self-contact alone, where `contacts` have any, to a tolerance [m/s]: v' and the impulses of
+  // own(). False if there is
   // none, or if it cannot be solved by the joints between the parts that touch.
-  bool solve(const System& system, Data& data, ContactSolver& solver, double h);
-  // The contacts within one person, in the order of attempt.contacts.
+  bool solve(const System& system, Data& data, const std::vector<Contact>& contacts,
+             double tolerance, ContactSolver& solver, double h);
+  // The contacts within one person, in the order of `contacts`.
   const std::vector<Contact>& own() const { return own_; }
   bool is_own(const System& system, const Attempt& attempt, const Contact& c) const;
   const std::vector<double>& velocity() const { return v_; }  // v'
@@ -34,7 +36,7 @@ class SelfResponse {
   const std::vector<double>& without_own(const System& system, const Data& data);
 
  private:
-  void find_own(const System& system, const Attempt& attempt);
+  void find_own(const System& system, const Attempt& attempt, const std::vector<Contact>& contacts);
   void make_room(const Model& m, int a, int b, bool whole);
   std::vector<double> resistance(const System& system, const Data& data) const;
   bool met(const System& system, const State& state, double h);

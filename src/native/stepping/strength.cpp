@@ -148,7 +148,6 @@ bool StrengthLimits::share_out(const System& system, Data& data, const HeldLoad&
 bool StrengthLimits::give_in(System& system, Data& data, const HeldLoad& load,
                              const InternalForces& internal, double h) {
   JointResistance& r = data.step.resistance;
-  const bool good = data.attempt.good;
   bool any = false;
   for (size_t p = 0; p < system.drives.size(); p++) {
     const Drive& d = system.drives[p];
@@ -157,6 +156,7 @@ bool StrengthLimits::give_in(System& system, Data& data, const HeldLoad& load,
     if (!exertion(system, data, load, internal, p, data.step.v, h)) continue;
     if (largest(d, pushed_.data()) == 0) continue;  // no contact acts on it
     const int first = d.first_dof(), count = d.dof_count();
+    const bool good = data.attempt.settled(data.islands.of_tree(d.body(0)));
     const bool none = !good || r.rounds[p] == tune::kResistRounds;
     if (!share_out(system, data, load, p, h) && good) continue;
     any = true;

@@ -33,6 +33,7 @@ void Substep::begin(double h) {
   data_.step.resistance.begin(model, system_.drives.size());
   data_.step.length = data_.step.gravity_time = h;
   data_.cache.begin_substep();
+  world.narrow_phase.begin_substep();
   if (world.depenetration.any() && world.depenetration.reroute(model, state.pose))
     world.broad_phase.invalidate();
   if (world.self_contact()) world.self_depenetration.update(model, state.pose);

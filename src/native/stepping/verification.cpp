@@ -13,7 +13,7 @@ namespace {
 // By how much a candidate's gap may miss its target [m].
 double allowed(const System& system, const Attempt& attempt, const ContactCandidate& c) {
   const World& world = system.world;
-  const double miss = 2 * attempt.tolerance + tune::kDistanceRounding;
+  const double miss = 2 * attempt.islands[c.island].tolerance + tune::kDistanceRounding;
   // Self-contact need not separate at an exact speed.
   if (system.self_overlap(c))
     return std::max(miss, (attempt.relaxed[system.tree(c.shape)] ? tune::kSelfExitSlackRelaxed
@@ -80,33 +80,50 @@ bool search_hidden(System& system, Data& data, double h) {
   return attempt.candidates.size() > before;
 }
 
-bool Verification::check(System& system, Data& data, double h, int pass) {
+void Verification::check(System& system, Data& data, double h) {
   Attempt& attempt = data.attempt;
   data.budget.spend(attempt.check_work());
-  attempt.worst = 0;
-  attempt.overdue = 0;
-  attempt.violated.clear();
-  attempt.excess.clear();
-  bool good = true;
-  const bool begins = pass == 0 && recall(system, data);
+  for (IslandProgress& p : attempt.islands)
+    if (p.open()) p.violated = false, p.worst = p.overdue = 0;
+  for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system, data, h); i++)
+    check_candidate(system, data, i);
+  find_overdue(system, data);
+}
+
+void Verification::check_first(System& system, Data& data, double h) {
+  Attempt& attempt = data.attempt;
+  if (!recall(system, data)) return check(system, data, h);
+  data.budget.spend(attempt.check_work());
+  const size_t known = recalled_.size();
   for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system, data, h); i++) {
-    if (begins && i < recalled_.size() && waits(system, attempt.candidates[i], begun_, squeezed_)) {
-      attempt.violated.push_back(recalled_[i]);
-      attempt.excess.push_back(-1);  // not known: first of all
-      good &= !recalled_[i];
-      continue;
+    const ContactCandidate& c = attempt.candidates[i];
+    if (i < known && waits(system, c, begun_, squeezed_)) {
+      attempt.violated.resize(i + 1, 0);
+      attempt.excess.resize(i + 1, -1);  // not known: first of all
+      attempt.violated[i] = recalled_[i];
+      attempt.islands[c.island].violated |= recalled_[i] != 0;
+    } else {
+      check_candidate(system, data, i);
     }
-    const double e = excess(system, data, i);
-    attempt.worst = std::min(attempt.worst, e);
-    const bool violated = e < -allowed(system, attempt, attempt.candidates[i]);
-    attempt.violated.push_back(violated);
-    attempt.excess.push_back(e);
-    good &= !violated;
-    if (violated && !system.is_object(attempt.candidates[i]))
-      attempt.overdue = std::max(attempt.overdue, -e);
   }
-  if (!good) find_overdue(system, data);
-  return good;
+  find_overdue(system, data);
+}
+
+void Verification::check_candidate(System& system, Data& data, size_t i) {
+  Attempt& attempt = data.attempt;
+  attempt.violated.resize(attempt.candidates.size(), 0);
+  attempt.excess.resize(attempt.candidates.size(), 0);
+  const int island = attempt.candidates[i].island;
+  if (!attempt.islands[island].open()) return;
+  const double e = excess(system, data, i);
+  attempt.excess[i] = e;
+  const ContactCandidate& c = attempt.candidates[i];
+  IslandProgress& p = attempt.islands[island];
+  p.worst = std::min(p.worst, e);
+  const bool violated = e < -allowed(system, attempt, c);
+  attempt.violated[i] = violated;
+  p.violated |= violated;
+  if (violated && !system.is_object(c)) p.overdue = std::max(p.overdue, -e);
 }
 
 // Finds the candidates and people that contacts are recalled for; true if there are any.
@@ -146,21 +163,26 @@ bool Verification::recall(System& system, Data& data) {
 // contacts that were solved for count.
 void Verification::find_overdue(const System& system, Data& data) const {
   Attempt& attempt = data.attempt;
-  for (const Contact& c : attempt.contacts)
-    if (attempt.violated[c.pair] && system.is_object(attempt.candidates[c.pair])) {
-      const double miss =
-          c.target - system.world.contact_points.gap_at(data.state.pose, data.step.end, c);
-      if (miss > tune::kObjectSettling * system.world.settings.clearance)
-        attempt.overdue = std::max(attempt.overdue, miss);
-    }
+  for (const Contact& c : attempt.contacts) {
+    const ContactCandidate& k = attempt.candidates[c.pair];
+    IslandProgress& p = attempt.islands[k.island];
+    if (!p.open() || !attempt.violated[c.pair] || !system.is_object(k)) continue;
+    const double miss =
+        c.target - system.world.contact_points.gap_at(data.state.pose, data.step.end, c);
+    if (miss > tune::kObjectSettling * system.world.settings.clearance)
+      p.overdue = std::max(p.overdue, miss);
+  }
 }
 
-void thin_out(const System& system, Attempt& attempt) {
-  const size_t people = std::max<size_t>(1, system.drives.size());
+void thin_out(const System& system, Data& data, int island) {
+  Attempt& attempt = data.attempt;
+  size_t people = 0;
+  for (const Drive& d : system.drives) people += data.islands.of_tree(d.body(0)) == island;
+  people = std::max<size_t>(1, people);
   std::vector<char>& violated = attempt.violated;
   std::vector<int> order;
   for (size_t i = 0; i < violated.size(); i++)
-    if (violated[i]) order.push_back((int)i);
+    if (violated[i] && attempt.candidates[i].island == island) order.push_back((int)i);
   if (order.size() <= people * tune::kManyViolated) return;
   const std::vector<ContactCandidate>& all = attempt.candidates;
   std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
@@ -184,26 +206,17 @@ void thin_out(const System& system, Attempt& attempt) {
   for (size_t k = people * tune::kMostPatchPlanes; k < left.size(); k++) violated[left[k]] = 0;
 }
 
-bool within_limits(const Attempt& attempt, const Step& step, double h) {
-  for (const Contact& c : attempt.limits)
-    if (c.dist + h * limit_sign(c) * step.v[limit_dof(c)] < c.target) return false;
-  return true;
+void check_limits(const System& system, Data& data, double h) {
+  for (const Contact& c : data.attempt.limits)
+    if (c.dist + h * limit_sign(c) * data.step.v[limit_dof(c)] < c.target)
+      data.attempt.islands[data.islands.of_limit(system, c)].violated = true;
 }
 
-bool give_way(const System& system, Data& data) {
+bool give_way(const System& system, Data& data, int island) {
   Attempt& attempt = data.attempt;
-  const int nbody = system.model.nbody;
-  data.islands.find(system, attempt.candidates);
-  std::vector<char> now(nbody, 0);
-  bool any = false;
-  for (size_t i = 0; i < attempt.candidates.size(); i++) {
-    const int b = data.islands.of(system, attempt.candidates[i]);
-    if (i < attempt.violated.size() && attempt.violated[i] && !attempt.relaxed[b])
-      now[b] = 1, any = true;
-  }
-  if (!any) return false;
-  for (int b = 1; b < nbody; b++)
-    if (now[data.islands.of_tree(b)]) attempt.relaxed[b] = 1;
+  if (attempt.relaxed[island]) return false;
+  for (int b = 1; b < system.model.nbody; b++)
+    if (data.islands.of_tree(b) == island) attempt.relaxed[b] = 1;
   relax(system, attempt);
   return true;
 }
@@ -218,7 +231,8 @@ void relax(const System& system, Attempt& attempt) {
     c.target =
         std::min(c.target, c.dist >= 0 ? std::min(c.dist, tuning::collision::kLeastGap) : c.dist);
     if (c.target >= 0 && c.target < tune::kNarrowGap)
-      attempt.tolerance = tune::kNarrowTolerance * system.world.settings.tolerance;
+      attempt.islands[c.island].tolerance =
+          tune::kNarrowTolerance * system.world.settings.tolerance;
   }
   for (Contact& c : attempt.contacts) c.target = attempt.candidates[c.pair].target;
 }

@@ -14,11 +14,15 @@ namespace hp {
 
 class Verification {
  public:
-  // Checks step.end: sets attempt.violated, worst and overdue; true if no candidate is violated.
-  // `pass` is the number of solves before it.
-  bool check(System& system, Data& data, double h, int pass);
+  // Checks the candidates of open islands at step.end: sets attempt.violated, and of the islands
+  // `violated`, `worst` and `overdue`.
+  void check(System& system, Data& data, double h);
+  // The same before the first solve: where a person has contacts from the substep before, there is a
+  // solve anyhow, and the person's candidates are checked after it, not before it too.
+  void check_first(System& system, Data& data, double h);
 
  private:
+  void check_candidate(System& system, Data& data, size_t i);
   void find_overdue(const System& system, Data& data) const;
   bool recall(System& system, Data& data);
 
@@ -33,17 +37,17 @@ double excess(System& system, Data& data, size_t i);
 // Appends the candidates that forgiven planes had hidden. True if there are any.
 bool search_hidden(System& system, Data& data, double h);
 
-// Where very many candidates are violated, marks those alone that contacts are to be made of: of each
-// shape the worst, and others whose planes differ from them.
-void thin_out(const System& system, Attempt& attempt);
+// Where very many candidates of an island are violated, marks those alone that contacts are to be made
+// of: of each shape the worst, and others whose planes differ from them.
+void thin_out(const System& system, Data& data, int island);
 
-// Do the joints with ranges end within them?
-bool within_limits(const Attempt& attempt, const Step& step, double h);
+// Marks islands where joints with ranges do not end within them as violated.
+void check_limits(const System& system, Data& data, double h);
 
 // Clearances give way where the targets of an island cannot be met all together: before a step is
-// shortened, the gaps of the island may shrink to 0.1 mm, v_n >= -(dist - 0.1 mm)/h. False if every
-// island with a violated candidate has given way already.
-bool give_way(const System& system, Data& data);
+// shortened, the gaps of the island may shrink to 0.1 mm, v_n >= -(dist - 0.1 mm)/h. False if it has
+// given way already.
+bool give_way(const System& system, Data& data, int island);
 // Lowers the targets in islands that have given way.
 void relax(const System& system, Attempt& attempt);
 

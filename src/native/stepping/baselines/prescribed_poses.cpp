@@ -122,7 +122,8 @@ bool PrescribedPoses::soften(System& system, Data& data, int body, int tries) {
   const double most =
       std::max(tuning::collision::kThrownFactor * pushed,
                tune::kThrownAcross * std::hypot(fastest(system, kin, body, free_), pushed));
-  const bool room = data.attempt.good && !data.attempt.relaxed[system.model.root[body]];
+  const int root = system.model.root[body];
+  const bool room = data.attempt.settled(data.islands.of_tree(root)) && !data.attempt.relaxed[root];
   if (speed <= most && (room || pace == 0)) return false;
   if (pace == 0) {
     jam(system, data.step, system.model.root[body]);

@@ -34,7 +34,7 @@ class tuning:
 
     yield_tolerance: float = 0.02
 
-    fastest_yield: float = 130.0
+    safe_yield_rounds: int = 60
 
     yield_rounds: int = 60
 

@@ -228,8 +228,7 @@ class ReferenceDrive:
             decayed: Array = (self.deviation - h * way / tau**2) / self.scale(h)
             pull = self.deviation - decayed
             if self.limits is not None:
-                now, most = self.v_ref + self.deviation, h * self.limits
-                pull = pull_within(pull, most, M, self.heavier(h, M, stiff), now, self.v_ref)
+                pull = pull_within(pull, h * self.limits, M, self.heavier(h, M, stiff))
             return self.v_ref + self.deviation - pull
         v = qvel[self.dofs].copy()
         turn = turns(q, expected)

@@ -22,9 +22,9 @@ PULL = tuning.pull_share
 #: Yielding joints aim at this share of their limit; after this number of rounds they do not resist
 #: at all.
 AIM, ROUNDS = tuning.resist_share, tuning.resist_rounds
-#: A yielding joint exerts its limit to this tolerance and turns no faster than this [rad/s];
-#: number of rounds of its solver.
-SHARE, FASTEST, WAYS = tuning.yield_tolerance, tuning.fastest_yield, tuning.yield_rounds
+#: A yielding joint exerts its limit to this tolerance; number of rounds of its solver, and of those
+#: after them in which joints only give way more.
+SHARE, WAYS, SAFE = tuning.yield_tolerance, tuning.yield_rounds, tuning.safe_yield_rounds
 #: Exponent of over-relaxation; least rate of a yielding joint in it [rad/s].
 STRIDE, CREEP = tuning.yield_over_relaxation, tuning.least_yield_rate
 #: Largest resistance, that of a joint without a limit [kg m^2].
@@ -44,16 +44,14 @@ def capped(x: Array, most: Array) -> Array:
     return result
 
 
-def pull_within(
-    pull: Array, most: Array, M: Array, M_hat: Array, now: Array, asked: Array
-) -> Array:
+def pull_within(pull: Array, most: Array, M: Array, M_hat: Array) -> Array:
     """The part of D = `pull`, the change of velocity that the drive wants, within limits `most`.
 
     1. diag(M^) D of each joint is at most 97 % of its limit (body held still by contacts).
     2. So is M^ D, which includes the coupling of the joints.
     3. In a free body M D is at most the limit: weak joints yield.
 
-    `now`: velocity without the pull; `asked`: velocity of the reference. All (3n,), `most` (n,).
+    `pull` (3n,), `most` (n,).
     """
     if np.abs(pull).max() < REST:
         return pull
@@ -65,10 +63,7 @@ def pull_within(
     may = most / (1.0 + SHARE)
     if (sizes(M @ D) <= may + REST**2).all():
         return D
-    v = now - D + give_way(-M @ D, may, M)
-    fastest = np.maximum(FASTEST, sizes(asked))
-    fastest[0] = np.inf
-    return now - capped(v, fastest)
+    return D - give_way(-M @ D, may, M)
 
 
 def give_way(need: Array, may: Array, M: Array) -> Array:
@@ -77,11 +72,13 @@ def give_way(need: Array, may: Array, M: Array) -> Array:
     This is dry friction, solved as a series of linear problems with resistances may_j / |y_j|.
     """
     rate = np.full_like(may, CREEP)
-    for _ in range(WAYS):
+    for way in range(WAYS + SAFE):
         resistance = np.minimum(HOLD, may / rate)
         y = np.asarray(np.linalg.solve(M + np.diag(np.repeat(resistance, 3)), -need))
         share = sizes(y) / rate
         settled = (may == 0.0) | (may / rate >= HOLD) | ((rate == CREEP) & (share <= 1.0))
+        if way >= WAYS:
+            settled |= share - 1.0 <= SHARE
         if (settled | (np.abs(share - 1.0) <= SHARE)).all():
             return y
         rate = np.where(settled, rate, np.maximum(CREEP, rate * share**STRIDE))

@@ -24,7 +24,7 @@ void bind_tuning(nb::module_& m) {
   add("resist_share", stepping::kResistShare);
   add("resist_rounds", stepping::kResistRounds);
   add("yield_tolerance", stepping::kYieldTolerance);
-  add("fastest_yield", stepping::kFastestYield);
+  add("safe_yield_rounds", stepping::kSafeYieldRounds);
   add("yield_rounds", stepping::kYieldRounds);
   add("yield_over_relaxation", stepping::kYieldOverRelaxation);
   add("least_yield_rate", stepping::kLeastYieldRate);

@@ -115,7 +115,8 @@ std::vector<double> yield(const System& system, const Inertia& inertia, const Dr
   std::vector<double> resistance(model.nv, 0), y, rate(count, tune::kLeastYieldRate);
   Inertia body;
   body.M = inertia.M;
-  for (int round = 0; round < tune::kYieldRounds; round++) {
+  for (int round = 0; round < tune::kYieldRounds + tune::kSafeYieldRounds; round++) {
+    const bool late = round >= tune::kYieldRounds;  // joints only give way more
     for (int k = 0; k < count; k++)
       std::fill_n(&resistance[d.limit_dof(k)], 3,
                   std::min(tune::kRigidResistance, may[k] / rate[k]));
@@ -129,7 +130,9 @@ std::vector<double> yield(const System& system, const Inertia& inertia, const Dr
       if (may[k] == 0 || may[k] / rate[k] >= tune::kRigidResistance ||
           (rate[k] == tune::kLeastYieldRate && share <= 1))
         continue;
-      good &= std::fabs(share - 1) <= tune::kYieldTolerance;
+      const double over = share - 1;
+      if (late && over <= tune::kYieldTolerance) continue;
+      good &= std::fabs(over) <= tune::kYieldTolerance;
       rate[k] =
           std::max(tune::kLeastYieldRate, rate[k] * std::pow(share, tune::kYieldOverRelaxation));
     }
@@ -169,14 +172,6 @@ void HeldLoad::bear(System& system, Data& data, const Drive& d, double h) const 
   data.result.disturbed[d.body(0)] = 1;
   d.unhindered(v_free.data());
   for (int i = first; i < end; i++) v_free[i] += wanted[i] + y[i];
-  std::vector<double> asked(model.nv, 0);
-  d.reference(asked.data());
-  for (int k = 1; k < count; k++) {
-    const int at = d.limit_dof(k);
-    const Vec3 w = load3(&v_free[at]);
-    const double fastest = std::max(tune::kFastestYield, norm(load3(&asked[at])));
-    if (norm(w) > fastest) store3(&v_free[at], (fastest / norm(w)) * w);
-  }
 }
 
 }  // namespace hp

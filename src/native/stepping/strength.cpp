@@ -35,7 +35,25 @@ bool cut(const Drive& d, double h, double* impulse) {
 }  // namespace
 
 void StrengthLimits::finish(const Model& m) {
-  for (auto* v : {&exerted_, &change_, &pushed_, &stiff_, &softer_}) v->assign(m.nv, 0);
+  for (auto* v : {&exerted_, &change_, &pushed_, &stiff_, &softer_, &kept_}) v->assign(m.nv, 0);
+}
+
+void StrengthLimits::begin(const System& system, const Step& step) {
+  v_star_ = step.v_free;
+  in_pieces_.assign(system.drives.size(), 0);
+}
+
+void StrengthLimits::keep(const System& system, Data& data, const std::vector<double>& share) {
+  for (size_t p = 0; p < system.drives.size(); p++) {
+    const Drive& d = system.drives[p];
+    const int first = d.first_dof(), count = d.dof_count();
+    if (!system.active(d) || d.gentle() || share[d.body(0)] < 0) continue;
+    if (!exertion(system, data, p, data.step.v, data.step.length))
+      std::fill_n(exerted_.begin() + first, count, 0.0);
+    std::copy_n(exerted_.begin() + first, count, kept_.begin() + first);
+    std::copy_n(data.step.v.begin() + first, count, v_star_.begin() + first);
+    in_pieces_[p] = 1;
+  }
 }
 
 // The drive pulls the deviation e back by D in a substep, v* = v_ref + e - D, and against what
@@ -87,16 +105,34 @@ void StrengthLimits::added(const System& system, const Data& data, const Drive& 
     out[i] = share[i] * ((s - 1) * out[i] + s * stiff_[i] * softer_[i]);
 }
 
+// The same of pushed_ for the joints as they are now, into change_.
+void StrengthLimits::resist(const System& system, Data& data, size_t person, double h) {
+  const Drive& d = system.drives[person];
+  const int first = d.first_dof(), end = first + d.dof_count();
+  data.inertia.compose(system, data.state);
+  if (data.step.resistance.rounds[person] > 0)
+    return added(system, data, d, h, pushed_.data(), change_.data());
+  const double s = d.scale(system.drive_settings, h);
+  data.inertia.multiply(system, d, pushed_.data(), change_.data());
+  for (int i = first; i < end; i++)
+    change_[i] = (s - 1) * change_[i] + s * data.inertia.added()[i] * pushed_[i];
+}
+
 // The impulse that a drive exerts in a substep that ends with the velocities v, into exerted_;
-// false if it is none. Leaves v - v* in pushed_.
-bool StrengthLimits::exertion(const System& system, Data& data, const HeldLoad& load,
-                              const InternalForces& internal, size_t person,
+// false if it is none. Leaves v - v* in pushed_. After a piece: what it has exerted by then, and what
+// resists contacts since.
+bool StrengthLimits::exertion(const System& system, Data& data, size_t person,
                               const std::vector<double>& v, double h) {
   const Drive& d = system.drives[person];
   const int first = d.first_dof(), end = first + d.dof_count();
-  d.deviation_change(v.data(), change_.data());
   for (int i = first; i < end; i++) pushed_[i] = v[i] - v_star_[i];
   const bool touched = largest(d, pushed_.data()) > 0;
+  if (in_pieces_[person]) {
+    if (touched) resist(system, data, person, h);
+    for (int i = first; i < end; i++) exerted_[i] = kept_[i] - (touched ? change_[i] : 0);
+    return true;
+  }
+  d.deviation_change(v.data(), change_.data());
   const bool changes = touched || largest(d, change_.data()) >= tune::kVelocityRounding;
   const bool own = system.drive_settings.own_forces();
   if (!changes && !system.carries(d) && !own) return false;
@@ -108,8 +144,8 @@ bool StrengthLimits::exertion(const System& system, Data& data, const HeldLoad& 
     for (int i = first; touched && i < end; i++) change_[i] -= s * pushed_[i];
     data.inertia.multiply(system, d, change_.data(), exerted_.data());
   }
-  for (int i = first; system.carries(d) && i < end; i++) exerted_[i] += h * load.force()[i];
-  if (own) internal.discount(system, d, v.data(), h, exerted_.data());
+  for (int i = first; system.carries(d) && i < end; i++) exerted_[i] += h * load_.force()[i];
+  if (own) internal_.discount(system, d, v.data(), h, exerted_.data());
   if (!touched) return true;
   if (overcome) added(system, data, d, h, pushed_.data(), change_.data());
   for (int i = first; i < end; i++)
@@ -119,16 +155,19 @@ bool StrengthLimits::exertion(const System& system, Data& data, const HeldLoad& 
 
 // Reduces theta of the joints that exceed their strength; true if there are any. The pull
 // M (v* - v_ref - e) and what is held are within the limits: the rest is what may resist.
-bool StrengthLimits::share_out(const System& system, Data& data, const HeldLoad& load,
-                               size_t person, double h) {
+bool StrengthLimits::share_out(const System& system, Data& data, size_t person, double h) {
   const Drive& d = system.drives[person];
   JointResistance& resistance = data.step.resistance;
   const int first = d.first_dof(), end = first + d.dof_count();
-  d.unhindered(pushed_.data());
-  for (int i = first; i < end; i++) pushed_[i] = v_star_[i] - pushed_[i];
-  data.inertia.multiply(system, d, pushed_.data(), change_.data());
-  if (system.carries(d))
-    for (int i = first; i < end; i++) change_[i] += h * load.force()[i];
+  if (in_pieces_[person]) {
+    std::copy_n(kept_.begin() + first, end - first, change_.begin() + first);
+  } else {
+    d.unhindered(pushed_.data());
+    for (int i = first; i < end; i++) pushed_[i] = v_star_[i] - pushed_[i];
+    data.inertia.multiply(system, d, pushed_.data(), change_.data());
+    if (system.carries(d))
+      for (int i = first; i < end; i++) change_[i] += h * load_.force()[i];
+  }
   if (resistance.rounds[person] == 0)
     std::copy_n(data.inertia.added().begin() + first, end - first, stiff_.begin() + first);
   bool over = false;
@@ -145,20 +184,19 @@ bool StrengthLimits::share_out(const System& system, Data& data, const HeldLoad&
   return over;
 }
 
-bool StrengthLimits::give_in(System& system, Data& data, const HeldLoad& load,
-                             const InternalForces& internal, double h) {
+bool StrengthLimits::give_in(System& system, Data& data, double h) {
   JointResistance& r = data.step.resistance;
   bool any = false;
   for (size_t p = 0; p < system.drives.size(); p++) {
     const Drive& d = system.drives[p];
     if (d.limits.empty() || r.rounds[p] > tune::kResistRounds || !system.active(d) || d.gentle())
       continue;
-    if (!exertion(system, data, load, internal, p, data.step.v, h)) continue;
+    if (!exertion(system, data, p, data.step.v, h)) continue;
     if (largest(d, pushed_.data()) == 0) continue;  // no contact acts on it
     const int first = d.first_dof(), count = d.dof_count();
     const bool good = data.attempt.settled(data.islands.of_tree(d.body(0)));
     const bool none = !good || r.rounds[p] == tune::kResistRounds;
-    if (!share_out(system, data, load, p, h) && good) continue;
+    if (!share_out(system, data, p, h) && good) continue;
     any = true;
     if (r.holds[p]) {  // first without holding what nothing touches
       r.holds[p] = 0;
@@ -175,11 +213,10 @@ bool StrengthLimits::give_in(System& system, Data& data, const HeldLoad& load,
   return any;
 }
 
-void StrengthLimits::tally(System& system, Data& data, const HeldLoad& load,
-                           const InternalForces& internal, double h) {
+void StrengthLimits::tally(System& system, Data& data, double h) {
   for (size_t p = 0; p < system.drives.size(); p++) {
     Drive& d = system.drives[p];
-    if (system.active(d) && exertion(system, data, load, internal, p, data.state.qvel, h))
+    if (system.active(d) && exertion(system, data, p, data.state.qvel, h))
       d.effort.add(exerted_.data() + d.first_dof());
   }
 }

@@ -11,7 +11,8 @@
 //   1. pulls the deviation back by at most D with M^_jj |D_j| <= h tau_max,j (limit());
 //   2. and with |(M^ D)_j| <= h tau_max,j, coupling included (limit());
 //   3. resists contacts less where a joint exerts more: M^ - M becomes theta (M^ - M) theta with
-//      theta_j <= 1, and the substep is solved again, round by round (give_in()).
+//      theta_j <= 1, and the substep is solved again, round by round (give_in()). In a step that is made
+//      in pieces what was exerted in those before counts (keep()).
 // Joints that are too weak for rule 2 in free motion give way like dry friction (held_load.h).
 // src/halfphysics/reference/strength.py has the rules in plain numpy.
 #pragma once
@@ -25,29 +26,36 @@ namespace hp {
 
 class StrengthLimits {
  public:
+  StrengthLimits(const HeldLoad& load, const InternalForces& internal)
+      : load_(load), internal_(internal) {}
   void finish(const Model& m);
   // Rules 1 and 2, on step.v_free. Where nothing is limited v* stays as it is, bit for bit.
   void limit(const System& system, Data& data, double h);
   // Contacts come: step.v_free is v*.
-  void begin(const Step& step) { v_star_ = step.v_free; }
+  void begin(const System& system, const Step& step);
   // Rule 3, after an attempt: true if a joint exceeded its strength. Then the step is to be tried
   // again with the resistance that this leaves. Where six rounds do not end it, or the step would
-  // have to be shortened, the pull alone is left.
-  bool give_in(System& system, Data& data, const HeldLoad& load, const InternalForces& internal,
-               double h);
+  // have to be shortened, the pull alone is left. `h` is the whole substep, in its pieces too.
+  bool give_in(System& system, Data& data, double h);
+  // An attempt is about to be committed, by the trees' shares of it, and pieces follow: what drives have
+  // exerted by then counts in them (sub_stepping.h).
+  void keep(const System& system, Data& data, const std::vector<double>& share);
   // Adds what the drives exerted in a substep that has ended with state.qvel to their frame's sum.
-  void tally(System& system, Data& data, const HeldLoad& load, const InternalForces& internal,
-             double h);
+  void tally(System& system, Data& data, double h);
 
  private:
-  bool exertion(const System& system, Data& data, const HeldLoad& load,
-                const InternalForces& internal, size_t person, const std::vector<double>& v,
+  bool exertion(const System& system, Data& data, size_t person, const std::vector<double>& v,
                 double h);
-  bool share_out(const System& system, Data& data, const HeldLoad& load, size_t person, double h);
+  void resist(const System& system, Data& data, size_t person, double h);
+  bool share_out(const System& system, Data& data, size_t person, double h);
   void added(const System& system, const Data& data, const Drive& d, double h, const double* x,
              double* out);
 
-  std::vector<double> v_star_;
+  const HeldLoad& load_;
+  const InternalForces& internal_;
+  std::vector<double> v_star_;           // of the piece under way
+  std::vector<char> in_pieces_;          // per person: a piece of the substep has been made
+  std::vector<double> kept_;             // what was exerted in those, per dof [N s, N m s]
   std::vector<double> exerted_;          // impulse of the drives, per dof [N s, N m s]
   std::vector<double> change_, pushed_;  // scratch, per dof
   std::vector<double> stiff_;            // X before joints give in, per dof

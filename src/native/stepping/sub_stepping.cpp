@@ -158,7 +158,8 @@ double SubStepping::catch_up(double h, double left, bool begun) {
       data_.inertia.forget();
     }
     length = std::min(length, left);
-    attempts_.run(length);
+    do attempts_.run(length);
+    while (!data_.budget.out() && strength_.give_in(system_, data_, data_.step.length));
     std::vector<double> share;
     if (!good()) share = shares(length);
     double least = 1;
@@ -168,6 +169,7 @@ double SubStepping::catch_up(double h, double left, bool begun) {
       length *= tune::kShorterPiece;
       continue;
     }
+    strength_.keep(system_, data_, std::vector<double>(model.nbody, least));
     if (least < 1) share.assign(model.nbody, least);
     commit(length, share);
     begun = true;
@@ -202,6 +204,7 @@ double SubStepping::go_on(double h, std::vector<double> share) {
     left[b] = h * (1 - std::max(0.0, share[b]));
     data_.result.disturbed[model.root[b]] = 1;
   }
+  strength_.keep(system_, data_, share);
   commit(h, share);
   double lost = 0;
   const std::vector<CachedContact> warm = data_.cache.contacts();

@@ -10,13 +10,19 @@
 // overlap is shortened likewise, whether it was verified or not.
 #pragma once
 #include "stepping/step_attempts.h"
+#include "stepping/strength.h"
 
 namespace hp {
 
 class SubStepping {
  public:
-  SubStepping(System& system, Data& data, KinematicBodies& kinematic, StepAttempts& attempts)
-      : system_(system), data_(data), kinematic_(kinematic), attempts_(attempts) {}
+  SubStepping(System& system, Data& data, KinematicBodies& kinematic, StepAttempts& attempts,
+              StrengthLimits& strength)
+      : system_(system),
+        data_(data),
+        kinematic_(kinematic),
+        attempts_(attempts),
+        strength_(strength) {}
   // After an attempt at a step of length h: commits it whole where it is good, else in pieces.
   // Returns the time that is lost [s].
   double make(double h);
@@ -39,6 +45,7 @@ class SubStepping {
   Data& data_;
   KinematicBodies& kinematic_;
   StepAttempts& attempts_;
+  StrengthLimits& strength_;
   std::vector<double> moved_;        // velocities times shares
   std::vector<double> way_, inner_;  // per shape: travelled, and seen from the root body [m]
   uint64_t way_stamp_ = 0;           // of the end pose that they lead to

@@ -15,7 +15,7 @@ void Substep::finish() {
 void Substep::run(int k, double h) {
   begin(h);
   free_velocity(k, h);
-  strength_.begin(data_.step);
+  strength_.begin(system_, data_.step);
   attempts_.run(h);
   while (!data_.budget.out() && again(h)) attempts_.run(h);
   trace(k, h);
@@ -67,7 +67,7 @@ bool Substep::again(double h) {
     kinematic_.set_velocity(system_.model, data_.state, data_.step, h);
     return true;
   }
-  return strength_.give_in(system_, data_, load_, internal_, h);
+  return strength_.give_in(system_, data_, h);
 }
 
 void Substep::trace(int k, double h) {
@@ -103,7 +103,7 @@ void Substep::end(double h, double lost) {
     if (system_.world.active[b])
       for (int i = model.dof_first[b] + 3; i < model.dof_first[b] + 6; i++)
         state.qvel[i] += data_.step.spin[i];
-  strength_.tally(system_, data_, load_, internal_, h);
+  strength_.tally(system_, data_, h);
   for (Drive& d : system_.drives)
     if (system_.active(d)) d.end_substep(state.qvel.data(), h, data_.step.pushed);
 }

@@ -23,7 +23,7 @@ class Substep {
         data_(data),
         kinematic_(kinematic),
         attempts_(system, data, kinematic, prescribed),
-        sub_stepping_(system, data, kinematic, attempts_) {}
+        sub_stepping_(system, data, kinematic, attempts_, strength_) {}
   void finish();
   // Substep k of the frame, of length h [s], of active trees.
   void run(int k, double h);
@@ -44,7 +44,7 @@ class Substep {
   FreeMotion free_;
   InternalForces internal_;
   HeldLoad load_;
-  StrengthLimits strength_;
+  StrengthLimits strength_{load_, internal_};
   StepAttempts attempts_;
   SubStepping sub_stepping_;
 };

@@ -54,9 +54,22 @@ def cases():
 @pytest.mark.parametrize("contact", ["skin", "parts"])
 def test_no_torque_above_its_limit_in_any_substep(body, case, contact):
     """One substep a frame, so that the reported torque is that of every substep."""
-    if (case, contact) == ("flails at 15 m/s and more", "skin"):
-        pytest.xfail("single substeps exceed the limit 29 times; so did 5 of 24 starts before")
-    motion, scene = cases()[case]
+    share = shares(body, *cases()[case], contact)
+    assert share.max() <= 1.0 + ROUNDING
+    assert share.max() >= 0.9  # the limits were reached
+
+
+@pytest.mark.parametrize("forward", [0.002, 0.004, 0.0066667, 0.01, 0.0133333])
+@pytest.mark.parametrize("contact", ["skin", "parts"])
+def test_nor_from_other_starts(body, forward, contact):
+    """Steps made in pieces, joints that whirl: 5 of 24 such starts exceeded a limit."""
+    motion, scene = cases()["flails at 15 m/s and more"]
+    moved = motion.with_frames(motion.translation + np.array([forward, 0.0, 0.0]), motion.rotations)
+    assert shares(body, moved, scene, contact).max() <= 1.0 + ROUNDING
+
+
+def shares(body, motion, scene, contact):
+    """Torques of all substeps as shares of the limits (T, 55)."""
     settings = Settings(strength="human", contact=contact)
     assert settings.substeps_for(1.0 / motion.fps) == 1
     simulator = hp.Simulator(scene, body=body, settings=settings, fps=motion.fps)
@@ -67,9 +80,7 @@ def test_no_torque_above_its_limit_in_any_substep(body, case, contact):
         frame = simulator.step(motion[t])
         assert np.isfinite(frame.pose.rotations).all()
         torque.append(np.linalg.norm(frame.torques[0], axis=-1))
-    share = np.array(torque) / limits
-    assert share.max() <= 1.0 + ROUNDING
-    assert share.max() >= 0.9  # the limits were reached
+    return np.array(torque) / limits
 
 
 def test_without_limits_the_same_blow_takes_more(body):

@@ -134,6 +134,12 @@ constexpr double kRounding = 1e-9;
 // written with five decimals. Less, and things that were set down on each other are pushed apart; more,
 // and real overlaps stay.
 constexpr double kRestingOverlap = 1e-5;
+
+// People who start overlapping: directions that are tried for the one who is displaced, steps of that and
+// the farthest [m]. A person who comes less than this share of the way asked, kStuckPatience substeps long,
+// is held back: then the other one is displaced.
+constexpr int kPartingWays = 16;
+constexpr double kPartingStride = 5e-3, kFarthestParting = 3, kPartingBlocked = 0.25;
 // The gap down to which the clearance of contacts gives way where demands cannot all be met [m].
 constexpr double kLeastGap = 1e-4;
 // Two normals this near (cosine) belong to the same sides of two shapes.

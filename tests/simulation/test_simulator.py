@@ -241,17 +241,6 @@ def test_a_start_inside_something_is_said(body):
     assert said[0].filename == __file__
 
 
-@pytest.mark.slow
-def test_two_people_who_start_in_one_place_come_apart_in_peace(body):
-    """They pass through each other until they are out: none is thrown and none gets stuck."""
-    a = along_x(0.0, 16, start=0.0)
-    b = along_x(2.0, 16, start=0.02)
-    result = simulate([a, b], Scene(), body=[body, body])
-    for person in result.people:
-        speed = np.linalg.norm(np.diff(person.motion.translation, axis=0), axis=1) * 30
-        assert speed.max() < 3.0
-
-
 def test_mistakes(body):
     simulator = Simulator(Scene(), body=body)
     pose = along_x(1.0, 2, 0.0)[0]

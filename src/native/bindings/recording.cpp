@@ -13,8 +13,9 @@ void Recording::add(Stepper& s) {
                                  (double)g.sweeps, (double)g.shortened, g.residual});
   touch_count.push_back((double)s.result().touches.size());
   touch_rows(s.result().touches, touches);
-  inside_count.push_back((double)s.system.world.depenetration.overlaps().size());
+  const size_t before = inside.size();
   inside_rows(s.system.world, inside);
+  inside_count.push_back((double)(inside.size() - before) / 4);
   breach_count.push_back((double)s.result().breaches.size());
   breach_rows(s.result().breaches, breaches);
   done++;

@@ -23,6 +23,8 @@ void inside_rows(const World& world, std::vector<double>& out) {
   for (const InitialOverlap& in : world.depenetration.overlaps())
     out.insert(out.end(),
                {(double)in.shape, (double)in.other_static, (double)in.other_shape, in.depth()});
+  for (const Parting& p : world.parting.all())
+    out.insert(out.end(), {(double)p.shape, -1, (double)p.other_shape, p.left});
 }
 
 void breach_rows(const std::vector<Breach>& breaches, std::vector<double>& out) {

@@ -43,7 +43,8 @@ bool EndCheck::exempt(const BroadPhasePair& e) const {
       (shapes[e.shape].person >= 0 || (e.other_shape >= 0 && shapes[e.other_shape].person >= 0)))
     return true;
   const PairState* state = states_.find(e);
-  if (state && (state->through || state->kept || (state->overlapping && e.own))) return true;
+  if (state && (state->kept || (state->overlapping && e.own))) return true;
+  if (e.other_shape >= 0 && parting_.any() && parting_.between(e.shape, e.other_shape)) return true;
   return depenetration_.any() && depenetration_.find(e);
 }
 

@@ -15,6 +15,7 @@
 #include "collision/broad_phase.h"
 #include "collision/depenetration.h"
 #include "collision/pair_states.h"
+#include "collision/people_parting.h"
 
 namespace hp {
 
@@ -27,8 +28,12 @@ struct Breach {
 class EndCheck {
  public:
   EndCheck(const CollisionWorld& world, BroadPhase& broad_phase, PairStates& states,
-           Depenetration& depenetration)
-      : world_(world), broad_phase_(broad_phase), states_(states), depenetration_(depenetration) {}
+           Depenetration& depenetration, const PeopleParting& parting)
+      : world_(world),
+        broad_phase_(broad_phase),
+        states_(states),
+        depenetration_(depenetration),
+        parting_(parting) {}
 
   // The breaches at the end of a step, on which no shape travels farther than `way`, seen from its
   // root `inner` (empty without self-contact). Once per end pose.
@@ -46,6 +51,7 @@ class EndCheck {
   BroadPhase& broad_phase_;
   PairStates& states_;
   Depenetration& depenetration_;
+  const PeopleParting& parting_;
   std::vector<Breach> found_;
   struct Measured {
     size_t pair;  // index into the list

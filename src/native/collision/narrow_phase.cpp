@@ -1,7 +1,6 @@
 #include "collision/narrow_phase.h"
 
 #include "collision/least_overlap.h"
-#include "geometry/gjk.h"
 #include "geometry/separation.h"
 #include "tuning.h"
 
@@ -13,6 +12,7 @@ void NarrowPhase::gather(const Model& m, Poses& start, std::vector<double>& vali
                          std::vector<ContactCandidate>& out) {
   out.clear();
   forced_.update(m, start, broad_phase_.pairs());
+  parting_.update(start);
   if (world_.forced) last_.forget();
   last_.begin(start.stamp, h, valid);
   for (const InitialOverlap& in : depenetration_.overlaps()) last_.renew(in.shape);
@@ -58,18 +58,6 @@ void NarrowPhase::add_half_space(const PosedShape& a, BroadPhasePair& e, Contact
   out.push_back(c);
 }
 
-// Two people that started overlapping: do they still? If not, the pair is an ordinary one from now
-// on.
-bool NarrowPhase::passing_through(const PosedShape& a, const PosedShape& b,
-                                  const ContactCandidate& c) {
-  const PairState* state = states_.find(c);
-  if (!state || !state->through) return false;
-  Vec3 pa, pb;
-  if (gjk(a.support(), b.support(), a.center - b.center, pa, pb) <= 0) return true;
-  states_.erase(c);
-  return false;
-}
-
 // The exit direction of a pair that overlaps: fixed in `frame` when the overlap is first found,
 // dropped when it ends.
 void NarrowPhase::fix_exit(const PosedShape& a, const PosedShape& b, const Mat3& frame,
@@ -82,7 +70,7 @@ void NarrowPhase::fix_exit(const PosedShape& a, const PosedShape& b, const Mat3&
     c.n = frame * state->exit;
     c.dist = separate_along(a, b, c.n).dist;
   } else {
-    if (!state) state = &states_.add(c, {world_.settings.clearance, false, {}, false});
+    if (!state) state = &states_.add(c, {world_.settings.clearance, false, {}});
     state->overlapping = true;
     state->exit = mul_t(frame, c.n);
   }
@@ -92,8 +80,8 @@ void NarrowPhase::fix_exit(const PosedShape& a, const PosedShape& b, const Mat3&
 void NarrowPhase::add_shapes(const Model& m, Poses& start, const PosedShape& a, BroadPhasePair& e,
                              ContactCandidate& c, double r, double h,
                              std::vector<ContactCandidate>& out) {
+  if (parting_.any() && parting_.between(e.shape, e.other_shape)) return;
   const PosedShape& b = world_.place(start, e.other_shape);
-  if (passing_through(a, b, c)) return;
   if (e.own && broad_phase_.spheres_apart(start, e, r)) return;
   // A pair that was far would have left the list if others had had it made anew: it begins afresh.
   if (e.dist > r) e.axis = {}, e.hint = {};

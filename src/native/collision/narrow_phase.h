@@ -24,6 +24,7 @@
 #include "collision/gap_targets.h"
 #include "collision/last_candidates.h"
 #include "collision/pair_states.h"
+#include "collision/people_parting.h"
 #include "collision/self_depenetration.h"
 
 namespace hp {
@@ -32,13 +33,14 @@ class NarrowPhase {
  public:
   NarrowPhase(const CollisionWorld& world, BroadPhase& broad_phase, PairStates& states,
               GapTargets& targets, Depenetration& depenetration, PrescribedExits& forced,
-              const SelfDepenetration& self)
+              PeopleParting& parting, const SelfDepenetration& self)
       : world_(world),
         broad_phase_(broad_phase),
         states_(states),
         targets_(targets),
         depenetration_(depenetration),
         forced_(forced),
+        parting_(parting),
         self_(self) {}
 
   // The candidates of all listed pairs within `valid[shape]` of each other, for a substep of h.
@@ -66,7 +68,6 @@ class NarrowPhase {
                   ContactCandidate& c, double& valid, double h, std::vector<ContactCandidate>& out);
   void resolve(const Model& m, Poses& start, BroadPhasePair& e, double& valid, double h,
                std::vector<ContactCandidate>& out);
-  bool passing_through(const PosedShape& a, const PosedShape& b, const ContactCandidate& c);
   void fix_exit(const PosedShape& a, const PosedShape& b, const Mat3& frame, ContactCandidate& c);
 
   const CollisionWorld& world_;
@@ -75,6 +76,7 @@ class NarrowPhase {
   GapTargets& targets_;
   Depenetration& depenetration_;
   PrescribedExits& forced_;
+  PeopleParting& parting_;
   const SelfDepenetration& self_;
   LastCandidates last_;
 };

@@ -18,8 +18,6 @@ struct PairState {
   // Unit direction in which the shape leaves; fixed in the world or, of two shapes of one person,
   // in the frame of SelfDepenetration::reference_body().
   Vec3 exit;
-  bool through =
-      false;  // two people that start overlapping pass through each other until they are apart
   bool kept = false;  // hulls overlap where their surfaces are clear: the overlap may stay
 };
 

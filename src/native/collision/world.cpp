@@ -7,7 +7,7 @@ namespace hp {
 namespace tune = tuning::collision;
 
 // Listed pairs that overlap and are to be parted by depenetration: shapes and statics, people and
-// objects. Two objects, and two people, are not; nor are people whose poses are prescribed.
+// objects. Two objects are not; nor are people whose poses are prescribed. (Two people: people_parting.h.)
 std::vector<PairId> World::initial_overlaps(Poses& start) {
   std::vector<PairId> found;
   for (BroadPhasePair& e : broad_phase.pairs()) {
@@ -32,6 +32,7 @@ std::vector<PairId> World::initial_overlaps(Poses& start) {
 void World::reset(const Model& m, Poses& start) {
   pair_states.clear();
   depenetration.clear();
+  parting.clear();
   std::vector<double> reach(shapes.size(), settings.clearance);
   broad_phase.update(m, start, reach, depenetration.overlaps());
   const std::vector<PairId> found = initial_overlaps(start);
@@ -40,29 +41,29 @@ void World::reset(const Model& m, Poses& start) {
     broad_phase.invalidate();  // shapes that are cut off are to be listed too
     broad_phase.update(m, start, reach, depenetration.overlaps());
   }
+  if (!forced) parting.begin(m, start, broad_phase.pairs());
   std::vector<ContactCandidate> near;
   narrow_phase.gather(m, start, reach, 1.0, near);
   self_depenetration.reset(m, start);
-  for (const ContactCandidate& c : near) remember_pair(m, c);
+  for (const ContactCandidate& c : near) remember_pair(c);
 }
 
 // What touches, to within the rounding of files, rests there; what overlaps by more comes out.
-void World::remember_pair(const Model& m, const ContactCandidate& c) {
+void World::remember_pair(const ContactCandidate& c) {
   if (c.dist < -tune::kRestingOverlap && c.other_shape >= 0) {
     const CollisionShape &A = shapes[c.shape], &B = shapes[c.other_shape];
-    if (A.person >= 0 && B.person >= 0 && m.root[A.body] != m.root[B.body])
-      pair_states[c].through = true;
     if (A.person < 0) pair_states[c].kept = -c.dist <= A.slack + B.slack;
   }
   if (c.overlap >= 0 || c.dist < -tune::kRestingOverlap || c.dist >= settings.clearance) return;
   const double own = std::max(c.dist, 0.0);
-  PairState& state = pair_states.add(c, {own, false, {}, false});
+  PairState& state = pair_states.add(c, {own, false, {}});
   state.clearance = std::min(state.clearance, own);
 }
 
 void World::save(std::vector<double>& out) const {
   pair_states.save(out);
   depenetration.save(out);
+  parting.save(out);
   broad_phase.save_travel(out);
   self_depenetration.save(out);
   broad_phase.save_pairs(out);
@@ -71,6 +72,7 @@ void World::save(std::vector<double>& out) const {
 const double* World::load(const double* in) {
   in = pair_states.load(in);
   in = depenetration.load(in);
+  in = parting.load(in);
   in = broad_phase.load_travel(in);
   in = self_depenetration.load(in);
   return broad_phase.load_pairs(in);
@@ -93,6 +95,7 @@ void World::adopt(const World& old, const std::vector<int>& shape) {
     if (renamed(c)) pair_states[c] = state;
   });
   depenetration.adopt(old.depenetration, renamed, known);
+  parting.adopt(old.parting, now);
   broad_phase.invalidate();
 }
 

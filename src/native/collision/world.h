@@ -46,11 +46,12 @@ class World : public CollisionWorld {
   BroadPhase broad_phase{*this};
   Depenetration depenetration{*this, targets};
   SelfDepenetration self_depenetration{*this, pair_states};
-  NarrowPhase narrow_phase{*this,         broad_phase,      pair_states,       targets,
-                           depenetration, prescribed_exits, self_depenetration};
+  PeopleParting parting{*this};
+  NarrowPhase narrow_phase{*this,         broad_phase,      pair_states, targets,
+                           depenetration, prescribed_exits, parting,     self_depenetration};
   ContactPoints contact_points{*this};
   GapCheck gap_check{*this};
-  EndCheck end_check{*this, broad_phase, pair_states, depenetration};
+  EndCheck end_check{*this, broad_phase, pair_states, depenetration, parting};
 
   // No point of a shape travels farther between two poses than `way`, seen from the shape's root
   // body [m]; empty without self-contact.
@@ -72,7 +73,7 @@ class World : public CollisionWorld {
 
  private:
   std::vector<PairId> initial_overlaps(Poses& start);
-  void remember_pair(const Model& m, const ContactCandidate& c);
+  void remember_pair(const ContactCandidate& c);
 };
 
 }  // namespace hp

@@ -69,7 +69,34 @@ double ExitMotion::fastest_point(System& system, Data& data, int shape, double l
   return fastest;
 }
 
+void part_people(const System& system, Data& data) {
+  const double speed = system.world.settings.depenetration_speed;
+  std::vector<double>& v = data.step.v_free;
+  for (const Parting& p : system.world.parting.all()) {
+    const Drive &moved = system.drives[p.moved], &other = system.drives[p.other];
+    if (!system.active(moved)) continue;
+    double* at = &v[moved.first_dof()];
+    const double lacks = speed - dot(load3(at) - load3(&v[other.first_dof()]), p.way);
+    if (lacks <= 0) continue;
+    store3(at, load3(at) + lacks * p.way);
+    data.result.disturbed[moved.body(0)] = 1;
+  }
+}
+
+void finish_parting(System& system, const Data& data, double h) {
+  PeopleParting& parting = system.world.parting;
+  const std::vector<double>& v = data.state.qvel;
+  for (size_t k = 0; k < parting.all().size(); k++) {
+    const Parting& p = parting.all()[k];
+    const Drive &moved = system.drives[p.moved], &other = system.drives[p.other];
+    if (!system.active(moved)) continue;
+    const Vec3 apart = load3(&v[moved.first_dof()]) - load3(&v[other.first_dof()]);
+    parting.advance(k, h * dot(apart, p.way), h * system.world.settings.depenetration_speed);
+  }
+}
+
 bool comes_out(const System& system, const Drive& d) {
+  if (system.world.parting.concerns((int)(&d - system.drives.data()))) return true;
   for (const InitialOverlap& in : system.world.depenetration.overlaps())
     if (system.tree(in.shape) == d.body(0)) return true;
   return false;

@@ -32,6 +32,11 @@ class ExitMotion {
   std::vector<Twist> twists_, asked_;
 };
 
+// Two people who are taken apart (collision/people_parting.h): the one who is displaced gets away from
+// the other at the exit speed, in v*. After a substep of h [s]: how far they have come.
+void part_people(const System& system, Data& data);
+void finish_parting(System& system, const Data& data, double h);
+
 // Marks the paths from roots to parts that are inside of something, besides those that are marked
 // already; their people go back to the motion gently.
 void start_exits(System& system, State& state);

@@ -1,5 +1,7 @@
 #include "stepping/substep.h"
 
+#include "stepping/exit_motion.h"
+
 #include "stepping/sleeping.h"
 #include "tuning.h"
 
@@ -43,6 +45,7 @@ void Substep::begin(double h) {
   // Twists need the dofs' axes.
   state.pose.kin.update_dofs(model, state.qpos.data(), world.active.data());
   kinematic_.gain_pace();
+  world.parting.update(state.pose);
 }
 
 void Substep::free_velocity(int k, double h) {
@@ -56,6 +59,7 @@ void Substep::free_velocity(int k, double h) {
   load_.find(system_, data_.state, h);
   strength_.limit(system_, data_, h);
   load_.bear(system_, data_, h);
+  part_people(system_, data_);
   object_velocity(system_, data_.state, step, h);
   hold_asleep(system_, step);
   kinematic_.set_velocity(system_.model, data_.state, step, h);
@@ -99,6 +103,7 @@ void Substep::end(double h, double lost) {
   diagnostics.residual = std::max(diagnostics.residual, -data_.attempt.worst);
   data_.cache.end_substep();
   state.qvel = data_.step.v_free;
+  if (system_.world.parting.any()) finish_parting(system_, data_, h);
   for (int b : system_.objects)
     if (system_.world.active[b])
       for (int i = model.dof_first[b] + 3; i < model.dof_first[b] + 6; i++)

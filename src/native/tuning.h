@@ -571,6 +571,9 @@ constexpr double kVelocityRounding = 1e-9, kImpulseRounding = 1e-9;
 constexpr double kLeastYieldRate = 1e-3, kYieldTolerance = 0.02;
 constexpr int kYieldRounds = 60;
 constexpr double kYieldOverRelaxation = 1.5, kRigidResistance = 1e10;
+// No object leaves contacts faster than this many times the fastest point of all else in its island, or than
+// so much [m/s]: a gram under a sliding tonne left at 49 m/s (squeezed.h).
+constexpr double kSqueezeFactor = 10, kLeastSqueezeSpeed = 2;
 // Rounds after those, in which joints only give way more, until none exerts more than its limit: three
 // substeps of a person who flails at a wall had not ended by then, and exceeded it by up to 0.4 %.
 constexpr int kSafeYieldRounds = 60;

@@ -247,14 +247,15 @@ def test_a_tonne_on_light_boxes_does_not_creep():
     assert np.abs(end[:, :3] - start[:, :3]).max() < 1e-3
 
 
-@pytest.mark.parametrize("mass", [0.01, 0.1])
+@pytest.mark.parametrize("x", [0.1, 0.2, 0.25])
+@pytest.mark.parametrize("mass", [0.001, 0.01, 0.1])
 @pytest.mark.parametrize("kind", ["box", "ball"])
-def test_what_a_tonne_squeezes_leaves_slowly(kind, mass):
-    """A sliding tonne falls on something light at 1 m/s: it left at up to 408 m/s."""
+def test_what_a_tonne_squeezes_leaves_slowly(kind, mass, x):
+    """A sliding tonne falls on something light at 1 m/s, which left at up to 408 m/s."""
     scene = Scene()
     scene.add_static("floor", Plane(), friction=0.5)
     shape = Box((0.1, 0.1, 0.1)) if kind == "box" else Sphere(0.05)
-    scene.add_object("light", shape, mass=mass, position=(0.2, 0, 0.051), friction=0.5)
+    scene.add_object("light", shape, mass=mass, position=(x, 0, 0.051), friction=0.5)
     scene.add_object(
         "heavy",
         Box((0.6, 0.6, 0.3)),
@@ -265,8 +266,12 @@ def test_what_a_tonne_squeezes_leaves_slowly(kind, mass):
     )
     simulator = Simulator(scene, body=[], settings=Settings(), fps=240)
     simulator.reset([])
-    fastest = 0.0
+    fastest = heavy = 0.0
     for _ in range(240):
         simulator.step([])
-        fastest = max(fastest, np.linalg.norm(simulator.world.stepper.qvel()[:3]))
-    assert fastest < 20.0
+        light, pushing = simulator.world.stepper.qvel().reshape(2, 6)
+        fastest = max(fastest, np.linalg.norm(light[:3]))
+        # Of its corners, at most, and what gravity adds in a substep.
+        heavy = max(heavy, np.linalg.norm(pushing[:3]) + 0.45 * np.linalg.norm(pushing[3:]) + 0.05)
+    assert fastest <= 10.0 * heavy
+    assert fastest < 25.0

@@ -21,6 +21,7 @@ void Substep::run(int k, double h) {
   attempts_.run(h);
   while (!data_.budget.out() && again(h)) attempts_.run(h);
   trace(k, h);
+  squeezed_.begin(system_, data_, data_.step.v_free);
   const double lost = sub_stepping_.make(h);
   end(h, lost);
 }
@@ -103,6 +104,7 @@ void Substep::end(double h, double lost) {
   diagnostics.residual = std::max(diagnostics.residual, -data_.attempt.worst);
   data_.cache.end_substep();
   state.qvel = data_.step.v_free;
+  squeezed_.cut(system_, data_);
   if (system_.world.parting.any()) finish_parting(system_, data_, h);
   for (int b : system_.objects)
     if (system_.world.active[b])

@@ -11,6 +11,7 @@
 // `run` reads like that; the numbers are those of docs/physics.md.
 #pragma once
 #include "stepping/free_motion.h"
+#include "stepping/squeezed.h"
 #include "stepping/strength.h"
 #include "stepping/sub_stepping.h"
 
@@ -45,6 +46,7 @@ class Substep {
   InternalForces internal_;
   HeldLoad load_;
   StrengthLimits strength_{load_, internal_};
+  SqueezeLimit squeezed_;
   StepAttempts attempts_;
   SubStepping sub_stepping_;
 };

@@ -45,6 +45,12 @@ namespace hp::tuning::geometry {
 constexpr int kGjkIterations = 64;
 // Relative progress of the squared distance under which the search ends: some rounding errors.
 constexpr double kGjkProgress = 1e-13;
+// The same of a search that features end (disc_distance.h), and rounding of its support points relative
+// to their coordinates; steps of Newton's method for a line and the rim, which takes three or four, the
+// share of the distance that it may miss, and the slope under which it is not tried.
+constexpr double kDiscProgress = 1e-12, kDiscRounding = 1e-15;
+constexpr int kDiscSteps = 12;
+constexpr double kDiscMiss = 1e-12, kLeastSlope = 1e-3;
 // Support points nearer than 0.01 pm are the same; points of the simplex nearer than 0.01 nm to the
 // origin are at it [m^2].
 constexpr double kSameSupport2 = 1e-28, kAtOrigin2 = 1e-22;

@@ -59,7 +59,8 @@ void CollisionShape::add_influence(int joint, double max_weight, double reach) {
   for (int i = 0; i < n; i++)
     for (int e = s.first_weight[vertex[i]]; e < s.first_weight[vertex[i] + 1]; e++)
       if (s.weight_joint[e] == joint) weights[(size_t)k * n + i] = s.weight[e];
-  for (int i = 0, end; i < n; i = end) {
+  if (k == 0) weight_blocks.push_back({0, 0, n});
+  for (int i = 0, end; i < n && k > 0; i = end) {
     end = std::min(n, i + kBlock);
     const double* w = &weights[(size_t)k * n];
     if (std::all_of(w + i, w + end, [](double x) { return x == 0; })) continue;

@@ -46,7 +46,8 @@ struct CollisionShape {
   std::shared_ptr<const Skin> skin;
   std::vector<int> vertex;      // of the skin
   std::vector<double> weights;  // influences x vertices
-  // Vertices in a row that an influence moves; the others have weight zero and are passed over.
+  // Vertices in a row that an influence moves; the others have weight zero and are passed over, but
+  // by the first influence, which has one block.
   struct WeightBlock {
     int influence, first, count;
   };

@@ -56,6 +56,7 @@ struct ContactCandidate {
   double hard = 0;        // distance under which the step is shortened [m]
   int triangle = -1;      // of a mesh
   Hint hint;              // of two shapes at the start
+  Vec3 pa, pb;            // of two shapes that are apart: their nearest points at the start
   bool forgiven = false;  // the plane may be crossed: the shape meets nothing behind it
   bool searched = false;  // candidates that its plane had hidden have been added
   // A shape that overlapped at the start of the simulation is held clear where it would be after a

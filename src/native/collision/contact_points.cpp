@@ -284,7 +284,8 @@ void Generator::add_first() {
   }
   // The corners of a slanted face need not be where the two are nearest.
   if (n < 3 || !nearest) {
-    Separation s = c.dist > 0 ? separate(a0, b0, 1e300, true, c.n) : separate_along(a0, b0, c.n);
+    Separation s{c.dist, c.n, c.pa, c.pb};
+    if (c.dist <= 0) s = separate_along(a0, b0, c.n);
     if (!known(s.pa, s.pb)) make_opposite(c.n, c.dist, s.pa, s.pb, 4);
   }
 }

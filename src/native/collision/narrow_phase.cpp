@@ -92,6 +92,7 @@ void NarrowPhase::add_shapes(const Model& m, Poses& start, const PosedShape& a, 
   c.n = s.n;
   c.dist = s.dist;
   c.hint = e.hint;
+  c.pa = s.pa, c.pb = s.pb;
   if (e.own && c.dist < 0) {
     const PairState* state = states_.find(c);
     if (!state || !state->overlapping) {

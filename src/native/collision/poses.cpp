@@ -76,7 +76,7 @@ void Poses::place_skin(const CollisionShape& m, PosedShape& out) {
   out.hull = &m.hull;
   out.R = kin.xmat[m.body];
   out.center = kin.xpos[m.body] + out.R * m.influences[0].center;
-  out.xyz.assign(3 * (size_t)n, 0);
+  out.xyz.resize(3 * (size_t)n);  // the first influence writes all of it
   out.rest.clear();
   const Skin& s = *m.skin;
   if (!m.blend_bounds.empty()) {
@@ -96,7 +96,7 @@ void Poses::place_skin(const CollisionShape& m, PosedShape& out) {
     double shift[3];
     store3(shift, kin.xpos[t.body] - R * (m.hull.center - t.center));
     blend(rest + r.first, n, r.count, R.m, shift, &m.weights[(size_t)r.influence * n + r.first],
-          &out.xyz[r.first]);
+          r.influence == 0, &out.xyz[r.first]);
   }
   double lo[3], hi[3];
   for (int c = 0; c < 3; c++) limits(&out.xyz[(size_t)c * n], n, lo[c], hi[c]);

@@ -1,5 +1,6 @@
 #include "geometry/gjk.h"
 
+#include "geometry/disc_distance.h"
 #include "tuning.h"
 
 namespace hp {
@@ -120,6 +121,41 @@ struct Simplex {
   }
 };
 
+// The pairs of vertices that carry a simplex of two shapes, of which one is swept by a disc: points of
+// its rim that belong to one vertex count once.
+Hint features(const Simplex& s) {
+  Hint f;
+  for (int k = 0; k < s.n && f.n < 3; k++) {
+    bool known = false;
+    for (int l = 0; l < f.n; l++) known |= f.a[l] == s.in_a[k] && f.b[l] == s.in_b[k];
+    if (known) continue;
+    f.a[f.n] = s.in_a[k], f.b[f.n++] = s.in_b[k];
+  }
+  return f;
+}
+
+// The distance of such features, as gjk() returns it, if no support point is nearer (disc_distance.h);
+// else 0.
+double distance_of(const Hint& f, const Support& a, const Support& b, double beyond, Vec3& pa,
+                   Vec3& pb) {
+  Vec3 m[3];
+  for (int k = 0; k < f.n; k++) m[k] = a.points.at(f.a[k]) - b.points.at(f.b[k]);
+  DiscDistance found;
+  const Support& swept = a.rim > 0 ? a : b;
+  if (!disc_distance(m, f.n, swept.axis, swept.rim, found)) return 0;
+  const Vec3 v = found.x - found.d;
+  const double vv = norm2(v), length = std::sqrt(vv);
+  if (length < tune::kProvedApart) return 0;
+  const Vec3 p = a.farthest(-v), q = b.farthest(v);
+  if (vv - dot(v, p - q) > tune::kDiscProgress * vv + tune::kDiscRounding * length * norm(p))
+    return 0;
+  pa = a.rim > 0 ? -found.d : Vec3{};
+  for (int k = 0; k < f.n; k++) pa += found.l[k] * a.points.at(f.a[k]);
+  pb = pa - v;
+  if (length > beyond) pa = (1 / length) * v, pb = {};
+  return length;
+}
+
 }  // namespace
 
 double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, double beyond,
@@ -128,6 +164,9 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
   Vec3 v = norm2(guess) > 1e-24 ? guess : Vec3{1, 0, 0}, best;
   double vv = 1e300;
   double apart = 0;  // the distance that a separating direction has proved: `best`, a unit vector
+  const bool disc = (a.rim > 0) != (b.rim > 0);
+  if (disc && hint && hint->n > 0)
+    if (const double known = distance_of(*hint, a, b, beyond, pa, pb); known > 0) return known;
   for (int it = 0; it < tune::kGjkIterations; it++) {
     const int i = a.points.support(-v), j = b.points.support(v);
     const Vec3 p = a.swept(i, -v), q = b.swept(j, v), w = p - q;
@@ -146,7 +185,8 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
     }
     // Hints help once the shapes are known to be apart: then a flat tetrahedron cannot say
     // otherwise.
-    if (s.n == 0 && hint && apart > tune::kProvedApart) s.add_hint(*hint, a.points, b.points, i, j);
+    if (s.n == 0 && hint && !disc && apart > tune::kProvedApart)
+      s.add_hint(*hint, a.points, b.points, i, j);
     s.add(i, j, p, q);
     bool inside = false;
     Nearest near = s.nearest(apart > tune::kProvedApart, inside);
@@ -162,6 +202,11 @@ double gjk(const Support& a, const Support& b, Vec3 guess, Vec3& pa, Vec3& pb, d
     }
     if (norm2(near.p) >= vv) break;  // rounding: no further progress
     s.reduce(near, pa, pb);
+    if (disc && apart > tune::kProvedApart) {
+      const Hint f = features(s);
+      if (hint) *hint = f;
+      if (const double known = distance_of(f, a, b, beyond, pa, pb); known > 0) return known;
+    }
     v = near.p;
     vv = norm2(v);
   }

@@ -11,6 +11,9 @@
 // distance: with `beyond` the search stops as soon as that exceeds it, and where rounding makes a
 // flat simplex say something else, the bound is believed.
 //
+// Where one of the two is swept by a disc, each simplex's features are asked for their exact distance
+// too (disc_distance.h), those of the last search first: no simplex ends a search on a round side.
+//
 // Limits: 64 iterations; distances under some nanometres may be reported as 0. Of discs the rim is
 // exact, not a polygon.
 #pragma once

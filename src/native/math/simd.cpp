@@ -106,17 +106,24 @@ HP_CLONES void transform(const double* v, int n, const double* R, const double* 
 }
 
 HP_CLONES void blend(const double* v, int stride, int n, const double* R, const double* p,
-                     const double* w, double* out) {
+                     const double* w, bool first, double* out) {
   const double *x = v, *y = v + stride, *z = v + 2 * (size_t)stride;
   for (int k = 0; k < 3; k++) {
     const double a = R[3 * k], b = R[3 * k + 1], c = R[3 * k + 2], q = p[k];
     double* o = out + (size_t)k * stride;
     int i = 0;
+    for (; first && i + 4 <= n; i += 4)
+      *(V*)(o + i) =
+          *(const V*)(w + i) *
+          (q + (a * *(const V*)(x + i) + b * *(const V*)(y + i) + c * *(const V*)(z + i)));
     for (; i + 4 <= n; i += 4)
       *(V*)(o + i) +=
           *(const V*)(w + i) *
           (q + (a * *(const V*)(x + i) + b * *(const V*)(y + i) + c * *(const V*)(z + i)));
-    for (; i < n; i++) o[i] += w[i] * (q + (a * x[i] + b * y[i] + c * z[i]));
+    for (; i < n; i++) {
+      const double s = w[i] * (q + (a * x[i] + b * y[i] + c * z[i]));
+      o[i] = first ? s : o[i] + s;
+    }
   }
 }
 
@@ -204,12 +211,15 @@ void eliminate(double* rows, const int* start, const int* at, int n, const doubl
 }
 
 void blend(const double* v, int stride, int n, const double* R, const double* p, const double* w,
-           double* out) {
+           bool first, double* out) {
   const double *x = v, *y = v + stride, *z = v + 2 * (size_t)stride;
   for (int k = 0; k < 3; k++)
-    for (int i = 0; i < n; i++)
-      out[(size_t)k * stride + i] +=
+    for (int i = 0; i < n; i++) {
+      double& o = out[(size_t)k * stride + i];
+      const double s =
           w[i] * (p[k] + (R[3 * k] * x[i] + R[3 * k + 1] * y[i] + R[3 * k + 2] * z[i]));
+      o = first ? s : o + s;
+    }
 }
 
 void limits(const double* v, int n, double& lo, double& hi) {

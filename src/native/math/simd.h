@@ -22,9 +22,10 @@ int nearest(const double* x, const double* y, const double* z, int n, double px,
 // the smallest and largest coordinates.
 void transform(const double* v, int n, const double* R, const double* p, double* out, double* lo,
                double* hi);
-// out += w (p + R v) for n points with weights w; coordinates are `stride` apart in `v` and `out`.
+// out += w (p + R v) for n points with weights w, or out = ... for the first of several;
+// coordinates are `stride` apart in `v` and `out`.
 void blend(const double* v, int stride, int n, const double* R, const double* p, const double* w,
-           double* out);
+           bool first, double* out);
 // Smallest and largest of n numbers.
 void limits(const double* v, int n, double& lo, double& hi);
 // Sum of x[i] y[i]: in four sums, which are added up at the end.

@@ -2,7 +2,8 @@
 //
 // It does not look at candidates, planes or what the solver believes. Of every listed pair that
 // takes part and can have come into contact it asks both shapes themselves: is there a direction
-// that separates them? Directions are remembered per pair, but only what they prove at the pose
+// that separates them? (Of two hulls of one person it asks their bounding spheres at that pose first.)
+// Directions are remembered per pair, but only what they prove at the pose
 // counts. `room`, a lower bound of the distance that was proved at a committed pose, less what the
 // two have travelled since, says for most pairs that there is nothing to ask.
 //

@@ -28,6 +28,7 @@ std::vector<FacePoint> near_face(const PosedShape& s, Vec3 n, Vec3 t, Vec3 b, do
   Support swept = s.support();
   double low = dot(n, p.at(p.support(-n)));
   std::vector<FacePoint> pts;
+  pts.reserve(64);
   auto add = [&](Vec3 x) { pts.push_back({dot(t, x), dot(b, x), dot(n, x)}); };
   for (int i = 0; i < p.n; i++) {
     Vec3 x = p.at(i);
@@ -77,6 +78,7 @@ std::vector<FacePoint> clip(std::vector<FacePoint> face, const std::vector<FaceP
   for (size_t e = 0; e < by.size() && !face.empty(); e++) {
     FacePoint p = by[e], q = by[(e + 1) % by.size()];
     std::vector<FacePoint> out;
+    out.reserve(face.size() + 2);
     for (size_t i = 0; i < face.size(); i++) {
       FacePoint c = face[i], d = face[(i + 1) % face.size()];
       double fc = cross2(p, q, c), fd = cross2(p, q, d);
@@ -94,6 +96,7 @@ std::vector<FacePoint> clip(std::vector<FacePoint> face, const std::vector<FaceP
 // The extreme points along `most` evenly turned directions.
 std::vector<FacePoint> spread_out(const std::vector<FacePoint>& face, int most) {
   std::vector<FacePoint> pick;
+  pick.reserve(most);
   for (int k = 0; k < most; k++) {
     double angle = 2 * M_PI * (k + 0.125) / most, cu = std::cos(angle), cv = std::sin(angle);
     FacePoint best = face[0];

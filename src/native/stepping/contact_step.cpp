@@ -112,7 +112,13 @@ void ContactStep::settle(double h) {
     solve(h);
     data_.step.move(system_, data_.state, data_.step.v, h);
     verification_.check(system_, data_, h);
-    for (IslandProgress& p : data_.attempt.islands) p.pass++;
+    open = false;
+    for (IslandProgress& p : data_.attempt.islands) {
+      p.pass++;
+      if (p.open() && !p.violated) p.state = IslandProgress::State::Settled;
+      open |= p.open();
+    }
+    if (!open) break;
     add_contacts(h);
     open = false;
     for (int b = 1; b < system_.model.nbody; b++)
@@ -121,7 +127,7 @@ void ContactStep::settle(double h) {
   }
 }
 
-// After a solve: is the island to be solved again?
+// After a solve that left something violated: is the island to be solved again?
 bool ContactStep::goes_on(int island) {
   IslandProgress& p = data_.attempt.islands[island];
   const double hopeless = tune::kHopelessMiss * system_.world.settings.clearance;
@@ -129,10 +135,8 @@ bool ContactStep::goes_on(int island) {
   p.stale = p.overdue == 0 || p.overdue < 0.5 * p.mark ? 0 : p.stale + 1;
   if (p.stale == 0) p.mark = p.overdue;
   const bool spent = p.pass >= tune::kMostPasses || p.stale >= tune::kStalePasses;
-  if (!p.violated) {
-    p.state = IslandProgress::State::Settled;
-  } else if (p.crushed || data_.budget.attempt_out() ||
-             (spent && (p.least > hopeless || !give_way(system_, data_, island)))) {
+  if (p.crushed || data_.budget.attempt_out() ||
+      (spent && (p.least > hopeless || !give_way(system_, data_, island)))) {
     p.state = IslandProgress::State::Stuck;
   } else if (spent) {
     p.begin();

@@ -140,7 +140,7 @@ bool BroadPhase::spheres_apart(Poses& p, BroadPhasePair& e, double r) const {
   return true;
 }
 
-void BroadPhase::measure_static(Poses& p, BroadPhasePair& e, double r) const {
+void BroadPhase::measure_static(Poses& p, BroadPhasePair& e, double r, size_t* tests) const {
   const PosedShape& a = world_.place(p, e.shape);
   const Static& S = world_.statics[e.other_static];
   e.travelled = travelled(e);
@@ -155,7 +155,7 @@ void BroadPhase::measure_static(Poses& p, BroadPhasePair& e, double r) const {
     e.planes.clear();
     if (norm2(s.n) > 0) e.planes.push_back({s.n, S.posed.highest(s.n), s.dist, -1, s.dist < 0});
   } else {
-    e.planes_reach = S.tree->planes(a, r, e.planes);
+    e.planes_reach = S.tree->planes(a, r, e.planes, {}, tests);
     e.dist = r;
     for (const Plane& q : e.planes) e.dist = std::min(e.dist, q.dist);
     // The mesh is far: a larger lower bound of its distance saves measurements later.

@@ -67,8 +67,9 @@ class BroadPhase {
     e.dist = dist;
     e.travelled = travelled(e);
   }
-  // Measures a pair of a shape and a static up to a distance of r: dist, planes, axis and hint.
-  void measure_static(Poses& p, BroadPhasePair& e, double r) const;
+  // Measures a pair of a shape and a static up to a distance of r: dist, planes, axis and hint. What
+  // a search in a mesh costs is added to `tests` (geometry/bvh.h).
+  void measure_static(Poses& p, BroadPhasePair& e, double r, size_t* tests = nullptr) const;
 
   // The state, in two parts (the self-contact state lies between them).
   void save_travel(std::vector<double>& out) const;

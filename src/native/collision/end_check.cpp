@@ -85,6 +85,7 @@ const std::vector<Breach>& EndCheck::find(Poses& start, Poses& end, const std::v
     measured_.push_back({i, std::max(0.0, now)});
     if (breached(start, e, now)) found_.push_back({{e.shape, e.other_static, e.other_shape}, -now});
   }
+  asked_ += measured_.size();
   return found_;
 }
 

@@ -11,6 +11,7 @@
 // breach. Not looked at: overlaps that are being resolved, and what a person's prescribed pose
 // meets. Lengths in [m].
 #pragma once
+#include <utility>
 #include <vector>
 
 #include "collision/broad_phase.h"
@@ -40,6 +41,8 @@ class EndCheck {
   // root `inner` (empty without self-contact). Once per end pose.
   const std::vector<Breach>& find(Poses& start, Poses& end, const std::vector<double>& way,
                                   const std::vector<double>& inner);
+  // Pairs that end poses had to be asked about since this was last asked.
+  size_t take_asked() { return std::exchange(asked_, 0); }
   // The end that was looked at last is the pose from now on, and the broad phase knows.
   void commit();
 
@@ -59,6 +62,7 @@ class EndCheck {
     double room;
   };
   std::vector<Measured> measured_;
+  size_t asked_ = 0;
   uint64_t stamp_ = 0;  // of the end pose that `found_` and `measured_` are of
 };
 

@@ -124,7 +124,8 @@ void NarrowPhase::add_static(const Model& m, Poses& start, const PosedShape& a, 
   // A pair that was near will be measured again in the next substep anyhow; one that was not is
   // measured a little farther, so that its bound lasts.
   broad_phase_.measure_static(
-      start, e, e.dist > r || e.dist == BroadPhasePair::kUnknown ? r + tune::kLookAhead : r);
+      start, e, e.dist > r || e.dist == BroadPhasePair::kUnknown ? r + tune::kLookAhead : r,
+      &tests_);
   const Static& S = world_.statics[e.other_static];
   if (S.kind == Static::Kind::Hull) {
     if (e.dist > r) return;
@@ -161,7 +162,8 @@ void NarrowPhase::search_behind(Poses& start, std::vector<double>& valid, double
   std::sort(known.begin(), known.end());
   double& reach = valid[c.shape];
   const PosedShape& a = world_.place(start, c.shape);
-  reach = world_.statics[c.other_static].tree->planes(displaced(a, c.from), reach, planes, without);
+  reach = world_.statics[c.other_static].tree->planes(displaced(a, c.from), reach, planes, without,
+                                                      &tests_);
   c.searched = c.forgiven = false;
   for (const Plane& p : planes)
     if (!std::binary_search(known.begin(), known.end(), p.triangle)) targets_.add(c, p, h, all);

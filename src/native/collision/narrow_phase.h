@@ -16,6 +16,7 @@
 // too many of them: `valid` is lowered to that, per shape. What each candidate demands of its gap is
 // set by gap_targets.h. Lengths in [m], times in [s].
 #pragma once
+#include <utility>
 #include <vector>
 
 #include "collision/broad_phase.h"
@@ -54,6 +55,8 @@ class NarrowPhase {
   // of all[index] that are marked as searched.
   void search_behind(Poses& start, std::vector<double>& valid, double h, int index,
                      std::vector<ContactCandidate>& all);
+  // Tests against planes that searches in meshes have made since this was last asked.
+  size_t take_tests() { return std::exchange(tests_, 0); }
 
  private:
   // Of one pair.
@@ -79,6 +82,7 @@ class NarrowPhase {
   PeopleParting& parting_;
   const SelfDepenetration& self_;
   LastCandidates last_;
+  size_t tests_ = 0;
 };
 
 }  // namespace hp

@@ -274,9 +274,12 @@ double TriangleTree::PlaneSearch::run() {
 }
 
 double TriangleTree::planes(const PosedShape& a, double reach, std::vector<Plane>& out,
-                            const std::vector<int>& without) const {
+                            const std::vector<int>& without, size_t* tests) const {
   static thread_local PlaneSearch::Scratch scratch;
-  return PlaneSearch{*this, a, reach, without, out, scratch}.run();
+  PlaneSearch search{*this, a, reach, without, out, scratch};
+  const double holds = search.run();
+  if (tests) *tests += search.tests;
+  return holds;
 }
 
 // One call of distance(): triangles behind a plane that was measured are no nearer than its

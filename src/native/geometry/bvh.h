@@ -49,9 +49,10 @@ class TriangleTree {
   // first. Triangles `without` are left out. The triangles of the planes that `out` holds on entry,
   // from a pose nearby, are measured first: they are likely to be the ones again. Returns the reach
   // that the planes hold for [m]: less than was asked where they are too many (tuning.h,
-  // kManyPlanes); `a` must then move no farther than that before it asks again.
+  // kManyPlanes); `a` must then move no farther than that before it asks again. What the search
+  // costs is added to `tests`: tests of boxes and triangles against planes.
   double planes(const PosedShape& a, double reach, std::vector<Plane>& out,
-                const std::vector<int>& without = {}) const;
+                const std::vector<int>& without = {}, size_t* tests = nullptr) const;
   // Smallest distance of `a` from the triangles, up to `range`; `range` if none is nearer, <= 0
   // where it meets one. The triangles of `near` are measured first.
   double distance(const PosedShape& a, double range, const std::vector<Plane>& near = {}) const;

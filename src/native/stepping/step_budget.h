@@ -26,8 +26,10 @@ class StepBudget {
   }
   void spend(double work) { left_ -= work, frame_ -= work; }
   bool out() const { return left_ <= least_; }
-  // An attempt may take half of what is left: where it fails, shorter steps follow.
-  void begin_attempt() { attempt_end_ = std::max(least_, 0.5 * left_); }
+  // An attempt may take kAttemptShare of what is left: where it fails, shorter steps follow.
+  void begin_attempt() {
+    attempt_end_ = std::max(least_, (1 - tuning::stepping::kAttemptShare) * left_);
+  }
   bool attempt_out() const { return left_ <= attempt_end_; }
   // What the next solve may cost.
   double solve() const {

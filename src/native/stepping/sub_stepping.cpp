@@ -1,5 +1,7 @@
 #include "stepping/sub_stepping.h"
 
+#include <algorithm>
+
 #include "tuning.h"
 
 namespace hp {
@@ -21,74 +23,136 @@ bool SubStepping::good() {
 
 // Overlaps at the end pose that its start did not have, whatever the candidates say.
 const std::vector<Breach>& SubStepping::breaches() {
-  World& world = system_.world;
-  Poses &start = data_.state.pose, &end = data_.step.end;
-  if (way_stamp_ != end.stamp) {
-    way_stamp_ = end.stamp;
-    travel_bounds(world.shapes, start, end, world.active, way_);
-    world.inner_travel(system_.model, start, end, inner_);
-  }
-  return world.end_check.find(start, end, way_, inner_);
+  measure_way();
+  EndCheck& check = system_.world.end_check;
+  const std::vector<Breach>& found = check.find(data_.state.pose, data_.step.end, way_, inner_);
+  data_.budget.spend(tune::kCheckWork * check.take_asked());
+  return found;
 }
 
-// Per island: are all gaps large enough, and all shapes within reach, at the end pose, which trees
-// have reached by the shares `at`?
-std::vector<char> SubStepping::possible(const std::vector<double>& at, double h) {
+// How far the step takes each shape.
+void SubStepping::measure_way() {
+  World& world = system_.world;
+  Poses &start = data_.state.pose, &end = data_.step.end;
+  if (way_stamp_ == end.stamp) return;
+  way_stamp_ = end.stamp;
+  travel_bounds(world.shapes, start, end, world.active, way_);
+  world.inner_travel(system_.model, start, end, inner_);
+}
+
+// The step is made up to these shares of it, by body; 1 for `ok`.
+void SubStepping::move_to(const std::vector<double>& at, double h, std::vector<char>& ok) {
+  const Model& model = system_.model;
+  if (std::any_of(at.begin(), at.end(), [](double share) { return share != 1; })) {
+    moved_.resize(model.nv);
+    for (int i = 0; i < model.nv; i++) moved_[i] = data_.step.v[i] * at[model.dof_body[i]];
+    data_.step.move(system_, data_.state, moved_, h);
+  }
+  for (ContactCandidate& c : data_.attempt.candidates)
+    c.share = at[system_.world.shapes[c.shape].body];
+  ok.assign(model.nbody, 1);
+}
+
+// Clears `ok` of islands whose shapes were taken beyond the reach that planes hold for.
+void SubStepping::check_reach(std::vector<char>& ok) {
   const World& world = system_.world;
-  Attempt& attempt = data_.attempt;
-  std::vector<char> ok(system_.model.nbody, 1);
-  data_.budget.spend(attempt.check_work());
-  for (ContactCandidate& c : attempt.candidates) c.share = at[world.shapes[c.shape].body];
-  for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system_, data_, h); i++)
-    if (excess(system_, data_, i) + attempt.candidates[i].target < attempt.candidates[i].hard)
-      ok[data_.islands.of(system_, attempt.candidates[i])] = 0;
+  const std::vector<double>& valid = data_.attempt.valid;
+  measure_way();
+  for (size_t i = 0; i < valid.size(); i++)
+    if (world.active[world.shapes[i].body] && way_[i] + tune::kBeyondReach > valid[i])
+      ok[data_.islands.of_tree(system_.tree((int)i))] = 0;
+}
+
+void SubStepping::check_end(std::vector<char>& ok) {
   for (const Breach& k : breaches())
     for (int shape : {k.pair.shape, k.pair.other_shape})
       if (shape >= 0) ok[data_.islands.of_tree(system_.tree(shape))] = 0;
-  // Planes hold only for the reach that was asked.
-  for (size_t i = 0; i < attempt.valid.size(); i++)
-    if (world.active[world.shapes[i].body] && way_[i] + tune::kBeyondReach > attempt.valid[i])
-      ok[data_.islands.of_tree(system_.tree((int)i))] = 0;
+}
+
+// Is the gap of candidate i large enough at the end pose? Clears `ok` of its island if not.
+bool SubStepping::check_gap(size_t i, std::vector<char>& ok) {
+  const double e = excess(system_, data_, i);
+  const ContactCandidate& c = data_.attempt.candidates[i];
+  if (e + c.target >= c.hard) return true;
+  ok[data_.islands.of(system_, c)] = 0;
+  return false;
+}
+
+// Per island: is everything clear with the shares `at`? What is not is looked at by possible(), too.
+std::vector<char> SubStepping::clear(const std::vector<double>& at, double h) {
+  Attempt& attempt = data_.attempt;
+  std::vector<char> ok;
+  move_to(at, h, ok);
+  data_.budget.spend(attempt.check_work());
+  for (size_t i = 0; i < attempt.candidates.size() || search_hidden(system_, data_, h); i++)
+    if (!check_gap(i, ok) && std::find(suspects_.begin(), suspects_.end(), i) == suspects_.end())
+      suspects_.push_back(i);
+  check_end(ok);
+  suspect_end_ |= !breaches().empty();
+  check_reach(ok);
+  return ok;
+}
+
+// The same of what was not clear with larger shares.
+std::vector<char> SubStepping::possible(const std::vector<double>& at, double h) {
+  std::vector<char> ok;
+  move_to(at, h, ok);
+  data_.budget.spend(tune::kPoseWork * data_.attempt.moving + tune::kCheckWork * suspects_.size());
+  for (size_t i : suspects_) check_gap(i, ok);
+  if (suspect_end_) check_end(ok);
+  check_reach(ok);
   return ok;
 }
 
 // By island; leaves the end pose at those shares.
 std::vector<double> SubStepping::shares(double h) {
   const Model& model = system_.model;
-  const Islands& islands = data_.islands;
-  std::vector<double> good(model.nbody, 0), bad(model.nbody, 1), at(model.nbody, 1);
+  std::vector<double> at(model.nbody, 1);
   data_.islands.find(system_, data_.attempt.candidates);
-  std::vector<char> ok = possible(at, h), hurt(model.nbody, 0);
-  bool any = false;
-  for (int b = 1; b < model.nbody; b++)
-    if (system_.world.active[b] && !ok[islands.of_tree(model.root[b])]) hurt[b] = 1, any = true;
-  if (!any) return {};
-  moved_.resize(model.nv);
+  suspects_.clear();
+  suspect_end_ = false;
+  for (int round = 0; round <= tune::kMostShareRounds; round++) {
+    const std::vector<char> ok = clear(at, h);
+    std::vector<char> hurt(model.nbody, 0);
+    bool any = false;
+    for (int b = 1; b < model.nbody; b++) {
+      hurt[b] = system_.world.active[b] && at[b] > 0 && !ok[data_.islands.of_tree(model.root[b])];
+      any |= hurt[b] != 0;
+    }
+    if (!any) return round > 0 ? at : std::vector<double>();
+    if (round < tune::kMostShareRounds)
+      bisect(at, hurt, h);
+    else
+      for (int b = 1; b < model.nbody; b++)
+        if (hurt[b]) at[b] = 0;
+  }
+  stand_back(at, h);
+  return at;
+}
+
+// The largest shares that possible() allows to islands that are hurt, smaller than theirs now.
+void SubStepping::bisect(std::vector<double>& at, const std::vector<char>& hurt, double h) {
+  const Model& model = system_.model;
+  std::vector<double> good(model.nbody, 0), bad = at;
   for (int it = 0; it < tune::kShareBisections; it++) {
     for (int b = 1; b < model.nbody; b++)
       if (hurt[b]) at[b] = 0.5 * (good[b] + bad[b]);
-    for (int i = 0; i < model.nv; i++) moved_[i] = data_.step.v[i] * at[model.dof_body[i]];
-    data_.step.move(system_, data_.state, moved_, h);
-    ok = possible(at, h);
+    const std::vector<char> ok = possible(at, h);
     for (int b = 1; b < model.nbody; b++)
-      if (hurt[b]) (ok[islands.of_tree(model.root[b])] ? good[b] : bad[b]) = at[b];
+      if (hurt[b]) (ok[data_.islands.of_tree(model.root[b])] ? good[b] : bad[b]) = at[b];
   }
   for (int b = 1; b < model.nbody; b++)
     if (hurt[b]) at[b] = good[b];
-  stand_back(at, h);
-  return at;
 }
 
 // Islands whose shares were found apart may not do together: of those none makes any of its step.
 void SubStepping::stand_back(std::vector<double>& at, double h) {
   const Model& model = system_.model;
-  for (int i = 0; i < model.nv; i++) moved_[i] = data_.step.v[i] * at[model.dof_body[i]];
-  data_.step.move(system_, data_.state, moved_, h);
-  for (const Breach& k : breaches())
-    for (int shape : {k.pair.shape, k.pair.other_shape})
-      for (int b = 1; b < model.nbody && shape >= 0; b++)
-        if (data_.islands.of_tree(model.root[b]) == data_.islands.of_tree(system_.tree(shape)))
-          at[b] = 0;
+  std::vector<char> ok;
+  move_to(at, h, ok);
+  check_end(ok);
+  for (int b = 1; b < model.nbody; b++)
+    if (!ok[data_.islands.of_tree(model.root[b])]) at[b] = 0;
 }
 
 // The step is made: by the trees' shares of it; trees with a negative one have not begun.

@@ -75,7 +75,8 @@ bool search_hidden(System& system, Data& data, double h) {
     system.world.narrow_phase.search_behind(data.state.pose, attempt.valid, h, i,
                                             attempt.candidates);
   data.budget.spend(tune::kPlaneWork *
-                    (attempt.hidden.size() + attempt.candidates.size() - before));
+                        (attempt.hidden.size() + attempt.candidates.size() - before) +
+                    tune::kTestWork * system.world.narrow_phase.take_tests());
   attempt.hidden.clear();
   return attempt.candidates.size() > before;
 }

@@ -496,17 +496,17 @@ constexpr double kSameNormal = 0.95;
 
 // Budget (step_budget.h)
 
-// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: 30 to 50 ms. What a
+// Multiplications of a frame of up to kFrameSubsteps substeps, for each person: some 40 ms. What a
 // substep may take of what is left, at least; the share of that with which nothing is tried again; what
-// an attempt may take of what is left of that, and a solve, which may cost kLeastSolveWork in any case:
-// with half of it for an attempt, scenes that need many short steps lost up to 97 % of the time, and lose
-// under 1 % now.
-constexpr double kFrameWork = 1.6e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
-constexpr double kAttemptShare = 0.15, kSolveShare = 0.25, kLeastSolveWork = 3e5;
+// the first attempt at it may take of what is left, one at a shorter piece, and a solve, which may cost
+// kLeastSolveWork in any case. With half of it for an attempt, scenes that need many short steps lost up
+// to 97 % of the time; with less for the first one a wall at 10 m/s lost some.
+constexpr double kFrameWork = 3.4e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
+constexpr double kWholeShare = 0.25, kAttemptShare = 0.15, kSolveShare = 0.25, kLeastSolveWork = 3e5;
 constexpr int kFrameSubsteps = 8;
 // What posing a shape is taken to cost, checking a candidate at the end pose, finding it, and a test
-// of a search in a mesh [multiplications]: measured times.
-constexpr double kPoseWork = 3e3, kCheckWork = 1e3, kPlaneWork = 5e3, kTestWork = 10;
+// of a search in a mesh [multiplications, of 0.125 ns]: measured times.
+constexpr double kPoseWork = 8e3, kCheckWork = 3e3, kPlaneWork = 8e3, kTestWork = 25;
 // Violated candidates, for each person, from which on contacts are made of the worst of each shape only, kPatchPlanes of
 // them with normals that differ by this cosine: the planes that bound a patch span it, the rest of them
 // is violated again in the next pass if that was not enough.

@@ -38,11 +38,11 @@ void ContactCache::forget(const System& system, const std::vector<char>& forget)
   contacts_.erase(std::remove_if(contacts_.begin(), contacts_.end(), forgotten), contacts_.end());
 }
 
-void ContactCache::drop_active(const System& system) {
-  for (size_t i = next_.size(); i-- > 0;) {
-    const CollisionShape& m = system.world.shapes[pair_of_key(next_[i].key).shape];
-    if (system.world.active[m.body]) next_.erase(next_.begin() + i);
-  }
+void ContactCache::drop(const System& system, const std::vector<char>& renewed) {
+  const auto out_of_date = [&](const CachedContact& w) {
+    return renewed[system.tree(pair_of_key(w.key).shape)] != 0;
+  };
+  next_.erase(std::remove_if(next_.begin(), next_.end(), out_of_date), next_.end());
 }
 
 void ContactCache::keep(const System& system, State& state, const ContactCandidate& k,

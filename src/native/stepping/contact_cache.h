@@ -30,9 +30,8 @@ class ContactCache {
   void forget(const System& system, const std::vector<char>& forget);
 
   void begin_substep() { next_.clear(); }
-  // Active trees make one more piece of the substep: what the one before left of them is out of
-  // date.
-  void drop_active(const System& system);
+  // What an earlier piece of the substep left of trees (per root body) that are `renewed` is out of date.
+  void drop(const System& system, const std::vector<char>& renewed);
   // Keeps a contact for the next substep: one that carries an impulse, or a vertex near a static.
   void keep(const System& system, State& state, const ContactCandidate& candidate,
             const Contact& c);

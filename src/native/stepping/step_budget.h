@@ -23,12 +23,15 @@ class StepBudget {
     const double share = std::max(1.0 / std::max(1, left), tuning::stepping::kSpikeShare);
     left_ = share * std::max(0.0, frame_);
     least_ = tuning::stepping::kWorkReserve * left_;
+    whole_ = true;
   }
   void spend(double work) { left_ -= work, frame_ -= work; }
   bool out() const { return left_ <= least_; }
-  // An attempt may take kAttemptShare of what is left: where it fails, shorter steps follow.
+  // An attempt may take a share of what is left: where it fails, shorter steps follow.
   void begin_attempt() {
-    attempt_end_ = std::max(least_, (1 - tuning::stepping::kAttemptShare) * left_);
+    const double share = whole_ ? tuning::stepping::kWholeShare : tuning::stepping::kAttemptShare;
+    attempt_end_ = std::max(least_, (1 - share) * left_);
+    whole_ = false;
   }
   bool attempt_out() const { return left_ <= attempt_end_; }
   // What the next solve may cost.
@@ -39,6 +42,7 @@ class StepBudget {
 
  private:
   double frame_ = 0, left_ = 0, least_ = 0, attempt_end_ = 0;
+  bool whole_ = true;  // the next attempt is the first of its substep
 };
 
 }  // namespace hp

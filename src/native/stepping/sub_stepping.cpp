@@ -9,6 +9,7 @@ namespace hp {
 namespace tune = tuning::stepping;
 
 double SubStepping::make(double h) {
+  longest_.assign(system_.model.nbody, 0);
   std::vector<double> share;
   if (!good()) share = shares(h);
   if (!share.empty()) return go_on(h, share);
@@ -167,7 +168,7 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
       moved_[i] = step.v[i] * std::max(0.0, share[model.dof_body[i]]);
     step.move(system_, state, moved_, h);
   }
-  record(share);
+  record(h, share);
   for (const Breach& k : breaches()) data_.result.add(k);
   world.broad_phase.travel(way_, inner_);
   world.end_check.commit();
@@ -180,24 +181,40 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
     if (share.empty() || share[model.dof_body[i]] >= 0) step.v_free[i] = step.v[i];
 }
 
-// The contacts of trees that have made a step, whole or shortened.
-void SubStepping::record(const std::vector<double>& share) {
+// Trees whose longest piece of this substep is now being made, so far.
+std::vector<char> SubStepping::longest(double h, const std::vector<double>& share) {
+  const Model& model = system_.model;
+  std::vector<char> out(model.nbody, 0);
+  for (int b = 1; b < model.nbody; b++) {
+    if (model.root[b] != b || !system_.world.active[b]) continue;
+    const double length = h * (share.empty() ? 1.0 : share[b]);
+    out[b] = length >= longest_[b];
+    longest_[b] = std::max(longest_[b], length);
+  }
+  return out;
+}
+
+// The contacts of trees that have made a step, whole or shortened. The next substep starts from those
+// of the longest piece: a short one at the end touches little.
+void SubStepping::record(double h, const std::vector<double>& share) {
   Attempt& attempt = data_.attempt;
-  data_.cache.drop_active(system_);
+  const std::vector<char> renewed = longest(h, share);
+  data_.cache.drop(system_, renewed);
   // Contacts found after the last solve only carry a guess.
   attempt.contacts.resize(std::min(attempt.contacts.size(), attempt.solved));
   for (const Contact& c : attempt.contacts) {
     const ContactCandidate& k = attempt.candidates[c.pair];
     if (!share.empty() && share[data_.islands.of(system_, k)] < 0) continue;
+    const bool kept = renewed[system_.tree(k.shape)];
     if (norm2(c.impulse) == 0) {
-      if (k.other_static >= 0 && system_.world.contact_points.recalls(k))
+      if (kept && k.other_static >= 0 && system_.world.contact_points.recalls(k))
         data_.cache.keep(system_, data_.state, k, c);
       continue;
     }
     data_.result.disturbed[system_.tree(k.shape)] = 1;
     if (k.other_shape >= 0) data_.result.disturbed[system_.tree(k.other_shape)] = 1;
     for_each_pushed(system_, k, [&](int b) { data_.step.pushed[b] = 1; });
-    data_.cache.keep(system_, data_.state, k, c);
+    if (kept) data_.cache.keep(system_, data_.state, k, c);
     data_.result.add(k, c);
   }
 }

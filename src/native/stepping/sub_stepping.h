@@ -43,7 +43,8 @@ class SubStepping {
   void measure_way();
   void stand_back(std::vector<double>& at, double h);
   void commit(double h, const std::vector<double>& share);
-  void record(const std::vector<double>& share);
+  void record(double h, const std::vector<double>& share);
+  std::vector<char> longest(double h, const std::vector<double>& share);
   double go_on(double h, std::vector<double> share);
   double catch_up(double h, double left, bool begun);
   void activate(int island, const std::vector<int>& islands, const std::vector<char>& all,
@@ -54,6 +55,7 @@ class SubStepping {
   KinematicBodies& kinematic_;
   StepAttempts& attempts_;
   StrengthLimits& strength_;
+  std::vector<double> longest_;      // per root body: its longest piece of this substep [s]
   std::vector<double> moved_;        // velocities times shares
   std::vector<double> way_, inner_;  // per shape: travelled, and seen from the root body [m]
   uint64_t way_stamp_ = 0;           // of the end pose that they lead to

@@ -36,7 +36,7 @@ void what_a_substep_leaves_is_left_to_the_next() {
   budget.begin_substep(2);
   budget.begin_substep(1);  // the first took nothing
   budget.begin_attempt();
-  budget.spend(tune::kAttemptShare * tune::kFrameWork - 1);
+  budget.spend(tune::kWholeShare * tune::kFrameWork - 1);
   CHECK(!budget.attempt_out());
   budget.spend(2);
   CHECK(budget.attempt_out() && !budget.out());

@@ -498,11 +498,13 @@ constexpr double kSameNormal = 0.95;
 
 // Multiplications of a frame of up to kFrameSubsteps substeps, for each person: some 40 ms. What a
 // substep may take of what is left, at least; the share of that with which nothing is tried again; what
-// the first attempt at it may take of what is left, one at a shorter piece, and a solve, which may cost
-// kLeastSolveWork in any case. With half of it for an attempt, scenes that need many short steps lost up
+// an island may take of what is left in the first attempt at it, in one at a shorter piece, and in a
+// solve. An island may take kLeastIslandWork in any attempt, and kLeastSolveWork in any solve: trouble
+// elsewhere, which leaves nothing, changes no bit of one that needs less. With half of it for an attempt, scenes that need many short steps lost up
 // to 97 % of the time; with less for the first one a wall at 10 m/s lost some.
 constexpr double kFrameWork = 3.4e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
-constexpr double kWholeShare = 0.25, kAttemptShare = 0.15, kSolveShare = 0.25, kLeastSolveWork = 3e5;
+constexpr double kWholeShare = 0.18, kAttemptShare = 0.1, kSolveShare = 0.25;
+constexpr double kLeastIslandWork = 1e7, kLeastSolveWork = 3e6;
 constexpr int kFrameSubsteps = 8;
 // What posing a shape is taken to cost, checking a candidate at the end pose, finding it, and a test
 // of a search in a mesh [multiplications, of 0.125 ns]: measured times.

@@ -18,7 +18,7 @@ void ContactStep::run(double h) {
     settle(h);
     if (!data_.attempt.contacts.empty()) rebound(h);
     find_worst(data_.attempt);
-    if (!extend_reach(query + 1 == tune::kMostQueries || data_.budget.attempt_out())) return;
+    if (!extend_reach(query + 1 == tune::kMostQueries)) return;
   }
 }
 
@@ -136,7 +136,7 @@ bool ContactStep::goes_on(int island) {
   p.stale = p.overdue == 0 || p.overdue < 0.5 * p.mark ? 0 : p.stale + 1;
   if (p.stale == 0) p.mark = p.overdue;
   const bool spent = p.pass >= tune::kMostPasses || p.stale >= tune::kStalePasses;
-  if (p.crushed || data_.budget.attempt_out() ||
+  if (p.crushed || data_.budget.attempt_out(p.work) ||
       (spent && (p.least > hopeless || !give_way(system_, data_, island)))) {
     p.state = IslandProgress::State::Stuck;
   } else if (spent) {
@@ -224,7 +224,7 @@ void ContactStep::correct_prediction(Contact& c, double h) {
 
 // A second solve of islands where contacts rebound: they are as far as it has come.
 void ContactStep::rebound(double h) {
-  if (data_.budget.attempt_out() || !rebounds_.demand(system_, data_, h)) return;
+  if (!rebounds_.demand(system_, data_, h)) return;
   for (int pass = 1; pass <= tune::kMostReboundPasses; pass++) {
     solve(h);
     rebounds_.bound_energy(system_, data_, [&] { solve(h); });

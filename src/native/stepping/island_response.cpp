@@ -54,6 +54,7 @@ void IslandResponse::solve_island(const System& system, Data& data, int island, 
       if (data.islands.of_tree(m.root[m.dof_body[i]]) == island) data.step.v[i] = v_[i];
   }
   progress.crushed = r.crushed;
+  progress.work += r.work;
   data.result.diagnostics.sweeps += r.sweeps;
 }
 

@@ -21,6 +21,7 @@ struct IslandProgress {
   };
   State state = State::Open;
   bool violated = false;       // a candidate is, at the end pose
+  double work = 0;             // of the attempt: solves and checks [multiplications]
   int pass = 0;                // solves since the attempt began, or since its clearance gave way
   int stale = 0;               // passes in a row that have not halved `overdue`
   double tolerance = 0;        // of solving [m]

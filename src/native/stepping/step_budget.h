@@ -27,13 +27,17 @@ class StepBudget {
   }
   void spend(double work) { left_ -= work, frame_ -= work; }
   bool out() const { return left_ <= least_; }
-  // An attempt may take a share of what is left: where it fails, shorter steps follow.
+  // An island may take a share of what is left for an attempt: where that fails, shorter steps follow.
+  // The first attempt at the whole substep may take more.
   void begin_attempt() {
-    const double share = whole_ ? tuning::stepping::kWholeShare : tuning::stepping::kAttemptShare;
-    attempt_end_ = std::max(least_, (1 - share) * left_);
+    attempt_ = left_ * (whole_ ? tuning::stepping::kWholeShare : tuning::stepping::kAttemptShare);
     whole_ = false;
   }
-  bool attempt_out() const { return left_ <= attempt_end_; }
+  // Has an island that has taken `work` of this attempt to end it? One that takes little never has,
+  // whatever others have taken.
+  bool attempt_out(double work) const {
+    return work >= std::max(attempt_, tuning::stepping::kLeastIslandWork);
+  }
   // What the next solve may cost.
   double solve() const {
     return std::min(tuning::contact::kSolveWork, std::max(tuning::stepping::kLeastSolveWork,
@@ -41,7 +45,7 @@ class StepBudget {
   }
 
  private:
-  double frame_ = 0, left_ = 0, least_ = 0, attempt_end_ = 0;
+  double frame_ = 0, left_ = 0, least_ = 0, attempt_ = 0;
   bool whole_ = true;  // the next attempt is the first of its substep
 };
 

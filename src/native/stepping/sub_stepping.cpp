@@ -240,7 +240,7 @@ double SubStepping::catch_up(double h, double left, bool begun) {
     }
     length = std::min(length, left);
     do attempts_.run(length);
-    while (!data_.budget.out() && strength_.give_in(system_, data_, data_.step.length));
+    while (strength_.give_in(system_, data_, data_.step.length));
     std::vector<double> share;
     if (!good()) share = shares(length);
     double least = 1;

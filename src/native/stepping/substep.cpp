@@ -19,7 +19,7 @@ void Substep::run(int k, double h) {
   free_velocity(k, h);
   strength_.begin(system_, data_.step);
   attempts_.run(h);
-  while (!data_.budget.out() && again(h)) attempts_.run(h);
+  while (again(h)) attempts_.run(h);
   trace(k, h);
   squeezed_.begin(system_, data_, data_.step.v_free);
   const double lost = sub_stepping_.make(h);
@@ -68,7 +68,7 @@ void Substep::free_velocity(int k, double h) {
 
 // Is the attempt to be repeated, with kinematic bodies that go slower or joints that resist less?
 bool Substep::again(double h) {
-  if (kinematic_.slow_down(system_, data_)) {
+  if (!data_.budget.out() && kinematic_.slow_down(system_, data_)) {
     kinematic_.set_velocity(system_.model, data_.state, data_.step, h);
     return true;
   }

@@ -120,6 +120,7 @@ void Verification::check_candidate(System& system, Data& data, size_t i) {
   attempt.excess[i] = e;
   const ContactCandidate& c = attempt.candidates[i];
   IslandProgress& p = attempt.islands[island];
+  p.work += tune::kCheckWork;
   p.worst = std::min(p.worst, e);
   const bool violated = e < -allowed(system, attempt, c);
   attempt.violated[i] = violated;

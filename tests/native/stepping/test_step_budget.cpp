@@ -16,12 +16,14 @@ void a_frame_ends(int substeps, int people) {
     budget.begin_substep(substeps - k);
     while (!budget.out()) {
       budget.begin_attempt();
+      double taken = 0;
       do {
         const double work = budget.solve();
         CHECK(work >= tune::kLeastSolveWork && work <= hp::tuning::contact::kSolveWork);
         budget.spend(work);
         spent += work;
-      } while (!budget.attempt_out());
+        taken += work;
+      } while (!budget.attempt_out(taken));
     }
   }
   const double most =
@@ -36,12 +38,25 @@ void what_a_substep_leaves_is_left_to_the_next() {
   budget.begin_substep(2);
   budget.begin_substep(1);  // the first took nothing
   budget.begin_attempt();
-  budget.spend(tune::kWholeShare * tune::kFrameWork - 1);
-  CHECK(!budget.attempt_out());
-  budget.spend(2);
-  CHECK(budget.attempt_out() && !budget.out());
+  const double most = tune::kWholeShare * tune::kFrameWork;
+  CHECK(!budget.attempt_out(most - 1));
+  CHECK(budget.attempt_out(most) && !budget.out());
   budget.spend(tune::kFrameWork);
   CHECK(budget.out());
+}
+
+// However much one island takes, others that need little do not see it.
+void trouble_ends_no_other_island() {
+  hp::StepBudget budget;
+  budget.begin_frame(8, 2);
+  budget.begin_substep(8);
+  budget.begin_attempt();
+  budget.spend(10 * tune::kFrameWork);
+  CHECK(budget.out());
+  budget.begin_attempt();
+  CHECK(!budget.attempt_out(tune::kLeastIslandWork - 1));
+  CHECK(budget.attempt_out(tune::kLeastIslandWork));
+  CHECK(budget.solve() == tune::kLeastSolveWork);
 }
 
 void a_failed_attempt_leaves_room_for_shorter_ones() {
@@ -51,7 +66,7 @@ void a_failed_attempt_leaves_room_for_shorter_ones() {
   int attempts = 0;
   for (; !budget.out() && attempts < 100; attempts++) {
     budget.begin_attempt();
-    while (!budget.attempt_out()) budget.spend(1e5);
+    for (double taken = 0; !budget.attempt_out(taken); taken += 1e5) budget.spend(1e5);
   }
   CHECK(attempts >= 10);
 }
@@ -62,6 +77,7 @@ int main() {
   for (int substeps : {1, 4, 8, 32})
     for (int people : {1, 2}) a_frame_ends(substeps, people);
   what_a_substep_leaves_is_left_to_the_next();
+  trouble_ends_no_other_island();
   a_failed_attempt_leaves_room_for_shorter_ones();
   return check::report("test_step_budget");
 }

@@ -240,6 +240,17 @@ def test_lost_time_and_the_solver(quiet):
         "missed what the solver asked of it by 0.02 mm at most, in frame 12 (0.40 s)"
     )
     assert dataclasses.replace(quiet, diagnostics={}).summary().endswith("no time lost")
+    missed, tolerances = np.zeros(FRAMES), np.zeros(FRAMES)
+    missed[[7, 12]], tolerances[[7, 12]] = (0.001, 0.5), (4.9, 2000.0)
+    friction = {"friction_residual": missed, "friction_tolerances": tolerances}
+    assert (
+        dataclasses.replace(quiet, diagnostics=friction)
+        .summary()
+        .endswith(
+            "no time lost; friction missed Coulomb's law by 0.5 m/s at most, in frame 12 (0.40 s), "
+            "and by over 5 tolerances of the solver in 1 frame"
+        )
+    )
 
 
 def test_what_a_file_does_not_know_any_more_is_said(tmp_path, quiet):

@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 EXACT = 1e-9
 #: An object that moved by less than this did not move [m, rad].
 STILL, STILL_TURN = 1e-3, np.deg2rad(1.0)
+#: Friction that misses Coulomb's law by more tolerances of the solver than this is reported.
+UNSETTLED = 5.0
 _LISTED = 5  # touched things, and objects, that are listed
 _PARTS = 3  # parts that are named for each
 
@@ -254,7 +256,7 @@ def _closest(result: Result, frame: int) -> tuple[str, str]:
 
 
 def _cost(result: Result) -> str:
-    """Time lost by blocked steps, and the residual of the contact solver."""
+    """Time lost by blocked steps, and the residuals of the contact solver."""
     lost = result.lost_time
     if lost.any():
         text = (
@@ -269,6 +271,14 @@ def _cost(result: Result) -> str:
         text += (
             f"; a gap missed what the solver asked of it by {_length(residual.max())} at most, in "
             f"{_when(result, residual.argmax())}"
+        )
+    unsettled = result.diagnostics.get("friction_tolerances")
+    if unsettled is not None and (unsettled > UNSETTLED).any():
+        missed = result.diagnostics["friction_residual"]
+        text += (
+            f"; friction missed Coulomb's law by {missed.max():.2g} m/s at most, in "
+            f"{_when(result, missed.argmax())}, and by over {UNSETTLED:g} tolerances of the "
+            f"solver in {_count(int(np.count_nonzero(unsettled > UNSETTLED)), 'frame')}"
         )
     return text
 

@@ -159,9 +159,12 @@ class Substeps:
 
 
 #: Diagnostics of a frame: contact planes and points (largest number in any substep), solves, their
-#: sweeps and steps, substeps that were shortened, and the largest residual gap at the end of a
-#: substep [m].
-DIAGNOSTICS = ("planes", "contacts", "passes", "sweeps", "shortened", "residual")
+#: sweeps and steps, substeps that were shortened, and the largest residuals of a substep: of gaps
+#: at its end [m], of Coulomb friction [m/s], and that in multiples of `Settings.tolerance`.
+DIAGNOSTICS = (
+    *("planes", "contacts", "passes", "sweeps", "shortened", "residual"),
+    *("friction_residual", "friction_tolerances"),
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,8 +9,9 @@ void Recording::add(Stepper& s) {
   clearance.push_back(s.clearance());
   const Diagnostics& g = s.result().diagnostics;
   lost.push_back(g.lost_time);
-  numbers.insert(numbers.end(), {(double)g.candidates, (double)g.contacts, (double)g.passes,
-                                 (double)g.sweeps, (double)g.shortened, g.residual});
+  numbers.insert(numbers.end(),
+                 {(double)g.candidates, (double)g.contacts, (double)g.passes, (double)g.sweeps,
+                  (double)g.shortened, g.residual, g.friction, g.friction_tolerances});
   touch_count.push_back((double)s.result().touches.size());
   touch_rows(s.result().touches, touches);
   const size_t before = inside.size();
@@ -27,8 +28,8 @@ nb::dict Recording::dict(const Stepper& s) const {
   d["frames"] = done;
   d["clearance"] = array(clearance);
   d["lost_time"] = array(lost);
-  // planes, contacts, passes, sweeps, shortened, residual
-  d["diagnostics"] = array({done, 6}, numbers);
+  // planes, contacts, passes, sweeps, shortened, residual, friction, friction in tolerances
+  d["diagnostics"] = array({done, 8}, numbers);
   d["touch_count"] = array(touch_count);
   d["touches"] = array({touches.size() / 12, 12}, touches);
   d["inside_count"] = array(inside_count);

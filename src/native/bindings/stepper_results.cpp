@@ -85,6 +85,8 @@ nb::dict diagnostics(Stepper& s) {
   out["sweeps"] = d.sweeps;
   out["shortened"] = d.shortened;
   out["residual"] = d.residual;
+  out["friction_residual"] = d.friction;
+  out["friction_tolerances"] = d.friction_tolerances;
   out["lost_time"] = d.lost_time;
   return out;
 }

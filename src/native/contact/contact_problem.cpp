@@ -172,10 +172,8 @@ void ContactProblem::newton_round(Progress& at, SolveReport& report) {
   }
 }
 
-void ContactProblem::solve(double tolerance, double fine, int most, SolveReport& report) {
-  const double before = budget.work();
-  barred_ = false;
-  finish_groups();
+// Rounds of sweeps and Newton steps from p on; p is then the best that they met.
+void ContactProblem::iterate(double tolerance, double fine, int most, SolveReport& report) {
   product();
   Progress at{fine, 0, most, 1e300, budget};
   judge(at, report);
@@ -199,9 +197,44 @@ void ContactProblem::solve(double tolerance, double fine, int most, SolveReport&
   if (report.residual > at.least) p = best_, product();
   report.residual = residual(false);
   report.normal = residual(true);
-  if (report.residual >= tolerance && report.normal >= tune::kEnough * tolerance)
-    settle_normals(tolerance, report);
-  if (report.residual >= tune::kEnough * tolerance) drop_driving_friction(tolerance, report);
+}
+
+// Other ways to an answer where rounds from the warm start do not end: rounds from nothing, then a
+// path through smoothed problems. What does not end is no better: p is then as it was.
+void ContactProblem::start_anew(double tolerance, int most, SolveReport& report) {
+  const std::vector<double> before = p;
+  const double residual_before = report.residual, normal_before = report.normal;
+  std::fill(p.begin(), p.end(), 0.0);
+  iterate(tolerance, tolerance, most, report);
+  if (report.residual >= tune::kEnough * tolerance) {
+    const bool better = path_.follow(A, beta, local_, tolerance, report.residual, budget, p);
+    report.sweeps += path_.steps();
+    if (better) {
+      project();
+      product();
+      report.residual = residual(false);
+      report.normal = residual(true);
+    }
+  }
+  if (report.residual < tune::kEnough * tolerance) return;
+  p = before;
+  product();
+  report.residual = residual_before;
+  report.normal = normal_before;
+}
+
+void ContactProblem::solve(double tolerance, double fine, int most, SolveReport& report) {
+  const double before = budget.work(), enough = tune::kEnough * tolerance;
+  barred_ = false;
+  finish_groups();
+  iterate(tolerance, fine, most, report);
+  if (report.residual >= enough && settles && size() > 1) start_anew(tolerance, most, report);
+  if (report.residual >= tolerance && report.normal >= enough) settle_normals(tolerance, report);
+  if (report.residual >= (settles ? std::max(enough, tune::kDrivingSlip) : enough))
+    drop_driving_friction(tolerance, report);
+  report.friction = 0;
+  for (int i = 0; i < size(); i++)
+    report.friction = std::max(report.friction, local_[i].friction_residual(&p[3 * i], &w_[3 * i]));
   report.exhausted = report.residual >= tolerance && (barred_ || !budget.affords(0));
   report.work += budget.work() - before;
 }

@@ -13,10 +13,11 @@
 // Method: rounds of two things until the residual is under the tolerance,
 //   1. block sweeps (Gauss-Seidel): each contact in turn is solved exactly (coulomb.h), the contacts
 //      of one pair among themselves first. Sweeps find which contacts carry and which slip;
-//   2. damped Newton steps, which then end it: see
-//      newton.cpp.
-// Friction on redundant contacts may be slow to settle. Where the normal rows are not settled by
-// then, friction is held and the normal impulses are solved for alone, by principal pivoting: see
+//   2. damped Newton steps, which then end it: see newton.cpp.
+// Friction on redundant contacts may be slow to settle, and near jamming the merit has valleys that
+// end nowhere. What is left over kEnough tolerances is solved by rounds from nothing, then by a path
+// through smoothed problems (coulomb_path.h). Where the normal rows are not settled even so, friction
+// is held and the normal impulses are solved for alone, by principal pivoting: see
 // normal_impulses.cpp. Nothing penetrates then, and the next substep starts from these impulses.
 //
 // Residuals are velocities [m/s]: of the normal rows |min(w_n, A_nn p_n)|; of friction how far the
@@ -30,6 +31,7 @@
 #include <vector>
 
 #include "contact/coulomb.h"
+#include "contact/coulomb_path.h"
 #include "contact/delassus.h"
 #include "contact/work_budget.h"
 
@@ -39,6 +41,7 @@ struct SolveReport {
   int sweeps = 0;        // block sweeps and Newton steps
   int points = 0;        // contacts that took part
   double residual = 0;   // largest violation, friction's included [m/s]
+  double friction = 0;   // largest violation of Coulomb's law of friction [m/s]
   double normal = 0;     // largest violation of w_n, p_n >= 0 and p_n w_n = 0 [m/s]
   double work = 0;       // what it cost [multiplications]
   bool crushed = false;  // a body on a track leaves others no room: given up
@@ -52,6 +55,9 @@ class ContactProblem {
   Delassus A;
   std::vector<double> beta, p;  // 3 per contact
   WorkBudget budget;            // of all solves since clear()
+  // Friction that rounds do not settle is solved for anew. Not among bodies inside each other, which
+  // it would wedge: there it is dropped.
+  bool settles = true;
 
   int size() const { return (int)local_.size(); }
   void clear(double most_work);
@@ -88,6 +94,8 @@ class ContactProblem {
   void sweep_round(Progress& at, SolveReport& report);
   void newton_round(Progress& at, SolveReport& report);
   void settle(Group& g, double tolerance);
+  void iterate(double tolerance, double fine, int most, SolveReport& report);
+  void start_anew(double tolerance, int most, SolveReport& report);
   // newton.cpp
   bool newton_step(double damping, double bound);
   void drop_unloaded();
@@ -110,6 +118,7 @@ class ContactProblem {
   std::vector<LocalContact> local_;
   std::vector<Group> groups_;
   size_t group_count_ = 0;
+  CoulombPath path_;
   std::vector<double> best_;       // the impulses with the least residual so far
   std::vector<double> old_, own_;  // of a group: impulses before, and velocities
   // Of a Newton step or of pivoting: the contacts that take part, the equations, where it started.

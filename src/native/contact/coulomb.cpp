@@ -62,9 +62,9 @@ double LocalContact::squared_residual(const double* p, const double* w) const {
   return sum + ey * ey + ez * ez;
 }
 
-double LocalContact::residual(const double* p, const double* w) const {
-  double normal = normal_residual(p, w), both = squared_residual(p, w);
-  return std::max(normal, std::sqrt(std::max(0.0, both - normal * normal)));
+double LocalContact::friction_residual(const double* p, const double* w) const {
+  const double normal = normal_residual(p, w), both = squared_residual(p, w);
+  return std::sqrt(std::max(0.0, both - normal * normal));
 }
 
 // Sliding with p = p_n (1, mu c, mu s): p_n = -r_n / N from w_n = 0, and the slip times N is

@@ -29,11 +29,14 @@ struct LocalContact {
   void set(const Mat3& a, double friction);
   // The answer to r; `old` only says where to look first for the direction of slip.
   Vec3 solve(Vec3 r, Vec3 old) const;
-  // How far p is from its answer, as a velocity: normal, and the larger of normal and friction.
+  // How far p is from its answer, as a velocity: normal, friction, and the larger of the two.
   double normal_residual(const double* p, const double* w) const {
     return std::fabs(std::min(w[0], p[0] * A.m[0]));
   }
-  double residual(const double* p, const double* w) const;
+  double friction_residual(const double* p, const double* w) const;
+  double residual(const double* p, const double* w) const {
+    return std::max(normal_residual(p, w), friction_residual(p, w));
+  }
   double squared_residual(const double* p, const double* w) const;
 
  private:

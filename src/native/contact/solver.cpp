@@ -259,6 +259,11 @@ void ContactSolver::solve_island(const System& s, const Island& at, std::vector<
   dof_.clear();
   y_.clear();
   problem_.clear(at.budget);
+  problem_.settles = true;
+  for (int l = 0; l < at.count; l++) {
+    const Contact& c = contacts[at.contact[l]];
+    problem_.settles &= c.dist >= 0 && c.closing == 0;
+  }
   shut_out_ = false;
   join_first(s, at, contacts);
   // Objects that rest on objects must not creep by what a tolerance allows.
@@ -298,6 +303,7 @@ void ContactSolver::solve_island(const System& s, const Island& at, std::vector<
   report.sweeps += mine.sweeps;
   report.points += (int)rows_.size();
   report.residual = std::max(report.residual, mine.residual);
+  report.friction = std::max(report.friction, mine.friction);
 }
 
 // beta of every contact: its velocity without contact, less the normal velocity that it demands.

@@ -13,6 +13,7 @@ class WorkBudget {
   }
   void spend(double work) { work_ += work; }
   double work() const { return work_; }
+  double left() const { return most_ - work_; }
   bool spent() const { return work_ >= most_; }
   // May a sweep or a Newton step cost `work`? They leave a share to the normal impulses alone.
   bool affords(double work) const {

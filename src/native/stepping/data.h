@@ -79,7 +79,10 @@ struct Touch {
 
 struct Diagnostics {  // of one frame
   int candidates = 0, contacts = 0, passes = 0, sweeps = 0, shortened = 0;
-  double residual = 0;   // largest gap missing at the end of a substep [m]
+  double residual = 0;  // largest gap missing at the end of a substep [m]
+  // Largest miss of Coulomb's law of friction in the solve that a step was made with [m/s], and in
+  // tolerances of the solver.
+  double friction = 0, friction_tolerances = 0;
   double lost_time = 0;  // [s]
 };
 

@@ -55,6 +55,7 @@ void IslandResponse::solve_island(const System& system, Data& data, int island, 
   }
   progress.crushed = r.crushed;
   progress.work += r.work;
+  progress.friction = r.friction;
   data.result.diagnostics.sweeps += r.sweeps;
 }
 
@@ -71,6 +72,7 @@ SolveReport IslandResponse::respond(const System& system, Data& data,
       v = self_.velocity();
       SolveReport r;
       r.points = (int)next;
+      r.friction = self_.friction();
       return r;
     }
     from = &self_.without_own(system, data);

@@ -28,6 +28,7 @@ struct IslandProgress {
   double worst = 0;            // its largest violation [m], negative
   double overdue = 0;          // its largest violation that solving should have cured [m]
   double least = 0, mark = 0;  // `overdue` at its least since then, and when it was last halved
+  double friction = 0;         // what its last solve missed of friction's law [m/s]
   bool crushed = false;        // solving found that a kinematic body leaves others no room
 
   bool open() const { return state == State::Open; }

@@ -95,6 +95,7 @@ bool SelfResponse::solve(const System& system, Data& data, const std::vector<Con
                      own_, tolerance, system.world.settings.max_sweeps, 0, data.budget.solve());
     data.budget.spend(r.work);
     data.result.diagnostics.sweeps += r.sweeps;
+    friction_ = r.friction;
     if (met(system, data.state, h)) return true;
   }
   return false;

@@ -32,6 +32,7 @@ class SelfResponse {
   const std::vector<Contact>& own() const { return own_; }
   bool is_own(const System& system, const Attempt& attempt, const Contact& c) const;
   const std::vector<double>& velocity() const { return v_; }  // v'
+  double friction() const { return friction_; }  // what solve() missed of friction's law [m/s]
   // v' - M^^-1 J^T p: from where all contacts are solved together.
   const std::vector<double>& without_own(const System& system, const Data& data);
 
@@ -44,8 +45,9 @@ class SelfResponse {
   std::vector<char> free_;  // per dof: it gives way
   Inertia inertia_;         // of the free dofs
   std::vector<Contact> own_;
-  std::vector<char> touches_;    // per body: of people in contact with themselves
-  std::vector<double> v_;        // v'
+  std::vector<char> touches_;  // per body: of people in contact with themselves
+  std::vector<double> v_;      // v'
+  double friction_ = 0;
   std::vector<double> impulse_;  // J^T p
   std::vector<Twist> twists_;
 };

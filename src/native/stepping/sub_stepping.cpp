@@ -168,6 +168,12 @@ void SubStepping::commit(double h, const std::vector<double>& share) {
       moved_[i] = step.v[i] * std::max(0.0, share[model.dof_body[i]]);
     step.move(system_, state, moved_, h);
   }
+  Diagnostics& diagnostics = data_.result.diagnostics;
+  double friction = 0;
+  for (const IslandProgress& p : data_.attempt.islands) friction = std::max(friction, p.friction);
+  diagnostics.friction = std::max(diagnostics.friction, friction);
+  diagnostics.friction_tolerances =
+      std::max(diagnostics.friction_tolerances, friction * h / world.settings.tolerance);
   record(h, share);
   for (const Breach& k : breaches()) data_.result.add(k);
   world.broad_phase.travel(way_, inner_);

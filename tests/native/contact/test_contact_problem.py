@@ -28,17 +28,18 @@ SWEEPS = 50
 BUDGET = 1e12
 #: The solver's tolerance when it takes long; only friction may miss it.
 ENOUGH = 5 * TOLERANCE
-#: Shares of a run's problems that may stay unsettled when solved from zero, and those with such
-#: normals; the core does not solve them that way. Points of several skin hulls coincide:
-#: 119 on a limp body where the parts have 76. Measured are 0, 1 and 5 of 31, and
-#: once, for a limp skin, normals 0.02 m/s off.
+#: Sweeps and Newton steps of one solve: from two starts, rounds of normals, steps of a path.
+MOST = 2 * SWEEPS + 12 + 24 + 400
+#: Shares of a run's problems that may stay unsettled when solved from zero, all points at once; the
+#: core does not solve them that way. Points of several skin hulls coincide: 119 on a limp body
+#: where the parts have 76, too many for a path. Measured are 0 and 3 of 31.
 FROM_NOTHING = {
-    ("parts", None, 1.0): (0.0, 0.0),
-    ("parts", 0.02, 1.0): (0.0, 0.0),
-    ("parts", None, 0.0): (0.5, 0.0),
-    ("skin", None, 1.0): (0.0, 0.0),
-    ("skin", 0.02, 1.0): (0.05, 0.0),
-    ("skin", None, 0.0): (0.5, 0.05),
+    ("parts", None, 1.0): 0.0,
+    ("parts", 0.02, 1.0): 0.0,
+    ("parts", None, 0.0): 0.0,
+    ("skin", None, 1.0): 0.0,
+    ("skin", 0.02, 1.0): 0.0,
+    ("skin", None, 0.0): 0.15,
 }
 
 
@@ -139,7 +140,7 @@ def test_law_of_contact_over_random_mechanisms():
     """1,000 problems, cold and warm: nearly all obey the law to the tolerance; the
     reported residual is the true one; and where friction does not settle normals still hold."""
     rng = np.random.default_rng(1)
-    missed = {"cold": 0, "warm": 0}
+    missed, unsettled = {"cold": 0, "warm": 0}, 0
     for _ in range(500):
         J, M, v, pairs = mechanism(rng)
         Y = np.linalg.solve(np.linalg.cholesky(M), J.T)
@@ -162,13 +163,16 @@ def test_law_of_contact_over_random_mechanisms():
                 along = np.einsum("ij,ij->i", p[:, 1:], w.reshape(-1, 3)[:, 1:])
                 assert (along <= 3 * TOLERANCE * np.abs(p).max(axis=1)).all()
             missed[start] += residual > TOLERANCE
-            assert sweeps <= SWEEPS + 12  # plus rounds of normals
+            unsettled += residual > ENOUGH
+            assert sweeps <= MOST
             # The next substep: all values change a little.
             v = v + 0.02 * rng.normal(size=len(v))
             warm = p.ravel().copy()
-    # Problems that do not converge (2 to 3 %) are near jamming: mu |A_nt| > A_nn.
-    assert missed["cold"] <= 25
-    assert missed["warm"] <= 25
+    # Problems that do not converge (1 to 2 %) are near jamming: mu |A_nt| > A_nn. Measured are 8, 5
+    # and 2; of two other seeds 9, 2, 0 and 3, 3, 0. Without a path 18 stay unsettled.
+    assert missed["cold"] <= 12
+    assert missed["warm"] <= 12
+    assert unsettled <= 3
 
 
 @pytest.mark.parametrize("contact", CONTACTS)
@@ -219,12 +223,9 @@ def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, conta
         missed += residual > ENOUGH
         normals += normal > ENOUGH
     assert solved > 20
-    # A limp body of Algorithm 1 jams: where contacts start from those of the substep before,
-    # friction is left in some of its solves.
-    assert unsettled <= (0.1 * solved if stiffness == 0.0 else 0.0)
-    share, of_normals = FROM_NOTHING[contact, drive_time, stiffness]
-    assert missed <= share * solved
-    assert normals <= of_normals * solved
+    assert unsettled == 0
+    assert missed <= FROM_NOTHING[contact, drive_time, stiffness] * solved
+    assert normals == 0
 
 
 def net(rng, contacts):

@@ -530,18 +530,19 @@ constexpr double kSameNormal = 0.95;
 // substep may take of what is left, at least; the share of that with which nothing is tried again; what
 // an island may take of what is left in the first attempt at it, in one at a shorter piece, and in a
 // solve. An island may take kLeastIslandWork in any attempt, and kLeastSolveWork in any solve: trouble
-// elsewhere, which leaves nothing, changes no bit of one that needs less. With half of it for an attempt, scenes that need many short steps lost up
-// to 97 % of the time; with less for the first one a wall at 10 m/s lost some.
+// elsewhere, which leaves nothing, changes no bit of one that needs less. With half of it for an attempt,
+// scenes that need many short steps lost up to 97 % of the time; with a fifth for the first one a wall at
+// 10 m/s lost 1 %.
 constexpr double kFrameWork = 3.4e8, kSpikeShare = 0.4, kWorkReserve = 0.1;
-constexpr double kWholeShare = 0.18, kAttemptShare = 0.1, kSolveShare = 0.25;
+constexpr double kWholeShare = 0.25, kAttemptShare = 0.1, kSolveShare = 0.25;
 constexpr double kLeastIslandWork = 1e7, kLeastSolveWork = 3e6;
 constexpr int kFrameSubsteps = 8;
 // What posing a shape is taken to cost, checking a candidate at the end pose, finding it, and a test
 // of a search in a mesh [multiplications, of 0.125 ns]: measured times.
 constexpr double kPoseWork = 8e3, kCheckWork = 3e3, kPlaneWork = 8e3, kTestWork = 25;
-// Violated candidates, for each person, from which on contacts are made of the worst of each shape only, kPatchPlanes of
-// them with normals that differ by this cosine: the planes that bound a patch span it, the rest of them
-// is violated again in the next pass if that was not enough.
+// Violated candidates, for each person, from which on contacts are made of the worst of each shape only,
+// kPatchPlanes of them with normals that differ by this cosine: the planes that bound a patch span it, the
+// rest of them is violated again in the next pass if that was not enough.
 // Of all shapes kMostPatchPlanes, the worst.
 constexpr size_t kManyViolated = 120, kMostPatchPlanes = 150;
 constexpr int kPatchPlanes = 6;

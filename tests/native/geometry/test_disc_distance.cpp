@@ -10,7 +10,10 @@ using hp::Vec3;
 
 namespace {
 
-std::mt19937 random_bits(1);
+// The same cases on every machine.
+std::mt19937 seeded(unsigned seed) { return std::mt19937(seed); }
+
+std::mt19937 random_bits = seeded(1);
 
 double number(double least, double most) {
   return least + (most - least) * (double)(random_bits() >> 5) / (double)(1 << 27);

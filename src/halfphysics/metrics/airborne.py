@@ -1,0 +1,79 @@
+"""Frames in which a motion is airborne: nothing carries it, and it falls as it should."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.metrics.argument_checks import Array
+
+#: Acceleration of free fall [m/s^2].
+GRAVITY = 9.81
+#: Frequency above which accelerations of the centre of mass are noise [Hz], as in gait analysis
+#: (Winter 2009, section 3.4.4).
+CUTOFF = 6.0
+#: A motion falls where its centre of mass accelerates down by at least this share of gravity. Half:
+#: the filter turns the step from standing to flight into a slope whose middle this is.
+FALLING = 0.5
+#: The lowest skin rests where it is slower than this [m/s] on average over this time [s], before
+#: and after. At the top of a jump the mean over 0.1 s is 0.49 m/s.
+SLOW, REST = 0.25, 0.1
+#: Skin within this of the lowest vertex is the lowest skin [m].
+LOWEST = 0.01
+
+
+def centre_of_mass(motion: Any, body: Any) -> Array:
+    """Centre of mass of a person (T, 3) [m], from the masses of the 55 rigid parts."""
+    positions, turns = body.joint_frames(motion)
+    parts = body.variant.parts
+    mass = np.array([part.mass for part in parts])
+    own = np.array([part.com for part in parts])
+    centres = positions + rot.rotate(turns, np.broadcast_to(own, positions.shape))
+    whole: Array = np.einsum("j,tjx->tx", mass / mass.sum(), centres)
+    return whole
+
+
+def airborne(motion: Any, body: Any) -> NDArray[np.bool_]:
+    """Frames (T,) in which a motion is in the air by itself: in a jump, between steps of a run.
+
+    Its centre of mass, low-passed at 6 Hz without a phase, accelerates down by more than half of
+    gravity, and its lowest skin does not rest. No surface is asked about, so that a clip that is
+    sunk, floats or climbs stairs gives the same frames. A person who is moved through the air
+    without falling is not airborne: something must carry them.
+
+    Args:
+        motion: T frames; too few to accelerate (under 4) are not airborne.
+        body: The body whose masses and skin count.
+    """
+    frames = len(motion)
+    found = np.zeros(frames, dtype=bool)
+    if frames < 4:
+        return found
+    fps = float(motion.fps)
+    height = smoothed(centre_of_mass(motion, body)[:, 2], fps)
+    falling = np.gradient(np.gradient(height)) * fps**2 < -FALLING * GRAVITY
+    count = max(1, round(REST * fps))
+    for t in np.flatnonzero(falling).tolist():
+        around = [max(t - count, 0), t, min(t + count, frames - 1)]
+        before, here, after = body.vertices(motion, around)
+        low = here[:, 2] < here[:, 2].min() + LOWEST
+        ways = np.maximum(
+            np.linalg.norm(here[low] - before[low], axis=1) / max(t - around[0], 1),
+            np.linalg.norm(after[low] - here[low], axis=1) / max(around[2] - t, 1),
+        )
+        found[t] = ways.min() * fps >= SLOW
+    return found
+
+
+def smoothed(values: Array, fps: float, cutoff: float = CUTOFF) -> Array:
+    """Values (T, ...) low-passed along time without a phase: Butterworth, second order, twice."""
+    from scipy.signal import butter, filtfilt
+
+    if cutoff >= 0.5 * fps:
+        return values
+    b, a = butter(2, cutoff / (0.5 * fps))
+    result: Array = filtfilt(b, a, values, axis=0, padlen=min(len(values) - 1, round(fps)))
+    return result

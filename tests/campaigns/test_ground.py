@@ -1,0 +1,94 @@
+"""A sample of `campaigns.ground`: figures are measured and limits are judged; not what they are."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from campaigns.ground import campaign, label, run, settings_of
+from halfphysics.settings import Settings
+from support.ground.cases import Case, all_cases, set_up
+from support.ground.figures import end_height
+from support.ground.limits import LIMITS, failed, late, summary, table
+
+
+def test_a_scenario_gives_a_row_a_person():
+    rows = run(Case("scenario", "meet"), frames=12)
+    assert [row["person"] for row in rows] == [0, 1]
+    for row in rows:
+        assert json.loads(json.dumps(row)) == row
+        assert {limit.figure for limit in LIMITS if not limit.kinds and not limit.only} <= set(row)
+        assert row["breaches"] == 0
+    assert rows[0]["id"] in table(rows)
+    assert "rows with all" in summary(rows)
+
+
+def test_the_log_goes_on_where_it_stopped(tmp_path):
+    cases = [Case("push", "jamb"), Case("push", "box20")]
+    log = tmp_path / "rows.jsonl"
+    first = campaign(cases[:1], None, log, frames=10)
+    both = campaign(cases, None, log, frames=10)
+    assert both[0] == first[0]
+    assert [row["what"] for row in both] == ["jamb", "box20"]
+    assert len(campaign(cases, None, log, seconds=-1.0)) == 2
+    other = campaign(cases[:1], None, log, {"root": "recover"}, frames=10)
+    assert [row["settings"] for row in other] == ["root=recover"]
+
+
+def test_settings_on_the_command_line():
+    changes = settings_of(["root=recover", "stiffness=2.0", "strength=human", "drive_time=0.03"])
+    assert Settings(**changes) == Settings(
+        root="recover", stiffness=2.0, strength="human", drive_time=0.03
+    )
+    assert label(changes) == "drive_time=0.03,root=recover,stiffness=2.0,strength=human"
+    assert label(None) == ""
+
+
+def test_displaced_clips_are_where_they_should_be(shared_data):
+    cases = all_cases(shared_data)
+    assert len({case.id for case in cases}) == len(cases)
+    plain = {}
+    for how in ("-30mm", "+30mm", "tilt", "stairs"):
+        case = Case("sunk", "asap_squat3", how)
+        assert case in cases
+        (motion,), scene, (body,) = set_up(case, shared_data)
+        plain[how] = body.vertices(motion)[..., 2].min()
+        assert next(iter(scene.statics)) == "floor"
+    assert plain["-30mm"] == pytest.approx(-0.03, abs=1e-9)
+    assert plain["+30mm"] == pytest.approx(0.03, abs=1e-9)
+    assert abs(plain["tilt"]) < 0.03
+    assert plain["stairs"] > 0.5
+
+
+def test_the_end_by_hand():
+    """Nine groups: feet on the floor, seat and back far above."""
+    high = np.array([0.0, 0.0, 0.0, 0.0, 0.05, 0.05, 0.6, 0.9, 0.5])
+    assert end_height(high, high)[0] == 0.0
+    assert end_height(high, high + 0.02) == (pytest.approx(20.0), "left foot")
+    # Sunk or floating as a whole: the feet should be on the floor.
+    assert end_height(high - 0.03, high)[0] == 0.0
+    assert end_height(high + 0.03, high)[0] == pytest.approx(0.0)
+    assert end_height(high + 0.03, high + 0.03)[0] == pytest.approx(30.0)
+    # One foot is raised in the reference: it does not count.
+    one = high + np.array([0.0, 0.0, 0.2, 0.2, 0.0, 0.2, 0.0, 0.0, 0.0])
+    assert end_height(one, high) == (0.0, "left foot")
+    # A seat that is in the sofa should be on it.
+    seat = high.copy()
+    seat[6] = -0.06
+    above = high.copy()
+    above[6] = 0.011
+    assert end_height(seat, above) == (pytest.approx(11.0), "seat")
+
+
+def test_limits_and_the_way_back():
+    row = {"kind": "long", "what": "", "last_hit_s": 4.0, "hit_offset_mm": 500.0}
+    row |= {"back_s": 4.0, "back_left_s": 20.0}
+    assert late(row) == pytest.approx(0.5)
+    assert late(row | {"back_s": None}) == pytest.approx(16.5)
+    assert late(row | {"back_s": None, "back_left_s": 2.0}) is None
+    assert late({"last_hit_s": None}) is None
+    wall = {"kind": "push", "what": "wall", "push_mean_n": 500.0, "peak_n": 3500.0, "end_mm": 90.0}
+    assert failed(wall) == ["peak_n", "push_mean_n"]
+    assert failed(wall | {"what": "box20", "pushed_mm": 400.0}) == ["peak_n", "pushed_mm"]

@@ -1,0 +1,1 @@
+"""What `campaigns.ground` runs and measures: cases, figures of a result, limits."""

@@ -1,0 +1,193 @@
+"""Figures of one person of a result: how they stand, what carries them, where they end."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from halfphysics.base import rotations as rot
+from halfphysics.metrics.airborne import airborne
+from halfphysics.metrics.floating import floating_from
+from halfphysics.metrics.net_force import net_force
+from halfphysics.metrics.path_offset import path_offset
+from halfphysics.metrics.stance import LOW, sole_patches, stance_from
+from halfphysics.metrics.surface_gaps import RISE, carrying_gaps
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+
+#: Groups of skin after the four patches of the soles: the rest of the feet, seat, back, all else.
+LEFT, RIGHT, SEAT, BACK, ELSE = range(4, 9)
+#: What may carry a person at the end, and the groups it has.
+CARRIERS = {
+    "left foot": (0, 1, LEFT),
+    "right foot": (2, 3, RIGHT),
+    "seat": (SEAT,),
+    "back": (BACK,),
+}
+#: First frames [s]: how a clip that starts displaced is received.
+FIRST = 0.2
+#: Back on the path: nearer than this [m], this upright [rad], at this height [m].
+BACK_AT = (0.02, np.deg2rad(2.0), 0.005)
+#: Smallest jerk of a knee that counts [rad/s^3]: a clip that stands still has none.
+CALM = 50.0
+_TOES = [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]
+_KNEES = [JOINT_INDEX["left_knee"], JOINT_INDEX["right_knee"]]
+
+
+def groups_of(body):
+    """Group of every vertex (V,): patches of the soles, then LEFT to ELSE."""
+    group = sole_patches(body)
+    name = np.array(JOINT_NAMES)[body.weights.argmax(axis=1)]
+    rest = np.full(len(group), ELSE)
+    for k, side in ((LEFT, "left"), (RIGHT, "right")):
+        rest[np.isin(name, [f"{side}_ankle", f"{side}_foot"])] = k
+    rest[np.isin(name, ["pelvis", "left_hip", "right_hip"])] = SEAT
+    rest[np.isin(name, ["spine1", "spine2", "spine3"])] = BACK
+    return np.where(group >= 0, group, rest)
+
+
+def figures(result, person=0):
+    """All figures of a person, as plain numbers; None: undefined."""
+    subject, fps = result.people[person], result.fps
+    group = groups_of(subject.body)
+    gaps = [
+        carrying_gaps(m, subject.body, result.scene, group, objects=result.objects)
+        for m in (subject.reference, subject.motion)
+    ]
+    in_air = airborne(subject.reference, subject.body)
+    floats = [floating_from(g.whole, in_air) for g in gaps]
+    stance = stance_from(
+        subject, np.where(group < 4, group, -1), (gaps[0], gaps[1]), result.objects, in_air
+    )
+    force, path = net_force(result, person), path_offset(result, person)
+    size = np.linalg.norm(force.force, axis=1)
+    first = max(2, round(FIRST * fps))
+    clear = result.clearance[round(fps) :]
+    end, carrier = end_height(gaps[0].gap[-1], gaps[1].gap[-1])
+    return {
+        "end_mm": end,
+        "end_carrier": carrier,
+        "float_percent": floats[1].percent,
+        "float_mm": floats[1].mean_mm,
+        "float_asked_percent": floats[0].percent,
+        "unsupported_percent": unsupported(result, person, in_air),
+        "slide_mm": stance.simulated.mean_mm,
+        "slide_p95_mm": stance.simulated.p95_mm,
+        "slide_max_mm": stance.simulated.max_mm,
+        "slide_more_mm": stance.simulated.mean_mm - stance.asked.mean_mm,
+        "range_deg": range_violation(result, person),
+        "sustained_bw": force.sustained_weights,
+        "window_bw": force.window_weights,
+        "peak_bw": force.peak_weights,
+        "peak_n": force.peak,
+        "first_bw": float(size[:first].max()) / force.weight,
+        "toes_deg": toes_angle(subject),
+        "knee_jerk": knee_jerk(subject),
+        "end_offset_mm": path.end_offset_mm,
+        "end_tilt_deg": path.end_tilt_deg,
+        "end_above_mm": path.end_height_mm,
+        "max_offset_mm": path.max_offset_mm,
+        "max_tilt_deg": path.max_tilt_deg,
+        **way_back(result, person, path),
+        "breaches": len(result.breaches),
+        "clearance_mm": float(1000.0 * clear.min()) if len(clear) else None,
+        "lost_s": float(result.lost_time.sum()),
+        "airborne_percent": float(100.0 * in_air.mean()),
+    }
+
+
+def end_height(asked, got):
+    """How much higher feet and seat end above their support than in the reference, the worst [mm].
+
+    A foot, the seat or the back carries at the end if it is within 3 cm of a surface in the
+    reference, or of the lowest skin where the reference floats as a whole. It should be as high
+    above its surface as there: on it, where the reference is inside, or floats.
+
+    Args:
+        asked, got: Gaps of the groups in the last frame (9,) [m], reference and result.
+    """
+    whole = max(float(asked.min()), 0.0)
+    worst, name = 0.0, ""
+    for carrier, its in CARRIERS.items():
+        wanted = max(float(asked[list(its)].min()) - whole, 0.0)
+        if wanted < LOW:
+            off = 1000.0 * (min(float(got[list(its)].min()), 1.0) - wanted)
+            if not name or abs(off) > abs(worst):
+                worst, name = off, carrier
+    if not name:  # on hands and knees, or in the air
+        return 1000.0 * (min(float(got.min()), 1.0) - max(float(asked.min()) - whole, 0.0)), "skin"
+    return worst, name
+
+
+def unsupported(result, person, in_air):
+    """Share of the frames that are not airborne whose weight nothing carries [%]; None: unknown."""
+    from halfphysics import metrics
+
+    measure = getattr(metrics, "unsupported_weight", None)
+    return None if measure is None else measure(result, person).percent
+
+
+def range_violation(result, person):
+    """Angle by which a joint leaves the larger of its range and the reference's [deg]."""
+    from halfphysics import metrics
+
+    measure = getattr(metrics, "range_violations", None)
+    return None if measure is None else measure(result, person).max_deg
+
+
+def toes_angle(subject):
+    """Largest angle of the toes' joints from the reference's [deg]."""
+    own = rot.angles(subject.reference.rotations[:, _TOES], subject.motion.rotations[:, _TOES])
+    return float(np.rad2deg(own.max()))
+
+
+def knee_jerk(subject):
+    """Mean jerk of the knees' angles over that of the reference; None: too short."""
+    if len(subject.motion) < 4:
+        return None
+    jerks = []
+    for motion in (subject.motion, subject.reference):
+        turn = rot.exp(motion.rotations[:, _KNEES])
+        speed = rot.log(rot.multiply(rot.conjugate(turn[:-1]), turn[1:])) * motion.fps
+        third = np.diff(speed, n=2, axis=0) * motion.fps**2
+        jerks.append(float(np.linalg.norm(third, axis=-1).mean()))
+    return max(jerks[0], CALM) / max(jerks[1], CALM)
+
+
+def way_back(result, person, path):
+    """The last obstacle [s], the offset there, and the time until the person is back for good.
+
+    An obstacle is a contact whose normal rises by less than what can carry. `back_s` None: not back
+    by the end, `back_left_s` after the obstacle.
+    """
+    contacts = result.contacts
+    hit = (contacts.person == person) & (contacts.strength > 0.0) & (contacts.normal[:, 2] < RISE)
+    if not hit.any():
+        return {"last_hit_s": None, "hit_offset_mm": None, "back_s": None, "back_left_s": None}
+    last = int(contacts.frame[hit].max())
+    off = (path.offset > BACK_AT[0]) | (path.tilt > BACK_AT[1]) | (np.abs(path.height) > BACK_AT[2])
+    after = np.flatnonzero(off[last:])
+    back = 0 if not len(after) else int(after[-1]) + 1
+    fps = result.fps
+    return {
+        "last_hit_s": last / fps,
+        "hit_offset_mm": float(1000.0 * path.offset[last]),
+        "back_s": back / fps if last + back < len(result) else None,
+        "back_left_s": (len(result) - 1 - last) / fps,
+    }
+
+
+def push_figures(result, what, person=0):
+    """Of a push: mean and peak horizontal force on the thing [N], its way, the feet's slide."""
+    contacts, index = result.contacts, result.names.index(what)
+    rows = (contacts.person == person) & (contacts.other == index)
+    force = np.zeros((len(result), 2))
+    np.add.at(force, contacts.frame[rows], contacts.impulse[rows, :2] * result.fps)
+    size = np.linalg.norm(force, axis=1)
+    pushing = size > 0.0
+    track = result.objects.get(what)
+    moved = None if track is None else float(np.ptp(track.position[:, 0]))
+    return {
+        "push_mean_n": float(size[pushing].mean()) if pushing.any() else 0.0,
+        "push_peak_n": float(size.max()),
+        "pushing_s": float(pushing.sum() / result.fps),
+        "pushed_mm": None if moved is None else 1000.0 * moved,
+    }

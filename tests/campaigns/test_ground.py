@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from campaigns.ground import campaign, label, run, settings_of
+from halfphysics.base import rotations as rot
 from halfphysics.settings import Settings
 from support.ground.cases import Case, all_cases, set_up
 from support.ground.figures import end_height
@@ -60,6 +61,22 @@ def test_displaced_clips_are_where_they_should_be(shared_data):
     assert plain["+30mm"] == pytest.approx(0.03, abs=1e-9)
     assert abs(plain["tilt"]) < 0.03
     assert plain["stairs"] > 0.5
+
+
+def test_a_long_walk_is_one_motion_in_a_room_that_lets_it_through(shared_data):
+    (motion,), scene, (body,) = set_up(Case("long", "room", "1"), shared_data)
+    assert motion.duration > 45.0
+    step = np.linalg.norm(np.diff(motion.translation, axis=0), axis=1) * motion.fps
+    assert step.max() < 3.0
+    turn = rot.angles(motion.rotations[1:], motion.rotations[:-1])
+    assert turn.max() < 1.0  # rad a frame: no joint jumps where clips meet
+    path = (motion.translation + body.rest_joints[0])[:, :2]
+    names = [name for name in scene.statics if name.startswith(("piece", "seat"))]
+    assert len(names) >= 3
+    for name in names:
+        beside = np.linalg.norm(path - scene.statics[name].position[:2], axis=1).min()
+        assert beside > 0.3 or name.startswith("seat")
+        assert beside < 0.7
 
 
 def test_the_end_by_hand():

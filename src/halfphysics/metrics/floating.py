@@ -91,8 +91,8 @@ def floating(
             f"reference: found {len(reference)} frames, expected {len(motion)} as of the motion"
         )
     every = np.zeros(len(body.vertices(motion, slice(0, 1))[0]), dtype=np.intp)
-    gap = np.minimum(carrying_gaps(motion, body, scene, every, objects=objects).whole, MOST)
-    return floating_from(gap, airborne(reference, body), tolerance)
+    found = carrying_gaps(motion, body, scene, every, objects=objects, reach=MOST)
+    return floating_from(found.whole, airborne(reference, body), tolerance)
 
 
 def floating_from(

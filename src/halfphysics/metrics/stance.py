@@ -129,8 +129,10 @@ def stance_slide(result: Result, person: int = 0) -> StanceReport:
     result._check_person(person)
     subject, scene, objects = result.people[person], result.scene, result.objects
     patch = sole_patches(subject.body)
-    asked = carrying_gaps(subject.reference, subject.body, scene, patch, objects=objects)
-    got = carrying_gaps(subject.motion, subject.body, scene, patch, objects=objects)
+    asked, got = (
+        carrying_gaps(motion, subject.body, scene, patch, objects=objects, reach=2.0 * FAR)
+        for motion in (subject.reference, subject.motion)
+    )
     in_air = airborne(subject.reference, subject.body)
     return stance_from(subject, patch, (asked, got), objects, in_air)
 

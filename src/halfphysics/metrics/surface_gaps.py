@@ -23,10 +23,14 @@ if TYPE_CHECKING:
 #: A surface can carry where the way from it to the skin rises by at least this (30 degrees): a wall
 #: beside a person, or a ceiling, carries nobody.
 RISE = 0.5
+#: Skin that faces up by more than this is not carried (it would have to lie at -0.5, and bends by
+#: less than 50 degrees more than its part): it is left out for speed.
+FACING = 0.3
 #: Shortest way of which the direction is known [m].
 _LEAST = 1e-9
 #: Every so many vertices are measured first, so that most of the others need not be.
 _SPARSE = 16
+_EXTREMES = (np.minimum, np.maximum)
 
 Whole = NDArray[np.intp]
 
@@ -91,6 +95,7 @@ def carrying_gaps(
     group: NDArray[np.integer],
     *,
     objects: Mapping[str, Any] | None = None,
+    reach: float = 1.0,
 ) -> Gaps:
     """Smallest gaps of groups of skin vertices above the surfaces that can carry them.
 
@@ -103,25 +108,30 @@ def carrying_gaps(
         scene: Statics, objects and links.
         group: Group of every vertex (V,), 0 to G - 1, or -1: not measured.
         objects: Name -> track of T poses, as in ``result.objects``; those not named are left out.
+        reach: Largest gap that is measured [m]; beyond it is inf.
 
     Raises:
         InputError: A track of another length, or of no object of the scene.
     """
     frames, count = frames_of(motion), int(group.max()) + 1
     solids = solids_of(scene, tracks_of(scene, objects or {}, frames))
-    found = _Nearest(np.full((frames, count), np.inf))
-    faces = np.asarray(body.faces)
+    found = _Nearest(np.full((frames, count), float(reach)))
+    rest = _rest_normals(body)
     for part in batches(frames):
         vertices = skin(motion, body, part)
-        wanted = (group >= 0) & _facing_down(vertices, faces)
+        wanted = np.broadcast_to(group >= 0, vertices.shape[:2])
+        if rest is not None:
+            wanted = wanted & _may_be_carried(body, motion, part, rest)
+        bounds = _bounds(vertices, group)
         for sparse in (True, False):
             some = wanted.copy()
             if sparse:
                 some[:, np.arange(some.shape[1]) % _SPARSE != 0] = False
             for k, its in enumerate(solids.values()):
                 for solid in its:
-                    found.look(k, solid, part, vertices, some, group)
-    return Gaps(gap=found.gap, vertex=found.vertex, item=found.item, names=tuple(solids))
+                    found.look(k, solid, part, vertices, some, group, bounds)
+    gap = np.where(found.vertex < 0, np.inf, found.gap)
+    return Gaps(gap=gap, vertex=found.vertex, item=found.item, names=tuple(solids))
 
 
 class _Nearest:
@@ -140,12 +150,20 @@ class _Nearest:
         vertices: Array,
         wanted: NDArray[np.bool_],
         group: NDArray[np.integer],
+        bounds: tuple[Array, Array],
     ) -> None:
-        """Measure `wanted` (t, V) of the vertices (t, V, 3) of the frames `part` from a solid."""
+        """Measure `wanted` (t, V) of the vertices (t, V, 3) of the frames `part` from a solid.
+
+        Groups whose `bounds` (middle and half size, (t, G, 3)) are farther than what they have
+        are passed over.
+        """
         shape, *pose = solid
-        t, v = np.nonzero(wanted)
         turns = rot.to_matrix(pose[1] if len(pose[1]) == 1 else pose[1][part])
         places = pose[0] if len(pose[0]) == 1 else pose[0][part]
+        near = _between(shape, places, turns, *bounds) < self.gap[part]
+        if not near.any():
+            return
+        t, v = np.nonzero(wanted & near[:, group])
         its = np.zeros_like(t) if len(places) == 1 else t
         local = np.einsum("ni,nij->nj", vertices[t, v] - places[its], turns[its])
         frame = t + part.start
@@ -163,16 +181,73 @@ class _Nearest:
         self.gap[at], self.vertex[at], self.item[at] = distance[better], v[better], item
 
 
-def _facing_down(vertices: Array, faces: NDArray[np.integer]) -> NDArray[np.bool_]:
-    """Whether a triangle at each vertex (t, V) faces down: skin that faces up is not carried."""
-    if not len(faces):
-        return np.ones(vertices.shape[:2], dtype=bool)
-    down = np.zeros(vertices.shape[:2], dtype=bool)
-    for own, found in zip(vertices, down, strict=True):
-        a, b, c = (own[faces[:, k]] for k in range(3))
-        u, v = b - a, c - a
-        found[faces[u[:, 0] * v[:, 1] <= u[:, 1] * v[:, 0]]] = True
-    return down
+def _bounds(vertices: Array, group: NDArray[np.integer]) -> tuple[Array, Array]:
+    """Middle and half size (t, G, 3) of boxes around groups of the vertices (t, V, 3)."""
+    order = np.argsort(group, kind="stable")
+    found, first = np.unique(group[order], return_index=True)
+    low, high = (extreme.reduceat(vertices[:, order], first, axis=1) for extreme in _EXTREMES)
+    middle = np.full((len(vertices), int(group.max()) + 1, 3), 1e9)  # no vertex: far from all
+    half = np.zeros_like(middle)
+    there = found >= 0
+    middle[:, found[there]] = (0.5 * (low + high))[:, there]
+    half[:, found[there]] = (0.5 * (high - low))[:, there]
+    return middle, half
+
+
+def _between(shape: Shape, places: Array, turns: Array, middle: Array, half: Array) -> Array:
+    """A lower bound of distances (t, G) [m] of boxes (t, G, 3) from a solid, -inf if they meet."""
+    if isinstance(shape, Plane):
+        normal = turns @ np.asarray(shape.normal)
+        offset = shape.offset + np.einsum("tj,tj->t", normal, places)
+        reach = np.einsum("tgj,tj->tg", half, np.abs(normal))
+        gap = np.einsum("tgj,tj->tg", middle, normal) - reach - offset[:, None]
+    else:
+        low, high = _box_of(shape)
+        centre = places + turns @ (0.5 * (low + high))
+        size = np.abs(turns) @ (0.5 * (high - low))
+        apart = np.abs(middle - centre[:, None]) - half - size[:, None]
+        gap = np.linalg.norm(np.maximum(apart, 0.0), axis=-1)
+    result: Array = np.where(gap <= 0.0, -np.inf, gap)
+    return result
+
+
+def _box_of(shape: Shape) -> tuple[Array, Array]:
+    """Corners of a box around a shape, in its frame."""
+    if isinstance(shape, Mesh):
+        return shape.query.bounds[0], shape.query.bounds[1]
+    if isinstance(shape, Box):
+        half = 0.5 * np.asarray(shape.size)
+    elif isinstance(shape, Sphere):
+        half = np.full(3, shape.radius)
+    elif isinstance(shape, Capsule | Cylinder):
+        cap = shape.radius if isinstance(shape, Capsule) else 0.0
+        half = np.array([shape.radius, shape.radius, 0.5 * shape.length + cap])
+    else:
+        half = np.full(3, np.inf)
+    return -half, half
+
+
+def _rest_normals(body: Any) -> tuple[NDArray[np.intp], Array] | None:
+    """Of every vertex: its part (V,) and its normal at rest (V, 3); None: the body has no parts."""
+    faces = np.asarray(body.faces)
+    if not len(faces) or not hasattr(body, "weights"):
+        return None
+    a, b, c = (body.rest_vertices[faces[:, k]] for k in range(3))
+    normal, face = np.zeros(body.rest_vertices.shape), np.cross(b - a, c - a)
+    for k in range(3):
+        np.add.at(normal, faces[:, k], face)
+    return body.weights.argmax(axis=1), _unit(normal, np.linalg.norm(normal, axis=1))
+
+
+def _may_be_carried(
+    body: Any, motion: Any, part: slice, rest: tuple[NDArray[np.intp], Array]
+) -> NDArray[np.bool_]:
+    """Vertices (t, V) whose normal, turned with their part, does not point up by over `FACING`."""
+    turns = rot.to_matrix(body.joint_frames(motion)[1].reshape(-1, 55, 4)[part])
+    of, normal = rest
+    upward = np.einsum("tvi,vi->tv", turns[:, :, 2][:, of], normal)
+    result: NDArray[np.bool_] = upward < FACING
+    return result
 
 
 def _from_box(points: Array, half: Array) -> tuple[Array, Array]:

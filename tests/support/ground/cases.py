@@ -17,6 +17,7 @@ from halfphysics.motion.motion import Motion
 from halfphysics.scenarios.acting.gait import walk
 from halfphysics.scenarios.acting.walk_plan import Walk
 from halfphysics.scenarios.props import stage
+from support.ground.minute import long_walk, room
 from support.rooms import furnished
 
 #: Frames per second of clips, whatever their own [1/s].
@@ -76,6 +77,7 @@ def all_cases(data) -> list[Case]:
     names = clip_names(data)
     cases += [Case("sunk", name, how) for how in (*HEIGHTS, "tilt", "stairs") for name in names]
     cases += [Case("room", name, str(seed)) for seed, name in enumerate(names)]
+    cases += [Case("long", "room", str(seed)) for seed in LONG_SEEDS]
     return cases
 
 
@@ -89,6 +91,10 @@ def set_up(case: Case, data):
         put(scene, case.what)
         plan = Walk(distance=2.0 * AHEAD, speed=SPEED)
         return (walk(body(), plan, FPS),), scene, (body(),)
+    if case.kind == "long":
+        clips = {name: clip(data, name) for name in clip_names(data)}
+        motion, sits = long_walk(clips, body(), int(case.how), FPS)
+        return (motion,), room(motion, sits, body(), data / "meshes", int(case.how)), (body(),)
     motion = clip(data, case.what)
     if case.kind == "room":
         motion = motion.grounded(body(), z=0.002)

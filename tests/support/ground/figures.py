@@ -6,7 +6,7 @@ import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.metrics.airborne import airborne
-from halfphysics.metrics.floating import floating_from
+from halfphysics.metrics.floating import TOLERANCE, floating_from
 from halfphysics.metrics.net_force import net_force
 from halfphysics.metrics.path_offset import path_offset
 from halfphysics.metrics.stance import LOW, sole_patches, stance_from
@@ -22,10 +22,12 @@ CARRIERS = {
     "seat": (SEAT,),
     "back": (BACK,),
 }
+#: Gaps of a group beyond this do not matter [m].
+REACH = 0.3
 #: First frames [s]: how a clip that starts displaced is received.
 FIRST = 0.2
-#: Back on the path: nearer than this [m], this upright [rad], at this height [m].
-BACK_AT = (0.02, np.deg2rad(2.0), 0.005)
+#: Back on the path: nearer than this [m], and this upright [rad]. Height is that of `end_height`.
+BACK_AT = (0.02, np.deg2rad(2.0))
 #: Smallest jerk of a knee that counts [rad/s^3]: a clip that stands still has none.
 CALM = 50.0
 _TOES = [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]
@@ -49,7 +51,7 @@ def figures(result, person=0):
     subject, fps = result.people[person], result.fps
     group = groups_of(subject.body)
     gaps = [
-        carrying_gaps(m, subject.body, result.scene, group, objects=result.objects)
+        carrying_gaps(m, subject.body, result.scene, group, objects=result.objects, reach=REACH)
         for m in (subject.reference, subject.motion)
     ]
     in_air = airborne(subject.reference, subject.body)
@@ -99,12 +101,12 @@ def end_height(asked, got):
 
     A foot, the seat or the back carries at the end if it is within 3 cm of a surface in the
     reference, or of the lowest skin where the reference floats as a whole. It should be as high
-    above its surface as there: on it, where the reference is inside, or floats.
+    above its surface as there; on it, where the reference is inside, or floats by over 5 mm.
 
     Args:
         asked, got: Gaps of the groups in the last frame (9,) [m], reference and result.
     """
-    whole = max(float(asked.min()), 0.0)
+    whole = float(asked.min()) if asked.min() > TOLERANCE else 0.0
     worst, name = 0.0, ""
     for carrier, its in CARRIERS.items():
         wanted = max(float(asked[list(its)].min()) - whole, 0.0)
@@ -163,7 +165,7 @@ def way_back(result, person, path):
     if not hit.any():
         return {"last_hit_s": None, "hit_offset_mm": None, "back_s": None, "back_left_s": None}
     last = int(contacts.frame[hit].max())
-    off = (path.offset > BACK_AT[0]) | (path.tilt > BACK_AT[1]) | (np.abs(path.height) > BACK_AT[2])
+    off = (path.offset > BACK_AT[0]) | (path.tilt > BACK_AT[1])
     after = np.flatnonzero(off[last:])
     back = 0 if not len(after) else int(after[-1]) + 1
     fps = result.fps

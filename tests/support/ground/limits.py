@@ -45,7 +45,6 @@ LIMITS = (
     Limit("first_bw", "first BW", 1.5, kinds=FIRST),
     Limit("toes_deg", "toes", 10.0, kinds=FIRST),
     Limit("knee_jerk", "knees", 1.5, kinds=FIRST),
-    Limit("end_above_mm", "above mm", 5.0, -5.0, ("long",)),
     Limit("end_tilt_deg", "tilt", 2.0, kinds=("long",)),
     Limit("back_late_s", "late s", 0.0, kinds=("long",)),
     Limit("push_mean_n", "push N", 400.0, only=("wall",)),

@@ -43,6 +43,7 @@ def of_result(result: Result, person: int, *, progress: bool) -> str:
         rows.append(("jerk [m/s3]", *(f"{jerk:.1f}" for jerk in jerks)))
     skates = (metrics.foot_skate(m, subject.body) for m in motions)
     rows.append(("foot skate [mm/frame]", *(f"{skate.mean_mm:.2f}" for skate in skates)))
+    rows += _standing(result, person)
     labels, forces = metrics.contact_precision(result), metrics.contact_forces(result)
     if labels.contacts:
         rows.append(("contacts borne out [%]", "", f"{labels.precision_percent:.2f}"))
@@ -67,6 +68,36 @@ def of_motion(
         rows.append(("MPJPE [mm]", f"{metrics.mpjpe(motion, reference, body):.6f}"))
         rows.append(("MPJPE-g [mm]", f"{metrics.mpjpe_global(motion, reference, body):.6f}"))
     return table(rows)
+
+
+def _standing(result: Result, person: int) -> list[tuple[str, str, str]]:
+    """Floating, slide in stance, net force and the way back to the path."""
+    subject = result.people[person]
+    floats = [
+        metrics.floating(
+            motion, subject.body, result.scene, objects=result.objects, reference=subject.reference
+        )
+        for motion in (subject.reference, subject.motion)
+    ]
+    asked, got = (metrics.physdiff(m, subject.body) for m in (subject.reference, subject.motion))
+    stance, force = metrics.stance_slide(result, person), metrics.net_force(result, person)
+    path = metrics.path_offset(result, person)
+
+    def row(name: str, before: float | None, after: float, digits: int = 2) -> tuple[str, str, str]:
+        return name, "" if before is None else f"{before:.{digits}f}", f"{after:.{digits}f}"
+
+    return [
+        row("floating [% of frames]", floats[0].percent, floats[1].percent, 1),
+        row("floating [mm]", floats[0].mean_mm, floats[1].mean_mm),
+        row("Phys-Err of PhysDiff, level ground [mm]", asked.phys_err_mm, got.phys_err_mm),
+        row("slide in stance, mean [mm/frame]", stance.asked.mean_mm, stance.simulated.mean_mm),
+        row("slide in stance, largest [mm/frame]", stance.asked.max_mm, stance.simulated.max_mm),
+        row("net force, peak [body weights]", None, force.peak_weights),
+        row("net force held for 50 ms [body weights]", None, force.sustained_weights),
+        row("off the path at the end [mm]", None, path.end_offset_mm, 1),
+        row("above the path at the end [mm]", None, path.end_height_mm, 1),
+        row("tilted at the end [deg]", None, path.end_tilt_deg),
+    ]
 
 
 def _penetration(before: PenetrationReport, after: PenetrationReport) -> list[tuple[str, str, str]]:

@@ -32,12 +32,23 @@ def of_result(result: Result, person: int) -> dict[str, Any]:
             ),
             "penetrating_volume": metrics.penetrating_volume(motion, subject.body, result.scene),
             "foot_skate": metrics.foot_skate(motion, subject.body),
+            "floating": metrics.floating(
+                motion,
+                subject.body,
+                result.scene,
+                objects=result.objects,
+                reference=subject.reference,
+            ),
+            "physdiff": metrics.physdiff(motion, subject.body),
             "jerk": metrics.jerk(motion, subject.body) if len(motion) >= 4 else None,
         }
     out["success"] = metrics.success(subject.motion, subject.reference)
     out["mpjpe_mm"] = metrics.mpjpe(subject.motion, subject.reference, subject.body)
     out["mpjpe_global_mm"] = metrics.mpjpe_global(subject.motion, subject.reference, subject.body)
     out["deviation"] = metrics.deviation(result, person)
+    out["stance_slide"] = metrics.stance_slide(result, person)
+    out["net_force"] = metrics.net_force(result, person)
+    out["path_offset"] = metrics.path_offset(result, person)
     out["contact_precision"] = metrics.contact_precision(result)
     out["contact_forces"] = metrics.contact_forces(result)
     return {name: plain(value) for name, value in out.items()}

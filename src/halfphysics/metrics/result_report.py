@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.errors import HalfPhysicsError
 from halfphysics.metrics.part_report import clearances
+from halfphysics.metrics.standing import standing
 from halfphysics.motion.skeleton import JOINT_NAMES
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.result import SETTLE
@@ -36,6 +37,7 @@ def summary(result: Result) -> str:
     for index, person in enumerate(result.people):
         block = [
             *_following(result, index),
+            *standing(result, index),
             *_touches(result, index),
             *_inside(result, result.inside[result.inside.person == index]),
         ]

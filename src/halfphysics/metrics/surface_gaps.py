@@ -117,19 +117,23 @@ def carrying_gaps(
     solids = solids_of(scene, tracks_of(scene, objects or {}, frames))
     found = _Nearest(np.full((frames, count), float(reach)))
     rest = _rest_normals(body)
+    # Bounds are taken part by part: what stands needs no look at the head.
+    part_of = np.zeros_like(group) if rest is None else rest[0]
+    cells, cell = np.unique(np.stack([group, part_of]), axis=1, return_inverse=True)
+    cell = np.where(group >= 0, cell.reshape(-1), -1)
     for part in batches(frames):
         vertices = skin(motion, body, part)
         wanted = np.broadcast_to(group >= 0, vertices.shape[:2])
         if rest is not None:
             wanted = wanted & _may_be_carried(body, motion, part, rest)
-        bounds = _bounds(vertices, group)
+        bounds = _bounds(vertices, cell, cells.shape[1])
         for sparse in (True, False):
             some = wanted.copy()
             if sparse:
                 some[:, np.arange(some.shape[1]) % _SPARSE != 0] = False
             for k, its in enumerate(solids.values()):
                 for solid in its:
-                    found.look(k, solid, part, vertices, some, group, bounds)
+                    found.look(k, solid, part, vertices, some, group, (cell, cells[0], *bounds))
     gap = np.where(found.vertex < 0, np.inf, found.gap)
     return Gaps(gap=gap, vertex=found.vertex, item=found.item, names=tuple(solids))
 
@@ -150,20 +154,22 @@ class _Nearest:
         vertices: Array,
         wanted: NDArray[np.bool_],
         group: NDArray[np.integer],
-        bounds: tuple[Array, Array],
+        bounds: tuple[NDArray[np.integer], NDArray[np.integer], Array, Array],
     ) -> None:
         """Measure `wanted` (t, V) of the vertices (t, V, 3) of the frames `part` from a solid.
 
-        Groups whose `bounds` (middle and half size, (t, G, 3)) are farther than what they have
-        are passed over.
+        `bounds`: cell of every vertex (V,), group of every cell (C,), and the middle and half size
+        (t, C, 3) of boxes around the cells. Those farther than what their group has are passed
+        over.
         """
         shape, *pose = solid
         turns = rot.to_matrix(pose[1] if len(pose[1]) == 1 else pose[1][part])
         places = pose[0] if len(pose[0]) == 1 else pose[0][part]
-        near = _between(shape, places, turns, *bounds) < self.gap[part]
+        cell, group_of, middle, half = bounds
+        near = _between(shape, places, turns, middle, half) < self.gap[part][:, group_of]
         if not near.any():
             return
-        t, v = np.nonzero(wanted & near[:, group])
+        t, v = np.nonzero(wanted & near[:, cell])
         its = np.zeros_like(t) if len(places) == 1 else t
         local = np.einsum("ni,nij->nj", vertices[t, v] - places[its], turns[its])
         frame = t + part.start
@@ -181,12 +187,12 @@ class _Nearest:
         self.gap[at], self.vertex[at], self.item[at] = distance[better], v[better], item
 
 
-def _bounds(vertices: Array, group: NDArray[np.integer]) -> tuple[Array, Array]:
-    """Middle and half size (t, G, 3) of boxes around groups of the vertices (t, V, 3)."""
-    order = np.argsort(group, kind="stable")
-    found, first = np.unique(group[order], return_index=True)
+def _bounds(vertices: Array, cell: NDArray[np.integer], count: int) -> tuple[Array, Array]:
+    """Middle and half size (t, C, 3) of boxes around cells of the vertices (t, V, 3)."""
+    order = np.argsort(cell, kind="stable")
+    found, first = np.unique(cell[order], return_index=True)
     low, high = (extreme.reduceat(vertices[:, order], first, axis=1) for extreme in _EXTREMES)
-    middle = np.full((len(vertices), int(group.max()) + 1, 3), 1e9)  # no vertex: far from all
+    middle = np.full((len(vertices), count, 3), 1e9)  # no vertex: far from all
     half = np.zeros_like(middle)
     there = found >= 0
     middle[:, found[there]] = (0.5 * (low + high))[:, there]

@@ -333,11 +333,12 @@ class Result:
             )
 
     def summary(self) -> str:
-        """The result in words and numbers, 10 to 20 lines.
+        """The result in words and numbers, 10 to 20 lines for one person.
 
-        Accuracy of following, contacts and their forces, deviation from the reference, overlaps at
-        the start, motion of objects, smallest distance, lost time. Forces are impulses of a frame
-        divided by its length. Missing files of a loaded result (bodies, meshes) are named.
+        Accuracy of following, floating, slide of feet in stance, net force, contacts and their
+        forces, deviation from the reference, overlaps at the start, motion of objects, smallest
+        distance, lost time. Forces are impulses of a frame divided by its length. Missing files of
+        a loaded result (bodies, meshes) are named.
         """
         from halfphysics.metrics.result_report import summary
 

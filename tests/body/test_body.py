@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from halfphysics.base import rotations as rot
-from halfphysics.body.body import Body, check_match
+from halfphysics.body.body import Body
+from halfphysics.body.match import check_match
 from halfphysics.errors import FileError, HalfPhysicsWarning, InputError, MismatchError
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.pose import Pose
@@ -192,6 +193,23 @@ def test_stature_scales_evenly(stature: float) -> None:
     np.testing.assert_allclose(body.rest_vertices, plain.rest_vertices * factor, rtol=1e-14)
     np.testing.assert_allclose(body.rest_joints, plain.rest_joints * factor, rtol=1e-14)
     np.testing.assert_array_equal(body.betas, plain.betas)
+
+
+def test_mass_scales_masses_and_inertias_evenly() -> None:
+    plain, body = Body.default(stature=1.8), Body.default(stature=1.8, mass=72.6)
+    assert body.mass == pytest.approx(72.6, rel=1e-14)
+    factor = 72.6 / plain.mass
+    for part, own in zip(plain.variant.parts, body.variant.parts, strict=True):
+        assert own.mass == pytest.approx(factor * part.mass, rel=1e-14)
+        assert own.inertia == pytest.approx(factor * part.inertia, rel=1e-14)
+        assert np.array_equal(own.com, part.com)
+    assert np.array_equal(body.rest_vertices, plain.rest_vertices)
+
+
+@pytest.mark.parametrize("mass", [0.0, -60.0, np.nan, 1e4, "heavy"])
+def test_impossible_masses(mass: Any) -> None:
+    with pytest.raises(InputError, match="mass"):
+        Body.default(mass=mass)
 
 
 @pytest.mark.parametrize("stature", [175, 0.0, -1.7, np.nan, "tall"])

@@ -30,6 +30,7 @@ COVERED_BY = {
     "halfphysics/base/torch_file.py": "base/test_stored_objects.py",
     "halfphysics/baselines/engine/*.py": "baselines/engine/test_engine.py",
     "halfphysics/baselines/reference.py": "native/stepping/test_baselines.py",
+    "halfphysics/body/match.py": "body/test_body.py",
     "halfphysics/body/model_paths.py": "body/test_model_files.py",
     "halfphysics/bench/*.py": "bench/test_bench.py",
     "halfphysics/body/shape_space.py": "body/test_body.py body/test_model_files.py",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import operator
 import os
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.body import skinning
 from halfphysics.body.shape_space import ShapeSpace, Source
-from halfphysics.errors import HalfPhysicsWarning, InputError, MismatchError
+from halfphysics.errors import InputError
 from halfphysics.motion.skeleton import N_JOINTS
 
 if TYPE_CHECKING:
@@ -32,6 +31,7 @@ Array = NDArray[np.float64]
 FREE = "free"
 _ASSET = Path(__file__).parents[1] / "assets" / "body.npz"
 _STATURES = (0.4, 2.8)
+_MASSES = (1.0, 500.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -58,6 +58,7 @@ class Body:
         mean_vertices: Skin of the model's mean shape at rest [m], shape (V, 3), or None: the
             basis of all data that must not depend on the shape.
         mean_joints: Joints of the mean shape [m], shape (55, 3), or None.
+        given_mass: Mass of the whole person [kg] that was asked for; None: by volume.
     """
 
     betas: Array
@@ -74,6 +75,7 @@ class Body:
     template_source: Source | None = None
     mean_vertices: Array | None = None
     mean_joints: Array | None = None
+    given_mass: float | None = None
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
@@ -87,7 +89,12 @@ class Body:
                 object.__setattr__(self, field.name, value)
 
     @classmethod
-    def default(cls, betas: ArrayLike | None = None, stature: float | None = None) -> Body:
+    def default(
+        cls,
+        betas: ArrayLike | None = None,
+        stature: float | None = None,
+        mass: float | None = None,
+    ) -> Body:
         """The body that comes with the package, free of third-party licences.
 
         Without arguments it is one object per process, so its parts are computed once.
@@ -95,24 +102,21 @@ class Body:
         Args:
             betas: Its own shape coefficients (not SMPL-X's), up to 10; None: the mean adult.
             stature: Height [m]: the shape is scaled evenly to it. None: as it is.
+            mass: Mass of the person [kg]: masses and inertias of all parts are scaled evenly to
+                it. None: the volume times 985 kg/m^3.
 
         Raises:
-            InputError: Impossible betas, or a stature outside 0.4 to 2.8 m.
+            InputError: Impossible betas, a stature outside 0.4 to 2.8 m or a mass outside 1 to
+                500 kg.
         """
-        if betas is None and cls is Body:
-            body = _mean()
-        else:
-            body = cls.shaped(_free(), betas, stacklevel=3)
-        if stature is None:
+        body = _mean() if betas is None and cls is Body else cls.shaped(_free(), betas, 3)
+        given_mass = _within(mass, "mass", _MASSES, "kilograms, such as 72.5")
+        height = _within(stature, "stature", _STATURES, "metres, such as 1.75")
+        if given_mass is not None:
+            body = dataclasses.replace(body, given_mass=given_mass)
+        if height is None:
             return body
-        try:
-            stature = float(stature)
-        except (TypeError, ValueError):
-            raise InputError(f"stature: found {stature!r}, expected metres, such as 1.75") from None
-        low, high = _STATURES
-        if not low <= stature <= high:
-            raise InputError(f"stature: found {stature:g}, expected {low} to {high} metres")
-        factor = stature / body.stature
+        factor = height / body.stature
         return dataclasses.replace(
             body,
             rest_vertices=body.rest_vertices * factor,
@@ -129,6 +133,7 @@ class Body:
         *,
         model: str | None = None,
         v_template: ArrayLike | str | os.PathLike[str] | None = None,
+        mass: float | None = None,
     ) -> Body:
         """A body of an SMPL-X, SMPL-H or SMPL model file, .npz or .pkl (nothing in it is run).
 
@@ -144,6 +149,7 @@ class Body:
                 these that is there.
             v_template: Per-subject template [m] that replaces the model's mean: vertices (V, 3)
                 or a PLY or OBJ file.
+            mass: As in `default`.
 
         Warns:
             HalfPhysicsWarning: More betas than the model has shape directions.
@@ -156,7 +162,9 @@ class Body:
         from halfphysics.body.model_files import read_model
 
         space = read_model(path, gender=gender, model=model, v_template=v_template)
-        return cls.shaped(space, betas, stacklevel=3)
+        given_mass = _within(mass, "mass", _MASSES, "kilograms, such as 72.5")
+        body = cls.shaped(space, betas, stacklevel=3)
+        return body if given_mass is None else dataclasses.replace(body, given_mass=given_mass)
 
     @classmethod
     def shaped(cls, space: ShapeSpace, betas: ArrayLike | None = None, stacklevel: int = 2) -> Body:
@@ -251,6 +259,11 @@ class Body:
         )
         return out[0] if single else out
 
+    @property
+    def mass(self) -> float:
+        """Mass of the person [kg], the sum over the rigid parts."""
+        return self.variant.mass
+
     @cached_property
     def skin(self) -> skinning.Skin:
         """The arrays for `halfphysics.body.skinning`."""
@@ -266,7 +279,8 @@ class Body:
         """The 55 rigid parts of this shape, made once and kept for the next process."""
         from halfphysics.body.body_cache import variant_of
 
-        return variant_of(self)
+        variant = variant_of(self)
+        return variant if self.given_mass is None else variant.weighing(self.given_mass)
 
     @cached_property
     def skin_hulls(self) -> SkinHulls:
@@ -330,47 +344,6 @@ class Body:
         )
 
 
-def check_match(motion: Motion, body: Body, allow_mismatch: bool = False) -> None:
-    """Refuse a motion and a body whose betas belong to different models.
-
-    The default body fits every motion, but does not take over its betas.
-
-    Args:
-        motion: Its `model`, `gender` and `betas` are compared.
-        body: Its `model` and `gender` are compared.
-        allow_mismatch: Accept any model and gender.
-
-    Warns:
-        HalfPhysicsWarning: The body is the default one and the motion has a shape of its own.
-
-    Raises:
-        MismatchError: Model or gender differ.
-    """
-    if body.model == FREE:
-        if motion.betas is not None and np.any(motion.betas):
-            warnings.warn(
-                f"the motion's betas are {motion.model} {motion.gender}'s and the default body "
-                "has its own: its shape is used as it is. Only stature carries over: "
-                "Body.default(stature=...) [m]; or load the motion's model with Body.load",
-                HalfPhysicsWarning,
-                stacklevel=3,
-            )
-        return
-    if allow_mismatch:
-        return
-    unknown = (None, "", "unknown")
-    same_gender = motion.gender == body.gender or motion.gender in unknown or body.gender in unknown
-    if motion.model == body.model and same_gender:
-        return
-    name = "" if body.source is None else f" ({body.source.path})"
-    raise MismatchError(
-        f"the motion is of {motion.model} {motion.gender}, the body{name} of {body.model} "
-        f"{body.gender}: betas do not carry over. Load the motion's model (Body.load(folder, "
-        f"betas=motion.betas, gender='{motion.gender}', model='{motion.model}')), use "
-        "Body.default(), or keep this body and its shape with allow_mismatch=True"
-    )
-
-
 @cache
 def _free() -> ShapeSpace:
     from halfphysics.body.model_files import read_model
@@ -383,6 +356,23 @@ def _free() -> ShapeSpace:
 def _mean() -> Body:
     """The default body with the mean shape."""
     return Body.shaped(_free())
+
+
+def _within(
+    value: float | None, name: str, limits: tuple[float, float], unit: str
+) -> float | None:
+    """A number within limits, or None; `unit` is for messages."""
+    if value is None:
+        return None
+    low, high = limits
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: found {value!r}, expected {unit}") from None
+    if not low <= number <= high:
+        found, unit = f"{number:g}", unit.split(",")[0]
+        raise InputError(f"{name}: found {found}, expected {low:g} to {high:g} {unit}")
+    return number
 
 
 def _pick(

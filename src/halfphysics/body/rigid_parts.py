@@ -7,7 +7,7 @@ y up, z forward): a pose with all rotations zero is the rest pose. "Half-Physics
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 from weakref import WeakKeyDictionary
 
@@ -93,6 +93,15 @@ class Variant:
             joints[i] = joints[PARENTS[i]] + self.joint_offsets[i]
         lows = [joints[p.index, 1] + p.vertices[:, 1].min() for p in self.parts if len(p.vertices)]
         return -float(min(lows, default=0.0))
+
+    def weighing(self, mass: float) -> Variant:
+        """The same parts with their masses and inertias scaled evenly to a whole `mass` [kg]."""
+        factor = mass / self.mass
+        parts = tuple(
+            replace(part, mass=factor * part.mass, inertia=_fixed(factor * part.inertia))
+            for part in self.parts
+        )
+        return replace(self, parts=parts, mass=float(sum(part.mass for part in parts)))
 
 
 def build_variant(body: Skin, *, density: float = DENSITY, mass: float | None = None) -> Variant:

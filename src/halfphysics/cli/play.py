@@ -98,7 +98,7 @@ class Command:
 
     def _sequence(self, path: Path) -> Sequence:
         """A motion file as a sequence, as for halfphysics simulate."""
-        from halfphysics.body.body import check_match
+        from halfphysics.body.match import check_match
         from halfphysics.simulation.sequence import Sequence
 
         found = self.motion_file.sequence(path)

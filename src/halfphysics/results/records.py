@@ -114,6 +114,7 @@ class BodyRecord:
                 "gender": body.gender,
                 "betas": body.betas.tolist(),
                 "stature": body.stature,
+                "mass": body.given_mass,
                 "source": _source(body.source),
                 "template_source": _source(body.template_source),
             },
@@ -133,11 +134,11 @@ class BodyRecord:
         from halfphysics.body.body import FREE, Body
 
         betas = np.array(self.data["betas"], dtype=np.float64)
-        stature = self.data["stature"]
+        stature, mass = self.data["stature"], self.data.get("mass")
         if self.data["model"] == FREE:
-            body = Body.default(betas)
+            body = Body.default(betas, mass=mass)
             same = abs(body.stature - stature) < _SAME_STATURE
-            return body if same else Body.default(betas, stature=stature)
+            return body if same else Body.default(betas, stature=stature, mass=mass)
         if self.data["source"] is None:
             raise FileError(
                 f"{self.origin}: the {self.data['model']} body came from no file. {_MEND_BODY}"
@@ -148,6 +149,7 @@ class BodyRecord:
             betas=betas,
             gender=self.data["gender"],
             v_template=None if template is None else self._unchanged(template, "template"),
+            mass=mass,
         )
 
     def _unchanged(self, source: Mapping[str, str], kind: str) -> Path:

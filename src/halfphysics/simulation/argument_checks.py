@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar, cast
 
-from halfphysics.body.body import Body, check_match
+from halfphysics.body.body import Body
+from halfphysics.body.match import check_match
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene

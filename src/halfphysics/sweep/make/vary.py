@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from halfphysics.baselines import with_options
-from halfphysics.body.body import check_match
+from halfphysics.body.match import check_match
 from halfphysics.errors import InputError
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.simulate import follow

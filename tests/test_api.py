@@ -15,7 +15,8 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
 Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips errors export
-load_sequence metrics scenarios simulate simulate_many view
+load_sequence metrics scenarios simulate simulate_many support
+view
 """
 
 SETTINGS = (
@@ -107,6 +108,7 @@ PARAMETERS = {
     "metrics.stance_slide": "result person",
     "metrics.net_force": "result person",
     "metrics.path_offset": "result person",
+    "support.estimate": "motion scene * body cutoff",
     "baselines.Ablation": f"{SETTINGS} internal_forces joint_damping",
     "baselines.Torque": f"{SETTINGS} internal_forces joint_damping frequency damping",
     "baselines.Kinematic": SETTINGS,

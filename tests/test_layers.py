@@ -23,6 +23,7 @@ LAYERS = {
     "settings": "errors base motion body",
     "scene": "errors base motion geometry body",
     "results": "errors base motion body settings scene",
+    "support": "errors base motion geometry body scene results _native",
     "simulation": "errors base motion geometry body settings scene results _native",
     "reference": "base motion settings _native",
     "metrics": "errors base motion geometry body scene results simulation _native",
@@ -79,6 +80,8 @@ BACK = {
     ("results.result", "formats.results.result_writer"): "Result.save",
     ("results.result", "metrics.result_report"): "Result.summary",
     ("results.result", "metrics.part_report"): "Result.parts",
+    ("results.result", "support.estimate"): "PersonResult.support",
+    ("results.result", "support.support"): "the type of PersonResult.support",
     ("formats.registry", "writers"): "load_sequence names what hp.export writes instead",
 }
 
@@ -92,8 +95,9 @@ NATIVE = {
     "collision": "math geometry dynamics contact",
     "stepping": "geometry dynamics collision",
     "labels": "math geometry",
+    "support": "math",
     "render": "",
-    "bindings": "math geometry stepping labels render",
+    "bindings": "math geometry stepping labels support render",
 }
 
 #: Includes that run back, each with its reason.

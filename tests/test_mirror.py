@@ -12,7 +12,7 @@ OTHERS = {
     "evidence": "mirrors evidence/ at the root",
     "examples": "mirrors examples/ at the root",
     "native": "mirrors src/native",
-    "support": "tests of what the tests share",
+    "support": "mirrors src/halfphysics/support, and tests of what the tests share",
     "tools": "mirrors tools/ at the root",
 }
 #: Test files at the root of tests: about the package as a whole.

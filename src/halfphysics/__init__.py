@@ -13,7 +13,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from halfphysics import baselines, errors, metrics, scenarios
+    from halfphysics import baselines, errors, metrics, scenarios, support
     from halfphysics.body.body import Body
     from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
     from halfphysics.formats import load_sequence
@@ -64,6 +64,7 @@ __all__ = [
     "scenarios",
     "simulate",
     "simulate_many",
+    "support",
     "view",
 ]
 
@@ -73,6 +74,7 @@ _FROM: dict[str, str | None] = {
     "errors": None,
     "metrics": None,
     "scenarios": None,
+    "support": None,
     "JOINT_NAMES": "motion.skeleton",
     "Body": "body.body",
     "Box": "geometry.shapes",

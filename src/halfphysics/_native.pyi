@@ -703,6 +703,23 @@ def part_balls(
     Centres (T, groups, 3) and radii (T, groups) of balls around what joints carry of each group where it is wanted (T, groups); -inf: nothing.
     """
 
+def spread_wrenches(
+    wrench: Annotated[NDArray[numpy.float64], "(*, 6)"],
+    first: Annotated[NDArray[numpy.int32], "(*,)"],
+    arm: Annotated[NDArray[numpy.float64], "(*, 3)"],
+    normal: Annotated[NDArray[numpy.float64], "(*, 3)"],
+    friction: Annotated[NDArray[numpy.float64], "(*,)"],
+    ease: Annotated[NDArray[numpy.float64], "(*,)"],
+    *,
+    moments: float,
+    tolerance: float,
+    steps: int,
+    searches: int,
+) -> NDArray[numpy.float64]:
+    """
+    Forces (n, 3) at places first[f] to first[f + 1] of every frame that come closest to its wrench (T, 6).
+    """
+
 def put_rotations(
     rotations: Annotated[NDArray[numpy.float64], "(*, *, 3)"],
     at: Annotated[NDArray[numpy.int32], "(*,)"],

@@ -692,6 +692,16 @@ constexpr double kLeastPushWait = 1.0 / 120, kMostPushWait = 0.25;
 
 // ---------------------------------------------------------------------------------------------
 
+namespace hp::tuning::support {
+
+// A Newton step ends where the slope of the dual along it is at most this part of that at its start.
+// With a tenth more is searched than steps are saved; near 1 places that join halve the speed.
+constexpr double kSpreadFlat = 0.5;
+
+}  // namespace hp::tuning::support
+
+// ---------------------------------------------------------------------------------------------
+
 namespace hp::tuning::labels {
 
 // Distances of a skin's vertices to a thing are known this much farther than the reach that is asked

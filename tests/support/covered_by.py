@@ -109,6 +109,8 @@ COVERED_BY = {
     "halfphysics/simulation/fingerprint.py": "simulation/test_state.py",
     "halfphysics/simulation/person_shapes.py": "native/collision/test_collision_shape.py",
     "halfphysics/simulation/start_warnings.py": "results/test_inside.py",
+    "halfphysics/support/estimate.py": "support/test_support.py support/test_force_plates.py",
+    "halfphysics/support/skin_grid.py": "support/test_patches.py",
     "halfphysics/sweep/make/*.py": "sweep/make/test_vary.py sweep/make/test_scene_factors.py",
     "halfphysics/sweep/make/making.py": "sweep/make/test_card.py sweep/make/test_time_limit.py",
     "halfphysics/sweep/plan/*.py": "sweep/plan/test_plan.py sweep/plan/test_factors.py",
@@ -146,6 +148,7 @@ COVERED_BY = {
         "native/math/test_dense.cpp native/geometry/test_convex.py body/test_skinning.py"
     ),
     "native/render/*": "render/test_rasterizer.py",
+    "native/support/*": "support/test_wrench_qp.py",
     "native/stepping/*": (
         "reference/test_step.py native/test_person.cpp simulation/test_simulator.py"
     ),

@@ -358,9 +358,7 @@ def _mean() -> Body:
     return Body.shaped(_free())
 
 
-def _within(
-    value: float | None, name: str, limits: tuple[float, float], unit: str
-) -> float | None:
+def _within(value: float | None, name: str, limits: tuple[float, float], unit: str) -> float | None:
     """A number within limits, or None; `unit` is for messages."""
     if value is None:
         return None

@@ -5,12 +5,13 @@ World z-up, metres, seconds, newton seconds; quaternions wxyz; T frames at `Resu
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,47 +22,22 @@ from halfphysics.motion.motion import Motion
 from halfphysics.motion.pose import checked
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.contacts import Contacts
+from halfphysics.results.deferred import Deferred, typed, typed_or_deferred
 from halfphysics.results.inside import Breaches, Inside
+from halfphysics.results.surroundings import Surroundings
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.metrics.part_report import PartReport
     from halfphysics.scene.scene import Scene
+    from halfphysics.support.support import Support
 
 Array = NDArray[np.float64]
-T = TypeVar("T")
-T_co = TypeVar("T_co", covariant=True)
 
 #: Time after a contact until the body is on its reference again: a deviation of 2 rad returns in
 #: 0.25 s at the default `Settings.recovery_rate`, then twelve time constants of the drive [s].
 SETTLE = 0.5
-
-
-class Record(Protocol[T_co]):
-    """A reference to a value in another file; `make` loads it (once)."""
-
-    def make(self) -> T_co: ...
-
-
-class Deferred(Generic[T]):
-    """A dataclass field that holds a value, or a `Record` that loads it on first access.
-
-    So a thousand results can be read without loading the meshes to which they refer.
-    """
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self._key = f"_{name}"
-
-    def __get__(self, instance: Any, owner: type | None = None) -> T:
-        if instance is None:
-            raise AttributeError("a field without a default")  # as dataclasses require
-        held = vars(instance)[self._key]
-        result: T = held.make() if hasattr(held, "make") else held
-        return result
-
-    def __set__(self, instance: Any, value: T | Record[T]) -> None:
-        vars(instance)[self._key] = value
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,6 +73,7 @@ class PersonResult:
         torque: Torque of the drive on the joints (T, 55, 3) [N m], mean over (t-1, t], in the frame
             of the joint's child, row 0 on the whole body: zero in free motion, against the
             contacts otherwise. See docs/physics.md. None: unknown (older files).
+        surroundings: What was around the person; `Result` sets it.
     """
 
     name: str
@@ -104,13 +81,14 @@ class PersonResult:
     reference: Motion
     body: Deferred[Body] = Deferred()
     torque: Array | None = None
+    surroundings: Surroundings | None = None
 
     def __post_init__(self) -> None:
         from halfphysics.body.body import Body
 
-        _typed("motion", self.motion, Motion)
-        _typed("reference", self.reference, Motion)
-        _deferred("body", vars(self)["_body"], Body)
+        typed("motion", self.motion, Motion)
+        typed("reference", self.reference, Motion)
+        typed_or_deferred("body", vars(self)["_body"], Body)
         if len(self.motion) != len(self.reference):
             raise InputError(
                 f"person {self.name!r}: the motion has {len(self.motion)} frames and the "
@@ -122,6 +100,24 @@ class PersonResult:
             own = isinstance(self.torque, np.ndarray) and not self.torque.flags.writeable
             if not own or self.torque.shape != shape:
                 _set(self, "torque", checked("torque", self.torque, shape, "(T, 55, 3)"))
+
+    @cached_property
+    def support(self) -> Support:
+        """What holds the person up: forces, centres of pressure, joint torques with gravity, and
+        the residual that nothing could supply. Computed on first access; files do not hold it.
+
+        Raises:
+            InputError: The person is of no result.
+            FileError: In a result from a file: the body or a mesh of the scene is missing.
+        """
+        from halfphysics.support.estimate import support_of
+
+        if self.surroundings is None:
+            raise InputError(
+                f"person {self.name!r}: found no result that it is of, expected one of "
+                "Result.people. Of a motion alone: halfphysics.support.estimate(motion, scene)"
+            )
+        return support_of(self.motion, self.body, self.surroundings)
 
     def joint_errors(self) -> tuple[Array, Array]:
         """Distances (T, 55) [m] of joints from the reference: relative to the pelvis, global."""
@@ -214,12 +210,12 @@ class Result:
 
         _set(self, "people", tuple(self.people))
         for index, person in enumerate(self.people):
-            _typed(f"people[{index}]", person, PersonResult)
-        _deferred("scene", vars(self)["_scene"], Scene)
-        _typed("contacts", self.contacts, Contacts)
-        _typed("inside", self.inside, Inside)
-        _typed("breaches", self.breaches, Breaches)
-        _typed("settings", self.settings, Settings)
+            typed(f"people[{index}]", person, PersonResult)
+        typed_or_deferred("scene", vars(self)["_scene"], Scene)
+        typed("contacts", self.contacts, Contacts)
+        typed("inside", self.inside, Inside)
+        typed("breaches", self.breaches, Breaches)
+        typed("settings", self.settings, Settings)
         _set(self, "names", tuple(self.names))
         _set(self, "objects", MappingProxyType(dict(self.objects)))
         if not self.people:
@@ -241,6 +237,20 @@ class Result:
         self.contacts.check_within(limits)
         self.inside.check_within(limits)
         self.breaches.check_within(limits)
+        _set(self, "people", tuple(self._settled(index) for index in range(len(self.people))))
+
+    def _settled(self, index: int) -> PersonResult:
+        """A person of this result, who knows what is around."""
+        around = Surroundings(
+            scene=vars(self)["_scene"],
+            tracks=self.objects,
+            names=self.names,
+            contacts=self.contacts,
+            person=index,
+            people=len(self.people),
+        )
+        person = self.people[index]
+        return dataclasses.replace(person, body=vars(person)["_body"], surroundings=around)
 
     def _check_lengths(self) -> None:
         """Copy the arrays, read-only; each has one row per frame."""
@@ -384,14 +394,3 @@ class Result:
 
 def _set(instance: Any, name: str, value: Any) -> None:
     object.__setattr__(instance, name, value)
-
-
-def _typed(name: str, value: Any, kind: type) -> None:
-    if not isinstance(value, kind):
-        raise InputError(f"{name}: found {shown(value)}, expected a halfphysics {kind.__name__}")
-
-
-def _deferred(name: str, held: Any, kind: type) -> None:
-    """Refuse a value that is neither of a type nor a `Record` of one."""
-    if not hasattr(held, "make"):
-        _typed(name, held, kind)

@@ -10,5 +10,6 @@ NB_MODULE(_native, m) {
   bind_touching(m);
   bind_gaps(m);
   bind_part_balls(m);
+  bind_wrench_spread(m);
   bind_coordinates(m);
 }

@@ -18,4 +18,5 @@ void bind_triangle_tree(nb::module_& m);
 void bind_touching(nb::module_& m);
 void bind_gaps(nb::module_& m);
 void bind_part_balls(nb::module_& m);
+void bind_wrench_spread(nb::module_& m);
 void bind_coordinates(nb::module_& m);

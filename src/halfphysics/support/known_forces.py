@@ -1,0 +1,79 @@
+"""What is known to act on a person: contact impulses of things that move, and of other people.
+
+Impulses of static geometry, of kinematic objects and of fixed links are not among them: they are
+what their surfaces exert to stop a part, and the support of those surfaces is all that they
+exert. Counted here as well, they would count twice.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.motion.skeleton import N_JOINTS
+from halfphysics.scene.trajectories import KinematicObject
+from halfphysics.support.differentiation import low_pass
+
+if TYPE_CHECKING:
+    from halfphysics.results.contacts import Contacts
+    from halfphysics.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+def givers_of(scene: Scene, names: tuple[str, ...], me: int) -> list[int]:
+    """Indices into `names` of what acts on the person `me`, one of them, by known impulses."""
+    fixed = {*scene.statics}
+    fixed |= {name for name, item in scene.objects.items() if isinstance(item, KinematicObject)}
+    for item in scene.articulated.values():
+        links = zip(item.link_names, item.links, strict=True)
+        fixed |= {name for name, link in links if link.fixed}
+    return [i for i, name in enumerate(names) if name not in fixed and i != me]
+
+
+def known_wrenches(
+    contacts: Contacts,
+    person: int,
+    givers: list[int],
+    frames: int,
+    fps: float,
+    cutoff: float | None,
+) -> tuple[Array, Array]:
+    """Forces that are known to act on a person, low-passed as its accelerations are.
+
+    Impulses are sums over (t - 1, t]: the force at frame t is the mean of both intervals beside
+    it, at the ends that of the one.
+
+    Args:
+        contacts: Of the result.
+        person: Index of the person.
+        givers: Indices into `Result.names` whose impulses are known.
+        frames: T.
+        fps: Frames per second.
+        cutoff: Of the filter [Hz]; None: no filter.
+
+    Returns:
+        On parts: force [N] and moment about the world's origin [N m] (T, 55, 6). By giver (T, g,
+        7): force, its size weighted position (times N) and its size, of which the centre of
+        pressure comes.
+    """
+    parts, sides = np.zeros((frames, N_JOINTS, 6)), np.zeros((frames, len(givers), 7))
+    own = contacts[(contacts.person == person) & np.isin(contacts.other, givers)]
+    if not len(own) or frames < 2:
+        return parts, sides
+    wrench = np.concatenate([own.impulse, np.cross(own.position, own.impulse)], axis=1)
+    np.add.at(parts, (own.frame, own.part), wrench)
+    size = own.strength[:, None]
+    rows = np.concatenate([own.impulse, size * own.position, size], axis=1)
+    place = np.searchsorted(np.asarray(givers), own.other)
+    np.add.at(sides, (own.frame, place), rows)
+    return _at_frames(parts, fps, cutoff), _at_frames(sides, fps, cutoff)
+
+
+def _at_frames(impulses: Array, fps: float, cutoff: float | None) -> Array:
+    """Forces at T frames of impulses over (t - 1, t], t = 1 to T - 1 (row 0 is not used)."""
+    force = low_pass(impulses[1:] * fps, fps, cutoff)
+    force = np.concatenate([force[:1], force, force[-1:]])
+    return 0.5 * (force[1:] + force[:-1])

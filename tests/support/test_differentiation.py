@@ -1,0 +1,49 @@
+"""Rates of sampled motion: exact where they should be, undelayed, and smooth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from halfphysics.base import rotations as rot
+from halfphysics.support.differentiation import low_pass, rates, turns
+
+
+@pytest.mark.parametrize("cutoff", [None, 6.0])
+@pytest.mark.parametrize("fps", [30.0, 120.0])
+def test_constant_acceleration_is_exact(fps, cutoff):
+    t = np.arange(60) / fps
+    path = np.stack([2.0 * t - 3.0 * t**2, 0.0 * t, 1.0 + 0.0 * t], axis=1)
+    velocity, acceleration = rates(np.diff(path, axis=0), fps, cutoff)
+    assert velocity[:, 0] == pytest.approx(2.0 - 6.0 * t, abs=1e-6)  # of the filter's start
+    assert acceleration[:, 0] == pytest.approx(-6.0, abs=1e-4)
+    assert not acceleration[:, 1:].any()
+
+
+def test_the_cutoff_is_where_three_decibels_are_lost():
+    fps, t = 120.0, np.arange(1200) / 120.0
+    for frequency, kept in ((1.0, 1.0), (6.0, np.sqrt(0.5)), (20.0, 0.0)):
+        wave = np.sin(2.0 * np.pi * frequency * t)[:, None]
+        passed = low_pass(wave, fps, 6.0)[300:-300]
+        size = np.abs(passed).max()
+        assert size == pytest.approx(kept, abs=0.03)
+        # Not delayed.
+        assert np.abs(passed - kept * wave[300:-300]).max() < 0.04
+
+
+def test_slow_samples_pass_as_they_are():
+    values = np.random.default_rng(0).normal(size=(40, 3))
+    assert low_pass(values, 10.0, 6.0) is values
+    assert low_pass(values, 60.0, None) is values
+
+
+def test_few_samples():
+    assert rates(np.zeros((0, 3)), 30.0, 6.0)[1].shape == (1, 3)
+    velocity, acceleration = rates(np.ones((1, 3)), 30.0, 6.0)
+    assert velocity == pytest.approx(30.0)
+    assert not acceleration.any()
+
+
+def test_turns_are_in_the_world():
+    q = rot.multiply(rot.exp(np.outer(np.arange(4), [0.0, 0.0, 0.1])), rot.exp([1.0, 2.0, 0.5]))
+    assert turns(q) == pytest.approx(np.tile([0.0, 0.0, 0.1], (3, 1)))

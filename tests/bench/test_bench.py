@@ -46,6 +46,7 @@ SETTINGS = {
     "tree": 4,
     "meeting": 2,
     "doorway": 2,
+    "ground": 4,
     "setup": 1,
     "clip": 1,
     "batch": 2,
@@ -80,6 +81,17 @@ def measured(clip, tmp_path_factory):
         patch.setattr("halfphysics.bench.instructions.shutil.which", lambda name: None)
         assert main(arguments) == 0
     return json.loads(out.read_text())
+
+
+def test_how_people_stand_is_beside_their_rates():
+    told = list(bench.run("ground", Options(quick=True, repeats=1)))
+    names = {"floating [%]", "slide in stance [mm/frame]", "peak [N]", "tilt at the end [deg]"}
+    for record in told:
+        assert names <= set(record.checks)
+        assert all(np.isfinite(ours) and peer is None for ours, peer in record.checks.values())
+    # The first frames of the walk: nothing is touched, and nobody floats.
+    free = told[1].checks
+    assert free["floating [%]"][0] == free["peak [N]"][0] == 0.0
 
 
 def test_all_cases_leave_complete_records(measured):

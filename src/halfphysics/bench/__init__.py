@@ -93,6 +93,12 @@ CASES: Mapping[str, tuple[str, str, str]] = MappingProxyType(
             "the scenario meet: two people walk into each other, N=8; no peer",
         ),
         "doorway": ("doorway", "doorway", "the demo's story: doorway, table, ball"),
+        "ground": (
+            "ground",
+            "ground",
+            "scenarios with default settings, and how their person stands: floating, slide of feet "
+            "in stance, net force, offset and tilt at the end; no peer",
+        ),
         "setup": (
             "whole",
             "setup",

@@ -26,7 +26,7 @@ LAYERS = {
     "support": "errors base motion geometry body scene results _native",
     "simulation": "errors base motion geometry body settings scene results _native",
     "reference": "base motion settings _native",
-    "metrics": "errors base motion geometry body scene results simulation _native",
+    "metrics": "errors base motion geometry body scene results simulation support _native",
     "baselines": (
         "errors base motion geometry body settings scene results simulation reference metrics "
         "_native"

@@ -85,9 +85,7 @@ def measured(clip, tmp_path_factory):
 
 def test_how_people_stand_is_beside_their_rates():
     told = list(bench.run("ground", Options(quick=True, repeats=1)))
-    names = {"floating [%]", "slide in stance [mm/frame]", "peak [N]", "tilt at the end [deg]"}
     for record in told:
-        assert names <= set(record.checks)
         assert all(np.isfinite(ours) and peer is None for ours, peer in record.checks.values())
     # The first frames of the walk: nothing is touched, and nobody floats.
     free = told[1].checks

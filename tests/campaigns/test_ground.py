@@ -91,6 +91,8 @@ def test_the_end_by_hand():
     # One foot is raised in the reference: it does not count.
     one = high + np.array([0.0, 0.0, 0.2, 0.2, 0.0, 0.2, 0.0, 0.0, 0.0])
     assert end_height(one, high) == (0.0, "left foot")
+    # Feet at 18 mm above a stair in the reference may stand on it.
+    assert end_height(high + np.array([0, 0, 0.018, 0.018, 0, 0.018, 0, 0, 0]), high)[0] == 0.0
     # A seat that is in the sofa should be on it.
     seat = high.copy()
     seat[6] = -0.06

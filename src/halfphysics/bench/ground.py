@@ -50,6 +50,7 @@ def standing(result: Result) -> dict[str, tuple[float, None]]:
     path = metrics.path_offset(result)
     return {
         "floating [%]": (floats.percent, None),
+        "held up by nothing [%]": (metrics.unsupported_weight(result).percent, None),
         "slide in stance [mm/frame]": (stance.simulated.mean_mm, None),
         "held for 50 ms [body weights]": (force.sustained_weights, None),
         "peak [N]": (force.peak, None),

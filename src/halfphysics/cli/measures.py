@@ -81,7 +81,10 @@ def _standing(result: Result, person: int) -> list[tuple[str, str, str]]:
     ]
     asked, got = (metrics.physdiff(m, subject.body) for m in (subject.reference, subject.motion))
     stance, force = metrics.stance_slide(result, person), metrics.net_force(result, person)
-    path = metrics.path_offset(result, person)
+    path, weight = (
+        metrics.path_offset(result, person),
+        metrics.unsupported_weight(result, person),
+    )
 
     def row(name: str, before: float | None, after: float, digits: int = 2) -> tuple[str, str, str]:
         return name, "" if before is None else f"{before:.{digits}f}", f"{after:.{digits}f}"
@@ -92,6 +95,7 @@ def _standing(result: Result, person: int) -> list[tuple[str, str, str]]:
         row("Phys-Err of PhysDiff, level ground [mm]", asked.phys_err_mm, got.phys_err_mm),
         row("slide in stance, mean [mm/frame]", stance.asked.mean_mm, stance.simulated.mean_mm),
         row("slide in stance, largest [mm/frame]", stance.asked.max_mm, stance.simulated.max_mm),
+        row("weight carried by nothing [% of frames]", None, weight.percent, 1),
         row("net force, peak [body weights]", None, force.peak_weights),
         row("net force held for 50 ms [body weights]", None, force.sustained_weights),
         row("off the path at the end [mm]", None, path.end_offset_mm, 1),

@@ -20,6 +20,7 @@ from halfphysics.metrics.skating import SkateReport, foot_skate
 from halfphysics.metrics.smoothness import jerk
 from halfphysics.metrics.stance import Slide, StanceReport, stance_slide
 from halfphysics.metrics.success import success
+from halfphysics.metrics.unsupported import UnsupportedReport, unsupported_weight
 from halfphysics.metrics.volume import VolumeReport, penetrating_volume
 
 __all__ = [
@@ -36,6 +37,7 @@ __all__ = [
     "SkateReport",
     "Slide",
     "StanceReport",
+    "UnsupportedReport",
     "VolumeReport",
     "airborne",
     "contact_forces",
@@ -54,4 +56,5 @@ __all__ = [
     "physdiff",
     "stance_slide",
     "success",
+    "unsupported_weight",
 ]

@@ -14,13 +14,14 @@ from halfphysics.metrics.net_force import net_force
 from halfphysics.metrics.path_offset import path_of
 from halfphysics.metrics.stance import stance_slide
 from halfphysics.metrics.surface_gaps import carrying_gaps
+from halfphysics.metrics.unsupported import unsupported_weight
 from halfphysics.results.result import ObjectTrack
 
 if TYPE_CHECKING:
     from halfphysics.motion.motion import Motion
     from halfphysics.results.result import PersonResult, Result
 
-#: Floating is measured in this many frames, evenly spread, of a longer result; slide in stance in
+#: Floating is measured in this many frames, evenly spread, of a longer result; support and slide in
 #: results of up to so many frames: the summary takes no second.
 SAMPLED, STANCE = 150, 1000
 #: An offset and a tilt at the end that are less than these are not reported [mm, deg].
@@ -28,11 +29,15 @@ EXACT_MM, EXACT_DEG = 1.0, 0.1
 
 
 def standing(result: Result, index: int) -> list[str]:
-    """How a person stands, in up to four lines; missing files leave lines out."""
+    """How a person stands, in up to five lines; missing files leave lines out."""
     person = result.people[index]
     lines = []
     with suppress(HalfPhysicsError):  # named where the joints are compared
-        lines += [*_floats(result, person), *_slides(result, index), *_pushed(result, index)]
+        floats = _floats(result, person)
+        lines += floats
+        if floats:  # there is a floor
+            lines += _carried(result, index)
+        lines += [*_slides(result, index), *_pushed(result, index)]
     path = path_of(person)
     if path.end_offset_mm > EXACT_MM or path.end_tilt_deg > EXACT_DEG:
         side = "above" if path.end_height_mm >= 0.0 else "below"
@@ -69,6 +74,18 @@ def _floats(result: Result, person: PersonResult) -> list[str]:
     if in_air.any():
         words += f" that are not airborne ({100.0 * in_air.mean():.0f} % are)"
     return [f"{words}, by {_length(got.max_mm)} at most; asked: {asked.percent:.0f} %"]
+
+
+def _carried(result: Result, index: int) -> list[str]:
+    if len(result) > STANCE:
+        return []
+    weight = unsupported_weight(result, index)
+    if not weight.unsupported.any():
+        return []
+    return [
+        f"held up by nothing in {weight.percent:.0f} % of the frames, by "
+        f"{weight.missing.max():.0f} % of the weight at most"
+    ]
 
 
 def _slides(result: Result, index: int) -> list[str]:

@@ -11,6 +11,7 @@ from halfphysics.metrics.net_force import net_force
 from halfphysics.metrics.path_offset import path_offset
 from halfphysics.metrics.stance import LOW, sole_patches, stance_from
 from halfphysics.metrics.surface_gaps import RISE, carrying_gaps
+from halfphysics.metrics.unsupported import unsupported_weight
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 
 #: Groups of skin after the four patches of the soles: the rest of the feet, seat, back, all else.
@@ -70,7 +71,7 @@ def figures(result, person=0):
         "float_percent": floats[1].percent,
         "float_mm": floats[1].mean_mm,
         "float_asked_percent": floats[0].percent,
-        "unsupported_percent": unsupported(result, person, in_air),
+        "unsupported_percent": unsupported_weight(result, person).percent,
         "slide_mm": stance.simulated.mean_mm,
         "slide_p95_mm": stance.simulated.p95_mm,
         "slide_max_mm": stance.simulated.max_mm,
@@ -101,7 +102,8 @@ def end_height(asked, got):
 
     A foot, the seat or the back carries at the end if it is within 3 cm of a surface in the
     reference, or of the lowest skin where the reference floats as a whole. It should be as high
-    above its surface as there; on it, where the reference is inside, or floats by over 5 mm.
+    above its surface as there, or nearer to it; on it, where the reference is inside, or floats by
+    over 5 mm.
 
     Args:
         asked, got: Gaps of the groups in the last frame (9,) [m], reference and result.
@@ -111,20 +113,17 @@ def end_height(asked, got):
     for carrier, its in CARRIERS.items():
         wanted = max(float(asked[list(its)].min()) - whole, 0.0)
         if wanted < LOW:
-            off = 1000.0 * (min(float(got[list(its)].min()), 1.0) - wanted)
+            off = _beyond(float(got[list(its)].min()), wanted)
             if not name or abs(off) > abs(worst):
                 worst, name = off, carrier
     if not name:  # on hands and knees, or in the air
-        return 1000.0 * (min(float(got.min()), 1.0) - max(float(asked.min()) - whole, 0.0)), "skin"
+        return _beyond(float(got.min()), max(float(asked.min()) - whole, 0.0)), "skin"
     return worst, name
 
 
-def unsupported(result, person, in_air):
-    """Share of the frames that are not airborne whose weight nothing carries [%]; None: unknown."""
-    from halfphysics import metrics
-
-    measure = getattr(metrics, "unsupported_weight", None)
-    return None if measure is None else measure(result, person).percent
+def _beyond(gap, most):
+    """How far a gap is above `most`, or inside (negative) [mm]."""
+    return 1000.0 * (max(min(gap, 1.0) - most, 0.0) + min(gap, 0.0))
 
 
 def range_violation(result, person):

@@ -44,6 +44,26 @@ def test_few_samples():
     assert not acceleration.any()
 
 
+@pytest.mark.parametrize("fps", [30.0, 100.0])
+def test_flights_are_filtered_by_themselves(fps):
+    """A hop from rest to rest: rest and flight are both exact, whatever the filter."""
+    frames, first, end = int(2.0 * fps), int(0.7 * fps), int(1.2 * fps)
+    t = np.arange(frames) / fps
+    off, on = t[first] - 0.5 / fps, t[end] - 0.5 / fps
+    inside = np.clip(t, off, on)
+    path = (0.5 * 9.81 * (inside - off) * (on - inside))[:, None]
+    velocity, acceleration = rates(np.diff(path, axis=0), fps, 6.0, [(first, end)])
+    assert acceleration[first:end] == pytest.approx(-9.81, abs=1e-3)
+    assert velocity[first:end, 0] == pytest.approx(
+        9.81 * (0.5 * (on + off) - t[first:end]), abs=1e-3
+    )
+    beside = np.concatenate([acceleration[: first // 2], acceleration[-first // 2 :]])
+    assert np.abs(beside).max() < 0.5
+    # Two frames are too few to be filtered by themselves.
+    short = rates(np.diff(path, axis=0), fps, 6.0, [(first, first + 2)])
+    assert short[1] == pytest.approx(rates(np.diff(path, axis=0), fps, 6.0)[1])
+
+
 def test_turns_are_in_the_world():
     q = rot.multiply(rot.exp(np.outer(np.arange(4), [0.0, 0.0, 0.1])), rot.exp([1.0, 2.0, 0.5]))
     assert turns(q) == pytest.approx(np.tile([0.0, 0.0, 0.1], (3, 1)))

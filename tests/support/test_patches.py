@@ -24,7 +24,7 @@ def body():
 
 def patches(body, motion, scene, tracks=None):
     surfaces = surfaces_of(scene, tracks or {}, (), None, len(motion))
-    return find_patches(body, motion, body.joint_frames(motion), surfaces)
+    return find_patches(body, motion, surfaces)
 
 
 def floor(shape=None, **options):

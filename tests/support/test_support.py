@@ -204,6 +204,24 @@ def test_free_fall_needs_no_support(body, fps):
     assert not support.unsupported.any()
 
 
+@pytest.mark.parametrize("fps", [30.0, 60.0, 120.0])
+def test_a_jump_is_airborne_between_standing(body, fps):
+    """Who hops with stiff legs needs nothing in the air, and stands before and after it."""
+    stand = standing.standing(body, frames=int(2.0 * fps), fps=fps)
+    t = np.arange(len(stand)) / fps
+    inside = np.clip(t - 0.8, 0.0, 0.4)
+    path = stand.translation.copy()
+    path[:, 2] += 0.5 * G * inside * (0.4 - inside)
+    support = estimate(hp.Motion(path, stand.rotations, fps), room(), body=body)
+    air = (t > 0.9) & (t < 1.1)
+    assert support.airborne[air].all()
+    assert not support.airborne[(t < 0.75) | (t > 1.25)].any()
+    assert np.abs(support.residual[support.airborne][1:-1]).max() < 0.02 * support.weight
+    assert not support.unsupported[support.airborne].any()
+    rest = (t < 0.3) | (t > 1.7)
+    assert np.abs(support.weight_percent[rest] - 100.0).max() < 5.0
+
+
 def test_without_gravity_nothing_is_needed(body):
     support = estimate(t_pose(np.zeros((10, 3))), hp.Scene(gravity=0.0), body=body)
     assert not support.residual.any()

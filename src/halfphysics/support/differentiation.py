@@ -7,6 +7,8 @@ that nothing is delayed (Winter, Biomechanics and Motor Control of Human Movemen
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +23,8 @@ ORDER = 2
 TWICE = (np.sqrt(2.0) - 1.0) ** (-0.5 / ORDER)
 #: Time by which samples are continued beyond the ends, turned about their end point [s].
 PADDING = 0.5
+#: Fewest frames of a flight: two velocities, of which an acceleration comes.
+SHORTEST = 3
 
 
 def low_pass(values: Array, fps: float, cutoff: float | None) -> Array:
@@ -45,13 +49,22 @@ def low_pass(values: Array, fps: float, cutoff: float | None) -> Array:
     return result.reshape(values.shape)
 
 
-def rates(steps: Array, fps: float, cutoff: float | None) -> tuple[Array, Array]:
+def rates(
+    steps: Array,
+    fps: float,
+    cutoff: float | None,
+    flights: Sequence[tuple[int, int]] = (),
+) -> tuple[Array, Array]:
     """Velocities and accelerations at T frames, from the T - 1 displacements between them.
+
+    Accelerations jump where a flight begins and ends. A filter would spread the forces of take-off
+    and landing into it, so that flights and what is between them are filtered each by itself.
 
     Args:
         steps: Displacements from frame to frame (T - 1, ...) [m or rad].
         fps: Frames per second.
         cutoff: Of the low-pass filter [Hz]; None: no filter.
+        flights: First frame and end of each; those under `SHORTEST` frames do not count.
 
     Returns:
         Velocity and acceleration (T, ...), both exact where the acceleration is constant. One
@@ -60,12 +73,40 @@ def rates(steps: Array, fps: float, cutoff: float | None) -> tuple[Array, Array]
     if len(steps) == 0:
         still = np.zeros((1, *steps.shape[1:]))
         return still, still.copy()
-    speed = low_pass(steps * fps, fps, cutoff)
+    count = len(steps) + 1
+    velocity, acceleration = (
+        np.empty((count, *steps.shape[1:])),
+        np.empty((count, *steps.shape[1:])),
+    )
+    for first, end, inner in _segments(count, flights):
+        # Steps beside what is between flights belong to it: they are partly of its own.
+        low, high = (first, end - 1) if inner else (max(first - 1, 0), min(end, count - 1))
+        between = _extended(low_pass(steps[low:high] * fps, fps, cutoff))
+        between = between[first - low : first - low + end - first + 1]
+        velocity[first:end] = 0.5 * (between[1:] + between[:-1])
+        acceleration[first:end] = np.diff(between, axis=0) * fps
+    return velocity, acceleration
+
+
+def _segments(count: int, flights: Sequence[tuple[int, int]]) -> list[tuple[int, int, bool]]:
+    """First frame, end, and whether it is a flight, of what `count` frames are divided into."""
+    found, at = [], 0
+    for first, end in flights:
+        if end - first < SHORTEST:
+            continue
+        if first > at:
+            found.append((at, first, False))
+        found.append((first, end, True))
+        at = end
+    return [*found, (at, count, False)] if at < count else found
+
+
+def _extended(speed: Array) -> Array:
+    """Velocities (n, ...) with one more at each end, on the line through the last two."""
     first, last = speed[:1], speed[-1:]
     if len(speed) > 1:
         first, last = 2.0 * speed[:1] - speed[1:2], 2.0 * speed[-1:] - speed[-2:-1]
-    between = np.concatenate([first, speed, last])
-    return 0.5 * (between[1:] + between[:-1]), np.diff(between, axis=0) * fps
+    return np.concatenate([first, speed, last])
 
 
 def turns(quaternions: Array) -> Array:

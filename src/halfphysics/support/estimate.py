@@ -11,7 +11,6 @@ from halfphysics.base.validation import number
 from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.surroundings import Surroundings
-from halfphysics.support.flight import flights
 from halfphysics.support.inverse_dynamics import (
     dynamics,
     joint_power,
@@ -83,17 +82,16 @@ def support_of(
         cutoff = number(cutoff, "support: cutoff", above=0.0, unit="Hz")
     scene = around.scene
     count, gravity = len(motion), np.array(scene.gravity)
-    found = dynamics(body, motion, gravity, cutoff)
     me = around.first_person + around.person
     names = tuple(name for i, name in enumerate(around.names) if i != me)
     contacts = Contacts.none() if around.contacts is None else around.contacts
     givers = givers_of(scene, around.names, me)
     external, sides = known_wrenches(contacts, around.person, givers, count, motion.fps, cutoff)
+    surfaces = surfaces_of(scene, around.tracks, around.names, around.contacts, count)
+    places = find_patches(body, motion, surfaces)
+    found = dynamics(body, motion, gravity, cutoff, _carried(places, count, sides))
     pelvis = found.joints[:, 0]
     external[..., 3:] -= np.cross(pelvis[:, None], external[..., :3])
-
-    surfaces = surfaces_of(scene, around.tracks, around.names, around.contacts, count)
-    places = find_patches(body, motion, (found.joints, found.quaternions), surfaces)
     required = found.wrench.sum(axis=1) - external.sum(axis=1)
     arm = places.position - pelvis[places.frame]
     force = spread(required, places.frame, arm, places.normal, places.friction, places.ready)
@@ -116,7 +114,7 @@ def support_of(
         power=joint_power(found, torque),
         residual=(found.wrench - external).sum(axis=1),
         required=required,
-        airborne=flights(found.centre, motion.fps, gravity, _carried(places, count, sides)),
+        airborne=found.airborne,
         com=found.centre,
         momentum=found.momentum,
         angular_momentum=found.angular_momentum,

@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-#: Largest share of the weight that is missing on average in a flight.
+#: Share of the weight that may be supplied in the middle of a flight's frames.
 SUPPLIED = 0.3
 
 
 def flights(centre: Array, fps: float, gravity: Array, carried: Mask) -> Mask:
     """Frames (T,) of flights.
 
-    A flight is a run of frames in which nothing is near enough to carry, over the whole of which
-    the velocity of the centre of mass changes as gravity has it, to `SUPPLIED`: whoever floats is
+    A flight is a run of frames in which nothing is near enough to carry and the centre of mass
+    falls as gravity has it, to `SUPPLIED`, by the median of its accelerations: whoever floats is
     not airborne. Velocities are those from frame to frame, unfiltered: a filter would spread a
     landing into the flight.
 
@@ -31,15 +31,18 @@ def flights(centre: Array, fps: float, gravity: Array, carried: Mask) -> Mask:
     if len(centre) < 3 or size == 0.0:
         return found
     speed = np.diff(centre, axis=0) @ (gravity / size) * fps
-    edges = np.diff(np.concatenate([[False], ~carried, [False]]).astype(np.int8))
-    for first, end in np.flatnonzero(edges).reshape(-1, 2).tolist():
-        # The velocities within the run, and those beside it if it is too short to have two.
-        low, high = max(first, 0), min(end - 1, len(speed) - 1)
+    for first, end in runs(~carried):
+        # Steps within the run, and those beside it if it is too short to have two.
+        low, high = first, end - 1
         if high - low < 2:
-            low, high = max(low - 1, 0), min(high + 1, len(speed) - 1)
-        high = min(high, len(speed) - 1)
-        if high <= low:
-            continue
-        fall = (speed[high] - speed[low]) * fps / (high - low)
-        found[first:end] = fall > (1.0 - SUPPLIED) * size
+            low, high = max(first - 1, 0), min(end, len(speed))
+        if high - low >= 2:
+            fall = np.median(np.diff(speed[low:high])) * fps
+            found[first:end] = fall > (1.0 - SUPPLIED) * size
     return found
+
+
+def runs(mask: Mask) -> list[tuple[int, int]]:
+    """First frame and end of every run of True in a mask (T,)."""
+    edges = np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8))
+    return [(int(first), int(end)) for first, end in np.flatnonzero(edges).reshape(-1, 2)]

@@ -24,12 +24,14 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.motion.skeleton import N_JOINTS, PARENTS
 from halfphysics.support.differentiation import rates, turns
+from halfphysics.support.flight import flights, runs
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
     from halfphysics.motion.motion import Motion
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,6 +44,7 @@ class Dynamics:
         wrench: Force [N] and moment about the pelvis [N m] that each part needs, gravity and
             inertia included (T, 55, 6).
         spin: Angular velocity of each part (T, 55, 3) [rad/s].
+        airborne: Frames of flights (T,).
         mass: Of the person [kg].
         centre: Centre of mass (T, 3) [m].
         momentum: (T, 3) [kg m/s].
@@ -52,13 +55,20 @@ class Dynamics:
     quaternions: Array
     wrench: Array
     spin: Array
+    airborne: Mask
     mass: float
     centre: Array
     momentum: Array
     angular_momentum: Array
 
 
-def dynamics(body: Body, motion: Motion, gravity: Array, cutoff: float | None) -> Dynamics:
+def dynamics(
+    body: Body,
+    motion: Motion,
+    gravity: Array,
+    cutoff: float | None,
+    carried: Mask | None = None,
+) -> Dynamics:
     """The wrenches that a motion needs.
 
     Args:
@@ -66,6 +76,7 @@ def dynamics(body: Body, motion: Motion, gravity: Array, cutoff: float | None) -
         motion: T >= 1 frames.
         gravity: Acceleration of free fall (3,) [m/s^2].
         cutoff: Of the low-pass filter of velocities [Hz]; None: no filter.
+        carried: Frames (T,) in which something could carry, which are no flight; None: all.
     """
     parts = body.variant.parts
     mass = np.array([part.mass for part in parts])
@@ -73,9 +84,14 @@ def dynamics(body: Body, motion: Motion, gravity: Array, cutoff: float | None) -
     inertia = np.array([part.inertia for part in parts])
     joints, quaternions = body.joint_frames(motion)
     centre = joints + rot.rotate(quaternions, np.broadcast_to(com, joints.shape))
-    velocity, acceleration = rates(np.diff(centre, axis=0), motion.fps, cutoff)
-    spin, spin_rate = rates(turns(quaternions), motion.fps, cutoff)
-
+    total = mass.sum()
+    middle = np.einsum("k,tki->ti", mass, centre) / total
+    everywhere = np.ones(len(centre), dtype=bool)
+    carried = everywhere if carried is None else carried
+    airborne = flights(middle, motion.fps, gravity, carried)
+    options = motion.fps, cutoff, runs(airborne)
+    velocity, acceleration = rates(np.diff(centre, axis=0), *options)
+    spin, spin_rate = rates(turns(quaternions), *options)
     turn = rot.to_matrix(quaternions)
 
     def inertial(vectors: Array) -> Array:
@@ -88,8 +104,6 @@ def dynamics(body: Body, motion: Motion, gravity: Array, cutoff: float | None) -
     force = mass[:, None] * (acceleration - gravity)
     moment = inertial(spin_rate) + np.cross(spin, spinning)
     moment += np.cross(centre - joints[:, :1], force)
-    total = mass.sum()
-    middle = np.einsum("k,tki->ti", mass, centre) / total
     momentum = np.einsum("k,tki->tki", mass, velocity)
     swing = np.cross(centre - middle[:, None], momentum) + spinning
     return Dynamics(
@@ -97,6 +111,7 @@ def dynamics(body: Body, motion: Motion, gravity: Array, cutoff: float | None) -
         quaternions=quaternions,
         wrench=np.concatenate([force, moment], axis=-1),
         spin=spin,
+        airborne=airborne,
         mass=float(total),
         centre=middle,
         momentum=momentum.sum(axis=1),

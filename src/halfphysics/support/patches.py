@@ -79,18 +79,16 @@ class Patches:
         return len(self.frame)
 
 
-def find_patches(
-    body: Body, motion: Motion, frames: tuple[Array, Array], surfaces: Sequence[Surface]
-) -> Patches:
+def find_patches(body: Body, motion: Motion, surfaces: Sequence[Surface]) -> Patches:
     """The places of a person that can carry.
 
     Args:
         body, motion: The person, T frames.
-        frames: World frames of the joints: positions (T, 55, 3) [m], quaternions (T, 55, 4).
         surfaces: What could hold them up.
     """
     grid, step = skin_grid(body), max(1, round(WINDOW * motion.fps))
     count = len(motion)
+    frames = body.joint_frames(motion)
     found = [_none()]
     for first in range(0, count, CHUNK):
         last = min(first + CHUNK, count)

@@ -43,19 +43,18 @@ Projection project(const CarryingPlace& place, Vec3 g) {
 
 class Dual {
  public:
-  Dual(const std::vector<CarryingPlace>& places, const Wrench& goal, double moments)
-      : places_(places), goal_(goal), moments_(moments) {}
+  Dual(const std::vector<CarryingPlace>& places, const Wrench& goal, double moments, double penalty)
+      : places_(places), goal_(goal), moments_(moments), give_(1 / (penalty * penalty)) {}
 
   Projection at(const CarryingPlace& place, const Wrench& y) const {
-    return project(place, place.ease * (y.force + moments_ * cross(y.moment, place.arm)));
+    return project(place, ease(place) * (y.force + moments_ * cross(y.moment, place.arm)));
   }
 
-  // The minimum along the goal, as a part of it: the dual is a quadratic on every ray from 0.
-  double along_goal() const {
-    double sum = 0;
-    for (const CarryingPlace& place : places_) sum += norm2(at(place, goal_).force) / place.ease;
-    const double size2 = dot(goal_, goal_);
-    return size2 / (size2 + sum);
+  // The minimum along y, as a part of it: the dual is a quadratic on every ray from 0.
+  double along(const Wrench& y) const {
+    double sum = dot(y, y);
+    for (const CarryingPlace& place : places_) sum += norm2(at(place, y).force) / ease(place);
+    return dot(y, goal_) / sum;
   }
 
   // The gradient's part along a way.
@@ -90,15 +89,15 @@ class Dual {
       for (int i = 0; i < 3; i++) {
         Vec3 axis;
         axis[i] = 1;
-        add_square(place, axis, place.ease, bend);
+        add_square(place, axis, ease(place), bend);
       }
       return;
     }
     const double mu = place.friction;
     const Vec3 tangent = p.size > 0 ? (1 / p.size) * p.across : Vec3{};
-    add_square(place, place.normal + mu * tangent, place.ease / (1 + mu * mu), bend);
+    add_square(place, place.normal + mu * tangent, ease(place) / (1 + mu * mu), bend);
     if (p.size > 0)
-      add_square(place, cross(place.normal, tangent), place.ease * mu * p.pushes / p.size, bend);
+      add_square(place, cross(place.normal, tangent), ease(place) * mu * p.pushes / p.size, bend);
   }
 
   void add_square(const CarryingPlace& place, Vec3 d, double weight, double* bend) const {
@@ -108,9 +107,11 @@ class Dual {
       for (int j = 0; j <= i; j++) bend[6 * i + j] += weight * v[i] * v[j];
   }
 
+  double ease(const CarryingPlace& place) const { return give_ * place.ready2; }
+
   const std::vector<CarryingPlace>& places_;
   Wrench goal_;
-  double moments_;
+  double moments_, give_;
 };
 
 // -bend^-1 slope.
@@ -157,16 +158,22 @@ void spread_wrench(const double* wrench, const std::vector<CarryingPlace>& place
   const Wrench goal{load3(wrench), options.moments * load3(wrench + 3)};
   const double size2 = dot(goal, goal);
   if (size2 == 0 || places.empty()) return;
-  const Dual dual(places, goal, options.moments);
-  Wrench y = moved({}, dual.along_goal(), goal), slope;
+  Wrench y = goal, slope;
   double bend[36];
-  for (int k = 0; k < options.steps; k++) {
-    dual.expand(y, slope, bend);
-    if (dot(slope, slope) <= options.tolerance * options.tolerance * size2) break;
-    const Wrench way = newton_step(bend, slope);
-    y = moved(y, step_length(dual, y, way, dot(slope, way), options.searches), way);
+  for (size_t level = 0; level < options.penalties.size(); level++) {
+    const bool last = level + 1 == options.penalties.size();
+    const double tolerance = last ? options.tolerance : tuning::support::kSpreadCoarse;
+    const Dual dual(places, goal, options.moments, options.penalties[level]);
+    y = moved({}, dual.along(y), y);
+    for (int k = 0; k < options.steps; k++) {
+      dual.expand(y, slope, bend);
+      if (dot(slope, slope) <= tolerance * tolerance * size2) break;
+      const Wrench way = newton_step(bend, slope);
+      y = moved(y, step_length(dual, y, way, dot(slope, way), options.searches), way);
+    }
+    if (last)
+      for (size_t i = 0; i < places.size(); i++) force[i] = dual.at(places[i], y).force;
   }
-  for (size_t i = 0; i < places.size(); i++) force[i] = dual.at(places[i], y).force;
 }
 
 }  // namespace hp

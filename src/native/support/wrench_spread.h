@@ -1,7 +1,7 @@
 // The wrench that a person needs, spread over the places of the skin that can carry.
 //
 // For one frame, with the wrench w (force and moment), places at r_i from the point of the moments,
-// each with an ease e_i and the friction cone K_i = {|f_t| <= mu f_n}:
+// each with a readiness b_i, e_i = (b_i / penalty)^2, and the friction cone K_i = {|f_t| <= mu f_n}:
 //
 //     minimise  1/2 |S (sum_i J_i f_i - w)|^2 + 1/2 sum_i |f_i|^2 / e_i,   f_i in K_i
 //     J_i f = (f, r_i x f),   S: forces times 1, moments times `moments`
@@ -12,7 +12,8 @@
 //     1/2 |y|^2 - y . S w + 1/2 sum_i |proj_i(g_i)|^2 / e_i,
 //
 // strongly convex with a continuous gradient. Newton steps, each shortened to where the dual is flat
-// along it, find it; their number is bounded. halfphysics/support/wrench_qp.py chooses the constants;
+// along it, find it; their number is bounded. A larger penalty has fewer kinks: its minimum is where the
+// search for the next smaller one starts. halfphysics/support/wrench_qp.py chooses the constants;
 // tests/support/references/wrench_qp.py is the same in numpy.
 #pragma once
 #include <cstddef>
@@ -23,15 +24,17 @@
 namespace hp {
 
 // A place that can carry: from the point of the moments [m], its unit normal, its coefficient of
-// friction, and the inverse of the weight of its force.
+// friction, and its readiness squared.
 struct CarryingPlace {
   Vec3 arm, normal;
-  double friction, ease;
+  double friction, ready2;
 };
 
-// Constants of the problem: the weight of moments [1/m], the part of |S w| under which the gradient
-// counts as 0, and the most Newton steps and searches along a step.
+// Constants of the problem: penalties, falling, of which the last counts; the weight of moments
+// [1/m]; the part of |S w| under which the gradient counts as 0; the most Newton steps at a penalty
+// and searches along a step.
 struct SpreadOptions {
+  std::vector<double> penalties;
   double moments, tolerance;
   int steps, searches;
 };

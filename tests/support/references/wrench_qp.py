@@ -22,11 +22,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.support.wrench_qp import MOMENTS, PENALTY, SEARCHES, STEPS, TOLERANCE
+from halfphysics.support.wrench_qp import MOMENTS, PENALTIES, SEARCHES, STEPS, TOLERANCE
 
 Array = NDArray[np.float64]
 #: As in native/tuning.h.
-FLAT = 0.5
+FLAT, COARSE = 0.5, 0.01
 Ints = NDArray[np.int64]
 
 
@@ -53,25 +53,34 @@ def spread(
         return force
     goal = wrench[used] * scale
     size = np.linalg.norm(goal, axis=1)
-    places = _Places(np.append(start, len(frame)), arm, normal, friction, (ready / PENALTY) ** 2)
-    # The minimum along the goal: the dual is a quadratic on every ray from 0.
-    along = size**2 + places.squares(goal)
-    y = goal * (size**2 / np.where(along > 0.0, along, 1.0))[:, None]
-    todo = np.flatnonzero(size > 0.0)
+    y = goal.copy()
+    for penalty in PENALTIES:
+        ease = (ready / penalty) ** 2
+        places = _Places(np.append(start, len(frame)), arm, normal, friction, ease)
+        tolerance = (TOLERANCE if penalty == PENALTIES[-1] else COARSE) * size
+        # The minimum along y: the dual is a quadratic on every ray from 0.
+        along = np.einsum("ki,ki->k", y, y) + places.squares(y)
+        y *= (np.einsum("ki,ki->k", y, goal) / np.where(along > 0.0, along, 1.0))[:, None]
+        _descend(places, y, goal, tolerance)
+    force, _ = places.forces(y)
+    return force
+
+
+def _descend(places: _Places, y: Array, goal: Array, tolerance: Array) -> None:
+    """Newton steps of all frames, in place, until the gradient is under the tolerance (k,)."""
+    todo = np.flatnonzero(np.linalg.norm(goal, axis=1) > 0.0)
     for _ in range(STEPS):
         if not len(todo):
-            break
+            return
         some = places.of(todo)
         slope, bend = some.dual(y[todo], goal[todo])
-        going = np.linalg.norm(slope, axis=1) > TOLERANCE * size[todo]
+        going = np.linalg.norm(slope, axis=1) > tolerance[todo]
         todo = todo[going]
         if not len(todo):
-            break
+            return
         way = np.linalg.solve(bend[going], -slope[going][..., None])[..., 0]
         start = np.einsum("ki,ki->k", slope[going], way)
         y[todo] += _length(places.of(todo), y[todo], goal[todo], way, start)[:, None] * way
-    force, _ = places.forces(y)
-    return force
 
 
 def _length(places: _Places, y: Array, goal: Array, way: Array, start: Array) -> Array:

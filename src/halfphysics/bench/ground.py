@@ -10,6 +10,7 @@ from halfphysics import metrics, scenarios
 from halfphysics.bench.record import Options, Record
 from halfphysics.bench.sides import measure, simulators
 from halfphysics.body.body import Body
+from halfphysics.metrics.asked import asked_motion
 from halfphysics.results.result import Result
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import follow
@@ -44,7 +45,7 @@ def standing(result: Result) -> dict[str, tuple[float, None]]:
         person.body,
         result.scene,
         objects=result.objects,
-        reference=person.reference,
+        reference=asked_motion(person),
     )
     stance, force = metrics.stance_slide(result), metrics.net_force(result)
     path = metrics.path_offset(result)

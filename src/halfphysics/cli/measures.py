@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from halfphysics import metrics
 from halfphysics.cli.table import table
+from halfphysics.metrics.asked import asked_motion
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -73,13 +74,14 @@ def of_motion(
 def _standing(result: Result, person: int) -> list[tuple[str, str, str]]:
     """Floating, slide in stance, net force and the way back to the path."""
     subject = result.people[person]
+    reference = asked_motion(subject)
     floats = [
         metrics.floating(
-            motion, subject.body, result.scene, objects=result.objects, reference=subject.reference
+            motion, subject.body, result.scene, objects=result.objects, reference=reference
         )
-        for motion in (subject.reference, subject.motion)
+        for motion in (reference, subject.motion)
     ]
-    asked, got = (metrics.physdiff(m, subject.body) for m in (subject.reference, subject.motion))
+    asked, got = (metrics.physdiff(m, subject.body) for m in (reference, subject.motion))
     stance, force = metrics.stance_slide(result, person), metrics.net_force(result, person)
     path, weight = (
         metrics.path_offset(result, person),

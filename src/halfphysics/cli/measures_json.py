@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from halfphysics import metrics
+from halfphysics.metrics.asked import asked_motion
 
 if TYPE_CHECKING:
     from halfphysics.results.result import Result
@@ -37,7 +38,7 @@ def of_result(result: Result, person: int) -> dict[str, Any]:
                 subject.body,
                 result.scene,
                 objects=result.objects,
-                reference=subject.reference,
+                reference=asked_motion(subject),
             ),
             "physdiff": metrics.physdiff(motion, subject.body),
             "jerk": metrics.jerk(motion, subject.body) if len(motion) >= 4 else None,

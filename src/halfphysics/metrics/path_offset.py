@@ -9,6 +9,7 @@ import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.metrics.argument_checks import Array, check_result
+from halfphysics.metrics.asked import asked_motion
 
 if TYPE_CHECKING:
     from halfphysics.results.result import PersonResult, Result
@@ -56,7 +57,7 @@ def path_offset(result: Result, person: int = 0) -> PathReport:
 
 def path_of(person: PersonResult) -> PathReport:
     """`path_offset` of one person of a result."""
-    motion, reference = person.motion, person.reference
+    motion, reference = person.motion, asked_motion(person)
     shift = motion.translation - reference.translation
     turns = [rot.exp(m.rotations[:, 0]) for m in (motion, reference)]
     w, x, y, z = np.moveaxis(rot.multiply(turns[0], rot.conjugate(turns[1])), -1, 0)

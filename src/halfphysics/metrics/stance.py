@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.metrics.airborne import airborne
 from halfphysics.metrics.argument_checks import Array, check_result
+from halfphysics.metrics.asked import asked_motion
 from halfphysics.metrics.surface_gaps import Gaps, carrying_gaps
 from halfphysics.motion.skeleton import JOINT_INDEX
 
@@ -131,9 +132,9 @@ def stance_slide(result: Result, person: int = 0) -> StanceReport:
     patch = sole_patches(subject.body)
     asked, got = (
         carrying_gaps(motion, subject.body, scene, patch, objects=objects, reach=2.0 * FAR)
-        for motion in (subject.reference, subject.motion)
+        for motion in (asked_motion(subject), subject.motion)
     )
-    in_air = airborne(subject.reference, subject.body)
+    in_air = airborne(asked_motion(subject), subject.body)
     return stance_from(subject, patch, (asked, got), objects, in_air)
 
 
@@ -154,7 +155,7 @@ def stance_from(
         in_air: Airborne frames of the reference (T,).
     """
     fps = float(subject.motion.fps)
-    centres, lowest = patch_centres(subject.reference, subject.body, patch)
+    centres, lowest = patch_centres(asked_motion(subject), subject.body, patch)
     rests = in_stance(centres, lowest, gaps[0].gap[:, :4], in_air, fps)
     steps = rests[1:] & rests[:-1]
     asked = np.linalg.norm(np.diff(centres[..., :2], axis=0), axis=-1)

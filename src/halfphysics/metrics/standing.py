@@ -9,6 +9,7 @@ import numpy as np
 
 from halfphysics.errors import HalfPhysicsError
 from halfphysics.metrics.airborne import airborne
+from halfphysics.metrics.asked import asked_motion
 from halfphysics.metrics.floating import MOST, FloatReport, floating_from
 from halfphysics.metrics.net_force import net_force
 from halfphysics.metrics.path_offset import path_of
@@ -29,7 +30,7 @@ EXACT_MM, EXACT_DEG = 1.0, 0.1
 
 
 def standing(result: Result, index: int) -> list[str]:
-    """How a person stands, in up to five lines; missing files leave lines out."""
+    """How a person stands, in up to six lines; missing files leave lines out."""
     person = result.people[index]
     lines = []
     with suppress(HalfPhysicsError):  # named where the joints are compared
@@ -50,7 +51,8 @@ def standing(result: Result, index: int) -> list[str]:
 
 
 def _floats(result: Result, person: PersonResult) -> list[str]:
-    in_air = airborne(person.reference, person.body)
+    reference = asked_motion(person)
+    in_air = airborne(reference, person.body)
     step = max(1, -(-len(result) // SAMPLED))
     tracks = {
         name: ObjectTrack(position=track.position[::step], quaternion=track.quaternion[::step])
@@ -69,7 +71,7 @@ def _floats(result: Result, person: PersonResult) -> list[str]:
     got = measured(person.motion)
     if (got.gap >= MOST).all():
         return []  # nothing below in any frame: no floor
-    asked = measured(person.reference)
+    asked = measured(reference)
     words = f"floats in {got.percent:.0f} % of the frames"
     if in_air.any():
         words += f" that are not airborne ({100.0 * in_air.mean():.0f} % are)"

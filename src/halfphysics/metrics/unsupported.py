@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from halfphysics.metrics.airborne import airborne
 from halfphysics.metrics.argument_checks import Array, check_result
+from halfphysics.metrics.asked import asked_motion
 from halfphysics.support.support import UNSUPPORTED
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def unsupported_weight(result: Result, person: int = 0) -> UnsupportedReport:
     result._check_person(person)
     subject = result.people[person]
     missing = np.maximum(np.nan_to_num(subject.support.residual_percent), 0.0)
-    return unsupported_from(missing, airborne(subject.reference, subject.body))
+    return unsupported_from(missing, airborne(asked_motion(subject), subject.body))
 
 
 def unsupported_from(missing: Array, in_air: NDArray[np.bool_]) -> UnsupportedReport:

@@ -6,6 +6,7 @@ import numpy as np
 
 from halfphysics.base import rotations as rot
 from halfphysics.metrics.airborne import airborne
+from halfphysics.metrics.asked import asked_motion
 from halfphysics.metrics.floating import TOLERANCE, floating_from
 from halfphysics.metrics.net_force import net_force
 from halfphysics.metrics.path_offset import path_offset
@@ -51,11 +52,12 @@ def figures(result, person=0):
     """All figures of a person, as plain numbers; None: undefined."""
     subject, fps = result.people[person], result.fps
     group = groups_of(subject.body)
+    asked = asked_motion(subject)
     gaps = [
         carrying_gaps(m, subject.body, result.scene, group, objects=result.objects, reach=REACH)
-        for m in (subject.reference, subject.motion)
+        for m in (asked, subject.motion)
     ]
-    in_air = airborne(subject.reference, subject.body)
+    in_air = airborne(asked, subject.body)
     floats = [floating_from(g.whole, in_air) for g in gaps]
     stance = stance_from(
         subject, np.where(group < 4, group, -1), (gaps[0], gaps[1]), result.objects, in_air
@@ -76,7 +78,7 @@ def figures(result, person=0):
         "slide_p95_mm": stance.simulated.p95_mm,
         "slide_max_mm": stance.simulated.max_mm,
         "slide_more_mm": stance.simulated.mean_mm - stance.asked.mean_mm,
-        "range_deg": range_violation(result, person),
+        "range_deg": None,
         "sustained_bw": force.sustained_weights,
         "window_bw": force.window_weights,
         "peak_bw": force.peak_weights,
@@ -126,17 +128,9 @@ def _beyond(gap, most):
     return 1000.0 * (max(min(gap, 1.0) - most, 0.0) + min(gap, 0.0))
 
 
-def range_violation(result, person):
-    """Angle by which a joint leaves the larger of its range and the reference's [deg]."""
-    from halfphysics import metrics
-
-    measure = getattr(metrics, "range_violations", None)
-    return None if measure is None else measure(result, person).max_deg
-
-
 def toes_angle(subject):
     """Largest angle of the toes' joints from the reference's [deg]."""
-    own = rot.angles(subject.reference.rotations[:, _TOES], subject.motion.rotations[:, _TOES])
+    own = rot.angles(asked_motion(subject).rotations[:, _TOES], subject.motion.rotations[:, _TOES])
     return float(np.rad2deg(own.max()))
 
 
@@ -145,7 +139,7 @@ def knee_jerk(subject):
     if len(subject.motion) < 4:
         return None
     jerks = []
-    for motion in (subject.motion, subject.reference):
+    for motion in (subject.motion, asked_motion(subject)):
         turn = rot.exp(motion.rotations[:, _KNEES])
         speed = rot.log(rot.multiply(rot.conjugate(turn[:-1]), turn[1:])) * motion.fps
         third = np.diff(speed, n=2, axis=0) * motion.fps**2

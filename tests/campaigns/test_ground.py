@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from campaigns.ground import campaign, label, run, settings_of
 from halfphysics.base import rotations as rot
 from halfphysics.settings import Settings
 from support.ground.cases import Case, all_cases, set_up
-from support.ground.figures import end_height
+from support.ground.figures import end_height, slide_in_waiting
 from support.ground.limits import LIMITS, failed, late, summary, table
 
 
@@ -99,6 +100,18 @@ def test_the_end_by_hand():
     above = high.copy()
     above[6] = 0.011
     assert end_height(seat, above) == (pytest.approx(11.0), "seat")
+
+
+def test_the_slide_of_who_waits():
+    """The clock stands from 1 s on; in the first second of it the feet still move."""
+    clock = np.minimum(np.arange(121) / 30.0, 1.0)
+    subject = SimpleNamespace(clock=clock, motion=SimpleNamespace(fps=30.0))
+    slide = np.full((120, 4), np.nan)
+    slide[30:, 1] = 0.002
+    slide[60:, 1] = 0.0001
+    assert slide_in_waiting(subject, slide) == pytest.approx(0.1)
+    subject.clock = np.arange(121) / 30.0
+    assert slide_in_waiting(subject, slide) is None
 
 
 def test_limits_and_the_way_back():

@@ -32,6 +32,8 @@ FIRST = 0.2
 BACK_AT = (0.02, np.deg2rad(2.0))
 #: Smallest jerk of a knee that counts [rad/s^3]: a clip that stands still has none.
 CALM = 50.0
+#: The clock of a reference stands where it runs at less than this share of time.
+STANDS = 0.1
 _TOES = [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]
 _KNEES = [JOINT_INDEX["left_knee"], JOINT_INDEX["right_knee"]]
 
@@ -92,6 +94,8 @@ def figures(result, person=0):
         "max_offset_mm": path.max_offset_mm,
         "max_tilt_deg": path.max_tilt_deg,
         **way_back(result, person, path),
+        "free_mm": free_error(result, person),
+        "wait_slide_mm": slide_in_waiting(subject, stance.slide),
         "breaches": len(result.breaches),
         "clearance_mm": float(1000.0 * clear.min()) if len(clear) else None,
         "lost_s": float(result.lost_time.sum()),
@@ -126,6 +130,29 @@ def end_height(asked, got):
 def _beyond(gap, most):
     """How far a gap is above `most`, or inside (negative) [mm]."""
     return 1000.0 * (max(min(gap, 1.0) - most, 0.0) + min(gap, 0.0))
+
+
+def free_error(result, person):
+    """Largest distance of a joint from the reference, seen from the pelvis, in frames in which
+    nothing acts on the person [mm]; None: there are none.
+    """
+    free = result.free_frames(person)
+    local = result.people[person].joint_errors()[0]
+    return float(1000.0 * local[free].max()) if free.any() else None
+
+
+def slide_in_waiting(subject, slide):
+    """Mean slide of resting patches in the frames in which the clock of the reference stands, less
+    the first second of them [mm]; None: it never stands. `slide` (T - 1, 4) [m].
+    """
+    clock, fps = getattr(subject, "clock", None), subject.motion.fps
+    if clock is None:
+        return None
+    stands = np.diff(clock) * fps < STANDS
+    stands[: int(np.argmax(stands)) + round(fps)] = False
+    own = slide[stands]
+    own = own[np.isfinite(own)]
+    return float(1000.0 * own.mean()) if len(own) else None
 
 
 def toes_angle(subject):

@@ -52,6 +52,8 @@ LIMITS = (
     Limit("push_peak_n", "push peak", 604.0, only=("box20", "box80", "box200")),
     Limit("pushed_mm", "pushed", float("inf"), 500.0, only=("box20",)),
     Limit("pushed_mm", "pushed", 10.0, only=("box200",)),
+    Limit("wait_slide_mm", "wait", 0.3, only=("wall",)),
+    Limit("free_mm", "free mm", 1e-6),
     Limit("breaches", "breach", 0.0),
     Limit("lost_s", "lost s", 0.0),
 )

@@ -713,6 +713,7 @@ def spread_wrenches(
     *,
     penalties: Annotated[NDArray[numpy.float64], "(*,)"],
     moments: float,
+    shear: float,
     tolerance: float,
     steps: int,
     searches: int,

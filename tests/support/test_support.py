@@ -153,6 +153,7 @@ def test_surfaces_and_parts(found):
         support.surface("bax")
     with pytest.raises(hp.errors.InputError, match="no part 'left_toe'"):
         support.on("left_toe")
+    assert abs(force[5, 0]) < 0.1 * support.weight  # the feet do not press against the seat
     assert found["leaning"][1].surface("wall")[0][5, 0] < -20.0
 
 

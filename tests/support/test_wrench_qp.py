@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from halfphysics.support.wrench_qp import MOMENTS, PENALTY, spread
+from halfphysics.support.wrench_qp import MOMENTS, PENALTY, SHEAR, spread
 from support.references.wrench_qp import spread as reference
 
 
@@ -59,12 +59,13 @@ def test_it_is_the_minimum_over_the_cones(seed, reachable):
 
 def projected(g, normal, mu):
     along = np.einsum("ni,ni->n", g, normal)
-    across = g - along[:, None] * normal
+    across = (g - along[:, None] * normal) / SHEAR
     size = np.linalg.norm(across, axis=1)
+    mu = SHEAR * mu
     slips = size > mu * along
     push = np.where(slips, np.maximum(along + mu * size, 0.0) / (1.0 + mu**2), along)
     held = np.where(slips, mu * push / np.where(size > 0.0, size, 1.0), 1.0)
-    return push[:, None] * normal + held[:, None] * across
+    return push[:, None] * normal + held[:, None] / SHEAR * across
 
 
 def test_what_can_be_reached_is_reached():

@@ -142,9 +142,11 @@ class _Posed:
                 indices=self.grid.vertex[columns],
                 wanted=(starts, np.ascontiguousarray(more[some][:, parts])),
             )
-            fresh = more[some][:, self.grid.part[columns]]
             target = self._points[some]
-            target[:, columns] = np.where(fresh[..., None], posed, target[:, columns])
+            if self._done[some][:, parts].any():  # another surface asked for some before
+                fresh = more[some][:, self.grid.part[columns]]
+                posed = np.where(fresh[..., None], posed, target[:, columns])
+            target[:, columns] = posed
             self._done |= more
         return self._points
 

@@ -11,8 +11,8 @@ namespace {
 
 nb::ndarray<nb::numpy, double> spread_wrenches(f64<nb::shape<-1, 6>> wrench, Ints first, Rows3 arm,
                                                Rows3 normal, Doubles friction, Doubles ready,
-                                               Doubles penalties, double moments, double tolerance,
-                                               int steps, int searches) {
+                                               Doubles penalties, double moments, double shear,
+                                               double tolerance, int steps, int searches) {
   const size_t frames = wrench.shape(0), n = arm.shape(0);
   need(first.shape(0) == frames + 1, "first: expected one more than frames");
   need(normal.shape(0) == n && friction.shape(0) == n && ready.shape(0) == n,
@@ -21,7 +21,7 @@ nb::ndarray<nb::numpy, double> spread_wrenches(f64<nb::shape<-1, 6>> wrench, Int
   for (size_t f = 0; f < frames; f++)
     need(first.data()[f] <= first.data()[f + 1], "first: expected ascending places");
   std::vector<double> out(3 * n);
-  const SpreadOptions options{list<double>(penalties), moments, tolerance, steps, searches};
+  const SpreadOptions options{list<double>(penalties), moments, shear, tolerance, steps, searches};
   {
     nb::gil_scoped_release release;
     std::vector<CarryingPlace> places;
@@ -44,8 +44,8 @@ nb::ndarray<nb::numpy, double> spread_wrenches(f64<nb::shape<-1, 6>> wrench, Int
 void bind_wrench_spread(nb::module_& m) {
   m.def("spread_wrenches", &spread_wrenches, nb::arg("wrench"), nb::arg("first"), nb::arg("arm"),
         nb::arg("normal"), nb::arg("friction"), nb::arg("ready"), nb::kw_only(),
-        nb::arg("penalties"), nb::arg("moments"), nb::arg("tolerance"), nb::arg("steps"),
-        nb::arg("searches"),
+        nb::arg("penalties"), nb::arg("moments"), nb::arg("shear"), nb::arg("tolerance"),
+        nb::arg("steps"), nb::arg("searches"),
         "Forces (n, 3) at places first[f] to first[f + 1] of every frame that come closest to its "
         "wrench (T, 6).");
 }

@@ -22,38 +22,46 @@ Wrench moved(const Wrench& y, double length, const Wrench& way) {
   return {y.force + length * way.force, y.moment + length * way.moment};
 }
 
-// Where g lies in the cone of a place, and its projection on it.
+// Where g lies in the cone of a place, and its projection on it. `across` is the tangential part of
+// g over the shear weight s: with tangential forces times s the weight of a force is its square, and
+// the cone one of friction s mu. `square` is that of the force.
 struct Projection {
   Vec3 force, across;
-  double pushes, size;
+  double pushes, size, square;
   bool slips;
 };
 
-Projection project(const CarryingPlace& place, Vec3 g) {
-  const double along = dot(g, place.normal), mu = place.friction;
+Projection project(const CarryingPlace& place, double shear, Vec3 g) {
+  const double along = dot(g, place.normal), mu = shear * place.friction;
   Projection p;
-  p.across = g - along * place.normal;
+  p.across = (1 / shear) * (g - along * place.normal);
   p.size = norm(p.across);
   p.slips = p.size > mu * along;
   p.pushes = p.slips ? std::max(along + mu * p.size, 0.0) / (1 + mu * mu) : along;
   const double held = !p.slips ? 1.0 : p.size > 0 ? mu * p.pushes / p.size : 0.0;
-  p.force = p.pushes * place.normal + held * p.across;
+  p.force = p.pushes * place.normal + held / shear * p.across;
+  p.square = p.pushes * p.pushes + held * held * p.size * p.size;
   return p;
 }
 
 class Dual {
  public:
-  Dual(const std::vector<CarryingPlace>& places, const Wrench& goal, double moments, double penalty)
-      : places_(places), goal_(goal), moments_(moments), give_(1 / (penalty * penalty)) {}
+  Dual(const std::vector<CarryingPlace>& places, const Wrench& goal, const SpreadOptions& options,
+       double penalty)
+      : places_(places),
+        goal_(goal),
+        moments_(options.moments),
+        shear_(options.shear),
+        give_(1 / (penalty * penalty)) {}
 
   Projection at(const CarryingPlace& place, const Wrench& y) const {
-    return project(place, ease(place) * (y.force + moments_ * cross(y.moment, place.arm)));
+    return project(place, shear_, ease(place) * (y.force + moments_ * cross(y.moment, place.arm)));
   }
 
   // The minimum along y, as a part of it: the dual is a quadratic on every ray from 0.
   double along(const Wrench& y) const {
     double sum = dot(y, y);
-    for (const CarryingPlace& place : places_) sum += norm2(at(place, y).force) / ease(place);
+    for (const CarryingPlace& place : places_) sum += at(place, y).square / ease(place);
     return dot(y, goal_) / sum;
   }
 
@@ -85,19 +93,22 @@ class Dual {
   // Adds ease L D L^T with L = (1, [moments arm]x) and D the derivative of the projection, as a sum
   // of squares of vectors: D = sum_k weight_k d_k d_k^T.
   void add_bend(const CarryingPlace& place, const Projection& p, double* bend) const {
+    const double sheared = ease(place) / (shear_ * shear_);
     if (!p.slips) {
       for (int i = 0; i < 3; i++) {
         Vec3 axis;
         axis[i] = 1;
-        add_square(place, axis, ease(place), bend);
+        add_square(place, axis, sheared, bend);
       }
+      add_square(place, place.normal, ease(place) - sheared, bend);
       return;
     }
-    const double mu = place.friction;
+    const double mu = shear_ * place.friction;
     const Vec3 tangent = p.size > 0 ? (1 / p.size) * p.across : Vec3{};
-    add_square(place, place.normal + mu * tangent, ease(place) / (1 + mu * mu), bend);
+    const Vec3 edge = place.normal + place.friction * tangent;
+    add_square(place, edge, ease(place) / (1 + mu * mu), bend);
     if (p.size > 0)
-      add_square(place, cross(place.normal, tangent), ease(place) * mu * p.pushes / p.size, bend);
+      add_square(place, cross(place.normal, tangent), sheared * mu * p.pushes / p.size, bend);
   }
 
   void add_square(const CarryingPlace& place, Vec3 d, double weight, double* bend) const {
@@ -111,7 +122,7 @@ class Dual {
 
   const std::vector<CarryingPlace>& places_;
   Wrench goal_;
-  double moments_, give_;
+  double moments_, shear_, give_;
 };
 
 // -bend^-1 slope.
@@ -163,7 +174,7 @@ void spread_wrench(const double* wrench, const std::vector<CarryingPlace>& place
   for (size_t level = 0; level < options.penalties.size(); level++) {
     const bool last = level + 1 == options.penalties.size();
     const double tolerance = last ? options.tolerance : tuning::support::kSpreadCoarse;
-    const Dual dual(places, goal, options.moments, options.penalties[level]);
+    const Dual dual(places, goal, options, options.penalties[level]);
     y = moved({}, dual.along(y), y);
     for (int k = 0; k < options.steps; k++) {
       dual.expand(y, slope, bend);

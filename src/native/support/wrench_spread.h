@@ -6,6 +6,8 @@
 //     minimise  1/2 |S (sum_i J_i f_i - w)|^2 + 1/2 sum_i |f_i|^2 / e_i,   f_i in K_i
 //     J_i f = (f, r_i x f),   S: forces times 1, moments times `moments`
 //
+// where |f|^2 has the tangential part of f times `shear`.
+//
 // The dual has six unknowns, the scaled wrench y that is missing. With g_i = e_i J_i^T S y every
 // force is the projection of g_i on K_i, and y is the minimum of
 //
@@ -31,11 +33,11 @@ struct CarryingPlace {
 };
 
 // Constants of the problem: penalties, falling, of which the last counts; the weight of moments
-// [1/m]; the part of |S w| under which the gradient counts as 0; the most Newton steps at a penalty
+// [1/m] and of tangential forces; the part of |S w| under which the gradient counts as 0; the most Newton steps at a penalty
 // and searches along a step.
 struct SpreadOptions {
   std::vector<double> penalties;
-  double moments, tolerance;
+  double moments, shear, tolerance;
   int steps, searches;
 };
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.support.wrench_qp import MOMENTS, PENALTIES, SEARCHES, STEPS, TOLERANCE
+from halfphysics.support.wrench_qp import MOMENTS, PENALTIES, SEARCHES, SHEAR, STEPS, TOLERANCE
 
 Array = NDArray[np.float64]
 #: As in native/tuning.h.
@@ -132,24 +132,30 @@ class _Places:
         )
 
     def forces(self, y: Array) -> tuple[Array, Array]:
-        """Forces (n, 3) at missing scaled wrenches y (k, 6), and g (n, 3) that they project."""
+        """Forces (n, 3) at missing scaled wrenches y (k, 6), and g (n, 3) that they project.
+
+        In g, as in the weight of forces, what is tangential is scaled by 1 / `SHEAR`.
+        """
         push = y[self.frame]
         g = push[:, :3] + MOMENTS * np.cross(push[:, 3:], self.arm)
         g *= self.ease[:, None]
         along = np.einsum("ni,ni->n", g, self.normal)
-        across = g - along[:, None] * self.normal
+        across = (g - along[:, None] * self.normal) / SHEAR
         size = np.linalg.norm(across, axis=1)
-        mu = self.friction
+        mu = SHEAR * self.friction
         slips = size > mu * along
         normal = np.where(slips, np.maximum(along + mu * size, 0.0) / (1.0 + mu * mu), along)
         safe = np.where(size > 0.0, size, 1.0)
         held = np.where(slips, mu * normal / safe, 1.0)
-        return normal[:, None] * self.normal + held[:, None] * across, g
+        force = normal[:, None] * self.normal + held[:, None] / SHEAR * across
+        return force, along[:, None] * self.normal + across
 
     def squares(self, y: Array) -> Array:
         """Sums (k,) of the squares of forces by their ease."""
         force, _ = self.forces(y)
-        squares = np.einsum("ni,ni->n", force, force) / self.ease
+        pushes = np.einsum("ni,ni->n", force, self.normal)
+        squares = np.einsum("ni,ni->n", force, force) * SHEAR**2 - (SHEAR**2 - 1.0) * pushes**2
+        squares /= self.ease
         return np.add.reduceat(squares, self.first[:-1])
 
     def dual(self, y: Array, goal: Array) -> tuple[Array, Array]:
@@ -167,15 +173,17 @@ class _Places:
         across = g - along[:, None] * self.normal
         size = np.linalg.norm(across, axis=1)
         pushes = np.einsum("ni,ni->n", force, self.normal)
-        slips = size > self.friction * along
+        mu = SHEAR * self.friction
+        slips = size > mu * along
         tangent = across / np.where(size > 0.0, size, 1.0)[:, None]
         edge = self.normal + self.friction[:, None] * tangent
-        turning = self.friction * pushes / np.where(size > 0.0, size, 1.0)
+        turning = mu * pushes / np.where(size > 0.0, size, 1.0) / SHEAR**2
         # Of the projection on the cone: 1 inside, 0 where nothing is pushed.
-        rank = np.where(slips, 1.0 / (1.0 + self.friction**2), 0.0)
+        rank = np.where(slips, 1.0 / (1.0 + mu**2), 0.0)
         plane = np.eye(3) - _outer(self.normal) - _outer(tangent)
         curved = rank[:, None, None] * _outer(edge) + turning[:, None, None] * plane
-        inner = np.where(slips[:, None, None], curved, np.eye(3))
+        inside = _outer(self.normal) + (np.eye(3) - _outer(self.normal)) / SHEAR**2
+        inner = np.where(slips[:, None, None], curved, inside)
         inner *= (self.ease * (pushes > 0.0))[:, None, None]
         lever = np.zeros((len(arm), 6, 3))
         lever[:, :3] = np.eye(3)

@@ -103,12 +103,12 @@ def test_the_end_by_hand():
 
 
 def test_the_slide_of_who_waits():
-    """The clock stands from 1 s on; in the first second of it the feet still move."""
+    """The clock stands from 1 s on; in the first 0.2 s of it the feet still move."""
     clock = np.minimum(np.arange(121) / 30.0, 1.0)
     subject = SimpleNamespace(clock=clock, motion=SimpleNamespace(fps=30.0))
     slide = np.full((120, 4), np.nan)
     slide[30:, 1] = 0.002
-    slide[60:, 1] = 0.0001
+    slide[36:, 1] = 0.0001
     assert slide_in_waiting(subject, slide) == pytest.approx(0.1)
     subject.clock = np.arange(121) / 30.0
     assert slide_in_waiting(subject, slide) is None

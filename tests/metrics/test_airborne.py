@@ -22,13 +22,15 @@ def jump(fps, flight=0.6, stand=0.5, height=0.0):
 def test_a_jump_is_airborne_between_its_ends(fps, height):
     motion, flies = jump(fps, height=height)
     found = airborne(motion, Body.default())
-    assert not found[~flies].any()
-    # The low pass rounds the ends of the flight by a tenth of a second.
-    edge = round(0.1 * fps)
+    # Frames beside the flight are not yet still: one at each end.
+    near = flies | np.roll(flies, 1) | np.roll(flies, -1)
+    assert not found[~near].any()
+    # The low pass rounds the ends of the flight; up to a tenth of a second of it is put right.
+    edge = round(0.05 * fps)
     inner = flies.copy()
     inner[:-edge] &= flies[edge:]
     inner[edge:] &= flies[:-edge]
-    assert inner.sum() > 0.3 * fps
+    assert inner.sum() > 0.4 * fps
     assert found[inner].all()
 
 

@@ -40,9 +40,11 @@ def airborne(motion: Any, body: Any) -> NDArray[np.bool_]:
     """Frames (T,) in which a motion is in the air by itself: in a jump, between steps of a run.
 
     Its centre of mass, low-passed at 6 Hz without a phase, accelerates down by more than half of
-    gravity, and its lowest skin does not rest. No surface is asked about, so that a clip that is
-    sunk, floats or climbs stairs gives the same frames. A person who is moved through the air
-    without falling is not airborne: something must carry them.
+    gravity, and its lowest skin does not rest; from there it goes on while it accelerates down
+    at all and the lowest skin moves, 0.1 s at most, as the filter rounds the ends of a flight. No
+    surface is asked about, so that a clip that is sunk, floats or climbs stairs gives the same
+    frames. A person who is moved through the air without falling is not airborne: something must
+    carry them.
 
     Args:
         motion: T frames; too few to accelerate (under 4) are not airborne.
@@ -54,18 +56,35 @@ def airborne(motion: Any, body: Any) -> NDArray[np.bool_]:
         return found
     fps = float(motion.fps)
     height = smoothed(centre_of_mass(motion, body)[:, 2], fps)
-    falling = np.gradient(np.gradient(height)) * fps**2 < -FALLING * GRAVITY
+    rises = np.gradient(np.gradient(height)) * fps**2
     count = max(1, round(REST * fps))
-    for t in np.flatnonzero(falling).tolist():
-        around = [max(t - count, 0), t, min(t + count, frames - 1)]
-        before, here, after = body.vertices(motion, around)
-        low = here[:, 2] < here[:, 2].min() + LOWEST
-        ways = np.maximum(
-            np.linalg.norm(here[low] - before[low], axis=1) / max(t - around[0], 1),
-            np.linalg.norm(after[low] - here[low], axis=1) / max(around[2] - t, 1),
-        )
-        found[t] = ways.min() * fps >= SLOW
+    for t in np.flatnonzero(rises < -FALLING * GRAVITY).tolist():
+        found[t] = max(_speeds(motion, body, t, count)) >= SLOW
+    # The filter takes the ends of a flight: it goes on while it falls at all and its skin moves.
+    for step in (-1, 1):
+        for t in np.flatnonzero(found & ~np.roll(found, -step)).tolist():
+            for end in range(t + step, t + step * (count + 1), step):
+                if (
+                    not 0 <= end < frames
+                    or rises[end] >= 0.0
+                    or min(_speeds(motion, body, end, 1)) < SLOW
+                ):
+                    break
+                found[end] = True
     return found
+
+
+def _speeds(motion: Any, body: Any, frame: int, count: int) -> tuple[float, float]:
+    """Mean speeds of the slowest of the lowest skin over `count` frames before and after [m/s]."""
+    first, last = max(frame - count, 0), min(frame + count, len(motion) - 1)
+    before, here, after = body.vertices(motion, [first, frame, last])
+    low = here[:, 2] < here[:, 2].min() + LOWEST
+    ways = (
+        np.linalg.norm(here[low] - before[low], axis=1) / max(frame - first, 1),
+        np.linalg.norm(after[low] - here[low], axis=1) / max(last - frame, 1),
+    )
+    slowest = int(np.maximum(*ways).argmin())
+    return float(ways[0][slowest] * motion.fps), float(ways[1][slowest] * motion.fps)
 
 
 def smoothed(values: Array, fps: float, cutoff: float = CUTOFF) -> Array:

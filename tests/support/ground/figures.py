@@ -34,6 +34,8 @@ BACK_AT = (0.02, np.deg2rad(2.0))
 CALM = 50.0
 #: The clock of a reference stands where it runs at less than this share of time.
 STANDS = 0.1
+#: Time until the feet of who begins to wait may be still [s].
+SETTLING = 0.2
 _TOES = [JOINT_INDEX["left_foot"], JOINT_INDEX["right_foot"]]
 _KNEES = [JOINT_INDEX["left_knee"], JOINT_INDEX["right_knee"]]
 
@@ -143,13 +145,13 @@ def free_error(result, person):
 
 def slide_in_waiting(subject, slide):
     """Mean slide of resting patches in the frames in which the clock of the reference stands, less
-    the first second of them [mm]; None: it never stands. `slide` (T - 1, 4) [m].
+    `SETTLING` at their beginning [mm]; None: it never stands. `slide` (T - 1, 4) [m].
     """
     clock, fps = getattr(subject, "clock", None), subject.motion.fps
     if clock is None:
         return None
     stands = np.diff(clock) * fps < STANDS
-    stands[: int(np.argmax(stands)) + round(fps)] = False
+    stands[: int(np.argmax(stands)) + round(SETTLING * fps)] = False
     own = slide[stands]
     own = own[np.isfinite(own)]
     return float(1000.0 * own.mean()) if len(own) else None

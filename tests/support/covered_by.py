@@ -42,7 +42,6 @@ COVERED_BY = {
     "halfphysics/cli/evaluate.py": "cli/test_cli.py",
     "halfphysics/cli/joint_options.py": "native/stepping/test_drive.py",
     "halfphysics/cli/measures*.py": "cli/test_cli.py",
-    "halfphysics/cli/options.py": "cli/test_cli.py cli/test_formats.py",
     "halfphysics/cli/play.py": "viewer/test_playground.py",
     "halfphysics/cli/simulate.py": "cli/test_cli.py",
     "halfphysics/cli/view.py": "viewer/test_view.py",

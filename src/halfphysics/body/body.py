@@ -110,10 +110,8 @@ class Body:
                 500 kg.
         """
         body = _mean() if betas is None and cls is Body else cls.shaped(_free(), betas, 3)
-        given_mass = _within(mass, "mass", _MASSES, "kilograms, such as 72.5")
+        body = body.weighing(mass)
         height = _within(stature, "stature", _STATURES, "metres, such as 1.75")
-        if given_mass is not None:
-            body = dataclasses.replace(body, given_mass=given_mass)
         if height is None:
             return body
         factor = height / body.stature
@@ -162,9 +160,7 @@ class Body:
         from halfphysics.body.model_files import read_model
 
         space = read_model(path, gender=gender, model=model, v_template=v_template)
-        given_mass = _within(mass, "mass", _MASSES, "kilograms, such as 72.5")
-        body = cls.shaped(space, betas, stacklevel=3)
-        return body if given_mass is None else dataclasses.replace(body, given_mass=given_mass)
+        return cls.shaped(space, betas, stacklevel=3).weighing(mass)
 
     @classmethod
     def shaped(cls, space: ShapeSpace, betas: ArrayLike | None = None, stacklevel: int = 2) -> Body:
@@ -263,6 +259,11 @@ class Body:
     def mass(self) -> float:
         """Mass of the person [kg], the sum over the rigid parts."""
         return self.variant.mass
+
+    def weighing(self, mass: float | None) -> Body:
+        """The same body of another mass [kg]; None: the same. Raises `InputError` as `default`."""
+        given = _within(mass, "mass", _MASSES, "kilograms, such as 72.5")
+        return self if given is None else dataclasses.replace(self, given_mass=given)
 
     @cached_property
     def skin(self) -> skinning.Skin:

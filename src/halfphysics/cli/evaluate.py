@@ -69,8 +69,9 @@ class Command:
 
         result = Result.load(self.file, scene=scene)  # type: ignore[arg-type]
         people = list(result.people)
-        if self.person.given:
-            people = [dataclasses.replace(p, body=self.person.load(p.motion)) for p in people]
+        if self.person.given or self.person.mass is not None:
+            bodies = [self.person.instead_of(p.body, p.motion) for p in people]
+            people = [dataclasses.replace(p, body=b) for p, b in zip(people, bodies, strict=True)]
         if self.reference is not None:
             reference = Motion.load(self.reference)
             people[0] = dataclasses.replace(people[0], reference=reference)

@@ -52,27 +52,33 @@ class BodyOptions:
     given."""
     stature: float | None = None
     """Height of the default body [m]."""
+    mass: float | None = None
+    """Mass of the person [kg]; by the body's volume if not given."""
     allow_mismatch: bool = False
     """Take a body of another gender or model than the motion's, with its mean shape."""
 
     @property
     def given(self) -> bool:
-        """Whether any body option was given."""
+        """Whether another body than the motion's own is asked for."""
         return self.body is not None or self.stature is not None
+
+    def instead_of(self, own: Body | None, motion: Motion) -> Body:
+        """The body asked for, or else the motion's own, with the mass asked for."""
+        return self.load(motion) if own is None or self.given else own.weighing(self.mass)
 
     def load(self, motion: Motion) -> Body:
         """The body for a motion, with the motion's betas if they fit the model."""
         from halfphysics.body.body import Body
 
         if self.body is None:
-            return Body.default(stature=self.stature)
+            return Body.default(stature=self.stature, mass=self.mass)
         if self.stature is not None:
             raise InputError(
                 "--stature is for the default body; the shape of a model comes from the motion's "
                 "betas. Leave out --stature or --body"
             )
         space = model_for(motion, self.body)
-        return Body.shaped(space, betas_for(motion, space))
+        return Body.shaped(space, betas_for(motion, space)).weighing(self.mass)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -103,7 +103,7 @@ class Command:
 
         found = self.motion_file.sequence(path)
         motion, own = found.motions[0], found.bodies[0]
-        body = self.person.load(motion) if own is None or self.person.given else own
+        body = self.person.instead_of(own, motion)
         check_match(motion, body, allow_mismatch=self.person.allow_mismatch)
         return Sequence(motion, self.scene.load(found.scene), body, found.settings)
 

@@ -60,11 +60,7 @@ class Command:
         sequences = [self.motion_file.sequence(path) for path in self.motions]
         motions = [sequence.motions[0] for sequence in sequences]
         scene = self.scene.load(self._recorded(sequences))
-        bodies = [
-            self.person.load(s.motions[0]) if own is None or self.person.given else own
-            for s in sequences
-            for own in s.bodies
-        ]
+        bodies = [self.person.instead_of(own, s.motions[0]) for s in sequences for own in s.bodies]
         if self.grounded:
             motions = [m.grounded(body) for m, body in zip(motions, bodies, strict=True)]
         result = simulate(

@@ -22,7 +22,7 @@ view
 SETTINGS = (
     "* substeps stiffness drive_time recovery_rate root root_speed clearance "
     "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
-    "threads record"
+    "joint_limits threads record"
 )
 
 # The public callables: name -> parameters, * before keyword-only ones.

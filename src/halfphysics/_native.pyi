@@ -22,6 +22,10 @@ class tuning:
 
     untouched_resistance: float = 100.0
 
+    range_lever: float = 0.1
+
+    range_return: float = 3.0
+
     fastest_internal_spin: float = 100.0
 
     velocity_rounding: float = 1e-09
@@ -156,6 +160,15 @@ class Stepper:
         arg0: int,
         arg1: Annotated[NDArray[numpy.float64], "(*,)"],
         /,
+    ) -> None: ...
+
+    def set_joint_ranges(
+        self,
+        person: int,
+        *,
+        axes: Annotated[NDArray[numpy.float64], "(*,)"],
+        lower: Annotated[NDArray[numpy.float64], "(*,)"],
+        upper: Annotated[NDArray[numpy.float64], "(*,)"],
     ) -> None: ...
 
     def person_qpos(self, arg: int, /) -> int: ...

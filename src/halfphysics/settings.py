@@ -91,6 +91,8 @@ class Settings:
     """What the drive can exert (with drive_time): all it needs (None), as much as a person
     ("human"), or per joint group or joint [N m]; "pelvis" limits the torque on the whole body,
     "root" the force on it [N]; what is not named has no limit."""
+    joint_limits: bool = False
+    """Contact turns no joint farther than people's joints go, or than the motion itself has it."""
     threads: int = 1
     """Threads for measuring a result (a substep runs on one); no number depends on it."""
     record: Literal["frames", "substeps"] = "frames"
@@ -126,6 +128,7 @@ class Settings:
             "drive_time, such as 0.02",
         )
         check.flag("self_contact")
+        check.flag("joint_limits")
         check.number("depenetration_speed", least=0.0)
         check.number("tolerance", above=0.0)
         check.count("max_sweeps")
@@ -143,7 +146,12 @@ class Settings:
 
         `changes` overrides further fields.
         """
-        values: dict[str, Any] = {"drive_time": None, "substeps": 8, "stiffness": stiffness}
+        values: dict[str, Any] = {
+            "drive_time": None,
+            "substeps": 8,
+            "stiffness": stiffness,
+            "joint_limits": False,
+        }
         known = {f.name for f in fields(cls)}
         for name in changes:
             if name not in known:

@@ -32,6 +32,12 @@ constexpr double kSeriesHalfAngle = 1e-4;
 // 1 to rounding there, and at zero it does not exist.
 constexpr double kNoRotation = 1e-12;
 
+// Axes of a joint's range may miss unit length and right angles by this: rounding.
+constexpr double kFrameRounding = 1e-9;
+// The twist of a joint counts where the w of its swing exceeds this: swings up to 157 degrees. Nearer to
+// 180, where there is no twist, its rate grows without bound.
+constexpr double kLeastTwistShare = 0.2;
+
 }  // namespace hp::tuning::dynamics
 
 // ---------------------------------------------------------------------------------------------
@@ -634,6 +640,27 @@ constexpr double kSelfContactMiss = 1e-5;
 // Joints beyond which nothing touches have so many times the added inertia: with much less, jaw and
 // feet of a body that runs into a wall swing.
 constexpr double kUntouchedResistance = 100;
+
+// Ranges of people's joints (joint_ranges.h)
+
+// What a row counts an angle with [m/rad]: as the way of a hand's or foot's end, so that it is solved to the
+// contacts' tolerance, which is then 1e-5 rad.
+constexpr double kRangeLever = 0.1;
+// An angle that misses its end by more than this [rad] has a row where its island is solved; by more than
+// kRangeSlack, 0.1 degrees, it has its island solved. Passes in which angles are looked
+// at: what is left then, the next substep takes back.
+constexpr double kRangeRounding = 1e-9, kRangeSlack = 0.002;
+constexpr int kRangePasses = 5;
+// A joint that is beyond an end already is taken back at this speed [rad/s]; the drive adds its own.
+constexpr double kRangeReturn = 3;
+// Joints that end farther than this beyond [rad] make a step shorter: 1 degree.
+constexpr double kRangeMiss = 0.0175;
+// Where an island does not settle, rows let a joint go this far beyond in the substep [rad], attempt by
+// attempt; after the last one there are none.
+constexpr double kRangeGive[] = {0, 0, 0.02, 0.02, 0.1, 0.1};
+constexpr int kRangeLevels = 6;
+// Fastest that a joint is turned for the sake of a curved way [rad/s]: beyond that a shorter step is better.
+constexpr double kMostRangeCorrection = 5;
 
 // Depenetration (exit_motion.h)
 

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from halfphysics.body.body import Body
+from halfphysics.body.joint_ranges import JointRanges
 from halfphysics.body.strength import limits_of
 from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.reference import step as reference
 from halfphysics.reference.contact import contact_residual
+from halfphysics.reference.ranges import joined
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
@@ -107,8 +109,8 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness, contact):
         )
         v_free[ball + 2] -= 9.81 * dt
         np.testing.assert_allclose(trace["v_free"], v_free, atol=VELOCITY)
-        points = trace["contacts"]
-        contacts += len(points["dist"])
+        points = with_ranges(simulator, trace)
+        contacts += len(trace["contacts"]["dist"])
         scale = np.ones(model.nv)
         scale[own.dofs] = own.scale(dt)
         held = reference.held_diagonal(model, stiff, own, trace["touched"])
@@ -126,6 +128,13 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness, contact):
     assert np.quantile(friction, 0.8) <= 1.0
     if stiffness > 0.0:
         assert friction.max() <= 5.0
+
+
+def with_ranges(simulator, trace):
+    """The contacts of a substep, and the rows of the person's joints as others of them."""
+    person = simulator.world.people[0]
+    axes = JointRanges.of(person.body).axes[person.balls]
+    return joined(trace["contacts"], trace["ranges"], axes, simulator.world.model.nv)
 
 
 def residuals(problem):
@@ -146,7 +155,11 @@ def test_contact_of_a_person_solved_independently(body, drive):
     scene = Scene()
     scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
     settings = Settings(
-        drive_time=DRIVES[drive], stiffness=10.0, tolerance=1e-13, max_sweeps=400, substeps=1
+        drive_time=DRIVES[drive],
+        stiffness=10.0,
+        tolerance=1e-13,
+        max_sweeps=400,
+        substeps=1,
     )
     dt = 1.0 / 240.0
     simulator = Simulator(scene, body=body, settings=settings, fps=240)
@@ -237,6 +250,7 @@ def test_firmness_and_strength_by_joint_are_equal(body, drive, strength):
         stiffness={"legs": 0.0, "arms": 3.0, "hands": 1.0, "spine2": 0.3},
         strength=WEAK if strength == "weak" else strength,
         substeps=1,
+        joint_limits=strength == "human",
     )
     simulator = Simulator(scene, body=body, settings=settings, fps=240)
     simulator.reset(motion[0])
@@ -269,7 +283,12 @@ def test_firmness_and_strength_by_joint_are_equal(body, drive, strength):
         v = trace["v"][own.dofs]
         assert not own.overcome(v, v_free, dt, M, stiff)
         problem = reference.contact_problem(
-            model, qpos, trace["v_free"], own.heavier(dt, M, stiff), dt, trace["contacts"]
+            model,
+            qpos,
+            trace["v_free"],
+            own.heavier(dt, M, stiff),
+            dt,
+            with_ranges(simulator, trace),
         )
         np.testing.assert_allclose(trace["v"], problem.velocity(problem.found), atol=VELOCITY)
         new = np.array(stepper.qvel())

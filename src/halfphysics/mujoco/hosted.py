@@ -26,7 +26,7 @@ from halfphysics.settings import Settings
 from halfphysics.simulation.compiled_model import armature_of, model_arrays
 from halfphysics.simulation.coordinates import Person
 from halfphysics.simulation.core_rows import ContactRows, contact_rows
-from halfphysics.simulation.core_settings import set_settings, set_strength
+from halfphysics.simulation.core_settings import set_limits, set_settings
 from halfphysics.simulation.person_shapes import add_person_shapes
 from halfphysics.simulation.start_warnings import warn_of_hosted_start
 
@@ -134,7 +134,7 @@ class Control:
         self._set_pairings()
         set_settings(self._stepper, settings, np.array(model.opt.gravity))
         self._stepper.finish([self._person.root])
-        set_strength(self._stepper, settings, self.people)
+        set_limits(self._stepper, settings, self.people)
         self._dof_of = np.asarray(model.dof_bodyid, dtype=np.int64)
         self._qpos_of = _qpos_bodies(model)
         self._axes = np.eye(3)

@@ -341,6 +341,8 @@ def contact_jacobian(model: Any, qpos: Array, contacts: Mapping[str, Array]) -> 
     for i in range(len(contacts["dist"])):
         frame = np.stack([contacts[name][i] for name in ("normal", "tangent", "binormal")])
         moves = np.zeros((3, model.nv))
+        if "turns" in contacts:  # a row of a joint's range: `reference.ranges.joined`
+            moves[0] = contacts["turns"][i]
         for side, sign in (("a", 1.0), ("b", -1.0)):
             columns = (contacts[f"{name}_{side}"][i] for name in ("bodies", "weights", "points"))
             for b, weight, x in zip(*columns, strict=True):

@@ -14,7 +14,7 @@ from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation.collision_shapes import ShapeTable, add_shapes
 from halfphysics.simulation.compiled_model import armature_of, joint_arrays, model_arrays
 from halfphysics.simulation.coordinates import FreeObject, Person
-from halfphysics.simulation.core_settings import set_settings, set_strength
+from halfphysics.simulation.core_settings import set_limits, set_settings
 from halfphysics.simulation.holding import HeldObject
 from halfphysics.simulation.joined_model import join_model
 from halfphysics.simulation.names import Names
@@ -109,7 +109,7 @@ def _fill(
 ) -> ShapeTable:
     """Give the core its model, shapes, pairs, settings and trajectories.
 
-    The order matters: `finish` makes the drives of the people, which limits of strength belong to.
+    The order matters: `finish` makes the drives of the people, which limits belong to.
     """
     core.set_model(**model_arrays(model))
     core.set_joint_forces(**joint_arrays(model))
@@ -124,5 +124,5 @@ def _fill(
         elif item.start == "asleep" and isinstance(place, FreeObject):
             core.start_asleep(body)
     core.finish([person.root for person in places.people])
-    set_strength(core, settings, places.people)
+    set_limits(core, settings, places.people)
     return shapes

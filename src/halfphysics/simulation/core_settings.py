@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics._native import tuning
+from halfphysics.body.joint_ranges import JointRanges
 from halfphysics.body.strength import limits_of
+from halfphysics.settings import HALF_PHYSICS
 
 if TYPE_CHECKING:
     from halfphysics.settings import Settings
@@ -46,10 +48,29 @@ def set_settings(core: Any, settings: Settings, gravity: Array) -> None:
     )
 
 
-def set_strength(core: Any, settings: Settings, people: Sequence[Person]) -> None:
+def set_limits(core: Any, settings: Settings, people: Sequence[Person]) -> None:
+    """Give the core, after its `finish`, limits of what people exert and of how far joints go."""
+    _set_strength(core, settings, people)
+    _set_joint_ranges(core, settings, people)
+
+
+def _set_strength(core: Any, settings: Settings, people: Sequence[Person]) -> None:
     """Give the core what the people's drives can exert, where `Settings.strength` limits it."""
     if settings.strength is None:
         return
     for index, person in enumerate(people):
         force, torque = limits_of(settings.strength, person.body)
         core.set_strength(index, np.concatenate([[force], torque[person.balls]]))
+
+
+def _set_joint_ranges(core: Any, settings: Settings, people: Sequence[Person]) -> None:
+    """Give the core the ranges of people's joints, if `Settings.joint_limits`: not of baselines."""
+    if not settings.joint_limits or settings.drive != HALF_PHYSICS:
+        return
+    for index, person in enumerate(people):
+        ranges = JointRanges.of(person.body)
+        axes, lower, upper = (
+            np.ascontiguousarray(v[person.balls]).ravel()
+            for v in (ranges.axes, ranges.lower, ranges.upper)
+        )
+        core.set_joint_ranges(index, axes=axes, lower=lower, upper=upper)

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from halfphysics.settings import Settings
     from halfphysics.simulation.world import World
 
-#: Settings that a world is made for: what touches, and what the drive can exert.
-FIXED = ("contact", "self_contact", "strength")
+#: Settings that a world is made for: what touches, what the drive can exert, and how far joints go.
+FIXED = ("contact", "self_contact", "strength", "joint_limits")
 
 
 def use_again(world: World, scene: Scene, settings: Settings) -> bool:

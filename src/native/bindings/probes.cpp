@@ -79,6 +79,36 @@ nb::dict contact_rows(const std::vector<Contact>& contacts) {
   return d;
 }
 
+// Rows of people's joints: first dof, axis, sign, end [rad], the rotation that they are linear at, and, in m,
+// what contacts have.
+nb::dict range_rows(const Stepper& s, const std::vector<RangeRow>& rows) {
+  std::vector<double> dof, ball, axis, sign, limit, at, dist, target, shift, impulse;
+  for (const RangeRow& r : rows) {
+    dof.push_back(s.system.drives[r.person].ball_dof(r.ball));
+    ball.push_back(r.ball);
+    axis.push_back(r.axis);
+    sign.push_back(r.sign);
+    limit.push_back(r.limit);
+    at.insert(at.end(), {r.at.w, r.at.x, r.at.y, r.at.z});
+    dist.push_back(r.contact.dist);
+    target.push_back(r.contact.target);
+    shift.push_back(r.contact.shift);
+    impulse.push_back(r.contact.impulse.x);
+  }
+  nb::dict d;
+  d["dof"] = array(dof);
+  d["ball"] = array(ball);
+  d["axis"] = array(axis);
+  d["sign"] = array(sign);
+  d["limit"] = array(limit);
+  d["at"] = array({rows.size(), 4}, at);
+  d["dist"] = array(dist);
+  d["target"] = array(target);
+  d["shift"] = array(shift);
+  d["impulse"] = array(impulse);
+  return d;
+}
+
 nb::dict trace(Stepper& s) {
   const Probe::Trace& t = s.probe.trace;
   const size_t nv = s.system.model.nv;
@@ -91,6 +121,7 @@ nb::dict trace(Stepper& s) {
   d["substep"] = t.k;
   d["overcome"] = array({t.overcome.size() / nv, nv}, t.overcome);
   d["contacts"] = contact_rows(t.contacts);
+  d["ranges"] = range_rows(s, t.ranges);
   d["touched"] = array(std::vector<double>(t.touched.begin(), t.touched.end()));
   return d;
 }

@@ -94,6 +94,26 @@ void set_strength(Stepper& s, int person, Doubles limits) {
   drives[person].limits = list<double>(limits);
 }
 
+// Per ball joint of a person: axes (n, 3, 3), twist, flexion, abduction; ends of the three angles (n, 3)
+// [rad]; all flat.
+void set_joint_ranges(Stepper& s, int person, Doubles axes, Doubles lower, Doubles upper) {
+  std::vector<Drive>& drives = s.system.drives;
+  need(person >= 0 && person < (int)drives.size(), "set_joint_ranges: bad person");
+  const size_t n = drives[person].ball_count();
+  need(axes.size() == 9 * n && lower.size() == 3 * n && upper.size() == 3 * n,
+       "set_joint_ranges: axes (n, 3, 3), lower (n, 3), upper (n, 3)");
+  std::vector<JointRange> ranges(n);
+  for (size_t i = 0; i < n; i++) {
+    for (int k = 0; k < 3; k++) {
+      ranges[i].axis[k] = load3(axes.data() + 9 * i + 3 * k);
+      ranges[i].lower[k] = lower.data()[3 * i + k];
+      ranges[i].upper[k] = upper.data()[3 * i + k];
+    }
+    ranges[i].finish();
+  }
+  drives[person].ranges = std::move(ranges);
+}
+
 void finish(Stepper& s, std::vector<int> person_roots) {
   // Hulls point at their own shapes: only now do the statics stop moving in memory.
   for (Static& v : s.system.world.statics)
@@ -154,6 +174,8 @@ void bind_stepper_system(StepperClass& stepper) {
              return array(out);
            })
       .def("set_strength", &set_strength)
+      .def("set_joint_ranges", &set_joint_ranges, "person"_a, nb::kw_only(), "axes"_a, "lower"_a,
+           "upper"_a)
       .def("person_qpos", [](Stepper& s, int p) { return s.system.drives.at(p).first_qpos(); })
       .def("person_qpos_count",
            [](Stepper& s, int p) { return s.system.drives.at(p).qpos_count(); });

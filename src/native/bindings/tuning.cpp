@@ -18,6 +18,8 @@ void bind_tuning(nb::module_& m) {
   add("return_per_motion", stepping::kReturnPerMotion);
   add("limp_time", stepping::kLimpTime);
   add("untouched_resistance", stepping::kUntouchedResistance);
+  add("range_lever", stepping::kRangeLever);
+  add("range_return", stepping::kRangeReturn);
   add("fastest_internal_spin", stepping::kFastestInternalSpin);
   add("velocity_rounding", stepping::kVelocityRounding);
   add("pull_share", stepping::kPullShare);

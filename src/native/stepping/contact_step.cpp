@@ -17,6 +17,7 @@ void ContactStep::run(double h) {
     data_.step.v = data_.step.v_free;
     settle(h);
     if (!data_.attempt.contacts.empty()) rebound(h);
+    ranges_.end(system_, data_);
     find_worst(data_.attempt);
     if (!extend_reach(query + 1 == tune::kMostQueries)) return;
   }
@@ -70,6 +71,7 @@ void ContactStep::find_candidates(double h) {
   attempt.contacts.clear();
   attempt.violated.clear();
   attempt.relaxed.assign(system_.model.nbody, 0);
+  ranges_.begin(system_, data_, h);
   response_.begin(system_, data_);
   attempt.solved = 0;
   world.broad_phase.update(system_.model, data_.state.pose, attempt.reach,
@@ -103,6 +105,7 @@ void ContactStep::settle(double h) {
   data_.step.move(system_, data_.state, data_.step.v, h);
   verification_.check_first(system_, data_, h);
   check_limits(system_, data_, h);
+  ranges_.check(system_, data_, h);
   bool open = false;
   for (IslandProgress& p : data_.attempt.islands) {
     p.state = p.violated ? IslandProgress::State::Open : IslandProgress::State::Settled;
@@ -113,6 +116,7 @@ void ContactStep::settle(double h) {
     solve(h);
     data_.step.move(system_, data_.state, data_.step.v, h);
     verification_.check(system_, data_, h);
+    ranges_.check(system_, data_, h);
     open = false;
     for (IslandProgress& p : data_.attempt.islands) {
       p.pass++;
@@ -136,12 +140,15 @@ bool ContactStep::goes_on(int island) {
   p.stale = p.overdue == 0 || p.overdue < 0.5 * p.mark ? 0 : p.stale + 1;
   if (p.stale == 0) p.mark = p.overdue;
   const bool spent = p.pass >= tune::kMostPasses || p.stale >= tune::kStalePasses;
-  if (p.crushed || data_.budget.attempt_out(p.work) ||
-      (spent && (p.least > hopeless || !give_way(system_, data_, island)))) {
+  const bool out = data_.budget.attempt_out(p.work);
+  if (!p.crushed && !out && !spent) return true;
+  const bool curable = spent && !p.crushed && p.least <= hopeless;
+  if (out ||
+      !(ranges_.hold_fast(system_, data_, island) ||
+        (curable && give_way(system_, data_, island)) || ranges_.give_way(system_, data_, island)))
     p.state = IslandProgress::State::Stuck;
-  } else if (spent) {
+  else
     p.begin();
-  }
   return p.open();
 }
 
@@ -282,12 +289,19 @@ void ContactStep::solve(double h) {
   for (size_t i = 0; i < attempt.limits.size(); i++)
     attempt.limits[i].pair = (int)(attempt.candidates.size() + i);
   attempt.contacts.insert(attempt.contacts.end(), attempt.limits.begin(), attempt.limits.end());
+  for (RangeRow& row : attempt.ranges) {
+    row.contact.pair = (int)(attempt.candidates.size() + attempt.contacts.size());
+    attempt.contacts.push_back(row.contact);
+  }
   response_.solve(system_, data_, kinematic_, h);
   cut_limits(contacts, h);
+  for (size_t i = 0; i < attempt.ranges.size(); i++)
+    attempt.ranges[i].contact.impulse =
+        attempt.contacts[contacts + attempt.limits.size() + i].impulse;
   attempt.contacts.resize(contacts);
   data_.result.diagnostics.passes++;
   attempt.solved = contacts;
-  if (probe.tracing) probe.trace.contacts = attempt.contacts;
+  if (probe.tracing) probe.trace.contacts = attempt.contacts, probe.trace.ranges = attempt.ranges;
   if (probe.keep_times)
     probe.solve_times.back() +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

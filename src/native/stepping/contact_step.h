@@ -16,6 +16,7 @@
 // The answer is in data.step (v, end, end_qpos) and data.attempt (good, worst, contacts).
 #pragma once
 #include "stepping/island_response.h"
+#include "stepping/joint_ranges.h"
 #include "stepping/kinematic_bodies.h"
 #include "stepping/path_curvature.h"
 #include "stepping/restitution.h"
@@ -55,6 +56,7 @@ class ContactStep {
   IslandResponse response_;
   PathCurvature curvature_;
   Rebounds rebounds_;
+  JointRanges ranges_;
   std::vector<Twist> twists_;
   std::vector<double> fastest_, way_;  // per root body, per shape [m]
   std::vector<int> beyond_;            // shapes that moved farther than their planes hold

@@ -66,6 +66,8 @@ void Data::finish(const System& system) {
   for (auto* v : {&state.qvel, &step.v_free, &step.v, &step.spin, &step.joint_pull})
     v->assign(m.nv, 0);
   step.pushed.assign(m.nbody, 0);
+  step.yielded.assign(m.nbody, 0);
+  step.yielded_before = step.yielded;
   step.resistance.finish(m, system.drives.size());
   inertia.finish(m);
   state.pose.kin.resize(m);

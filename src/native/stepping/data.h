@@ -35,12 +35,26 @@ struct Step {
   std::vector<double> joint_pull;  // change of articulated dofs' velocity by forces
   std::vector<char> pushed;        // per body: contacts have pushed it, or a body that hangs on it
   JointResistance resistance;
+  int index = 0;  // of the whole substep in its frame
+  // Per root body: how far ranges of joints have given way, in the attempt and by its start.
+  std::vector<int> yielded, yielded_before;
   const double* host_v_free = nullptr;  // velocities without contact that a host has found
   Poses end;                            // the pose after the step
   std::vector<double> end_qpos;
 
   // The end pose of moving with velocities `vel` for h.
   void move(const System& system, const State& state, const std::vector<double>& vel, double h);
+};
+
+// A row that keeps one angle of a person's joint off one end of its range (joint_ranges.h).
+struct RangeRow {
+  int person = 0, ball = 0, axis = 0;
+  double sign = 1;   // 1: off the lower end, -1: the upper
+  double limit = 0;  // that end [rad]
+  double about = 0;  // a twist is counted as the nearest to this [rad]
+  Quat at;           // the joint's rotation that the row is linear at
+  std::shared_ptr<std::vector<Endpoint::Bend>> rates;
+  Contact contact;  // its row, which moves with `rates`
 };
 
 // The contact problem of one attempt at a step.
@@ -51,6 +65,7 @@ struct Attempt {
   std::vector<int> hidden;  // candidates, one a pair, behind whose crossed planes is to be searched
   std::vector<Contact> contacts;  // contact points
   std::vector<Contact> limits;    // rows of joint ranges, solved with the contacts
+  std::vector<RangeRow> ranges;   // rows of people's joints, solved with the contacts
   std::vector<double> reach;      // per shape: how far candidates are looked for [m]
   std::vector<double> valid;      // per shape: how far they hold, at most that [m]
   std::vector<char> violated;     // per candidate: the end pose misses its target
@@ -103,6 +118,7 @@ struct Probe {
   struct Trace {
     std::vector<double> qpos, qvel, v_free, v;
     std::vector<Contact> contacts;
+    std::vector<RangeRow> ranges;
     std::vector<char> touched;
     double h = 0;
     int k = 0;

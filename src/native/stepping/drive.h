@@ -25,6 +25,7 @@
 #pragma once
 #include <vector>
 
+#include "dynamics/joint_range.h"
 #include "dynamics/kinematic_tree.h"
 #include "stepping/drive_effort.h"
 #include "stepping/gentle_return.h"
@@ -68,6 +69,8 @@ class Drive : public PersonDofs {
   // Most that the drive may exert (strength.h): a force on the root [N], then a torque on every
   // ball in the model's order [N m]; infinite where nothing limits it. Empty: nowhere.
   std::vector<double> limits;
+  // Ranges of every ball (joint_ranges.h), the root's ignored. Empty: joints have none.
+  std::vector<JointRange> ranges;
 
   Drive(const Model& m, int root_body);
 

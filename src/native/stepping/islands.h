@@ -29,6 +29,8 @@ struct IslandProgress {
   double overdue = 0;          // its largest violation that solving should have cured [m]
   double least = 0, mark = 0;  // `overdue` at its least since then, and when it was last halved
   double friction = 0;         // what its last solve missed of friction's law [m/s]
+  bool ranges_known = false;   // no more rows of joints' ranges are made
+  bool ranges_gave = false;    // those that there are have given way in this attempt
   bool crushed = false;        // solving found that a kinematic body leaves others no room
 
   bool open() const { return state == State::Open; }

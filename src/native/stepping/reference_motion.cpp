@@ -63,6 +63,11 @@ void ReferenceMotion::put(double share, double* qpos) const {
   }
 }
 
+Quat ReferenceMotion::at(const PersonDofs::Ball& b, double share) const {
+  const Quat from = before(b), to = after(b);
+  return share < 1 ? normalized(from * exp_quat(share * log_quat(conjugate(from) * to))) : to;
+}
+
 void ReferenceMotion::difference(const std::vector<double>& from, const std::vector<double>& to,
                                  double dt, Vec3 root, double* v) const {
   store3(v, root);

@@ -36,6 +36,8 @@ class ReferenceMotion {
   void velocity(double* qvel) const;
   // The velocity of the motion in this frame, per dof of the person.
   void reference(double* v) const;
+  // The rotation of a ball at a share of the frame.
+  Quat at(const PersonDofs::Ball& b, double share) const;
   // Upper bound of the angular speed of each ball while following [rad/s], the root first.
   void speeds(std::vector<double>& angular) const;
 

@@ -12,6 +12,7 @@ double SubStepping::make(double h) {
   longest_.assign(system_.model.nbody, 0);
   std::vector<double> share;
   if (!good()) share = shares(h);
+  data_.step.yielded_before = data_.step.yielded;
   if (!share.empty()) return go_on(h, share);
   commit(h, share);
   return 0;
@@ -70,6 +71,13 @@ void SubStepping::check_end(std::vector<char>& ok) {
       if (shape >= 0) ok[data_.islands.of_tree(system_.tree(shape))] = 0;
 }
 
+// Clears `ok` of islands with joints too far beyond their ranges.
+void SubStepping::check_ranges(std::vector<char>& ok) const {
+  for (const RangeRow& row : data_.attempt.ranges)
+    if (!JointRanges::holds(system_, data_, row))
+      ok[data_.islands.of_limit(system_, row.contact)] = 0;
+}
+
 // Is the gap of candidate i large enough at the end pose? Clears `ok` of its island if not.
 bool SubStepping::check_gap(size_t i, std::vector<char>& ok) {
   const double e = excess(system_, data_, i);
@@ -89,6 +97,7 @@ std::vector<char> SubStepping::clear(const std::vector<double>& at, double h) {
     if (!check_gap(i, ok) && std::find(suspects_.begin(), suspects_.end(), i) == suspects_.end())
       suspects_.push_back(i);
   check_end(ok);
+  check_ranges(ok);
   suspect_end_ |= !breaches().empty();
   check_reach(ok);
   return ok;
@@ -101,6 +110,7 @@ std::vector<char> SubStepping::possible(const std::vector<double>& at, double h)
   data_.budget.spend(tune::kPoseWork * data_.attempt.moving + tune::kCheckWork * suspects_.size());
   for (size_t i : suspects_) check_gap(i, ok);
   if (suspect_end_) check_end(ok);
+  check_ranges(ok);
   check_reach(ok);
   return ok;
 }
@@ -247,6 +257,7 @@ double SubStepping::catch_up(double h, double left, bool begun) {
     length = std::min(length, left);
     do attempts_.run(length);
     while (strength_.give_in(system_, data_, data_.step.length));
+    data_.step.yielded_before = data_.step.yielded;
     std::vector<double> share;
     if (!good()) share = shares(length);
     double least = 1;

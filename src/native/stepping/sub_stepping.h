@@ -35,6 +35,7 @@ class SubStepping {
   std::vector<char> clear(const std::vector<double>& at, double h);
   std::vector<char> possible(const std::vector<double>& at, double h);
   void move_to(const std::vector<double>& at, double h, std::vector<char>& ok);
+  void check_ranges(std::vector<char>& ok) const;
   bool check_gap(size_t i, std::vector<char>& ok);
   void check_end(std::vector<char>& ok);
   void check_reach(std::vector<char>& ok);

@@ -16,6 +16,7 @@ void Substep::finish() {
 
 void Substep::run(int k, double h) {
   begin(h);
+  data_.step.index = k;
   free_velocity(k, h);
   strength_.begin(system_, data_.step);
   attempts_.run(h);
@@ -33,6 +34,7 @@ void Substep::begin(double h) {
   Probe& probe = data_.probe;
   data_.inertia.forget();
   data_.step.pushed.assign(model.nbody, 0);
+  data_.step.yielded_before.assign(model.nbody, 0);
   data_.step.resistance.begin(model, system_.drives.size());
   data_.step.length = data_.step.gravity_time = h;
   data_.cache.begin_substep();
@@ -87,6 +89,7 @@ void Substep::trace(int k, double h) {
   trace.qpos = data_.state.qpos, trace.qvel = data_.state.qvel;
   trace.v_free = data_.step.v_free, trace.v = data_.step.v;
   if (attempt.contacts.empty()) trace.contacts.clear();
+  if (attempt.ranges.empty()) trace.ranges.clear();
   trace.touched = resistance.touched;
   for (size_t p = 0; p < system_.drives.size(); p++)
     for (int i = 0; i < system_.drives[p].ball_count() && !resistance.holds[p]; i++)

@@ -106,6 +106,7 @@ PARAMETERS = {
     "metrics.floating": "motion body scene * objects reference tolerance",
     "metrics.physdiff": "motion body * ground",
     "metrics.unsupported_weight": "result person",
+    "metrics.range_violations": "result person",
     "metrics.stance_slide": "result person",
     "metrics.net_force": "result person",
     "metrics.path_offset": "result person",

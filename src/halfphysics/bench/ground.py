@@ -54,6 +54,7 @@ def standing(result: Result) -> dict[str, tuple[float, None]]:
         "held up by nothing [%]": (metrics.unsupported_weight(result).percent, None),
         "slide in stance [mm/frame]": (stance.simulated.mean_mm, None),
         "held for 50 ms [body weights]": (force.sustained_weights, None),
+        "beyond joint ranges [deg]": (metrics.range_violations(result).max_deg, None),
         "peak [N]": (force.peak, None),
         "off the path at the end [mm]": (path.end_offset_mm, None),
         "tilt at the end [deg]": (path.end_tilt_deg, None),

@@ -87,6 +87,7 @@ def _standing(result: Result, person: int) -> list[tuple[str, str, str]]:
         metrics.path_offset(result, person),
         metrics.unsupported_weight(result, person),
     )
+    ranges = metrics.range_violations(result, person)
 
     def row(name: str, before: float | None, after: float, digits: int = 2) -> tuple[str, str, str]:
         return name, "" if before is None else f"{before:.{digits}f}", f"{after:.{digits}f}"
@@ -98,6 +99,7 @@ def _standing(result: Result, person: int) -> list[tuple[str, str, str]]:
         row("slide in stance, mean [mm/frame]", stance.asked.mean_mm, stance.simulated.mean_mm),
         row("slide in stance, largest [mm/frame]", stance.asked.max_mm, stance.simulated.max_mm),
         row("weight carried by nothing [% of frames]", None, weight.percent, 1),
+        row("beyond joint ranges and asked [deg]", None, ranges.max_deg, 1),
         row("net force, peak [body weights]", None, force.peak_weights),
         row("net force held for 50 ms [body weights]", None, force.sustained_weights),
         row("off the path at the end [mm]", None, path.end_offset_mm, 1),

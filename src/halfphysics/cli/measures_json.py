@@ -49,6 +49,7 @@ def of_result(result: Result, person: int) -> dict[str, Any]:
     out["deviation"] = metrics.deviation(result, person)
     out["stance_slide"] = metrics.stance_slide(result, person)
     out["unsupported_weight"] = metrics.unsupported_weight(result, person)
+    out["range_violations"] = metrics.range_violations(result, person)
     out["net_force"] = metrics.net_force(result, person)
     out["path_offset"] = metrics.path_offset(result, person)
     out["contact_precision"] = metrics.contact_precision(result)

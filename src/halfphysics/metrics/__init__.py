@@ -15,6 +15,7 @@ from halfphysics.metrics.joint_errors import mpjpe, mpjpe_global
 from halfphysics.metrics.net_force import NetForceReport, net_force
 from halfphysics.metrics.path_offset import PathReport, path_offset
 from halfphysics.metrics.penetration import PenetrationReport, penetration
+from halfphysics.metrics.range_violations import RangeReport, range_violations
 from halfphysics.metrics.sequences import PenetrationSummary, over_sequences
 from halfphysics.metrics.skating import SkateReport, foot_skate
 from halfphysics.metrics.smoothness import jerk
@@ -34,6 +35,7 @@ __all__ = [
     "PenetrationReport",
     "PenetrationSummary",
     "PhysDiffReport",
+    "RangeReport",
     "SkateReport",
     "Slide",
     "StanceReport",
@@ -54,6 +56,7 @@ __all__ = [
     "penetrating_volume",
     "penetration",
     "physdiff",
+    "range_violations",
     "stance_slide",
     "success",
     "unsupported_weight",

@@ -13,6 +13,7 @@ from halfphysics.metrics.asked import asked_motion
 from halfphysics.metrics.floating import MOST, FloatReport, floating_from
 from halfphysics.metrics.net_force import net_force
 from halfphysics.metrics.path_offset import path_of
+from halfphysics.metrics.range_violations import TOLERANCE, range_violations
 from halfphysics.metrics.stance import stance_slide
 from halfphysics.metrics.surface_gaps import carrying_gaps
 from halfphysics.metrics.unsupported import unsupported_weight
@@ -38,7 +39,7 @@ def standing(result: Result, index: int) -> list[str]:
         lines += floats
         if floats:  # there is a floor
             lines += _carried(result, index)
-        lines += [*_slides(result, index), *_pushed(result, index)]
+        lines += [*_slides(result, index), *_pushed(result, index), *_ranges(result, index)]
     path = path_of(person)
     if path.end_offset_mm > EXACT_MM or path.end_tilt_deg > EXACT_DEG:
         side = "above" if path.end_height_mm >= 0.0 else "below"
@@ -109,6 +110,16 @@ def _pushed(result: Result, index: int) -> list[str]:
     return [
         f"net force of contacts {force.peak_weights:.2f} body weights at most, "
         f"{force.sustained_weights:.2f} held for 50 ms"
+    ]
+
+
+def _ranges(result: Result, index: int) -> list[str]:
+    ranges = range_violations(result, index)
+    if ranges.max_deg < TOLERANCE:
+        return []
+    return [
+        f"{ranges.joint} {ranges.max_deg:.0f}° beyond its range at most, in frame {ranges.frame}; "
+        f"over {TOLERANCE:g}° in {ranges.percent:.0f} % of the frames"
     ]
 
 

@@ -10,6 +10,7 @@ from halfphysics.metrics.asked import asked_motion
 from halfphysics.metrics.floating import TOLERANCE, floating_from
 from halfphysics.metrics.net_force import net_force
 from halfphysics.metrics.path_offset import path_offset
+from halfphysics.metrics.range_violations import range_violations
 from halfphysics.metrics.stance import LOW, sole_patches, stance_from
 from halfphysics.metrics.surface_gaps import RISE, carrying_gaps
 from halfphysics.metrics.unsupported import unsupported_weight
@@ -82,7 +83,7 @@ def figures(result, person=0):
         "slide_p95_mm": stance.simulated.p95_mm,
         "slide_max_mm": stance.simulated.max_mm,
         "slide_more_mm": stance.simulated.mean_mm - stance.asked.mean_mm,
-        "range_deg": None,
+        "range_deg": range_violations(result, person).max_deg,
         "sustained_bw": force.sustained_weights,
         "window_bw": force.window_weights,
         "peak_bw": force.peak_weights,

@@ -169,6 +169,10 @@ def _near(posed: _Posed, index: int, surface: Surface, frames: range, step: int)
     part = posed.grid.part
     row, column = np.nonzero(close[:, part])
     local = surface.local(points[here[row], column], asked[row])
+    bounds = _bounds(surface)
+    if bounds is not None:  # the distance from a mesh is dear
+        some = ((local > bounds[0] - REACH) & (local < bounds[1] + REACH)).all(axis=1)
+        row, column, local = row[some], column[some], local[some]
     inner = surface.local(posed.middles[here[row], part[column]], asked[row])
     height, normal = surface_distance(surface.shape, local, inner)
     keep = np.flatnonzero(height < REACH)

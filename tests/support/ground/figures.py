@@ -33,6 +33,9 @@ FIRST = 0.2
 BACK_AT = (0.02, np.deg2rad(2.0))
 #: Smallest jerk of a knee that counts [rad/s^3]: a clip that stands still has none.
 CALM = 50.0
+#: Time after the last contact from which the motion is exact [s]: toes that were bent by 150
+#: degrees need more than the 0.5 s of `Result.free_frames`.
+FREE = 1.0
 #: The clock of a reference stands where it runs at less than this share of time.
 STANDS = 0.1
 #: Time until the feet of who begins to wait may be still [s].
@@ -139,7 +142,7 @@ def free_error(result, person):
     """Largest distance of a joint from the reference, seen from the pelvis, in frames in which
     nothing acts on the person [mm]; None: there are none.
     """
-    free = result.free_frames(person)
+    free = result.free_frames(person, FREE)
     local = result.people[person].joint_errors()[0]
     return float(1000.0 * local[free].max()) if free.any() else None
 

@@ -20,7 +20,7 @@ view
 """
 
 SETTINGS = (
-    "* substeps stiffness drive_time recovery_rate root root_speed clearance "
+    "* substeps stiffness drive_time recovery_rate weight blocked root root_speed clearance "
     "clearance_range contact self_contact depenetration_speed tolerance max_sweeps strength "
     "joint_limits threads record"
 )

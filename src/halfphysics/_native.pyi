@@ -171,6 +171,20 @@ class Stepper:
         upper: Annotated[NDArray[numpy.float64], "(*,)"],
     ) -> None: ...
 
+    def set_waiting(self, arg: bool, /) -> None: ...
+
+    def set_footing(
+        self,
+        *,
+        person: int,
+        joints: Annotated[NDArray[numpy.int32], "(*, 3)"],
+        soles: Annotated[NDArray[numpy.int32], "(*,)"],
+        body: Annotated[NDArray[numpy.int32], "(*,)"],
+        weight: Annotated[NDArray[numpy.float64], "(*,)"],
+        local: Annotated[NDArray[numpy.float64], "(*, 3)"],
+        normal: Annotated[NDArray[numpy.float64], "(*, 3)"],
+    ) -> None: ...
+
     def person_qpos(self, arg: int, /) -> int: ...
 
     def person_qpos_count(self, arg: int, /) -> int: ...
@@ -336,6 +350,8 @@ class Stepper:
     def inside(self) -> NDArray[numpy.float64]: ...
 
     def breaches(self) -> NDArray[numpy.float64]: ...
+
+    def footing(self) -> NDArray[numpy.float64]: ...
 
     def torques(self) -> NDArray[numpy.float64]: ...
 

@@ -69,6 +69,12 @@ class Settings:
     recovery_rate: float = 8.0
     """Fastest speed at which a joint returns to its reference [rad/s]; with drive_time=None, and
     three times the speed of the reference."""
+    weight: bool = False
+    """People stand, sit and lie on what is under them, instead of floating over it or sinking into
+    it: their height, and the legs that stand, follow the surface."""
+    blocked: Literal["wait", "continue"] = "continue"
+    """Who cannot go on waits, up to three seconds, while the reference's clock stands still, or
+    walks on the spot ("continue")."""
     root: Literal["stay", "recover"] = "stay"
     """After an obstacle the root keeps its offset ("stay") or walks back to the reference."""
     root_speed: float = 1.0
@@ -110,6 +116,8 @@ class Settings:
         if self.drive_time is not None:
             check.number("drive_time", above=0.0)
         check.number("recovery_rate", above=0.0)
+        check.flag("weight")
+        check.choice("blocked", "wait", "continue")
         check.choice("root", "stay", "recover")
         check.number("root_speed", above=0.0)
         check.number(

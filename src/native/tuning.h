@@ -104,6 +104,8 @@ constexpr int kBvhLeaf = 4, kSahBins = 16;
 // Nodes deeper than this are halved by count: deeper than any sensible tree, so that no arrangement of
 // triangles makes the depth more than this and the logarithm of their number.
 constexpr int kSahDepth = 64;
+// Deeper than any tree: those levels, then halves.
+constexpr int kMostDeep = kSahDepth + 64;
 
 // triangle_tree.h
 
@@ -586,6 +588,9 @@ constexpr int kMostTurnParts = 32;
 // Drive (drive.h)
 
 constexpr double kRootRecoveryTime = 0.3;  // time constant of the root's way back to its path [s]
+// The same of the height of somebody with weight [s], and the fastest fall that is asked for [m/s]: its
+// force is its weight, so that gravity has its pace where strength is limited.
+constexpr double kFallTime = 0.1, kFallSpeed = 3.0;
 // Algorithm 1 turns a joint back by `recovery_rate` and so many times the speed that the motion has
 // itself. T-pose at a wall, lambda 1: 400 to 600 frames/s beside no bound. A kick at 12 m/s into a
 // fixed ball bends the knee by 36 degrees without a bound, by 36, 34, 30 with 3, 2, 1 times.
@@ -730,6 +735,104 @@ constexpr double kSpreadFlat = 0.5;
 constexpr double kSpreadCoarse = 0.01;
 
 }  // namespace hp::tuning::support
+
+// ---------------------------------------------------------------------------------------------
+
+namespace hp::tuning::footing {
+
+// surface_below.cpp
+
+// Surfaces whose unit normal has less of the vertical are walls, nothing to stand on: steeper than 60
+// degrees, beyond any shoe's friction.
+constexpr double kSteep = 0.5;
+// Objects count as ground only up to this far above a sole [m]: what is higher is being kicked.
+constexpr double kOnObject = 0.02;
+// A fall towards a convex shape begins this far above its box [m], has landed this near [m], and takes
+// at most so many steps: one for a face, some ten for round sides.
+constexpr double kAboveBox = 1e-3, kLanded = 1e-7;
+constexpr int kFallSteps = 48;
+
+// leg.cpp
+
+// A leg reaches this share of the length of its bones: stretched to the end its knee would turn at any
+// speed. Legs that the motion has straighter stay so.
+constexpr double kLegReach = 0.9995;
+// Knees that are bent by less than about this [rad] bend about the thigh's own axis: the plane of a
+// straight leg is noise.
+constexpr double kStraightKnee = 0.2;
+
+// footing.cpp
+
+// A foot that is less than this under the ground half-way between two targets is left there, and one that
+// is more is lifted at the end by twice that, and no more than the second [m].
+constexpr double kSags = 1e-4, kMostSag = 0.03;
+// How far above its own height static geometry is a step for a sole [m], a stair and a half; and for
+// skin, which does not step; how far below a point a surface is looked for [m].
+constexpr double kStepUp = 0.25, kPressedIn = 0.06, kDeep = 3.0;
+// Soles stand this far beyond the clearance [m], so that standing is no contact: some bulges of a
+// hull on its way between two frames.
+constexpr double kSoleGap = 2e-4;
+// Feet that move pass over the ground this much higher [m]: a toe that touches it catches, and the foot
+// folds under itself (by 140 degrees in a recorded walk whose toes drag 9 mm deep).
+constexpr double kSwingGap = 6e-3;
+// What floats by less than this is left as it is [m]: recorded feet do.
+constexpr double kFloats = 3e-3;
+// A point of the reference rests where it is slower than the first, moves where it is faster than the
+// second [m/s]: a stance foot of recorded walks drifts by 0.1, swings at 1 to 4. It is low up to the
+// first height above the person's lowest point, high from the second [m].
+constexpr double kRests = 0.15, kMoves = 0.35, kLow = 0.02, kHigh = 0.05;
+// What is farther than this above any surface [m] carries only after it has rested so long [s]: at the
+// top of a jump a foot rests for 0.05 s.
+constexpr double kFar = 0.06, kRestTime = 0.1;
+// Feet of somebody who sits or lies hang where they are farther than this from the ground [m]: they do not
+// reach for it.
+constexpr double kHangs = 0.15;
+// Who is at most this far above a surface is on it [m].
+constexpr double kOnGround = 0.02;
+// A contact holds a person up if so much of its impulse points up.
+constexpr double kHeldUp = 0.5;
+// What a standing person can push with, in its own weight: m g d / h, d some 0.3 m of a stride from the
+// centre of mass to the edge of the support, h some 0.9 m. Measured pushes of upright walkers are 150 to
+// 300 N.
+constexpr double kPush = 0.4;
+// Firmness of the toes of somebody with a footing: at 1 they curl by 98 degrees under a foot that is 1 cm in
+// the floor, at 300 by 5; it is that of an inertia of 20 g.
+constexpr double kToeFirmness = 300;
+// What is exerted in the air [N]: nothing, but limits are over 0.
+constexpr double kInTheAir = 1e-3;
+// Who has rested on nothing for longer than this [s] does not fly but glides: a jump of 45 cm takes 0.6 s.
+constexpr double kFlight = 0.6;
+// Skin carries where it is nearer than this to a surface under it [m] and faces it, by the vertical
+// part of its unit normal.
+constexpr double kCarries = 0.03, kFaces = 0.5;
+// Frequency of the critically damped height [rad/s]: a step of 10 cm is taken in half a second. It
+// falls with gravity and rises with so much of it.
+constexpr double kHeightRate = 8, kRise = 2;
+// Less time than this tells no speed [s].
+constexpr double kNoTime = 1e-6;
+// The height has come to rest when it is this near [m] and slow [m/s].
+constexpr double kAtHeight = 1e-6, kAtRest = 1e-5;
+// How fast a sole is corrected up and down [m/s], and how fast a foot in the air gives up what it was
+// held back by along the ground [m/s], which is never more than the last [m]: then it slides.
+constexpr double kLift = 2.0, kLower = 1.0, kGiveUp = 1.5, kMostBehind = 0.25;
+// A person may start this much higher or lower than asked to stand [m]: what recordings are off by.
+constexpr double kStartShift = 0.1;
+
+// stepping/reference_clock.cpp
+
+// The clock of a person slows down from the first distance behind its path on and stops at the second
+// [m]: a few centimetres are what bodies give, and recovery takes back.
+constexpr double kBehind = 0.04, kBlocked = 0.12;
+// A reference slower than this goes nowhere [m/s].
+constexpr double kStill = 0.1;
+// Rate of a clock that is to stop in the middle of a step, until both feet stand.
+constexpr double kSlowest = 0.4;
+// How long somebody waits before going on [s].
+constexpr double kPatience = 3.0;
+// Times that differ by less than this share are the same.
+constexpr double kSameTime = 1e-9;
+
+}  // namespace hp::tuning::footing
 
 // ---------------------------------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from halfphysics.base.validation import frame_rate, is_whole, shown
+from halfphysics.base.validation import is_whole, shown
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.pose import checked
@@ -24,6 +24,7 @@ from halfphysics.motion.skeleton import N_JOINTS
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.deferred import Deferred, typed, typed_or_deferred
 from halfphysics.results.inside import Breaches, Inside
+from halfphysics.results.substeps import Substeps
 from halfphysics.results.surroundings import Surroundings
 from halfphysics.settings import Settings
 
@@ -73,6 +74,10 @@ class PersonResult:
         torque: Torque of the drive on the joints (T, 55, 3) [N m], mean over (t-1, t], in the frame
             of the joint's child, row 0 on the whole body: zero in free motion, against the
             contacts otherwise. See docs/physics.md. None: unknown (older files).
+        clock: Time of the reference at every frame (T,) [s]: that of the frame, less what the
+            person has waited (`Settings.blocked`); given None, it never waited.
+        corrected: Frames (T,) in which the reference was put on what is under it
+            (`Settings.weight`); given None, none.
         surroundings: What was around the person; `Result` sets it.
     """
 
@@ -81,6 +86,8 @@ class PersonResult:
     reference: Motion
     body: Deferred[Body] = Deferred()
     torque: Array | None = None
+    clock: Array | None = None
+    corrected: NDArray[np.bool_] | None = None
     surroundings: Surroundings | None = None
 
     def __post_init__(self) -> None:
@@ -100,6 +107,14 @@ class PersonResult:
             own = isinstance(self.torque, np.ndarray) and not self.torque.flags.writeable
             if not own or self.torque.shape != shape:
                 _set(self, "torque", checked("torque", self.torque, shape, "(T, 55, 3)"))
+
+        count = len(self.motion)
+        clock = np.arange(count) / self.motion.fps if self.clock is None else self.clock
+        _set(self, "clock", checked("clock", clock, (count,), "(T,)"))
+        corrected = np.zeros(count) if self.corrected is None else self.corrected
+        flags = checked("corrected", corrected, (count,), "(T,)") != 0.0
+        flags.setflags(write=False)
+        _set(self, "corrected", flags)
 
     @cached_property
     def support(self) -> Support:
@@ -124,34 +139,6 @@ class PersonResult:
         p, q = self.body.joints(self.motion), self.body.joints(self.reference)
         local = np.linalg.norm((p - p[:, :1]) - (q - q[:, :1]), axis=-1)
         return local, np.linalg.norm(p - q, axis=-1)
-
-
-def at_substeps(motion: Motion, translation: Array, rotations: Array, fps: float) -> Motion:
-    """A person's poses at all substeps, `fps` per second; arguments as of `Motion.with_frames`.
-
-    Poses that are set from outside may jump.
-    """
-    # These poses are no reference motion: the speed of the root is not checked.
-    poses = motion.with_frames(translation, rotations, fps=1.0)
-    _set(poses, "fps", frame_rate(fps))
-    return poses
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Substeps:
-    """Every committed pose of a run with ``Settings(record="substeps")``: S + 1 of them.
-
-    Attributes:
-        motions: The people's motions at the substeps, the start first.
-        objects: Name -> `ObjectTrack` at the substeps.
-    """
-
-    motions: tuple[Motion, ...]
-    objects: Mapping[str, ObjectTrack]
-
-    def __post_init__(self) -> None:
-        _set(self, "motions", tuple(self.motions))
-        _set(self, "objects", MappingProxyType(dict(self.objects)))
 
 
 #: Diagnostics of a frame: contact planes and points (largest number in any substep), solves, their
@@ -303,8 +290,16 @@ class Result:
         """The first person's reference motion."""
         return self.people[0].reference
 
+    @property
+    def clock(self) -> Array:
+        """Time of the first person's reference at every frame (T,) [s]."""
+        clock = self.people[0].clock
+        assert clock is not None
+        return clock
+
     def free_frames(self, person: int = 0, settle: float = SETTLE) -> NDArray[np.bool_]:
-        """Frames (T,) in which nothing acts on a person: no contact within the last `settle` [s].
+        """Frames (T,) in which nothing acts on a person: no contact within the last `settle` [s],
+        and nothing that weight corrects.
 
         After a contact the deviation decays over a few `Settings.drive_time`; `settle` covers it.
         """
@@ -312,6 +307,7 @@ class Result:
         touched = np.zeros(len(self), dtype=bool)
         hurt = self.contacts.person == person
         touched[self.contacts.frame[hurt & self.contacts.impulse.any(axis=1)]] = True
+        touched |= self.people[person].corrected
         reach = int(np.ceil(settle * self.fps))
         last = np.where(touched, np.arange(len(self)), -reach - 1)
         return np.arange(len(self)) - np.maximum.accumulate(last) > reach

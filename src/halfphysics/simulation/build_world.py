@@ -14,7 +14,7 @@ from halfphysics.scene.trajectories import KinematicObject
 from halfphysics.simulation.collision_shapes import ShapeTable, add_shapes
 from halfphysics.simulation.compiled_model import armature_of, joint_arrays, model_arrays
 from halfphysics.simulation.coordinates import FreeObject, Person
-from halfphysics.simulation.core_settings import set_limits, set_settings
+from halfphysics.simulation.core_settings import set_footing, set_limits, set_settings
 from halfphysics.simulation.holding import HeldObject
 from halfphysics.simulation.joined_model import join_model
 from halfphysics.simulation.names import Names
@@ -125,4 +125,5 @@ def _fill(
             core.start_asleep(body)
     core.finish([person.root for person in places.people])
     set_limits(core, settings, places.people)
+    set_footing(core, model, settings, places.people)
     return shapes

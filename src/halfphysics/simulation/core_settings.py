@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics._native import tuning
+from halfphysics.body.footing_points import SIDES, footing_points
 from halfphysics.body.joint_ranges import JointRanges
+from halfphysics.body.mjcf_person import addresses
 from halfphysics.body.strength import limits_of
+from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.settings import HALF_PHYSICS
 
 if TYPE_CHECKING:
@@ -74,3 +77,28 @@ def _set_joint_ranges(core: Any, settings: Settings, people: Sequence[Person]) -
             for v in (ranges.axes, ranges.lower, ranges.upper)
         )
         core.set_joint_ranges(index, axes=axes, lower=lower, upper=upper)
+
+
+def set_footing(core: Any, model: Any, settings: Settings, people: Sequence[Person]) -> None:
+    """Have people wait and stand as `Settings.blocked` and `Settings.weight` say."""
+    core.set_waiting(settings.blocked == "wait")
+    if not settings.weight:
+        return
+    legs = [[JOINT_INDEX[f"{side}_{joint}"] for joint in _LEG] for side in SIDES]
+    for index, person in enumerate(people):
+        bodies = addresses(model, f"{person.name}/").body
+        points = footing_points(person.body)
+        if min(points.soles) == 0:
+            continue  # a model without feet
+        core.set_footing(
+            person=index,
+            joints=np.ascontiguousarray(bodies[legs], dtype=np.int32),
+            soles=np.array(points.soles, dtype=np.int32),
+            body=np.ascontiguousarray(bodies[points.joints], dtype=np.int32).ravel(),
+            weight=np.ascontiguousarray(points.weights).ravel(),
+            local=np.ascontiguousarray(points.local.reshape(-1, 3)),
+            normal=np.ascontiguousarray(points.normals),
+        )
+
+
+_LEG = ("hip", "knee", "ankle")

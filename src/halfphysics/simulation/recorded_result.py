@@ -14,9 +14,8 @@ from halfphysics.results.result import (
     ObjectTrack,
     PersonResult,
     Result,
-    Substeps,
-    at_substeps,
 )
+from halfphysics.results.substeps import Substeps, at_substeps
 from halfphysics.simulation.core_rows import breach_rows, contact_rows, inside_rows
 
 if TYPE_CHECKING:
@@ -40,6 +39,8 @@ def recorded_result(world: World, motions: Sequence[Motion], run: Recording) -> 
                 body=person.body,
                 name=person.name,
                 torque=run.torque[:, i],
+                clock=np.arange(len(run.lag)) / motion.fps - run.lag[:, i],
+                corrected=run.corrected[:, i],
             )
             for i, (motion, person) in enumerate(zip(motions, world.people, strict=True))
         ),

@@ -43,6 +43,8 @@ class Recording:
         torque: What the drives exerted (T, people, 55, 3) [N m]; read-only.
         diagnostics: Numbers (T, .) in the order of `DIAGNOSTICS`.
         substeps: Coordinates (S + 1, nq) after every substep, where settings ask for them.
+        lag: How far the people's references are behind (T, people) [s].
+        corrected: Whether the people's targets were corrected by weight (T, people).
         contacts, inside: Rows of contacts (n, 12) and of overlaps (n, 4), see `core_rows`.
         breaches: Rows of overlaps that should not be (n, 4).
     """
@@ -54,6 +56,8 @@ class Recording:
     torque: Array
     diagnostics: Array
     substeps: Array
+    lag: Array
+    corrected: NDArray[np.bool_]
     contacts: Rows
     inside: Rows
     breaches: Rows
@@ -115,6 +119,7 @@ class Recorder:
         self._lost_time, self._numbers = np.zeros(count), np.zeros((count, len(DIAGNOSTICS)))
         self._torque = np.zeros((count, len(world.people), N_JOINTS, 3))
         self._substeps: list[Array] = []
+        self._footing = np.zeros((count, len(world.people), 2))
         self._contacts, self._inside = _Collected(12), _Collected(4)
         self._breaches = _Collected(4)
 
@@ -122,6 +127,7 @@ class Recorder:
         """The first frame: coordinates (nq,), clearance [m] and rows of overlaps (n, 4)."""
         self._qpos[0], self._clearance[0] = qpos, clearance
         self._substeps.append(self._qpos[:1].copy())
+        self._footing[0] = self._world.stepper.footing()
         self._inside.add(inside, np.zeros(len(inside), dtype=np.int64))
         self.frames = 1
 
@@ -141,6 +147,7 @@ class Recorder:
             self._torque[exerted] = self._world.torques_from_core(got["torques"])
         self._lost_time[at], self._numbers[at] = got["lost_time"], got["diagnostics"]
         self._substeps.append(got["substeps"])
+        self._footing[at] = got["footing"]
         self._contacts.add(got["touches"], np.repeat(frames, got["touch_count"].astype(np.int64)))
         self._inside.add(got["inside"], np.repeat(frames, got["inside_count"].astype(np.int64)))
         self._breaches.add(got["breaches"], np.repeat(frames, got["breach_count"].astype(np.int64)))
@@ -158,6 +165,8 @@ class Recorder:
             torque=self._torque,
             diagnostics=self._numbers,
             substeps=np.concatenate(self._substeps),
+            lag=self._footing[..., 0],
+            corrected=self._footing[..., 1] != 0.0,
             contacts=self._contacts.rows(),
             inside=self._inside.rows(),
             breaches=self._breaches.rows(),

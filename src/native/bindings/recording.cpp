@@ -19,6 +19,7 @@ void Recording::add(Stepper& s) {
   inside_count.push_back((double)(inside.size() - before) / 4);
   breach_count.push_back((double)s.result().breaches.size());
   breach_rows(s.result().breaches, breaches);
+  s.footing(footing);
   done++;
 }
 
@@ -36,6 +37,7 @@ nb::dict Recording::dict(const Stepper& s) const {
   d["inside"] = array({inside.size() / 4, 4}, inside);
   d["breach_count"] = array(breach_count);
   d["breaches"] = array({breaches.size() / 4, 4}, breaches);
+  d["footing"] = array({done, s.system.drives.size(), 2}, footing);
   d["torque_frames"] = array(torque_frames);
   d["torques"] = array({torque_frames.size(), (size_t)s.system.ball_count(), 3}, torques);
   d["substeps"] = array({poses.size() / std::max<size_t>(nq, 1), nq}, poses);

@@ -128,6 +128,13 @@ void bind_stepper_results(StepperClass& stepper) {
              breach_rows(s.result().breaches, out);
              return array({out.size() / 4, 4}, out);
            })
+      // Of the last frame (people, 2), see Stepper::footing.
+      .def("footing",
+           [](Stepper& s) {
+             std::vector<double> out;
+             s.footing(out);
+             return array({out.size() / 2, 2}, out);
+           })
       // Of the last frame (balls, 3), see Stepper::torques; (0, 3): none.
       .def("torques", [](Stepper& s) {
         std::vector<double> out;

@@ -114,6 +114,57 @@ void set_joint_ranges(Stepper& s, int person, Doubles axes, Doubles lower, Doubl
   drives[person].ranges = std::move(ranges);
 }
 
+// Skin points (n,) of a person: two bodies each, their weights, where they are in their frames, and the
+// normal in the first's frame.
+std::vector<SkinPoint> skin_points(const Stepper& s, Ints body, Doubles weight, Rows3 local,
+                                   Rows3 normal) {
+  const size_t n = normal.shape(0);
+  need(body.shape(0) == 2 * n && weight.shape(0) == 2 * n && local.shape(0) == 2 * n,
+       "skin points: arrays of different lengths");
+  std::vector<SkinPoint> out(n);
+  for (size_t i = 0; i < 2 * n; i++) {
+    SkinPoint& p = out[i / 2];
+    p.body[i % 2] = body.data()[i];
+    need(p.body[i % 2] > 0 && p.body[i % 2] < s.system.model.nbody, "skin points: no such body");
+    p.weight[i % 2] = weight.data()[i];
+    p.local[i % 2] = load3(local.data() + 3 * i);
+    p.normal = load3(normal.data() + 3 * (i / 2));
+  }
+  return out;
+}
+
+// Person `person` stands on what is under it: see Footing. `joints`: hip, knee and ankle (bodies) of
+// every leg, whose soles are the next `soles` points; the rest are of other skin.
+void set_footing(Stepper& s, int person, Faces joints, Ints soles, Ints body, Doubles weight,
+                 Rows3 local, Rows3 normal) {
+  const Model& m = s.system.model;
+  need(person >= 0 && person < (int)s.system.drives.size() && joints.shape(0) == soles.shape(0),
+       "set_footing: bad person or length");
+  auto model = std::make_shared<FootingModel>();
+  const std::vector<SkinPoint> points = skin_points(s, body, weight, local, normal);
+  auto next = points.begin();
+  for (size_t f = 0; f < joints.shape(0); f++) {
+    Leg leg;
+    int* bodies[] = {&leg.hip, &leg.knee, &leg.ankle};
+    int* quats[] = {&leg.hip_qpos, &leg.knee_qpos, &leg.ankle_qpos};
+    for (int k = 0; k < 3; k++) {
+      const int b = joints.data()[3 * f + k];
+      need(b > 0 && b < m.nbody && m.plain_ball[b], "set_footing: no such joint");
+      *bodies[k] = b, *quats[k] = m.jnt_qpos[m.jnt_first[b]];
+    }
+    leg.root = m.parent[leg.hip];
+    for (int b = 1; b < m.nbody; b++)
+      if (m.parent[b] == leg.ankle) leg.toes = b;
+    need(soles.data()[f] > 0 && points.end() - next >= soles.data()[f],
+         "set_footing: too few points");
+    leg.sole.assign(next, next + soles.data()[f]);
+    next += soles.data()[f];
+    model->legs.push_back(leg);
+  }
+  model->skin.assign(next, points.end());
+  s.system.drives[person].footing.model = model;
+}
+
 void finish(Stepper& s, std::vector<int> person_roots) {
   // Hulls point at their own shapes: only now do the statics stop moving in memory.
   for (Static& v : s.system.world.statics)
@@ -176,6 +227,13 @@ void bind_stepper_system(StepperClass& stepper) {
       .def("set_strength", &set_strength)
       .def("set_joint_ranges", &set_joint_ranges, "person"_a, nb::kw_only(), "axes"_a, "lower"_a,
            "upper"_a)
+      // People who are blocked wait: see ReferenceClock. After finish().
+      .def("set_waiting",
+           [](Stepper& s, bool on) {
+             for (Drive& d : s.system.drives) d.clock.on = on;
+           })
+      .def("set_footing", &set_footing, nb::kw_only(), "person"_a, "joints"_a, "soles"_a, "body"_a,
+           "weight"_a, "local"_a, "normal"_a)
       .def("person_qpos", [](Stepper& s, int p) { return s.system.drives.at(p).first_qpos(); })
       .def("person_qpos_count",
            [](Stepper& s, int p) { return s.system.drives.at(p).qpos_count(); });

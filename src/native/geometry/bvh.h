@@ -61,6 +61,10 @@ class TriangleTree {
   // does not depend on those of `axes`, but for the size of a positive bound.
   double gap(const PosedShape& a, double look, SeparatingAxes& axes) const;
 
+  // Height of the highest triangle straight below `from` whose unit normal has a vertical part of over
+  // `least_z`, up or down; -1e300: none.
+  double below(Vec3 from, double least_z) const;
+
   // How often the triangles wind around p: 1 inside a closed mesh, 0 outside, between where it is
   // open (generalised winding number: Jacobson et al. 2013). Sums over all triangles.
   double winding(Vec3 p) const;

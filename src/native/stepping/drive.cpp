@@ -28,7 +28,7 @@ void Drive::reset(const double* target, double* qvel) {
 
 void Drive::aim(const DriveSettings& s, const double* target, double dt, const double* qpos) {
   effort.begin_frame();
-  motion.aim(s, target, dt, qpos);
+  motion.aim(s, target, dt, qpos, footing.on());
 }
 
 bool Drive::settled(const DriveSettings& s, const double* qpos) const {
@@ -91,13 +91,27 @@ double DriveSettings::resistance(double lambda, double h) const {
   return std::max(lambda, h / tune::kLimpTime);
 }
 
+namespace {
+
+// Firmness of a ball. Toes of somebody who stands bear on the ground: as light as they are, they would
+// curl under the foot.
+double firmness(const Drive& d, const DriveSettings& s, int ball) {
+  const double lambda = d.stiffness()[ball];
+  if (!d.footing.on() || s.time_constant == 0 || lambda == 0) return lambda;
+  for (const Leg& leg : d.footing.model->legs)
+    if (d.body(ball) == leg.toes) return std::max(lambda, tuning::footing::kToeFirmness);
+  return lambda;
+}
+
+}  // namespace
+
 void Drive::added_inertia(const DriveSettings& s, double h, const Model& m, const Inertia& inertia,
                           std::vector<double>& extra) const {
   for (int i = 1; i < ball_count(); i++) {
     const int d = ball_dof(i);
     double mean = 0;
     for (int c = 0; c < 3; c++) mean += inertia.diagonal(m, d + c) / 3;
-    for (int c = 0; c < 3; c++) extra[d + c] = s.resistance(stiffness_[i], h) * mean;
+    for (int c = 0; c < 3; c++) extra[d + c] = s.resistance(firmness(*this, s, i), h) * mean;
   }
 }
 
@@ -190,6 +204,8 @@ void Drive::save(std::vector<double>& out) const {
     out.insert(out.end(), v->begin(), v->end());
   out.insert(out.end(),
              {(exact_ ? 1.0 : 0.0) + (motion.fresh() ? 2.0 : 0.0), gentle_return.left()});
+  footing.save(out);
+  clock.save(out);
 }
 
 const double* Drive::load(const double* in) {
@@ -204,7 +220,7 @@ const double* Drive::load(const double* in) {
   motion.restore(target, (flags & 2) != 0);
   q_start_ = motion.target();
   gentle_return.restore(*in++);
-  return in;
+  return clock.load(*this, footing.load(in));
 }
 
 }  // namespace hp

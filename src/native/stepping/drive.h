@@ -27,9 +27,11 @@
 
 #include "dynamics/joint_range.h"
 #include "dynamics/kinematic_tree.h"
+#include "footing/footing.h"
 #include "stepping/drive_effort.h"
 #include "stepping/gentle_return.h"
 #include "stepping/person_dofs.h"
+#include "stepping/reference_clock.h"
 #include "stepping/reference_motion.h"
 
 namespace hp {
@@ -61,9 +63,18 @@ inline Vec3 capped(Vec3 v, double limit) {
   return n > limit ? (limit / n) * v : v;
 }
 
+// Most force on a root along the ground, up and down [N].
+struct RootForce {
+  bool on = false;
+  double across = 0, up = 0, down = 0;
+  double upright(double force) const { return force > 0 ? up : down; }
+};
+
 class Drive : public PersonDofs {
  public:
   ReferenceMotion motion;
+  ReferenceClock clock;
+  Footing footing;
   GentleReturn gentle_return;
   DriveEffort effort;
   // Most that the drive may exert (strength.h): a force on the root [N], then a torque on every
@@ -71,6 +82,8 @@ class Drive : public PersonDofs {
   std::vector<double> limits;
   // Ranges of every ball (joint_ranges.h), the root's ignored. Empty: joints have none.
   std::vector<JointRange> ranges;
+  // In their place the force on the root of somebody with a footing, by what it stands on.
+  RootForce root_force;
 
   Drive(const Model& m, int root_body);
 

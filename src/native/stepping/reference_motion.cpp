@@ -15,7 +15,7 @@ void ReferenceMotion::reset(const double* target) {
 }
 
 void ReferenceMotion::aim(const DriveSettings& s, const double* target, double dt,
-                          const double* qpos) {
+                          const double* qpos, bool weight) {
   first_ = fresh_, fresh_ = false;
   older_asked_ = velocity_known_;
   older_dt_ = dt_, older_root_ = root_velocity_;
@@ -25,12 +25,29 @@ void ReferenceMotion::aim(const DriveSettings& s, const double* target, double d
   previous_.swap(target_);
   target_.assign(target, target + dofs_.qpos_count());
   root_velocity_ = (1 / dt) * (load3(target) - load3(previous_.data()));
-  if (s.recover_root) {
-    // Measured against the reference as it was when this pose was reached.
-    Vec3 u = ((1 - std::exp(-dt / tune::kRootRecoveryTime)) / dt) *
-             (load3(previous_.data()) - load3(qpos + dofs_.first_qpos()));
-    root_velocity_ += capped(u, s.root_speed);
+  root_velocity_ += way_back(s, previous_, dt, qpos, weight);
+}
+
+// Measured against the reference as it was when this pose was reached.
+Vec3 ReferenceMotion::way_back(const DriveSettings& s, const std::vector<double>& reached,
+                               double dt, const double* qpos, bool weight) const {
+  if (!s.recover_root && !weight) return {};
+  const Vec3 off = load3(reached.data()) - load3(qpos + dofs_.first_qpos());
+  Vec3 back;
+  if (s.recover_root)
+    back = capped(((1 - std::exp(-dt / tune::kRootRecoveryTime)) / dt) * off, s.root_speed);
+  if (weight) {
+    const double fall = (1 - std::exp(-dt / tune::kFallTime)) / dt * off.z;
+    back.z = std::clamp(fall, -tune::kFallSpeed, s.root_speed);
   }
+  return back;
+}
+
+Vec3 ReferenceMotion::displaced(const DriveSettings& s, double dt, const double* qpos) const {
+  const Vec3 back = way_back(s, target_, dt, qpos, true);
+  Vec3 off = load3(qpos + dofs_.first_qpos()) - load3(target_.data());
+  off.x += dt * back.x, off.y += dt * back.y;
+  return off;
 }
 
 void ReferenceMotion::follow(double share, double* qpos) const {

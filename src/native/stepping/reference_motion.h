@@ -20,7 +20,12 @@ class ReferenceMotion {
   // The person is put at `target` (its qpos) at rest.
   void reset(const double* target);
   // A frame of length dt [s] towards `target` begins, from the pose `qpos` of the model.
-  void aim(const DriveSettings& s, const double* target, double dt, const double* qpos);
+  // With `weight` its height comes back to the motion's even if the root does not.
+  void aim(const DriveSettings& s, const double* target, double dt, const double* qpos,
+           bool weight = false);
+  // How far the root will be off its path along the ground at the end of a frame that is about to be
+  // aimed at, if nothing is in the way, and how far above it is now [m].
+  Vec3 displaced(const DriveSettings& s, double dt, const double* qpos) const;
   // The person follows the frame to its end: its velocity is that of the motion.
   void follow_all() { velocity_known_ = false; }
   // A frame is stepped through: velocities of a frame before that was followed have been asked for.
@@ -53,6 +58,8 @@ class ReferenceMotion {
   void restore(const double* target, bool fresh);
 
  private:
+  Vec3 way_back(const DriveSettings& s, const std::vector<double>& reached, double dt,
+                const double* qpos, bool weight) const;
   void difference(const std::vector<double>& from, const std::vector<double>& to, double dt,
                   Vec3 root, double* v) const;
 

@@ -56,6 +56,9 @@ class Stepper {
   // What the drives exert on all balls, mean over the last frame [N m] (3 ball_count()), in the
   // children's frames, appended to `out`; nothing, and false, if it is zero.
   bool torques(std::vector<double>& out) const;
+  // Of every person: how far its reference is behind [s], and whether its target was corrected, 0 or 1
+  // (footing.h); appended to `out`.
+  void footing(std::vector<double>& out) const;
   // Smallest distance of people from static geometry at the present pose, up to the range [m].
   double clearance();
   // Of any poses (poses x nq): distance and nearest static of every shape (poses x shapes), see
@@ -71,7 +74,7 @@ class Stepper {
 
  private:
   Snapshot snapshot() { return {system, data_, kinematic_, prescribed_}; }
-  void aim(const double* targets, double dt);
+  void aim(const double* targets, double dt, const std::vector<char>& carried);
   void step_beside_free(double dt, int n, std::vector<double>* poses);
   void substeps(double dt, int n, std::vector<double>* poses);
 
@@ -81,6 +84,7 @@ class Stepper {
   Hosting hosting_;
   FreePaths paths_;
   Substep substep_;
+  std::vector<double> target_;  // scratch of aim()
 };
 
 }  // namespace hp

@@ -8,13 +8,23 @@ namespace tune = tuning::stepping;
 
 namespace {
 
-// Scales the three entries of x [nv] that limit k is of to at most `most`; true if they were more.
-bool cap(const Drive& d, int limit, double most, double* x) {
-  double* at = x + d.limit_dof(limit);
-  const double size = norm(load3(at));
+// Scales `count` entries to a norm of at most `most`; true if it was more.
+bool cap(double* x, int count, double most) {
+  double size = 0;
+  for (int c = 0; c < count; c++) size += x[c] * x[c];
+  size = std::sqrt(size);
   if (size <= most) return false;
-  for (int c = 0; c < 3; c++) at[c] *= most / size;
+  for (int c = 0; c < count; c++) x[c] *= most / size;
   return true;
+}
+
+// Scales the entries of x [nv] that limit k is of to at most so many times the limit; true if they were
+// more. x is what the drive takes off: the opposite of what it exerts.
+bool cap(const Drive& d, int k, double times, double* x) {
+  double* at = x + d.limit_dof(k);
+  if (k > 0 || !d.root_force.on) return cap(at, 3, times * d.limits[k]);
+  const bool across = cap(at, 2, times * d.root_force.across);
+  return cap(at + 2, 1, times * d.root_force.upright(-at[2])) || across;
 }
 
 double largest(const Drive& d, const double* x) {
@@ -27,8 +37,7 @@ double largest(const Drive& d, const double* x) {
 // Cuts what the drive exerts to what its joints can; true if any exceeded that.
 bool cut(const Drive& d, double h, double* impulse) {
   bool any = false;
-  for (int k = 0; k <= d.ball_count(); k++)
-    any |= cap(d, k, tune::kPullShare * h * d.limits[k], impulse);
+  for (int k = 0; k <= d.ball_count(); k++) any |= cap(d, k, tune::kPullShare * h, impulse);
   return any;
 }
 
@@ -76,7 +85,7 @@ void StrengthLimits::limit(const System& system, Data& data, double h) {
       double own = 0;
       for (int c = 0; c < 3; c++)
         own += s * (inertia.matrix().diagonal(system.model, at + c) + added[at + c]) / 3;
-      less |= cap(d, k, tune::kPullShare * h * d.limits[k] / own, change_.data());
+      less |= cap(d, k, tune::kPullShare * h / own, change_.data());
     }
     std::fill(pushed_.begin(), pushed_.end(), 0.0);
     inertia.multiply(system, d, change_.data(), pushed_.data());
@@ -153,6 +162,20 @@ bool StrengthLimits::exertion(const System& system, Data& data, size_t person,
   return true;
 }
 
+// Reduces theta of `count` dofs whose drive exerts more than `most`; true if it does.
+bool StrengthLimits::less(int at, int count, double most, JointResistance& resistance) const {
+  double all = 0, pull = 0, more = 0;
+  for (int i = at; i < at + count; i++) {
+    all += exerted_[i] * exerted_[i], pull += change_[i] * change_[i];
+    more += (exerted_[i] - change_[i]) * (exerted_[i] - change_[i]);
+  }
+  if (std::sqrt(all) <= most + tune::kImpulseRounding) return false;
+  const double room = std::max(0.0, tune::kResistShare * most - std::sqrt(pull));
+  more = std::sqrt(more);
+  for (int i = at; i < at + count && more > room; i++) resistance.share[i] *= room / more;
+  return true;
+}
+
 // Reduces theta of the joints that exceed their strength; true if there are any. The pull
 // M (v* - v_ref - e) and what is held are within the limits: the rest is what may resist.
 bool StrengthLimits::share_out(const System& system, Data& data, size_t person, double h) {
@@ -173,13 +196,12 @@ bool StrengthLimits::share_out(const System& system, Data& data, size_t person, 
   bool over = false;
   for (int k = 0; k <= d.ball_count(); k++) {
     const int at = d.limit_dof(k);
-    const double most = h * d.limits[k];
-    const Vec3 pull = load3(&change_[at]), all = load3(&exerted_[at]);
-    if (norm(all) <= most + tune::kImpulseRounding) continue;
-    over = true;
-    const double room = std::max(0.0, tune::kResistShare * most - norm(pull)),
-                 more = norm(all - pull);
-    for (int c = 0; c < 3 && more > room; c++) resistance.share[at + c] *= room / more;
+    if (k > 0 || !d.root_force.on) {
+      over |= less(at, 3, h * d.limits[k], resistance);
+      continue;
+    }
+    over |= less(at, 2, h * d.root_force.across, resistance);
+    over |= less(at + 2, 1, h * d.root_force.upright(exerted_[at + 2]), resistance);
   }
   return over;
 }

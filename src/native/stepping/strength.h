@@ -47,6 +47,7 @@ class StrengthLimits {
   bool exertion(const System& system, Data& data, size_t person, const std::vector<double>& v,
                 double h);
   void resist(const System& system, Data& data, size_t person, double h);
+  bool less(int at, int count, double most, JointResistance& resistance) const;
   bool share_out(const System& system, Data& data, size_t person, double h);
   void added(const System& system, const Data& data, const Drive& d, double h, const double* x,
              double* out);

@@ -17,7 +17,8 @@ from halfphysics.errors import FileError, HalfPhysicsWarning, InputError
 from halfphysics.geometry.shapes import Plane
 from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
-from halfphysics.results.result import ObjectTrack, PersonResult, Result, Substeps
+from halfphysics.results.result import ObjectTrack, PersonResult, Result
+from halfphysics.results.substeps import Substeps
 from halfphysics.scene.scene import Scene
 from support.results.random_result import assert_same, make_result
 

@@ -18,7 +18,8 @@ from halfphysics.body.mjcf_person import addresses
 from halfphysics.errors import InputError
 from halfphysics.metrics.part_report import clearances
 from halfphysics.results.contacts import Contacts
-from halfphysics.results.result import PersonResult, Result, Substeps
+from halfphysics.results.result import PersonResult, Result
+from halfphysics.results.substeps import Substeps
 from halfphysics.simulation.core_rows import contact_rows
 
 if TYPE_CHECKING:

@@ -38,7 +38,8 @@ from halfphysics.motion.motion import Motion
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.inside import Breaches, Inside
 from halfphysics.results.records import BodyRecord, SceneRecord, checked_document
-from halfphysics.results.result import ObjectTrack, PersonResult, Result, Substeps, at_substeps
+from halfphysics.results.result import ObjectTrack, PersonResult, Result
+from halfphysics.results.substeps import Substeps, at_substeps
 from halfphysics.results.table import Table
 from halfphysics.settings import Settings
 
@@ -210,14 +211,20 @@ def _person(npz: Npz, index: int, data: Any, fps: float, body: Any) -> PersonRes
     )
     if index == 0:
         motion, reference = _with_metadata(npz.path, motion, reference)
-    key = f"{prefix}torque"
+    there: dict[str, Any] = {
+        k: _field(npz, f"{prefix}{k}") for k in _OPTIONAL if f"{prefix}{k}" in npz
+    }
     return PersonResult(
         name=str(data["name"]),
         motion=motion,
         reference=reference,
         body=body,
-        torque=_field(npz, key) if key in npz else None,
+        **there,
     )
+
+
+#: Fields of a person that not every file has.
+_OPTIONAL = ("torque", "clock", "corrected")
 
 
 def _with_metadata(path: Path, motion: Motion, reference: Motion) -> tuple[Motion, Motion]:

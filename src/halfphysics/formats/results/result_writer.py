@@ -95,6 +95,11 @@ def _person_fields(prefix: str, person: PersonResult) -> Fields:
     }
     if person.torque is not None:
         fields[f"{prefix}torque"] = person.torque
+    if person.corrected is not None and person.corrected.any():
+        fields[f"{prefix}corrected"] = person.corrected
+    frames = np.arange(len(person.motion)) / person.motion.fps
+    if person.clock is not None and (person.clock != frames).any():
+        fields[f"{prefix}clock"] = person.clock
     return fields
 
 

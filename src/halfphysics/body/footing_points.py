@@ -1,0 +1,132 @@
+"""Points of the skin by which a person stands, sits and lies: soles, and some all over the body.
+
+What the core's footing (src/native/footing) looks under. A point is carried by the two joints that
+weigh most on its vertex; pose blend shapes, of a millimetre or two there, are left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SIDES = ("left", "right")
+#: Cells along and across a sole, of which each gives its lowest vertex: 3 cm apart on an adult.
+SOLE_CELLS = (8, 3)
+#: Height of a sole above a foot's lowest vertex, relative to the stature: 2 cm on an adult.
+SOLE_HEIGHT = 0.012
+#: Weight of ankle and toes in the vertices of a foot, of which the sole is.
+FOOT_WEIGHT = 0.6
+#: Number of further points all over a foot, some 2 cm apart: toe caps and heels touch ground too.
+FOOT_POINTS = 40
+#: Number of points on the rest of the skin: some 15 cm apart.
+SKIN_POINTS = 72
+#: Parts that do not rest as a body does: hands reach, feet have soles, a face has no seat.
+_NOT_RESTING = ("wrist", "index", "middle", "ring", "pinky", "thumb", "ankle", "foot", "eye", "jaw")
+
+
+@dataclass(frozen=True)
+class FootingPoints:
+    """Points of one body's skin at rest.
+
+    Attributes:
+        joints: The two joints that carry each (n, 2), indices into `JOINT_NAMES`.
+        weights: Their weights (n, 2), which sum to one.
+        local: Where the point is in the frames of both (n, 2, 3) [m].
+        normals: Outward normals at rest (n, 3), in the rest frame.
+        soles: Number of points of the left and the right sole; these come first.
+    """
+
+    joints: Ints
+    weights: Array
+    local: Array
+    normals: Array
+    soles: tuple[int, int]
+
+
+def footing_points(body: Body) -> FootingPoints:
+    """The points of a body, made once."""
+    found = _MADE.get(body)
+    if found is None:
+        found = _MADE[body] = _made(body)
+    return found
+
+
+_MADE: WeakKeyDictionary[Body, FootingPoints] = WeakKeyDictionary()
+
+
+def _made(body: Body) -> FootingPoints:
+    soles = [_sole(body, side) for side in SIDES]
+    vertex = np.concatenate([*soles, _spread(body)])
+    joints = np.argsort(-body.weights[vertex], axis=1, kind="stable")[:, :2]
+    weights = np.take_along_axis(body.weights[vertex], joints, axis=1)
+    weights = weights / weights.sum(axis=1, keepdims=True)
+    local = body.rest_vertices[vertex][:, None] - body.rest_joints[joints]
+    normals = _normals(body)[vertex]
+    return FootingPoints(joints, weights, local, normals, (len(soles[0]), len(soles[1])))
+
+
+def _sole(body: Body, side: str) -> Ints:
+    """The lowest vertex of every cell of a sole that has one, and points all over the foot."""
+    of_foot = [JOINT_INDEX[f"{side}_ankle"], JOINT_INDEX[f"{side}_foot"]]
+    vertex = np.flatnonzero(body.weights[:, of_foot].sum(axis=1) > FOOT_WEIGHT)
+    if not len(vertex):
+        return vertex
+    foot, (x, height, along) = vertex, body.rest_vertices[vertex].T
+    low = height < height.min() + SOLE_HEIGHT * body.stature
+    vertex, x, height, along = vertex[low], x[low], height[low], along[low]
+    cell = _cells(along, SOLE_CELLS[0]) * SOLE_CELLS[1] + _cells(x, SOLE_CELLS[1])
+    order = np.lexsort((vertex, height, cell))
+    first = np.unique(cell[order], return_index=True)[1]
+    lowest, spread = vertex[order[first]], _far_apart(body, foot, FOOT_POINTS)
+    sole: Ints = np.unique(np.concatenate([lowest, spread]))
+    return sole
+
+
+def _cells(x: Array, count: int) -> Ints:
+    size = max(float(np.ptp(x)), 1e-9)
+    cell: Ints = np.minimum((count * (x - x.min()) / size).astype(np.int64), count - 1)
+    return cell
+
+
+def _spread(body: Body) -> Ints:
+    """Vertices far from each other, but for hands, feet and the face."""
+    names = [not any(part in name for part in _NOT_RESTING) for name in JOINT_NAMES]
+    vertex = np.flatnonzero(np.asarray(names)[body.weights.argmax(axis=1)])
+    return _far_apart(body, vertex, SKIN_POINTS)
+
+
+def _far_apart(body: Body, vertex: Ints, count: int) -> Ints:
+    """So many of some vertices, each as far as can be from those before it; the lowest first."""
+    if not len(vertex):
+        return vertex
+    at = body.rest_vertices[vertex]
+    chosen = [int(np.argmin(at[:, 1]))]
+    distance = np.full(len(at), np.inf)
+    for _ in range(min(count, len(at)) - 1):
+        distance = np.minimum(distance, ((at - at[chosen[-1]]) ** 2).sum(axis=1))
+        chosen.append(int(np.argmax(distance)))
+    spread: Ints = vertex[chosen]
+    return spread
+
+
+def _normals(body: Body) -> Array:
+    a, b, c = (body.rest_vertices[body.faces[:, k]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    total = np.zeros_like(body.rest_vertices)
+    for k in range(3):
+        np.add.at(total, body.faces[:, k], normal)
+    size = np.linalg.norm(total, axis=1, keepdims=True)
+    unit: Array = total / np.where(size > 0, size, 1.0)
+    return unit

@@ -1,0 +1,270 @@
+#include "footing/footing.h"
+
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::footing;
+
+namespace {
+
+// 1 up to `low`, 0 from `high` on.
+double fades(double x, double low, double high) {
+  return std::clamp((high - x) / (high - low), 0.0, 1.0);
+}
+
+double towards(double from, double to, double most_up, double most_down) {
+  return std::clamp(to, from - most_down, from + most_up);
+}
+
+}  // namespace
+
+// Where the points of the reference are in the pose `qpos`, and how fast they got there in `time` of its
+// own; if none passed, as before.
+void Footing::read(const Model& m, const double* qpos, double time) {
+  kin_.resize(m);
+  own_.assign(m.nbody, 0);
+  const int root = m.root[model->legs[0].hip];
+  for (int b = 1; b < m.nbody; b++) own_[b] = m.root[b] == root;
+  kin_.update(m, qpos, own_.data());
+  points_.clear();
+  for (const Leg& leg : model->legs)
+    for (const SkinPoint& p : leg.sole) points_.push_back(p.position(kin_));
+  for (const SkinPoint& p : model->skin) points_.push_back(p.position(kin_));
+  speed_.resize(points_.size());
+  if (!started_) speed_.assign(points_.size(), 0);
+  if (started_ && time > tune::kNoTime)
+    for (size_t i = 0; i < points_.size(); i++) speed_[i] = norm(points_[i] - before_[i]) / time;
+  before_ = points_;
+  started_ = true;
+  lowest_ = 1e300;
+  for (const Vec3& p : points_) lowest_ = std::min(lowest_, p.z);
+}
+
+void Footing::find_feet(const CollisionWorld& world, Poses& poses, Vec3 displaced, double dt) {
+  SurfaceBelow below(world);
+  size_t i = 0;
+  feet_.assign(model->legs.size(), {});
+  ground_.clear();
+  for (size_t f = 0; f < model->legs.size(); f++) {
+    Foot& foot = feet_[f];
+    const Vec3 by{displaced.x + shift_[f].x, displaced.y + shift_[f].y, height_ + shift_[f].z};
+    foot.lift = -1e300;
+    for (size_t n = 0; n < model->legs[f].sole.size(); n++, i++) {
+      const double low = fades(points_[i].z - lowest_, tune::kLow, tune::kHigh);
+      foot.low = std::max(foot.low, low);
+      foot.rests = std::max(foot.rests, low * fades(speed_[i], tune::kRests, tune::kMoves));
+      const Surface s = below.find(poses, points_[i] + by, tune::kStepUp, tune::kDeep);
+      ground_.push_back(s.found ? s.height + world.settings.clearance + tune::kSoleGap : -1e300);
+      if (!s.found) continue;
+      foot.grounded = true;
+      foot.lift = std::max(foot.lift, ground_.back() - points_[i].z);
+    }
+    rested_[f] = foot.rests > 0.5 ? rested_[f] + dt : 0;
+  }
+  aloft_ += dt;
+  for (const Foot& foot : feet_)
+    if (foot.rests > 0.5) aloft_ = 0;
+}
+
+// The lift that skin needs which rests on something, or presses on it: seen from where contacts hold the
+// person up.
+void Footing::find_skin(const CollisionWorld& world, Poses& poses, Vec3 displaced) {
+  SurfaceBelow below(world);
+  carried_ = false;
+  skin_lift_ = -1e300;
+  const Vec3 by{displaced.x, displaced.y, height_ + std::max(0.0, displaced.z)};
+  const size_t soles = points_.size() - model->skin.size();
+  for (size_t n = 0; n < model->skin.size(); n++) {
+    const size_t i = soles + n;
+    if (speed_[i] > tune::kMoves || model->skin[n].facing(kin_).z > -tune::kFaces) continue;
+    const Vec3 x = points_[i] + by;
+    const Surface s = below.find(poses, x, tune::kPressedIn, tune::kCarries);
+    if (!s.found) continue;
+    carried_ = true;
+    skin_lift_ = std::max(skin_lift_, s.height + world.settings.clearance - points_[i].z);
+  }
+}
+
+// False: nothing rests, the height stays.
+bool Footing::wanted_height(double& height) const {
+  if (carried_) {
+    height = skin_lift_;
+    return true;
+  }
+  // As high as one foot has it, no higher than the other leg reaches down.
+  double highest = -1e300, most = 1e300;
+  const bool falls = aloft_ > tune::kFlight;
+  for (size_t f = 0; f < feet_.size(); f++) {
+    const Foot& foot = feet_[f];
+    if (!foot.grounded || (falls ? foot.low : foot.rests) < 0.5) continue;
+    if (!falls && foot.lift < height_ - tune::kFar && rested_[f] < tune::kRestTime) continue;
+    highest = std::max(highest, foot.lift);
+    most = std::min(most, foot.lift + model->legs[f].slack(kin_));
+  }
+  if (highest == -1e300) return false;
+  height = std::min(highest, most);
+  return true;
+}
+
+void Footing::move_height(double dt, double gravity) {
+  double to = height_;
+  if (!wanted_height(to)) {
+    rising_ = 0;
+    return;
+  }
+  const bool near = to > height_ - tune::kFloats && to < height_ + tune::kAtHeight;
+  if (near && std::fabs(rising_) < tune::kAtRest) {
+    rising_ = 0;
+    return;
+  }
+  const double rate = tune::kHeightRate;
+  const double pull = rate * rate * (to - height_) - 2 * rate * rising_;
+  rising_ += dt * std::clamp(pull, -gravity, tune::kRise * gravity);
+  height_ += dt * rising_;
+  if (std::fabs(height_ - to) < tune::kAtHeight && std::fabs(rising_) < tune::kAtRest)
+    height_ = to, rising_ = 0;
+}
+
+// Where a foot is to be put beyond the person's height.
+Vec3 Footing::wanted_shift(size_t leg, Vec3 displaced, double dt) const {
+  const Foot& foot = feet_[leg];
+  Vec3 shift = shift_[leg];
+  double up = 0;
+  if (foot.grounded) {
+    up = foot.lift - height_;
+    const double swings = (1 - foot.rests) * tune::kSwingGap;
+    if (up > -swings) up += swings;
+    const bool far =
+        carried_ ? up < -tune::kHangs : up < -tune::kFar && rested_[leg] < tune::kRestTime;
+    if (up < tune::kAtHeight) up = far ? 0 : foot.rests * std::min(0.0, up + tune::kFloats);
+  }
+  shift.z = towards(shift.z, up, tune::kLift * dt, tune::kLower * dt);
+  Vec3 behind{shift.x, shift.y, 0};
+  if (foot.rests > 0.5 && foot.grounded) {
+    const Vec3 slid = displaced - displaced_;
+    behind -= Vec3{slid.x, slid.y, 0};
+  } else {
+    const double size = norm(behind), less = std::max(0.0, size - tune::kGiveUp * dt);
+    behind = size > 0 ? (less / size) * behind : behind;
+  }
+  const double size = norm(behind);
+  if (size > tune::kMostBehind) behind = (tune::kMostBehind / size) * behind;
+  return {behind.x, behind.y, shift.z};
+}
+
+// After the heights are known: what is on the ground at the end of the frame.
+void Footing::find_state() {
+  over_ground_ = on_ground_ = carried_;
+  at_rest_ = true;
+  for (size_t f = 0; f < feet_.size(); f++) {
+    over_ground_ |= feet_[f].grounded;
+    on_ground_ |= feet_[f].grounded && feet_[f].lift > height_ + shift_[f].z - tune::kOnGround;
+    at_rest_ &= feet_[f].rests > 0.5;
+  }
+  at_rest_ |= carried_;
+}
+
+void Footing::apply(int root_qpos, double* qpos) {
+  corrected_ = height_ != 0;
+  qpos[root_qpos + 2] += height_;
+  for (size_t f = 0; f < model->legs.size(); f++) {
+    if (shift_[f].x == 0 && shift_[f].y == 0 && shift_[f].z == 0) continue;
+    shift_[f] = model->legs[f].move(kin_, shift_[f], qpos);
+    corrected_ = true;
+  }
+}
+
+// Joints turn at constant rates between two targets, so that a foot that rolls off its toes sags on its
+// way, by millimetres. Lifts feet that would be under the ground half-way; true if there are any.
+bool Footing::clear_between(const Model& m, int root_qpos, const double* from, const double* to) {
+  half_.assign(to, to + m.nq);
+  double* q = &half_[root_qpos];
+  for (int i = 0; i < 3; i++) q[i] = 0.5 * (from[i] + q[i]);
+  for (int b = 1; b < m.nbody; b++) {
+    if (!own_[b]) continue;
+    const int at = m.jnt_qpos[m.jnt_first[b]] + (m.parent[b] == 0 ? 3 : 0);
+    const Quat begin = load4(from + at - root_qpos), end = load4(to + at);
+    store4(&half_[at], normalized(begin * exp_quat(0.5 * log_quat(conjugate(begin) * end))));
+  }
+  between_.resize(m);
+  between_.update(m, half_.data(), own_.data());
+  bool any = false;
+  size_t i = 0;
+  for (size_t f = 0; f < model->legs.size(); f++) {
+    double sags = 0;
+    for (const SkinPoint& p : model->legs[f].sole)
+      sags = std::max(sags, ground_[i++] - p.position(between_).z);
+    if (sags < tune::kSags) continue;
+    shift_[f].z += std::min(2 * sags, tune::kMostSag);
+    any = true;
+  }
+  return any;
+}
+
+void Footing::start(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
+                    double* qpos) {
+  height_ = rising_ = aloft_ = 0;
+  started_ = corrected_ = false;
+  displaced_ = {};
+  if (!on()) return;
+  shift_.assign(model->legs.size(), {});
+  rested_.assign(model->legs.size(), 0);
+  read(m, qpos, 0);
+  find_feet(world, poses, {}, 0);
+  find_skin(world, poses, {});
+  double height = 0;
+  if (!wanted_height(height) || std::fabs(height) > tune::kStartShift) return;
+  if (height < tune::kAtHeight && height > -tune::kFloats) height = 0;
+  height_ = height;
+  for (size_t f = 0; f < feet_.size(); f++) {
+    const double up = wanted_shift(f, {}, 1).z;
+    if (std::fabs(up) < tune::kStartShift) shift_[f].z = up;
+  }
+  apply(root_qpos, qpos);
+}
+
+void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
+                    const Frame& frame, double* target) {
+  read(m, target, frame.passed);
+  find_feet(world, poses, frame.displaced, frame.dt);
+  find_skin(world, poses, frame.displaced);
+  move_height(frame.dt, frame.gravity);
+  for (size_t f = 0; f < feet_.size(); f++) shift_[f] = wanted_shift(f, frame.displaced, frame.dt);
+  displaced_ = frame.displaced;
+  find_state();
+  asked_.assign(target, target + m.nq);
+  apply(root_qpos, target);
+  if (!corrected_ || !clear_between(m, root_qpos, frame.from, target)) return;
+  std::copy(asked_.begin(), asked_.end(), target);
+  apply(root_qpos, target);
+}
+
+void Footing::save(std::vector<double>& out) const {
+  if (!on()) return;
+  out.insert(out.end(), {height_, rising_, aloft_, started_ ? 1.0 : 0.0, corrected_ ? 1.0 : 0.0});
+  for (Vec3 v : shift_) out.insert(out.end(), {v.x, v.y, v.z});
+  out.insert(out.end(), rested_.begin(), rested_.end());
+  out.insert(out.end(), {displaced_.x, displaced_.y, displaced_.z});
+  for (size_t i = 0; i < before_.size(); i++)
+    out.insert(out.end(), {before_[i].x, before_[i].y, before_[i].z, speed_[i]});
+}
+
+const double* Footing::load(const double* in) {
+  if (!on()) return in;
+  height_ = in[0], rising_ = in[1], aloft_ = in[2], started_ = in[3] != 0, corrected_ = in[4] != 0;
+  in += 5;
+  shift_.resize(model->legs.size());
+  for (Vec3& v : shift_) v = load3(in), in += 3;
+  rested_.assign(in, in + model->legs.size());
+  in += model->legs.size();
+  displaced_ = load3(in), in += 3;
+  size_t points = model->skin.size();
+  for (const Leg& leg : model->legs) points += leg.sole.size();
+  before_.resize(points);
+  speed_.resize(points);
+  for (size_t i = 0; i < points; i++, in += 4) before_[i] = load3(in), speed_[i] = in[3];
+  return in;
+}
+
+}  // namespace hp

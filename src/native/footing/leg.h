@@ -1,0 +1,34 @@
+// A leg whose sole is put elsewhere: hip, knee and ankle turn, the foot keeps its orientation.
+//
+// Thigh (hip to knee, u) and shank (knee to ankle, w) are two bones. The shank turns about the
+// knee's axis n until the ankle is as far from the hip as it is to be, a closed form:
+//
+//   |u + w(delta)|^2 = d^2,   w(delta) = w_n + w_t cos(delta) + (n x w_t) sin(delta)
+//
+// of the two solutions the one with the knee bent; then both turn about the hip by the least
+// rotation that puts the ankle in its place. The axis is that in which the leg is bent already, and
+// that of a straight leg is the thigh's own, from left to right.
+#pragma once
+#include <vector>
+
+#include "footing/skin_point.h"
+
+namespace hp {
+
+struct Leg {
+  int hip = 0, knee = 0, ankle = 0, toes = 0;       // bodies
+  int hip_qpos = 0, knee_qpos = 0, ankle_qpos = 0;  // their quaternions in the model's qpos
+  int root = 0;                                     // the body that the hip hangs on
+  std::vector<SkinPoint> sole;
+
+  // How much farther down the ankle can go while the hip stays [m].
+  double slack(const Kinematics& k) const;
+  // Puts the ankle of the pose `k`, whose coordinates are `qpos`, elsewhere by `shift` [m], or as
+  // far as the leg reaches; the quaternions in qpos change, `k` does not. Returns the shift made.
+  Vec3 move(const Kinematics& k, Vec3 shift, double* qpos) const;
+
+ private:
+  double reach(const Kinematics& k) const;
+};
+
+}  // namespace hp

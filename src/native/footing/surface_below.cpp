@@ -1,0 +1,65 @@
+#include "footing/surface_below.h"
+
+#include "geometry/separation.h"
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::footing;
+
+SurfaceBelow::SurfaceBelow(const CollisionWorld& world) : world_(world) {
+  point_.vertices = {{}};
+  point_.finish();
+}
+
+// Falls towards the shape: a step to the plane that separates it, again and again. Exact for a face
+// after one.
+void SurfaceBelow::meet(const PosedShape& shape, int number, Vec3 x, double above, Surface& best) {
+  const Box3& box = shape.box;
+  if (x.x < box.lo.x || x.x > box.hi.x || x.y < box.lo.y || x.y > box.hi.y) return;
+  if (box.hi.z <= best.height || box.lo.z > x.z + above) return;
+  Vec3 at = x;
+  at.z = x.z + above;
+  if (box.hi.z < at.z) at.z = box.hi.z + tune::kAboveBox;
+  double steepness = 0;  // of the last plane
+  for (int i = 0; i < tune::kFallSteps; i++) {
+    probe_.place(point_, {}, at);
+    const Separation s = separate(probe_, shape, 1e300, false);
+    if (s.dist <= tune::kLanded) {
+      if (i == 0) return;  // it began inside: a wall, or what is too high to step on
+      break;
+    }
+    if (s.n.z <= 0) return;  // it falls past
+    steepness = s.n.z;
+    at.z -= s.dist / s.n.z;
+    if (at.z < best.height) return;
+  }
+  if (steepness < tune::kSteep) return;
+  best = {at.z, number, true};
+}
+
+Surface SurfaceBelow::find(Poses& poses, Vec3 x, double step, double depth) {
+  Surface best{x.z - depth, -1, false};
+  for (const Static& s : world_.statics) {
+    if (s.kind == Static::Kind::HalfSpace) {
+      if (s.n.z < tune::kSteep) continue;
+      const double z = (s.offset - s.n.x * x.x - s.n.y * x.y) / s.n.z;
+      if (z > best.height) best = {z, -1, true};
+    } else if (s.kind == Static::Kind::Hull) {
+      meet(s.posed, -1, x, step, best);
+    } else {
+      const double z = s.tree->below({x.x, x.y, x.z + step}, tune::kSteep);
+      if (z > best.height) best = {z, -1, true};
+    }
+  }
+  for (int i = 0; i < (int)world_.shapes.size(); i++) {
+    if (world_.shapes[i].person >= 0) continue;
+    const BoundingSphere& ball = poses.cached_bounding_sphere(world_.shapes, i);
+    const double dx = ball.center.x - x.x, dy = ball.center.y - x.y;
+    if (dx * dx + dy * dy > ball.radius * ball.radius) continue;
+    meet(world_.place(poses, i), i, x, tune::kOnObject, best);
+  }
+  return best;
+}
+
+}  // namespace hp

@@ -1,0 +1,31 @@
+// The surface below a point: what somebody who stands there stands on.
+//
+// A vertical line from above the point down. Static geometry counts up to `step` above it (a stair
+// that a foot has sunk into), objects only where they are under it: what a foot kicks is no ground.
+// Walls and steep slopes are none either.
+#pragma once
+#include "collision/collision_world.h"
+
+namespace hp {
+
+struct Surface {
+  double height = 0;  // of the surface [m]
+  int shape = -1;     // the object's shape, -1: static geometry
+  bool found = false;
+};
+
+class SurfaceBelow {
+ public:
+  explicit SurfaceBelow(const CollisionWorld& world);
+  // The highest surface under `x`, at most `depth` under it [m]. `poses` has the objects.
+  Surface find(Poses& poses, Vec3 x, double step, double depth);
+
+ private:
+  void meet(const PosedShape& shape, int number, Vec3 x, double above, Surface& best);
+
+  const CollisionWorld& world_;
+  Convex point_;
+  PosedShape probe_;
+};
+
+}  // namespace hp

@@ -1,0 +1,89 @@
+#include "stepping/reference_clock.h"
+
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::footing;
+
+void ReferenceClock::reset(const PersonDofs& dofs, const double* target) {
+  reached_.assign(target, target + dofs.qpos_count());
+  ahead_.clear();
+  waited_ = passed_ = 0;
+  impatient_ = false;
+}
+
+double ReferenceClock::rate(Vec3 displaced, bool touched, bool stands, double dt) {
+  const Asked& next = ahead_.front();
+  Vec3 way = load3(next.qpos.data()) - load3(reached_.data());
+  way.z = 0;
+  const double length = norm(way), speed = length / next.time;
+  const double behind = speed > tune::kStill ? -dot(displaced, way) / length : 0;
+  if (behind < tune::kBehind) impatient_ = false, waited_ = 0;
+  if (behind < tune::kBehind || !touched || impatient_) return 1;
+  const double share = std::max(0.0, (tune::kBlocked - behind) / (tune::kBlocked - tune::kBehind));
+  waited_ += (1 - share) * dt;
+  impatient_ = waited_ > tune::kPatience;
+  return stands ? share : std::max(share, tune::kSlowest);
+}
+
+void ReferenceClock::move_on(const PersonDofs& dofs, double time) {
+  while (!ahead_.empty() && time > 0) {
+    Asked& next = ahead_.front();
+    if (next.time <= time * (1 + tune::kSameTime)) {
+      time -= next.time;
+      reached_.swap(next.qpos);
+      ahead_.pop_front();
+      continue;
+    }
+    const double share = time / next.time;
+    for (int i = 0; i < 3; i++) reached_[i] += share * (next.qpos[i] - reached_[i]);
+    for (const PersonDofs::Ball& b : dofs.balls()) {
+      const Quat from = load4(&reached_[b.qpos]);
+      const Vec3 turn = log_quat(conjugate(from) * load4(&next.qpos[b.qpos]));
+      store4(&reached_[b.qpos], normalized(from * exp_quat(share * turn)));
+    }
+    next.time -= time;
+    time = 0;
+  }
+}
+
+const double* ReferenceClock::advance(const PersonDofs& dofs, const double* target, double dt,
+                                      Vec3 displaced, bool touched, bool stands) {
+  passed_ = dt;
+  if (!on) return target;
+  ahead_.push_back({{target, target + dofs.qpos_count()}, dt});
+  passed_ = dt * rate(displaced, touched, stands, dt);
+  move_on(dofs, passed_);
+  return reached_.data();
+}
+
+double ReferenceClock::lag() const {
+  double lag = 0;
+  for (const Asked& a : ahead_) lag += a.time;
+  return lag;
+}
+
+void ReferenceClock::save(std::vector<double>& out) const {
+  if (!on) return;
+  out.insert(out.end(), reached_.begin(), reached_.end());
+  out.insert(out.end(), {(double)ahead_.size(), waited_, passed_, impatient_ ? 1.0 : 0.0});
+  for (const Asked& a : ahead_) {
+    out.push_back(a.time);
+    out.insert(out.end(), a.qpos.begin(), a.qpos.end());
+  }
+}
+
+const double* ReferenceClock::load(const PersonDofs& dofs, const double* in) {
+  if (!on) return in;
+  reset(dofs, in);
+  in += dofs.qpos_count();
+  const size_t count = (size_t)in[0];
+  waited_ = in[1], passed_ = in[2], impatient_ = in[3] != 0;
+  in += 4;
+  for (size_t i = 0; i < count; i++, in += dofs.qpos_count() + 1)
+    ahead_.push_back({{in + 1, in + 1 + dofs.qpos_count()}, in[0]});
+  return in;
+}
+
+}  // namespace hp

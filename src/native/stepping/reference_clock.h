@@ -1,0 +1,52 @@
+// The clock of a person's reference: somebody who cannot go on waits (docs/physics.md, "Who is blocked
+// stops"), a reference governor (Garone, Di Cairano, Kolmanovsky 2017).
+//
+// With b how far the root is behind its path, along the way that the reference takes next, and while
+// something touches the person, the clock runs at
+//
+//   rate = 1 up to b = kBehind, less and less, 0 from kBlocked on,
+//
+// but at kSlowest at least until the pose is one to stand in. Poses that were asked for meanwhile wait
+// in a queue, and the person moves through it as time passes for it. Who has waited for kPatience goes
+// on whatever is in the way, until back on the path. A clock that never lags changes no bit.
+#pragma once
+#include <deque>
+#include <vector>
+
+#include "stepping/person_dofs.h"
+
+namespace hp {
+
+class ReferenceClock {
+ public:
+  bool on = false;
+
+  // Nothing lags; the person is at `target`, its qpos.
+  void reset(const PersonDofs& dofs, const double* target);
+  // Time dt passes and `target` is asked for at its end. Returns the pose to aim at. `displaced`: of
+  // the root from its path [m]; `touched`: something touches the person; `stands`: it could stop in the
+  // pose that it is in.
+  const double* advance(const PersonDofs& dofs, const double* target, double dt, Vec3 displaced,
+                        bool touched, bool stands);
+  // How far the reference is behind [s], and how much of its time has passed in this frame [s].
+  double lag() const;
+  double passed() const { return passed_; }
+
+  void save(std::vector<double>& out) const;
+  const double* load(const PersonDofs& dofs, const double* in);
+
+ private:
+  struct Asked {
+    std::vector<double> qpos;
+    double time;  // from the pose before it [s]
+  };
+  double rate(Vec3 displaced, bool touched, bool stands, double dt);
+  void move_on(const PersonDofs& dofs, double time);
+
+  std::vector<double> reached_;
+  std::deque<Asked> ahead_;
+  double waited_ = 0, passed_ = 0;
+  bool impatient_ = false;
+};
+
+}  // namespace hp

@@ -1,0 +1,188 @@
+"""People stand on what is under them: heights, falls, stairs, and what stays as it was."""
+
+import numpy as np
+import pytest
+import trimesh
+
+import halfphysics as hp
+from halfphysics.body.footing_points import footing_points
+
+#: Clearance, the gap of a sole, and what its points miss of the skin between them [m].
+STANDS = (0.0009, 0.004)
+WEIGHT = hp.Settings(weight=True)
+BODY = hp.Body.default()
+FEET = np.flatnonzero(
+    BODY.weights[
+        :, [hp.JOINT_NAMES.index(f"{s}_{j}") for s in ("left", "right") for j in ("ankle", "foot")]
+    ].sum(1)
+    > 0.5
+)
+
+
+def standing(height=0.0, frames=60, fps=30.0):
+    """Somebody who stands upright with bent knees, the soles so high over z = 0 [m]."""
+    rotations = np.zeros((frames, 55, 3))
+    rotations[:, 0] = [np.pi / 2, 0.0, 0.0]
+    for side in ("left", "right"):
+        for joint, bend in (("hip", -0.5), ("knee", 1.0), ("ankle", -0.5)):
+            rotations[:, hp.JOINT_NAMES.index(f"{side}_{joint}"), 0] = bend
+    motion = hp.Motion(np.zeros((frames, 3)), rotations, fps)
+    low = BODY.vertices(motion[0])[:, 2].min()
+    return motion.with_frames(motion.translation + np.array([0.0, 0.0, height - low]), rotations)
+
+
+def floor(shape="plane", top=0.0):
+    scene = hp.Scene()
+    if shape == "plane":
+        scene.add_static("floor", hp.Plane(), position=(0.0, 0.0, top))
+    else:
+        box = hp.Box((4.0, 4.0, 0.2))
+        item = box if shape == "hull" else trimesh.creation.box((4.0, 4.0, 0.2))
+        scene.add_static("floor", item, position=(0.0, 0.0, top - 0.1))
+    return scene
+
+
+def lowest(motion, vertices=slice(None)):
+    return BODY.vertices(motion)[:, vertices, 2].min(axis=1)
+
+
+@pytest.mark.parametrize("height", [-0.03, -0.01, 0.01, 0.03])
+def test_a_displaced_clip_stands_from_the_first_frame_on_without_force(height):
+    motion = standing(height)
+    result = hp.simulate(motion, floor(), body=BODY, settings=WEIGHT)
+    feet = lowest(result.motion)
+    assert (feet > STANDS[0]).all()
+    assert (feet < STANDS[1] + 0.003).all()
+    assert not result.contacts.impulse.any()
+    assert hp.metrics.mpjpe(result.motion, motion, BODY) < 1e-6
+    assert result.people[0].corrected.all()
+
+
+@pytest.mark.parametrize("scene", [hp.Scene(), floor(top=-0.0012)], ids=["nothing", "floor"])
+def test_who_stands_already_or_on_nothing_is_not_changed_by_one_bit(scene):
+    motion = standing(0.0)
+    result = hp.simulate(motion, scene, body=BODY, settings=WEIGHT)
+    without = hp.simulate(motion, scene, body=BODY, settings=hp.Settings())
+    assert np.array_equal(result.motion.translation, without.motion.translation)
+    assert np.array_equal(result.motion.rotations, without.motion.rotations)
+    assert not result.people[0].corrected.any()
+    assert result.free_frames().all()
+
+
+def test_nobody_is_held_up_by_nothing_and_falls_no_faster_than_gravity():
+    height, fps = 0.6, 60.0
+    motion = standing(height, frames=120, fps=fps)
+    result = hp.simulate(motion, floor(), body=BODY, settings=WEIGHT)
+    z = result.motion.translation[:, 2] - motion.translation[:, 2]
+    # Semi-implicit steps: one of g dt^2 ahead of the parabola at most.
+    acceleration = np.diff(z, 2) * fps**2
+    assert acceleration.min() > -9.81 * 1.001
+    assert STANDS[0] < lowest(result.motion)[-1] < STANDS[1] + 0.003
+    assert not result.lost_time.any()
+    assert not len(result.breaches)
+
+
+def test_a_jump_is_not_pulled_down():
+    """Up and down along a parabola of 0.3 m, off the ground for half a second."""
+    fps, g = 60.0, 9.81
+    motion = standing(0.0012, frames=120, fps=fps)
+    t = np.arange(120) / fps - 0.5
+    up = np.maximum(0.0, 0.3 - 0.5 * g * (t - np.sqrt(0.6 / g)) ** 2)
+    jump = motion.with_frames(motion.translation + up[:, None] * [0.0, 0.0, 1.0], motion.rotations)
+    result = hp.simulate(jump, floor(), body=BODY, settings=WEIGHT)
+    assert np.abs(result.motion.translation - jump.translation).max() < 0.02
+
+
+@pytest.mark.parametrize("shape", ["plane", "hull", "mesh"])
+def test_planes_hulls_and_meshes_carry_alike(shape):
+    result = hp.simulate(standing(0.02), floor(shape, 0.0), body=BODY, settings=WEIGHT)
+    plane = hp.simulate(standing(0.02), floor(), body=BODY, settings=WEIGHT)
+    # A fall towards a hull ends within a tenth of a micrometre.
+    assert np.abs(result.motion.translation - plane.motion.translation).max() < 2e-7
+
+
+def test_one_foot_on_a_step_bends_the_leg_and_keeps_the_foot_level():
+    scene, step = floor(), 0.08
+    left = BODY.joints(standing()[0])[hp.JOINT_NAMES.index("left_ankle")]
+    scene.add_static(
+        "step", hp.Box((0.2, 0.6, step)), position=(left[0], left[1] - 0.1, step / 2.0)
+    )
+    motion = standing(0.0, frames=90)
+    result = hp.simulate(
+        motion, scene, body=BODY, settings=hp.Settings(weight=True, root="recover")
+    )
+    name = [hp.JOINT_NAMES[i] for i in BODY.weights.argmax(axis=1)]
+    for side, height in (("left", step), ("right", 0.0)):
+        sole = [i for i in FEET if name[i].startswith(side)]
+        assert STANDS[0] < lowest(result.motion, sole)[-1] - height < STANDS[1] + 0.003, side
+        joint = hp.JOINT_NAMES.index(f"{side}_ankle")
+        _, after = BODY.joint_frames(result.motion[-1])
+        _, before = BODY.joint_frames(motion[-1])
+        # The foot's orientation in the world, as a quaternion: no turn of over 2 degrees.
+        assert abs(after[joint] @ before[joint]) > np.cos(np.radians(1.0)), side
+    assert not len(result.breaches)
+
+
+def test_what_a_foot_is_about_to_kick_is_no_ground():
+    """A ball 2 cm before the toes, lower than the ankle, does not lift the person."""
+    scene = floor(top=-0.0012)
+    feet = BODY.vertices(standing()[0])[FEET]
+    toe = feet[feet[:, 1].argmin()]
+    scene.add_object(
+        "ball", hp.Sphere(0.05), mass=0.4, position=(toe[0], toe[1] - 0.07, 0.05), friction=1.0
+    )
+    result = hp.simulate(standing(0.0), scene, body=BODY, settings=WEIGHT)
+    assert np.array_equal(result.motion.translation, standing(0.0).translation)
+
+
+def test_a_saved_state_resumes_to_the_bit():
+    motion = standing(0.05, frames=40)
+    settings = hp.Settings(weight=True, root="recover", strength="human", blocked="wait")
+    scene = floor()
+    scene.add_static("wall", hp.Box((3.0, 0.1, 2.0)), position=(0.0, -0.8, 1.0))
+    walk = motion.with_frames(
+        motion.translation + np.linspace(0.0, 1.5, 40)[:, None] * [0.0, -1.0, 0.0], motion.rotations
+    )
+    sim = hp.Simulator(scene, body=BODY, settings=settings)
+    sim.reset(walk[0])
+    for t in range(1, 25):
+        sim.step(walk[t])
+    state = sim.get_state()
+    ends = []
+    for _ in range(2):
+        sim.set_state(state)
+        for t in range(25, 40):
+            frame = sim.step(walk[t])
+        ends.append(frame.pose)
+    assert np.array_equal(ends[0].rotations, ends[1].rotations)
+    assert np.array_equal(ends[0].translation, ends[1].translation)
+    whole = hp.simulate(walk, scene, body=BODY, settings=settings).motion[39]
+    assert np.array_equal(whole.rotations, ends[0].rotations)
+
+
+@pytest.mark.parametrize("clip", ["asap_walk1", "asap_squat3", "asap_kick1"])
+def test_recorded_feet_stand_with_their_toes_flat(shared_data, clip):
+    motion = hp.Motion.load(shared_data / "motion" / f"{clip}.npz").grounded(BODY)
+    sunk = motion.with_frames(motion.translation - [0.0, 0.0, 0.01], motion.rotations)
+    result = hp.simulate(sunk, floor(), body=BODY, settings=WEIGHT)
+    assert np.median(lowest(result.motion)) < 0.004
+    toes = [hp.JOINT_NAMES.index(f"{side}_foot") for side in ("left", "right")]
+    turned = np.abs(result.motion.rotations[:, toes] - sunk.rotations[:, toes]).max()
+    # Without weight they turn by up to 1.7 rad.
+    assert np.degrees(turned) < 10.0
+    force = np.zeros(len(motion))
+    np.add.at(force, result.contacts.frame, np.linalg.norm(result.contacts.impulse, axis=1))
+    assert force.max() * result.fps < 400.0
+
+
+def test_points_are_on_the_skin_and_cover_the_soles():
+    points = footing_points(BODY)
+    frames = BODY.rest_joints[points.joints] + points.local
+    at = (points.weights[..., None] * frames).sum(axis=1)
+    gap = np.linalg.norm(at[:, None] - BODY.rest_vertices[None], axis=2).min(axis=1)
+    assert gap.max() < 1e-12
+    assert np.abs(points.weights.sum(axis=1) - 1.0).max() < 1e-12
+    for side in (slice(0, points.soles[0]), slice(points.soles[0], sum(points.soles))):
+        sole = at[side]
+        assert np.ptp(sole[:, 2]) > 0.2
+        assert sole[:, 1].min() < BODY.rest_vertices[:, 1].min() + 1e-3

@@ -1,0 +1,83 @@
+"""Who is blocked waits: the reference's clock, and the force on a root with ground under it."""
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+
+BODY = hp.Body.default()
+STANDS_FIRM = hp.Settings(weight=True, root="recover", strength="human", blocked="wait")
+
+
+def walk(frames=150, fps=30.0, speed=1.2, stop=4.0):
+    """The package's own gait, from standing: `scenarios.acting`."""
+    from halfphysics.scenarios.acting.gait import Walk
+    from halfphysics.scenarios.acting.gait import walk as gait
+
+    return gait(BODY, Walk(distance=stop, speed=speed), fps)[:frames]
+
+
+def room(**statics):
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    for name, (shape, position) in statics.items():
+        scene.add_static(name, shape, position=position)
+    return scene
+
+
+WALL = {"wall": (hp.Box((0.1, 4.0, 2.5)), (1.6, 0.0, 1.25))}
+
+
+def forces(result):
+    """Net force of everything but the floor on the person (T, 3) [N]."""
+    contacts = result.contacts
+    row = contacts.other != result.names.index("floor")
+    total = np.zeros((len(result), 3))
+    np.add.at(total, contacts.frame[row], contacts.impulse[row] * result.fps)
+    return total
+
+
+def test_nothing_in_the_way_the_clock_is_that_of_the_frames():
+    result = hp.simulate(walk(), room(), body=BODY, settings=STANDS_FIRM)
+    assert np.array_equal(result.clock, np.arange(len(result)) / result.fps)
+
+
+def test_who_walks_into_a_wall_waits_and_stands_still():
+    result = hp.simulate(walk(), room(**WALL), body=BODY, settings=STANDS_FIRM)
+    clock = result.clock
+    assert (np.diff(clock) >= -1e-12).all()
+    assert (np.diff(clock) <= 1.0 / result.fps + 1e-12).all()
+    still = np.flatnonzero(np.diff(clock) < 1e-9)
+    assert len(still) > 1.5 * result.fps  # it waits for three seconds at most, of five
+    feet = [hp.JOINT_NAMES.index(f"{side}_ankle") for side in ("left", "right")]
+    moved = np.linalg.norm(np.diff(BODY.joints(result.motion)[:, feet], axis=0), axis=2).max(axis=1)
+    # Pushed back by its own arms it comes back to the wall at first; 0.3 mm a frame is the aim.
+    assert np.median(moved[still]) < 8e-3  # [m] a frame
+    assert np.abs(forces(result)[still]).max() < 3000.0
+    assert np.linalg.norm(forces(result)[still].mean(axis=0)) < 400.0
+
+
+def test_continue_walks_on_the_spot_as_the_paper_does():
+    settings = hp.Settings(weight=True, root="recover", strength="human")
+    result = hp.simulate(walk(), room(**WALL), body=BODY, settings=settings)
+    assert np.array_equal(result.clock, np.arange(len(result)) / result.fps)
+
+
+@pytest.mark.parametrize(("mass", "moves"), [(20.0, True), (200.0, False)])
+def test_a_person_pushes_what_its_feet_can(mass, moves):
+    scene = room()
+    scene.add_object(
+        "box", hp.Box((0.5, 0.8, 1.2)), mass=mass, friction=0.3, position=(1.5, 0.0, 0.6)
+    )
+    result = hp.simulate(walk(), scene, body=BODY, settings=STANDS_FIRM)
+    way = result.objects["box"].position[-1, 0] - 1.5
+    assert way > 0.3 if moves else abs(way) < 0.02
+
+
+def test_saved_and_loaded_with_its_clock(tmp_path):
+    result = hp.simulate(walk(90), room(**WALL), body=BODY, settings=STANDS_FIRM)
+    result.save(tmp_path / "wait.npz")
+    loaded = hp.Result.load(tmp_path / "wait.npz")
+    assert np.array_equal(loaded.clock, result.clock)
+    assert np.array_equal(loaded.people[0].corrected, result.people[0].corrected)
+    assert loaded.settings == result.settings

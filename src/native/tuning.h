@@ -812,9 +812,11 @@ constexpr double kHeightRate = 8, kRise = 2;
 constexpr double kNoTime = 1e-6;
 // The height has come to rest when it is this near [m] and slow [m/s].
 constexpr double kAtHeight = 1e-6, kAtRest = 1e-5;
-// How fast a sole is corrected up and down [m/s], and how fast a foot in the air gives up what it was
+// How fast a sole is corrected up [m/s], and the time constant of its way down [s]: at 1 m/s, without one, knees
+// jerk twice as much as those of recorded clips (1.5 times at most in 11 of 60), with 0.05 s in 37 of 60; with
+// 0.12 s in 40, but dancing feet hang 15 mm in the air. How fast a foot in the air gives up what it was
 // held back by along the ground [m/s], which is never more than the last [m]: then it slides.
-constexpr double kLift = 2.0, kLower = 1.0, kGiveUp = 1.5, kMostBehind = 0.25;
+constexpr double kLift = 2.0, kLowerTime = 0.05, kGiveUp = 1.5, kMostBehind = 0.25;
 // A person may start this much higher or lower than asked to stand [m]: what recordings are off by.
 constexpr double kStartShift = 0.1;
 

@@ -13,10 +13,6 @@ double fades(double x, double low, double high) {
   return std::clamp((high - x) / (high - low), 0.0, 1.0);
 }
 
-double towards(double from, double to, double most_up, double most_down) {
-  return std::clamp(to, from - most_down, from + most_up);
-}
-
 }  // namespace
 
 // Where the points of the reference are in the pose `qpos`, and how fast they got there in `time` of its
@@ -139,7 +135,11 @@ Vec3 Footing::wanted_shift(size_t leg, Vec3 displaced, double dt) const {
         carried_ ? up < -tune::kHangs : up < -tune::kFar && rested_[leg] < tune::kRestTime;
     if (up < tune::kAtHeight) up = far ? 0 : foot.rests * std::min(0.0, up + tune::kFloats);
   }
-  shift.z = towards(shift.z, up, tune::kLift * dt, tune::kLower * dt);
+  if (up > shift.z)
+    shift.z = std::min(up, shift.z + tune::kLift * dt);
+  else
+    shift.z += (1 - std::exp(-dt / tune::kLowerTime)) * (up - shift.z);
+  if (std::fabs(shift.z) < tune::kAtHeight) shift.z = 0;
   Vec3 behind{shift.x, shift.y, 0};
   if (foot.rests > 0.5 && foot.grounded) {
     const Vec3 slid = displaced - displaced_;

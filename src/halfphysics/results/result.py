@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -293,9 +293,7 @@ class Result:
     @property
     def clock(self) -> Array:
         """Time of the first person's reference at every frame (T,) [s]."""
-        clock = self.people[0].clock
-        assert clock is not None
-        return clock
+        return cast("Array", self.people[0].clock)
 
     def free_frames(self, person: int = 0, settle: float = SETTLE) -> NDArray[np.bool_]:
         """Frames (T,) in which nothing acts on a person: no contact within the last `settle` [s],

@@ -80,7 +80,9 @@ def _set_joint_ranges(core: Any, settings: Settings, people: Sequence[Person]) -
 
 
 def set_footing(core: Any, model: Any, settings: Settings, people: Sequence[Person]) -> None:
-    """Have people wait and stand as `Settings.blocked` and `Settings.weight` say."""
+    """Have people wait and stand as `Settings.blocked` and `weight` say: not those of baselines."""
+    if settings.drive != HALF_PHYSICS:
+        return
     core.set_waiting(settings.blocked == "wait")
     if not settings.weight:
         return

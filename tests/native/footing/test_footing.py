@@ -135,6 +135,14 @@ def test_what_a_foot_is_about_to_kick_is_no_ground():
     assert np.array_equal(result.motion.translation, standing(0.0).translation)
 
 
+def test_a_baseline_that_sets_poses_is_not_corrected():
+    motion = standing(0.03, frames=5)
+    settings = hp.baselines.Kinematic(weight=True, blocked="wait")
+    result = hp.simulate(motion, floor(), body=BODY, settings=settings)
+    assert np.array_equal(result.motion.translation, motion.translation)
+    assert not result.people[0].corrected.any()
+
+
 def test_a_saved_state_resumes_to_the_bit():
     motion = standing(0.05, frames=40)
     settings = hp.Settings(weight=True, root="recover", strength="human", blocked="wait")

@@ -38,7 +38,7 @@ LAYERS = {
     "writers": "errors base motion geometry body scene results simulation render __version__",
     "labels": "errors base motion geometry body scene results metrics _native",
     "mujoco": "errors base motion geometry body settings scene simulation _native",
-    "scenarios": "errors base motion geometry body scene simulation",
+    "scenarios": "errors base motion geometry body scene settings simulation",
     "viewer": "errors base motion geometry body settings scene results simulation render scenarios",
     "sweep": (
         "errors base motion geometry body settings scene results simulation baselines formats "
@@ -93,7 +93,7 @@ NATIVE = {
     "dynamics": "math",
     "contact": "math dynamics",
     "collision": "math geometry dynamics contact",
-    "footing": "geometry dynamics collision",
+    "footing": "math geometry dynamics collision",
     "stepping": "geometry dynamics collision footing",
     "labels": "math geometry",
     "support": "math",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from evidence.model import Outcome
-from evidence.runs import lifting, playing, ragdoll
+from evidence.runs import choices, lifting, playing, ragdoll
 from halfphysics import scenarios
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.results.result import Result
@@ -88,7 +88,7 @@ def limp(before: float, watched: float) -> Outcome:
     """A body that goes limp `before` a kick [s] and is `watched` [s], beside one that does not."""
     story = scenarios.load("kick_ball")
     motion, body = story.motions[0], playing.default_body(story)
-    ours = playing.run(story, {})
+    ours = playing.run(story, choices.OURS)
     hit = playing.first_touch(ours, "ball")
     frame = hit - round(before * motion.fps)
     fallen = ragdoll.let_go(story, frame)

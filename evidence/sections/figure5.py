@@ -291,11 +291,11 @@ _PICTURED = ("drop", "heavy")
 
 
 def _variants(case: Case, quick: bool) -> Iterator[tuple[str, choices.Choice, Values]]:
-    """End of the key, settings and options: with our defaults, and with the setting of the paper.
+    """End of the key, settings and options: with our drive, and with the setting of the paper.
 
     Friction holds better at a higher frame rate and with firmer joints: both are shown.
     """
-    yield "", {}, {}
+    yield "", choices.OURS, {}
     if quick or case.beyond:
         return
     yield "/limp", choices.LIMP, {}

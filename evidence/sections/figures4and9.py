@@ -53,7 +53,7 @@ _TAKEN = 1.0
 _LEFT_OUT = "an arm through a door frame"
 _PICTURED = ("half the body through a doorway's wall", "sinking into a sofa")
 #: Settings -> the end of a task's key.
-_CHOICES = {"": {}, "/firm": choices.FIRM}
+_CHOICES = {"": choices.OURS, "/firm": choices.FIRM}
 
 
 def scene(

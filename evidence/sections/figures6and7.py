@@ -55,7 +55,7 @@ class Way:
 
 #: Methods by the end of the key of a task.
 WAYS = {
-    "half-physics": Way("half-physics", {}, False, False, False),
+    "half-physics": Way("half-physics", choices.OURS, False, False, False),
     "kinematic": Way("poses set, nothing responds", {"mode": "kinematic"}, True, True),
     "positions": Way("poses forced, at 30 Hz", {"mode": "positions"}, True, True, True),
     "interpolated-240": Way(
@@ -234,7 +234,7 @@ def _limp(found: Values) -> list[Row]:
         Row(
             name="a ragdoll: half-physics",
             data=data,
-            setting=choices.said({}),
+            setting=choices.said(choices.OURS),
             figures=(
                 at_most(STAYS, abs(ours["drop"]), name=drop, unit="m"),
                 Figure(name=errors, unit="mm", ours=ours["mpjpe_g"]),

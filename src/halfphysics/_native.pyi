@@ -179,6 +179,7 @@ class Stepper:
         person: int,
         joints: Annotated[NDArray[numpy.int32], "(*, 3)"],
         soles: Annotated[NDArray[numpy.int32], "(*,)"],
+        hands: int,
         body: Annotated[NDArray[numpy.int32], "(*,)"],
         weight: Annotated[NDArray[numpy.float64], "(*,)"],
         local: Annotated[NDArray[numpy.float64], "(*, 3)"],

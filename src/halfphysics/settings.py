@@ -50,6 +50,16 @@ class Drive:
     follow: Callable[[Any, Any, Any, Callable[[int], Any]], Any] | None = None
 
 
+#: Fields of `Settings` with which a motion is followed as it is, as the paper does: nobody has
+#: weight, waits, walks back, or has limits of strength and joints.
+AS_IT_IS: Mapping[str, Any] = {
+    "weight": False,
+    "blocked": "continue",
+    "root": "stay",
+    "strength": None,
+    "joint_limits": False,
+}
+
 #: Half-physics: velocities by the drive of `Settings`, and no other force on people.
 HALF_PHYSICS = Drive()
 
@@ -69,14 +79,14 @@ class Settings:
     recovery_rate: float = 8.0
     """Fastest speed at which a joint returns to its reference [rad/s]; with drive_time=None, and
     three times the speed of the reference."""
-    weight: bool = False
+    weight: bool = True
     """People stand, sit and lie on what is under them, instead of floating over it or sinking into
     it: their height, and the legs that stand, follow the surface."""
-    blocked: Literal["wait", "continue"] = "continue"
+    blocked: Literal["wait", "continue"] = "wait"
     """Who cannot go on waits, up to three seconds, while the reference's clock stands still, or
     walks on the spot ("continue")."""
-    root: Literal["stay", "recover"] = "stay"
-    """After an obstacle the root keeps its offset ("stay") or walks back to the reference."""
+    root: Literal["stay", "recover"] = "recover"
+    """After an obstacle the root walks back to the reference ("recover") or keeps its offset."""
     root_speed: float = 1.0
     """Fastest speed of that return [m/s]."""
     clearance: float = 0.001
@@ -93,11 +103,11 @@ class Settings:
     """Largest violation of a contact that the solver may leave in a substep [m]."""
     max_sweeps: int = 50
     """Sweeps of the contact solver over all points with friction; then normals alone."""
-    strength: Literal["human"] | Mapping[str, float] | None = None
-    """What the drive can exert (with drive_time): all it needs (None), as much as a person
-    ("human"), or per joint group or joint [N m]; "pelvis" limits the torque on the whole body,
-    "root" the force on it [N]; what is not named has no limit."""
-    joint_limits: bool = False
+    strength: Literal["human"] | Mapping[str, float] | None = "human"
+    """What the drive can exert: as much as a person ("human"), all it needs (None, and always with
+    drive_time=None), or per joint group or joint [N m]; "pelvis" limits the torque on the whole
+    body, "root" the force on it [N]; what is not named has no limit."""
+    joint_limits: bool = True
     """Contact turns no joint farther than people's joints go, or than the motion itself has it."""
     threads: int = 1
     """Threads for measuring a result (a substep runs on one); no number depends on it."""
@@ -129,6 +139,8 @@ class Settings:
         check.number("clearance_range", least=0.0)
         check.choice("contact", "skin", "parts")
         object.__setattr__(self, "strength", checked_strength(self.strength))
+        if self.drive_time is None and self.strength == "human":
+            object.__setattr__(self, "strength", None)
         check.holds(
             "strength",
             self.strength is None or self.drive_time is not None,
@@ -152,13 +164,14 @@ class Settings:
     def paper(cls, stiffness: float | Mapping[str, float] = 0.0, **changes: Any) -> Settings:
         """The paper's own setting: Algorithm 1, eight substeps a frame, lambda = `stiffness`.
 
-        `changes` overrides further fields.
+        Nobody has weight, waits, walks back to the motion or has limits (`AS_IT_IS`). `changes`
+        overrides further fields.
         """
         values: dict[str, Any] = {
             "drive_time": None,
             "substeps": 8,
             "stiffness": stiffness,
-            "joint_limits": False,
+            **AS_IT_IS,
         }
         known = {f.name for f in fields(cls)}
         for name in changes:

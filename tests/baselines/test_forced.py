@@ -25,6 +25,7 @@ from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.doors import ACROSS, DOOR
 from support.kicks import before_the_foot, swing
 from support.people import MIDDLE, SOLES, along_x, violent
@@ -94,10 +95,10 @@ def test_nobody_is_stopped(body, settings, contact):
     assert result.clearance[-1] > 0.0  # and past it
     assert not len(result.contacts[(result.contacts.person == 0) & (result.contacts.other < 2)])
     # The clearance is the distance of that pose, in every mode.
-    start = Simulator(walled(), body=body, settings=Settings(contact=contact)).reset(motion[0])
+    start = Simulator(walled(), body=body, settings=as_it_is(contact=contact)).reset(motion[0])
     assert result.clearance[0] == start.clearance
     assert (result.people[0].torque == 0.0).all()
-    stopped = simulate(motion, walled(), body=body, settings=Settings(contact=contact))
+    stopped = simulate(motion, walled(), body=body, settings=as_it_is(contact=contact))
     assert stopped.clearance.min() > 0.0
 
 

@@ -162,7 +162,7 @@ def test_what_presses_touches_and_does_not_go_in(measured):
     """The skin by `metrics`; the parts by MuJoCo's collision: its hulls are ours in float32."""
     for case in PRESSED:
         records = [r for r in measured["records"] if r["case"] == case]
-        assert max(r["checks"]["contacts"][0] for r in records) > 2.0
+        assert max(r["checks"]["contacts"][0] for r in records) >= 2.0
         assert all(r["checks"]["skin inside [mm]"][0] == 0.0 for r in records)
         assert all(r["checks"]["parts inside [mm]"][0] < 1e-3 for r in records)
         assert max(r["checks"]["skin inside [mm]"][1] for r in records) > 0.5

@@ -23,7 +23,7 @@ import numpy as np
 from campaigns import clear as clear_campaign
 from halfphysics.body.body import Body
 from halfphysics.errors import InputError
-from halfphysics.settings import Settings
+from halfphysics.settings import AS_IT_IS, Settings
 from halfphysics.simulation.simulator import Simulator
 from support.judges.skin_judge import SkinJudge
 from support.postures.furniture import KINDS
@@ -149,7 +149,7 @@ def run(case, data=None, contact="skin", body=None, **changes):
         stiffness=case.stiffness,
         drive_time=case.drive,
         record="substeps",
-        **changes,
+        **{**AS_IT_IS, **changes},
     )
     judge = SkinJudge(body, scene)
     first = judge.judge_motion(motion[:2], poses=1)
@@ -221,6 +221,7 @@ def first_contact(case, contact="skin", body=None):
         substeps=case.substeps,
         stiffness=case.stiffness,
         drive_time=case.drive,
+        **AS_IT_IS,
     )
     simulator = Simulator(made.scene, body=body, settings=settings, fps=case.fps)
     simulator.reset(made.motion[0])

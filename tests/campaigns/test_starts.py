@@ -22,8 +22,8 @@ from halfphysics.geometry.shapes import Mesh
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX as J
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.starts import cases as starts
 from support.starts import objects as starts_things
 from support.starts.cases import Case
@@ -118,7 +118,7 @@ def _made_up(heights, solids, turn=None):
     """The verdict on feet in the floor whose lowest point moves through `heights` (S + 1,) [m]."""
     frames = (len(heights) - 1) // 8
     motion = _standing(frames + 1)
-    settings = Settings(record="substeps")
+    settings = as_it_is(record="substeps")
     simulator = Simulator(Scene(), body=starts.body(), settings=settings, fps=30.0)
     asked = motion.with_frames(
         motion.translation + np.array([0.0, 0.0, heights[0]]), motion.rotations

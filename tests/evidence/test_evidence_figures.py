@@ -71,6 +71,7 @@ def test_tasks(section):
 
 def test_settings_are_said_as_one_writes_them():
     assert choices.said({}) == "Settings()"
+    assert choices.said(choices.OURS) == "Settings(**AS_IT_IS)"
     assert choices.said({"mode": "positions"}) == "baselines.Positions()"
     assert choices.said(choices.LIMP) == "Settings.paper()"
     assert choices.said({**choices.FIRM, "mode": "torque"}) == "baselines.Torque.paper(1)"

@@ -16,6 +16,7 @@ from halfphysics.bench.clips import straight
 from halfphysics.errors import InputError
 from halfphysics.results.contacts import Contacts
 from halfphysics.results.result import Result
+from support.as_it_is import as_it_is
 from support.references.mesh_queries import closest_reference
 
 
@@ -24,7 +25,7 @@ def kick(contact: str = "skin", record: str = "substeps") -> Result:
     """A ball on a floor, kicked away: the scenario, from shortly before the kick."""
     story = scenarios.load("kick_ball")
     motion = story.motions[0][60:110]
-    settings = hp.Settings(contact=contact, record=record)  # type: ignore[arg-type]
+    settings = as_it_is(contact=contact, record=record)  # type: ignore[arg-type]
     return hp.simulate(motion, story.scene, body=story.bodies[0], settings=settings)
 
 
@@ -34,7 +35,7 @@ def walled(contact: str = "skin", mesh: bool = False) -> Result:
     wall = hp.Box((0.1, 3.0, 3.0))
     scene = hp.Scene()
     scene.add_static("wall", hp.Mesh(*wall.triangles()) if mesh else wall, position=(0.3, 0.0, 0.0))
-    settings = hp.Settings(contact=contact)  # type: ignore[arg-type]
+    settings = as_it_is(contact=contact)  # type: ignore[arg-type]
     return hp.simulate(straight(1.5, 0.6, -0.6), scene, settings=settings)
 
 

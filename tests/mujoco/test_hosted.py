@@ -9,6 +9,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.errors import HalfPhysicsWarning, InputError
+from support.as_it_is import as_it_is
 from support.people import along_x
 
 #: Of the pelvis over the floor, the soles a centimetre off it; of the wrists over the pelvis [m].
@@ -90,7 +91,7 @@ def test_motion_is_followed_exactly_where_nothing_touches():
     model = spec.compile()
     data = mujoco.MjData(model)
     model.opt.timestep = 1.0 / 480.0
-    control = human.bind(model, data)
+    control = human.bind(model, data, settings=as_it_is())
     sequence = hp.scenarios.load("walk_into_wall")
     motion = sequence.motion[:20]
     control.reset(motion[0])
@@ -148,21 +149,21 @@ class Push:
 
 
 def test_arm_pushes_a_limp_arm_aside():
-    push = Push(hp.Settings(stiffness=0.0), force=200.0)
+    push = Push(as_it_is(stiffness=0.0), force=200.0)
     assert push.parts == {("right_elbow", "fore")}
     assert push.turned > 10.0
     assert push.moved < 1e-3
 
 
 def test_firm_person_is_displaced_whole():
-    push = Push(hp.Settings(stiffness=10.0), force=200.0)
+    push = Push(as_it_is(stiffness=10.0), force=200.0)
     assert push.parts == {("right_elbow", "fore")}
     assert push.turned < 2.0
     assert push.moved > 1e-3
 
 
 def test_weak_robot_stalls_at_its_force_limit():
-    push = Push(hp.Settings(stiffness=10.0), force=2.0)
+    push = Push(as_it_is(stiffness=10.0), force=2.0)
     assert push.torque == 2.0
     # It stays at the contact with the arm, far from its target.
     assert push.data.qpos[0] - push.data.ctrl[0] < -0.15

@@ -12,11 +12,11 @@ from halfphysics.geometry.shapes import Box, Plane
 from halfphysics.reference import ranges
 from halfphysics.reference import step as reference
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.people import along_x
 
-VELOCITY = 1e-9
+VELOCITY = 5e-9
 ANGLE = 1e-10
 
 
@@ -52,7 +52,7 @@ def test_velocities_with_ranges_are_equal(body, drive, stiffness):
     scene = Scene()
     scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
     scene.add_static("floor", Plane(), friction=0.5)
-    settings = Settings(
+    settings = as_it_is(
         drive_time=drive, stiffness=stiffness, substeps=1, contact="parts", joint_limits=True
     )
     dt = 1.0 / 240.0

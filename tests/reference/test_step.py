@@ -13,8 +13,8 @@ from halfphysics.reference import step as reference
 from halfphysics.reference.contact import contact_residual
 from halfphysics.reference.ranges import joined
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.people import along_x, violent
 
 DRIVES = {"time constant": 0.02, "algorithm 1": None}
@@ -47,7 +47,7 @@ def person_drive(simulator, settings, start):
 @pytest.mark.parametrize("drive", DRIVES)
 def test_free_trajectories_are_equal(body, drive):
     motion = violent(frames=20)
-    settings = Settings(drive_time=DRIVES[drive], stiffness=1.0)
+    settings = as_it_is(drive_time=DRIVES[drive], stiffness=1.0)
     simulator = Simulator(Scene(), body=body, settings=settings, fps=30)
     simulator.reset(motion[0])
     stepper, model = simulator.world.stepper, simulator.world.model
@@ -81,7 +81,7 @@ def test_velocities_with_contact_are_equal(body, drive, stiffness, contact):
     scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
     scene.add_static("floor", Plane(), friction=0.5)
     scene.add_object("ball", Sphere(0.1), mass=0.5, position=(0.25, 0.2, 1.0), velocity=(-1, 0, 0))
-    settings = Settings(contact=contact, drive_time=DRIVES[drive], stiffness=stiffness, substeps=1)
+    settings = as_it_is(contact=contact, drive_time=DRIVES[drive], stiffness=stiffness, substeps=1)
     dt = 1.0 / 240.0
     motion = motion.resample(240.0)
     simulator = Simulator(scene, body=body, settings=settings, fps=240)
@@ -154,7 +154,7 @@ def test_contact_of_a_person_solved_independently(body, drive):
     motion = along_x(1.5, 16, start=-0.2).grounded(body, 0.0005).resample(240.0)
     scene = Scene()
     scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
-    settings = Settings(
+    settings = as_it_is(
         drive_time=DRIVES[drive],
         stiffness=10.0,
         tolerance=1e-13,
@@ -213,7 +213,7 @@ def test_contact_solved_independently():
             f"ball{i}", Sphere(0.1), mass=0.5, position=(0.7 + 0.22 * (i // 2), 0.21 * (i % 2), 0.1)
         )
     simulator = Simulator(
-        scene, body=[], settings=Settings(tolerance=1e-12, max_sweeps=5000), fps=240
+        scene, body=[], settings=as_it_is(tolerance=1e-12, max_sweeps=5000), fps=240
     )
     simulator.reset([])
     stepper, model = simulator.world.stepper, simulator.world.model
@@ -244,7 +244,7 @@ def test_firmness_and_strength_by_joint_are_equal(body, drive, strength):
     motion = along_x(1.5, 10, start=0.2001).resample(240.0)
     scene = Scene()
     scene.add_static("wall", Box((0.1, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=0.3)
-    settings = Settings(
+    settings = as_it_is(
         contact="parts",
         drive_time=DRIVES[drive],
         stiffness={"legs": 0.0, "arms": 3.0, "hands": 1.0, "spine2": 0.3},

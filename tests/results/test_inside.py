@@ -22,6 +22,7 @@ from halfphysics.scene.scene import Scene
 from halfphysics.simulation.core_rows import inside_rows
 from halfphysics.simulation.simulate import simulate
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.people import along_x
 from support.results.random_result import make_result
 
@@ -165,12 +166,12 @@ def test_files_of_old_have_no_rows(tmp_path, body):
 
 @pytest.fixture(scope="module")
 def sunken(body):
-    """T-pose with both feet some 3 cm in a floor, standing still for a second."""
+    """T-pose with both feet some 3 cm in a floor, standing still for a second, as it is."""
     scene = Scene()
     scene.add_static("floor", Plane())
     motion = along_x(0.0, 31, start=0.0).grounded(body, -0.034)
     with pytest.warns(HalfPhysicsWarning) as said:
-        result = simulate(motion, scene, body=body)
+        result = simulate(motion, scene, body=body, settings=as_it_is())
     return scene, motion, result, said
 
 
@@ -203,7 +204,7 @@ def test_the_warning_names_parts_and_things(sunken):
 
 def test_frames_say_what_the_result_says(body, sunken):
     scene, motion, result, _ = sunken
-    simulator = Simulator(scene, body=body, fps=motion.fps)
+    simulator = Simulator(scene, body=body, settings=as_it_is(), fps=motion.fps)
     frames = [simulator.reset(motion[0])]
     frames += [simulator.step(motion[t]) for t in range(1, 6)]
     for t, live in enumerate(frames):

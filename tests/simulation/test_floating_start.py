@@ -10,6 +10,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.errors import HalfPhysicsWarning
 from halfphysics.simulation.floating_start import FLOATING
+from support.as_it_is import as_it_is
 
 UPRIGHT = np.array([np.pi / 2, 0.0, 0.0])
 
@@ -29,10 +30,10 @@ def floor() -> hp.Scene:
     return scene
 
 
-def said(motion: hp.Motion, scene: hp.Scene) -> list[str]:
+def said(motion: hp.Motion, scene: hp.Scene, settings: hp.Settings | None = None) -> list[str]:
     with warnings.catch_warnings(record=True) as seen:
         warnings.simplefilter("always", HalfPhysicsWarning)
-        hp.simulate(motion, scene)
+        hp.simulate(motion, scene, settings=settings)
     return [str(w.message) for w in seen]
 
 
@@ -48,8 +49,12 @@ def test_on_the_floor(tmp_path, height):
 
 
 def test_sunken_is_said_once(tmp_path):
-    (message,) = said(standing(tmp_path, -0.06), floor())
+    (message,) = said(standing(tmp_path, -0.06), floor(), as_it_is())
     assert "the start is not clear" in message
+
+
+def test_who_is_put_on_the_floor_does_not_start_in_it(tmp_path):
+    assert said(standing(tmp_path, -0.06), floor()) == []
 
 
 def test_no_floor_or_no_file(tmp_path):

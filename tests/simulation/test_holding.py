@@ -14,6 +14,7 @@ from halfphysics.motion.skeleton import JOINT_INDEX, PARENTS
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.held import (
     HAND,
     PARTS,
@@ -39,7 +40,7 @@ def body():
 
 @pytest.mark.parametrize(
     "settings",
-    [PARTS, Settings.paper(contact="parts"), Settings()],
+    [PARTS, Settings.paper(contact="parts"), as_it_is()],
     ids=["parts", "paper", "skin"],
 )
 @pytest.mark.parametrize("part", ["right_wrist", "head", "pelvis"])
@@ -94,7 +95,7 @@ def inverse_dynamics(world, before, after, dt, poses):
 
 def test_the_drive_exerts_what_it_weighs_and_what_moving_it_takes(body):
     """Against MuJoCo's inverse dynamics of the held object alone, frame by frame."""
-    settings = Settings(contact="parts", record="substeps")
+    settings = as_it_is(contact="parts", record="substeps")
     motion = violent(12, seed=1)
     options = {"mass": 2.0, "com": (0.1, 0.02, 0.0), "quaternion": rot.exp([0.3, 0.1, -0.5])}
     simulator = holding(body, motion, settings=settings, **options)
@@ -144,7 +145,7 @@ def test_without_gravity_it_weighs_nothing(body):
 def test_who_is_strong_enough_carries_it_to_rounding(body):
     motion = pointing(20, swing=0.2 * np.sin(np.arange(20) * 0.3))
     simulator = holding(
-        body, motion, mass=1.0, settings=Settings(contact="parts", strength="human")
+        body, motion, mass=1.0, settings=as_it_is(contact="parts", strength="human")
     )
     for t in range(1, len(motion)):
         frame = simulator.step(motion[t])
@@ -159,7 +160,7 @@ def test_who_is_not_gives_way(body):
     ways = []
     for substeps in (8, 128):
         motion = pointing(16)
-        settings = Settings(contact="parts", strength="human", substeps=substeps)
+        settings = as_it_is(contact="parts", strength="human", substeps=substeps)
         simulator = holding(
             body, motion, shape=Box((0.1, 0.1, 0.1)), out=0.3, mass=30.0, settings=settings
         )
@@ -176,7 +177,7 @@ def test_who_is_not_gives_way(body):
 def test_limp_arms_and_what_hangs_on_them_gain_no_energy(body):
     """An arm without strength, 10 kg in the hand: a pendulum of that mass, for 5 s."""
     arm = [f"right_{j}" for j in ("shoulder", "elbow", "wrist")]
-    settings = Settings(contact="parts", strength=dict.fromkeys(arm, 0.0))
+    settings = as_it_is(contact="parts", strength=dict.fromkeys(arm, 0.0))
     motion = pointing(2)
     simulator = holding(
         body, motion, shape=Box((0.1, 0.1, 0.1)), out=0.3, mass=10.0, settings=settings
@@ -210,7 +211,7 @@ def test_a_wall_that_it_meets_stops_the_hand(body, contact, fps):
     scene = Scene()
     tip = body.joints(motion[0])[HAND, 0] + 0.55 + 0.3
     scene.add_static("wall", Box((1, 8, 8)), position=(tip + 0.6 + 0.5, 0, 0))
-    settings = Settings(contact=contact, record="substeps")
+    settings = as_it_is(contact=contact, record="substeps")
     simulator = holding(body, motion, scene=scene, settings=settings)
     first, pushed, nearest = None, 0.0, np.inf
     for t in range(1, frames):
@@ -251,7 +252,7 @@ def test_what_it_hits_flies(body):
             motion,
             scene=scene,
             mass=mass,
-            settings=Settings(contact="parts", record="substeps"),
+            settings=as_it_is(contact="parts", record="substeps"),
         )
         clear = np.inf
         for t in range(1, len(motion)):

@@ -9,8 +9,8 @@ from halfphysics.body.body import Body
 from halfphysics.errors import InputError
 from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.held import (
     HAND,
     PARTS,
@@ -82,7 +82,7 @@ def test_let_go_in_the_hand_it_comes_out_gently(body, contact):
     scene.add_object(
         "ball", Sphere(0.05), mass=0.3, position=body.joints(motion[0])[HAND] + [0.08, 0.0, 0.0]
     )
-    simulator = Simulator(scene, body=body, settings=Settings(contact=contact))
+    simulator = Simulator(scene, body=body, settings=as_it_is(contact=contact))
     simulator.reset(motion[0])
     simulator.attach("ball")
     for t in range(1, 5):
@@ -112,7 +112,7 @@ def test_let_go_against_a_wall_it_stays_out(body):
     tip = body.joints(motion[0])[HAND, 0] + 0.55 + 0.3
     scene.add_static("wall", Box((1, 8, 8)), position=(tip + 0.3 + 0.5, 0, 0))
     scene.add_static("floor", Plane(offset=-1.5))
-    settings = Settings(contact="parts", record="substeps")
+    settings = as_it_is(contact="parts", record="substeps")
     simulator = holding(body, motion, scene=scene, settings=settings)
     for t in range(1, 60):
         if t == 30:
@@ -142,7 +142,7 @@ def states(body):
         "cube", Box((0.1, 0.1, 0.1)), mass=0.5, position=(0.0, 1.2, 0.4), start="asleep"
     )
     scene.add_object("stick", STICK, **in_front(body, motion[0]))
-    settings = Settings(contact="parts", strength="human", stiffness={"hands": 0.5})
+    settings = as_it_is(contact="parts", strength="human", stiffness={"hands": 0.5})
     simulator = Simulator(scene, body=body, settings=settings)
     simulator.reset(motion[0])
     kept, frames = [], []

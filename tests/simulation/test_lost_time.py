@@ -15,6 +15,7 @@ from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.people import t_pose
 
 FRAMES = 60
@@ -24,10 +25,10 @@ RATE = 10.0
 #: Position of the walls [m]: along the axis, the fixed wall, start of the moving one.
 WAYS = {"from behind": (0, 0.4, -1.0), "from the side": (1, 0.7, -1.5)}
 SETTINGS = {
-    "skin": Settings(),
-    "parts": Settings(contact="parts"),
+    "skin": as_it_is(),
+    "parts": as_it_is(contact="parts"),
     "limp": Settings.paper(),
-    "firm": Settings(stiffness=10.0),
+    "firm": as_it_is(stiffness=10.0),
 }
 
 
@@ -91,7 +92,7 @@ def test_who_gets_out_lets_the_wall_go_on(body):
     path = np.zeros((FRAMES, 3))
     path[:, 2] = 4.0 * np.clip(np.arange(FRAMES) / 30.0 - 1.0, 0.0, None)
     motion = t_pose(path)
-    simulator = Simulator(press("from behind"), body=body, fps=30.0)
+    simulator = Simulator(press("from behind"), body=body, settings=as_it_is(), fps=30.0)
     simulator.reset(motion[0])
     frames = [simulator.step(motion[t]) for t in range(1, FRAMES)]
     lost = np.array([f.lost_time for f in frames])
@@ -129,7 +130,7 @@ def test_a_state_in_the_middle_goes_on_to_the_bit(body):
     motion = t_pose(np.zeros((FRAMES, 3)))
     runs = []
     for _ in range(2):
-        simulator = Simulator(press("from behind"), body=body, fps=30.0)
+        simulator = Simulator(press("from behind"), body=body, settings=as_it_is(), fps=30.0)
         simulator.reset(motion[0])
         runs.append(simulator)
     a, b = runs

@@ -10,10 +10,10 @@ from halfphysics.body.body import Body
 from halfphysics.errors import InputError
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
 from halfphysics.simulation.simulator import Simulator
 from support import self_touch as st
+from support.as_it_is import as_it_is
 
 CONTACTS = ("skin", "parts")
 DRIVES = {"drive_time": {}, "paper": {"drive_time": None, "stiffness": 1.0}}
@@ -45,7 +45,7 @@ BODY = Body.default()
 
 
 def settings(contact="skin", **changes):
-    return Settings(contact=contact, self_contact=True, **changes)
+    return as_it_is(contact=contact, self_contact=True, **changes)
 
 
 def bent(q, target, simulator, joints):
@@ -134,7 +134,7 @@ def test_what_does_not_touch_itself_is_followed_as_without(contact):
     rotations[:, JOINT_INDEX["spine2"], 1] = 0.3 * swing
     motion = Motion(np.outer(t, [1.5, 0.0, 0.3]), rotations, 30.0)
     on = simulate(motion, body=BODY, settings=settings(contact))
-    off = simulate(motion, body=BODY, settings=Settings(contact=contact))
+    off = simulate(motion, body=BODY, settings=as_it_is(contact=contact))
     assert np.array_equal(on.motion.rotations, off.motion.rotations)
     assert np.array_equal(on.motion.translation, off.motion.translation)
     assert abs(on.motion.translation - motion.translation).max() < EXACT
@@ -227,7 +227,7 @@ def test_hands_on_hips_hold_by_friction_of_the_person_with_themselves():
 
 def test_self_contact_must_be_true_or_false():
     with pytest.raises(InputError, match="self_contact"):
-        Settings(self_contact="yes")
+        as_it_is(self_contact="yes")
 
 
 @pytest.mark.parametrize("contact", CONTACTS)

@@ -10,6 +10,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics import scenarios
+from support.as_it_is import as_it_is
 from support.results.bits import bits
 
 #: What meets what: a person and a wall, an object in two hands, a drawer, two people, a bed.
@@ -145,11 +146,11 @@ def test_warnings_name_the_job_and_the_caller():
     sunken = hp.Scene()
     sunken.add_static("floor", hp.Plane(offset=0.1))
     with pytest.warns(hp.HalfPhysicsWarning, match=r"^jobs\[1\]: the start is not clear") as found:
-        hp.simulate_many([walk, walk], [None, sunken])
+        hp.simulate_many([walk, walk], [None, sunken], settings=as_it_is())
     assert [warning.filename for warning in found] == [__file__]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        came = hp.simulate_many([walk, walk], [None, sunken], errors="return")
+        came = hp.simulate_many([walk, walk], [None, sunken], settings=as_it_is(), errors="return")
     assert isinstance(came[1], hp.HalfPhysicsWarning)
 
 

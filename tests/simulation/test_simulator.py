@@ -16,6 +16,7 @@ from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.judges.person_hulls import CONTACTS, pieces_of
 from support.people import along_x, follow, violent
 
@@ -56,7 +57,7 @@ def test_free_motion_is_followed_exactly(request, body, clip, drive, substeps):
         folder = request.getfixturevalue("shared_data")
         motion = Motion.load(folder / "motion" / f"asap_{clip}.npz")
     for stiffness in (0.0, 1.0):
-        settings = Settings(substeps=substeps, stiffness=stiffness, **DRIVES[drive])
+        settings = as_it_is(substeps=substeps, stiffness=stiffness, **DRIVES[drive])
         _, corrected, _ = follow(motion, None, body, settings)
         assert mpjpe(motion, corrected, body) <= EXACT_MM
         assert mpjpe_global(motion, corrected, body) <= EXACT_MM
@@ -75,7 +76,7 @@ def test_the_violent_motion_is_violent(body):
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_walking_into_a_wall(body, contact, drive, stiffness):
     """1.5 m/s into 1 cm, N = 8: it stops, keeps its offset when free, and walks on when turned."""
-    settings = Settings(
+    settings = as_it_is(
         contact=contact, stiffness=stiffness, substeps=8, record="substeps", **DRIVES[drive]
     )
     motion = along_x(1.5, 90, start=-0.4, turn=60)
@@ -122,7 +123,7 @@ def kick(fps=30.0, mass=0.5, settings=None, body=None):
 
 @pytest.mark.parametrize("drive", DRIVES)
 def test_a_kicked_ball_leaves_along_the_kick_and_an_untouched_one_stays(body, drive):
-    result = kick(settings=Settings(**DRIVES[drive]), body=body)
+    result = kick(settings=as_it_is(**DRIVES[drive]), body=body)
     velocity = (result.objects["ball"].position[-1] - result.objects["ball"].position[-4]) * 10
     assert velocity[0] > 1.0
     assert abs(velocity[1]) < 0.5 * velocity[0]
@@ -139,9 +140,9 @@ def test_a_kicked_ball_leaves_along_the_kick_and_an_untouched_one_stays(body, dr
 
 def test_simulate_and_simulator_give_the_same_bits_as_does_a_second_run(body):
     motion = along_x(1.5, 40, start=-0.4)
-    first = simulate(motion, wall(), body=body)
-    second = simulate(motion, wall(), body=body, settings=Settings(threads=2))
-    _, corrected, _ = follow(motion, wall(), body, Settings())
+    first = simulate(motion, wall(), body=body, settings=as_it_is())
+    second = simulate(motion, wall(), body=body, settings=as_it_is(threads=2))
+    _, corrected, _ = follow(motion, wall(), body, as_it_is())
     for other in (second.motion, corrected):
         assert first.motion.translation.tobytes() == other.translation.tobytes()
         assert first.motion.rotations.tobytes() == other.rotations.tobytes()
@@ -188,7 +189,7 @@ def test_frames_are_what_simulate_reports_and_survive_a_copy(body):
 
 def test_a_state_resumes_bit_for_bit(body):
     motion = along_x(1.5, 40, start=-0.4)
-    for settings in (Settings(), Settings.paper(1.0)):
+    for settings in (as_it_is(), Settings.paper(1.0)):
         a = Simulator(wall(), body=body, settings=settings, fps=30)
         a.reset(motion[0])
         for t in range(1, 25):
@@ -205,7 +206,7 @@ def test_a_state_resumes_bit_for_bit(body):
 def test_clearance_is_the_smallest_distance(body, contact):
     motion = along_x(0.6, 30, start=-0.2)
     scene = wall()
-    frames, _, simulator = follow(motion, scene, body, Settings(contact=contact))
+    frames, _, simulator = follow(motion, scene, body, as_it_is(contact=contact))
     seen = 0
     for frame, clearance in ((f, f.clearance) for f in frames):
         qpos, _ = simulator.world.start([frame.pose])
@@ -227,10 +228,10 @@ def test_root_recovers(body):
         held.rotations,
     )
     del motion
-    frames, corrected, _ = follow(held, wall(), body, Settings(root="recover"))
+    frames, corrected, _ = follow(held, wall(), body, as_it_is(root="recover"))
     np.testing.assert_allclose(corrected.translation[-1], held.translation[-1], atol=1e-4)
     assert min(f.clearance for f in frames) > 0.0
-    _, stayed, _ = follow(held, wall(), body, Settings(root="stay"))
+    _, stayed, _ = follow(held, wall(), body, as_it_is(root="stay"))
     assert np.linalg.norm(stayed.translation[-1] - held.translation[-1]) > 0.1
 
 

@@ -13,6 +13,7 @@ from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.judges.person_hulls import CONTACTS
 from support.people import along_x, follow, violent
 
@@ -86,7 +87,7 @@ def wall(finer):
 def test_a_state_of_another_scene_is_refused(body):
     """Same names, same coordinates: but its planes refer to triangles that do not exist."""
     motion = along_x(1.5, 30, start=-0.4)
-    fine, coarse = (Simulator(wall(n), body=body) for n in (3, 0))
+    fine, coarse = (Simulator(wall(n), body=body, settings=as_it_is()) for n in (3, 0))
     fine.reset(motion[0])
     for t in range(1, len(motion)):
         frame = fine.step(motion[t])
@@ -99,7 +100,7 @@ def test_a_state_of_another_scene_is_refused(body):
             fine.set_state(dataclasses.replace(state, numbers=state.numbers[:cut]))
     # After the refusal the run continues unchanged; and other settings may continue from it.
     assert fine.get_state().numbers == state.numbers
-    stiffer = Simulator(wall(3), body=body, settings=Settings(stiffness=10.0))
+    stiffer = Simulator(wall(3), body=body, settings=as_it_is(stiffness=10.0))
     stiffer.set_state(state)
 
 

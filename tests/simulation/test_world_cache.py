@@ -13,6 +13,7 @@ from halfphysics.simulation.compiled_model import model_arrays
 from halfphysics.simulation.simulate import follow
 from halfphysics.simulation.simulator import Simulator
 from halfphysics.simulation.world_cache import use_again
+from support.as_it_is import as_it_is
 from support.results.bits import bits
 
 SHAPES = {
@@ -66,7 +67,7 @@ SETTINGS = st.fixed_dictionaries(
         "drive_time": st.sampled_from([None, 0.05]),
         "substeps": st.sampled_from([4, 9]),
         "clearance": st.sampled_from([0.0005, 0.004]),
-        "root": st.just("recover"),
+        "root": st.sampled_from(["recover", "stay"]),
         "tolerance": st.just(1e-5),
         "record": st.just("substeps"),
     },
@@ -79,11 +80,11 @@ CHOICES = st.fixed_dictionaries(
 @settings(max_examples=8, deadline=None)
 @given(chosen=st.lists(CHOICES, min_size=2, max_size=4))
 def test_scenes_one_after_the_other(walk, chosen):
-    how = hp.Settings(contact="parts")
+    how = as_it_is(contact="parts")
     simulator = Simulator(room(), settings=how, fps=walk.fps)
     kept = []
     for said in chosen:
-        scene, how = room(**said["scene"]), hp.Settings(contact="parts", **said["settings"])
+        scene, how = room(**said["scene"]), as_it_is(contact="parts", **said["settings"])
         motion = walk.resample(said["fps"])
         assert use_again(simulator.world, scene, how)
         result = follow(simulator.world, [motion])
@@ -187,7 +188,11 @@ def test_trajectories_and_poses_that_are_set_need_a_new_world():
     [
         {"contact": "parts"},
         {"self_contact": True},
-        {"strength": "human"},
+        {"strength": None},
+        {"drive_time": None},
+        {"weight": False},
+        {"blocked": "continue"},
+        {"joint_limits": False},
         {"mode": "torque"},
         {"internal_forces": True},
         {"joint_damping": 1.0},

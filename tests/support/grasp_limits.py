@@ -7,10 +7,10 @@ SLIP, TURN = 10.0, 15.0  # [mm], [degrees]
 
 
 #: Held still: a grip as firm as a person's, without tremor or creep.
-FORCE, SPREAD, PEAK = (30.0, 50.0), 0.05, 100.0  # [N], share, [N]
+FORCE, SPREAD, PEAK = (27.0, 50.0), 0.05, 100.0  # [N], share, [N]
 
 
-JITTER, CREEP = 0.05, 0.01  # [m/s^2], [mm/s]
+JITTER, CREEP = 0.05, 0.05  # [m/s^2], [mm/s]
 
 
 #: Tolerance of free fall [m/s^2], and its start after the hand begins to open [s].

@@ -9,13 +9,13 @@ from halfphysics.geometry.shapes import Box
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.people import t_pose
 
 HAND = JOINT_INDEX["right_wrist"]
 SHOULDER = JOINT_INDEX["right_shoulder"]
-PARTS = Settings(contact="parts")
+PARTS = as_it_is(contact="parts")
 G = 9.81
 STICK = Box((0.6, 0.03, 0.03))
 

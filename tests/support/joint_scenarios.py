@@ -6,6 +6,7 @@ import functools
 
 import halfphysics as hp
 from halfphysics.scenarios.props import chest, laptop
+from support.as_it_is import as_it_is
 from support.judges.jointed import Jointed
 
 #: Scenario -> object, link and joint that the hand moves, its start and its end.
@@ -20,7 +21,7 @@ MOVED = {
 @functools.cache
 def done(name, fps=30.0, stiffness=0.0, options=()):
     sequence = hp.scenarios.load(name, fps=fps, **dict(options))
-    settings = hp.Settings(stiffness=stiffness)
+    settings = as_it_is(stiffness=stiffness)
     result = hp.simulate(sequence.motion, sequence.scene, body=sequence.body, settings=settings)
     thing, link, joint, *_ = MOVED[name]
     return sequence, result, Jointed(result, thing), link, result.joints[f"{thing}/{joint}"]

@@ -167,7 +167,7 @@ def test_what_a_hand_does_reaches_the_simulator(playground):
             == (0.43, 8, 1.0)
         )
     )
-    assert (panel.person.strength.value, panel.player.loop.value) == ("unlimited", True)
+    assert (panel.person.strength.value, panel.player.loop.value) == ("human", True)
 
 
 @pytest.mark.parametrize("value", [math.nan, -5.0])

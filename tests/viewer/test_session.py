@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from halfphysics.settings import AS_IT_IS
 from halfphysics.viewer import session as do
 from halfphysics.viewer.catalog import OWN, Catalog, Choice, options
 from halfphysics.viewer.knobs import STRENGTHS, Knobs, mass_of, movable
@@ -40,8 +41,8 @@ def test_untouched_it_is_simulate_to_the_last_bit_and_in_the_second_loop_again(n
         ("stiffness", 0.2, {"stiffness": 0.2}),
         ("substeps", 3, {"substeps": 3}),
         ("drive_time", 0.2, {"drive_time": 0.2}),
-        ("strength", "human", {"strength": "human"}),
-        ("paper", True, {"drive_time": None}),
+        ("strength", "unlimited", {"strength": None}),
+        ("paper", True, {"drive_time": None, **AS_IT_IS}),
     ],
 )
 def test_a_knob_turned_at_the_start_is_that_setting_to_the_last_bit(knob, value, changes):
@@ -63,7 +64,7 @@ def test_a_heavier_ball_does_not_fly(when):
     assert not session.trouble
     start, end = light.objects["ball"].position[[0, -1]]
     assert np.linalg.norm(end - start) > 10.0
-    assert np.linalg.norm(frames[-1].objects["ball"][0] - start) < 0.5
+    assert np.linalg.norm(frames[-1].objects["ball"][0] - start) < 1.0
     assert session.simulator.world.scene.objects["ball"].mass == 200.0
 
 

@@ -25,7 +25,7 @@ from halfphysics.baselines.settings import (
     Torque,
 )
 from halfphysics.errors import InputError
-from halfphysics.settings import Settings
+from halfphysics.settings import AS_IT_IS, Settings
 
 Mode = Literal[
     "velocity",
@@ -110,7 +110,16 @@ def options_of(settings: Settings) -> dict[str, Any]:
 def with_options(settings: Settings, options: Mapping[str, Any]) -> Settings:
     """Settings with some of their flat options changed.
 
+    What half-physics and baselines have different defaults of is the default of the mode asked for,
+    where it was the default.
+
     Raises:
         InputError: As `from_options`.
     """
-    return from_options({**options_of(settings), **options}) if options else settings
+    if not options:
+        return settings
+    kept = options_of(settings)
+    for name in AS_IT_IS:
+        if kept[name] == getattr(type(settings), name):
+            del kept[name]
+    return from_options({**kept, **options})

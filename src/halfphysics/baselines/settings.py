@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from halfphysics.base.field_checks import FieldChecks
 from halfphysics.errors import InputError
@@ -23,8 +23,35 @@ if TYPE_CHECKING:
     from halfphysics.simulation.world import World
 
 
+def _refuse(settings: Settings, reasons: Mapping[str, str]) -> None:
+    """Refuse fields that are not a baseline's default: name -> why it has none."""
+    for name, why in reasons.items():
+        found, only = getattr(settings, name), getattr(_Baseline, name)
+        if found != only:
+            raise InputError(
+                f"{type(settings).__name__}.{name} is {found!r}: {why}; expected {only!r}, or "
+                "halfphysics.Settings"
+            )
+
+
 @dataclass(frozen=True, kw_only=True)
-class Ablation(Settings):
+class _Baseline(Settings):
+    """Settings that follow a motion as it is: `halfphysics.settings.AS_IT_IS`."""
+
+    weight: bool = False
+    blocked: Literal["wait", "continue"] = "continue"
+    root: Literal["stay", "recover"] = "stay"
+    strength: Literal["human"] | Mapping[str, float] | None = None
+    joint_limits: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        own = "it belongs to half-physics' own drive"
+        _refuse(self, dict.fromkeys(("weight", "blocked", "joint_limits"), own))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ablation(_Baseline):
     """Half-physics with forces on the person that the paper leaves out."""
 
     internal_forces: bool = False
@@ -70,19 +97,8 @@ class Torque(Ablation):
         )
 
 
-def _refuse(settings: Settings, reasons: Mapping[str, str]) -> None:
-    """Refuse fields that are not the default: name -> why the baseline has none."""
-    for name, why in reasons.items():
-        found, only = getattr(settings, name), getattr(Settings, name)
-        if found != only:
-            raise InputError(
-                f"{type(settings).__name__}.{name} is {found!r}: {why}; expected {only!r}, or "
-                "halfphysics.Settings"
-            )
-
-
 @dataclass(frozen=True, kw_only=True)
-class _PosesSet(Settings):
+class _PosesSet(_Baseline):
     """The person's pose is set: contacts push objects, and never the person."""
 
     _POSES: ClassVar[PosesSet]
@@ -124,7 +140,7 @@ class Interpolated(_PosesSet):
 
 
 @dataclass(frozen=True, kw_only=True)
-class _InMujoco(Settings):
+class _InMujoco(_Baseline):
     """People and scene in plain MuJoCo, over whole motions."""
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Points of the skin by which a person stands, sits and lies: soles, and some all over the body.
+"""Points of the skin by which a person stands, sits and lies: soles, hands, some all over.
 
 What the core's footing (src/native/footing) looks under. A point is carried by the two joints that
 weigh most on its vertex; pose blend shapes, of a millimetre or two there, are left out.
@@ -32,8 +32,12 @@ FOOT_WEIGHT = 0.6
 FOOT_POINTS = 40
 #: Number of points on the rest of the skin: some 15 cm apart.
 SKIN_POINTS = 72
-#: Parts that do not rest as a body does: hands reach, feet have soles, a face has no seat.
-_NOT_RESTING = ("wrist", "index", "middle", "ring", "pinky", "thumb", "ankle", "foot", "eye", "jaw")
+#: Number of points on both hands: some 4 cm apart, fingertips among them.
+HAND_POINTS = 40
+#: Parts of hands: they do not rest as a body does, they reach.
+_HAND = ("wrist", "index", "middle", "ring", "pinky", "thumb")
+#: Further parts on which nobody sits or lies: feet have soles, a face has no seat.
+_NOT_RESTING = (*_HAND, "ankle", "foot", "eye", "jaw")
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,7 @@ class FootingPoints:
         local: Where the point is in the frames of both (n, 2, 3) [m].
         normals: Outward normals at rest (n, 3), in the rest frame.
         soles: Number of points of the left and the right sole; these come first.
+        hands: Number of points of both hands; these come last.
     """
 
     joints: Ints
@@ -53,6 +58,7 @@ class FootingPoints:
     local: Array
     normals: Array
     soles: tuple[int, int]
+    hands: int
 
 
 def footing_points(body: Body) -> FootingPoints:
@@ -68,13 +74,16 @@ _MADE: WeakKeyDictionary[Body, FootingPoints] = WeakKeyDictionary()
 
 def _made(body: Body) -> FootingPoints:
     soles = [_sole(body, side) for side in SIDES]
-    vertex = np.concatenate([*soles, _spread(body)])
+    hands = _far_apart(body, np.flatnonzero(_carried_by(body, _HAND)), HAND_POINTS)
+    resting = np.flatnonzero(~_carried_by(body, _NOT_RESTING))
+    vertex = np.concatenate([*soles, _far_apart(body, resting, SKIN_POINTS), hands])
     joints = np.argsort(-body.weights[vertex], axis=1, kind="stable")[:, :2]
     weights = np.take_along_axis(body.weights[vertex], joints, axis=1)
     weights = weights / weights.sum(axis=1, keepdims=True)
     local = body.rest_vertices[vertex][:, None] - body.rest_joints[joints]
     normals = _normals(body)[vertex]
-    return FootingPoints(joints, weights, local, normals, (len(soles[0]), len(soles[1])))
+    counts = (len(soles[0]), len(soles[1]))
+    return FootingPoints(joints, weights, local, normals, counts, len(hands))
 
 
 def _sole(body: Body, side: str) -> Ints:
@@ -100,11 +109,11 @@ def _cells(x: Array, count: int) -> Ints:
     return cell
 
 
-def _spread(body: Body) -> Ints:
-    """Vertices far from each other, but for hands, feet and the face."""
-    names = [not any(part in name for part in _NOT_RESTING) for name in JOINT_NAMES]
-    vertex = np.flatnonzero(np.asarray(names)[body.weights.argmax(axis=1)])
-    return _far_apart(body, vertex, SKIN_POINTS)
+def _carried_by(body: Body, parts: tuple[str, ...]) -> NDArray[np.bool_]:
+    """Per vertex (V,): it weighs most on a joint whose name has one of these parts."""
+    named = np.array([any(part in name for part in parts) for name in JOINT_NAMES])
+    carried: NDArray[np.bool_] = named[body.weights.argmax(axis=1)]
+    return carried
 
 
 def _far_apart(body: Body, vertex: Ints, count: int) -> Ints:

@@ -26,7 +26,7 @@ from halfphysics.settings import Settings
 from halfphysics.simulation.compiled_model import armature_of, model_arrays
 from halfphysics.simulation.coordinates import Person
 from halfphysics.simulation.core_rows import ContactRows, contact_rows
-from halfphysics.simulation.core_settings import set_limits, set_settings
+from halfphysics.simulation.core_settings import set_footing, set_limits, set_settings
 from halfphysics.simulation.person_shapes import add_person_shapes
 from halfphysics.simulation.start_warnings import warn_of_hosted_start
 
@@ -135,6 +135,7 @@ class Control:
         set_settings(self._stepper, settings, np.array(model.opt.gravity))
         self._stepper.finish([self._person.root])
         set_limits(self._stepper, settings, self.people)
+        set_footing(self._stepper, settings, self.people)
         self._dof_of = np.asarray(model.dof_bodyid, dtype=np.int64)
         self._qpos_of = _qpos_bodies(model)
         self._axes = np.eye(3)
@@ -148,10 +149,9 @@ class Control:
                 stacklevel=3,
             )
 
-    # -- public methods ---------------------------------------------------------------------
-
     def reset(self, pose: Pose) -> None:
-        """Set the person to a pose, at rest; warns of what of it starts inside the world."""
+        """Set the person to a pose, at rest, with `Settings.weight` on what is near under it; warns
+        of what of it starts inside the world."""
         import mujoco
 
         self._axes = self._checked(pose).axes
@@ -162,6 +162,8 @@ class Control:
         mujoco.mj_forward(self._model, data)
         self._stepper.reset(np.array(data.qpos), np.array(data.qvel))
         self._stepper.set_stiffness(self._stiffness[self._person.balls])
+        self._write_person()
+        mujoco.mj_forward(self._model, data)
         self._started = True
         warn_of_hosted_start(self, self._stepper.inside())
 
@@ -242,8 +244,6 @@ class Control:
             raise InputError(f"set_state: {error}; expected one that get_state gave") from None
         self._started = True
         self._write_person()
-
-    # -- private ---------------------------------------------------------------------------
 
     def _substep(self, k: int, h: float) -> None:
         import mujoco

@@ -125,5 +125,5 @@ def _fill(
             core.start_asleep(body)
     core.finish([person.root for person in places.people])
     set_limits(core, settings, places.people)
-    set_footing(core, model, settings, places.people)
+    set_footing(core, settings, places.people)
     return shapes

@@ -39,13 +39,14 @@ class Person:
     qpos: int  # first coordinate
     count: int  # number of coordinates
     joint_qpos: NDArray[np.int64]  # first coordinate of every joint's quaternion (55,)
+    bodies: NDArray[np.int64]  # body id of every joint (55,)
 
     @staticmethod
     def of(model: Any, prefix: str, name: str, body: Body) -> Person:
         """The person whose bodies have a prefix in a compiled `mujoco.MjModel`."""
         at = addresses(model, prefix)
         root = int(at.body[0])
-        return Person(name, body, root, at.root_position, PERSON_COORDINATES, at.quat)
+        return Person(name, body, root, at.root_position, PERSON_COORDINATES, at.quat, at.body)
 
     def coordinates(self, translation: Array, rotations: Array, axes: Array) -> Array:
         """Coordinates (T, count) of SMPL-X poses: (T, 3) and (T, 55, 3)."""

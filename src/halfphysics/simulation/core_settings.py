@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from halfphysics._native import tuning
 from halfphysics.body.footing_points import SIDES, footing_points
 from halfphysics.body.joint_ranges import JointRanges
-from halfphysics.body.mjcf_person import addresses
 from halfphysics.body.strength import limits_of
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.settings import HALF_PHYSICS
@@ -79,8 +78,11 @@ def _set_joint_ranges(core: Any, settings: Settings, people: Sequence[Person]) -
         core.set_joint_ranges(index, axes=axes, lower=lower, upper=upper)
 
 
-def set_footing(core: Any, model: Any, settings: Settings, people: Sequence[Person]) -> None:
-    """Have people wait and stand as `Settings.blocked` and `weight` say: not those of baselines."""
+def set_footing(core: Any, settings: Settings, people: Sequence[Person]) -> None:
+    """Have people wait and stand as `Settings.blocked` and `weight` say, after the core's `finish`.
+
+    Those of baselines do neither.
+    """
     if settings.drive != HALF_PHYSICS:
         return
     core.set_waiting(settings.blocked == "wait")
@@ -88,15 +90,15 @@ def set_footing(core: Any, model: Any, settings: Settings, people: Sequence[Pers
         return
     legs = [[JOINT_INDEX[f"{side}_{joint}"] for joint in _LEG] for side in SIDES]
     for index, person in enumerate(people):
-        bodies = addresses(model, f"{person.name}/").body
         points = footing_points(person.body)
         if min(points.soles) == 0:
             continue  # a model without feet
         core.set_footing(
             person=index,
-            joints=np.ascontiguousarray(bodies[legs], dtype=np.int32),
+            joints=np.ascontiguousarray(person.bodies[legs], dtype=np.int32),
             soles=np.array(points.soles, dtype=np.int32),
-            body=np.ascontiguousarray(bodies[points.joints], dtype=np.int32).ravel(),
+            hands=points.hands,
+            body=np.ascontiguousarray(person.bodies[points.joints], dtype=np.int32).ravel(),
             weight=np.ascontiguousarray(points.weights).ravel(),
             local=np.ascontiguousarray(points.local.reshape(-1, 3)),
             normal=np.ascontiguousarray(points.normals),

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from halfphysics.simulation.world import World
 
 #: Settings that a world is made for: what touches, what the drive can exert, and how far joints go.
-FIXED = ("contact", "self_contact", "strength", "joint_limits")
+FIXED = ("contact", "self_contact", "weight", "blocked", "strength", "joint_limits")
 
 
 def use_again(world: World, scene: Scene, settings: Settings) -> bool:

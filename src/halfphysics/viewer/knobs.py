@@ -12,6 +12,7 @@ from halfphysics.body.strength import HUMAN, ROOT_BODY_WEIGHTS
 from halfphysics.errors import InputError
 from halfphysics.motion.joint_groups import ROOT_FORCE
 from halfphysics.scene.trajectories import KinematicObject
+from halfphysics.settings import AS_IT_IS
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -65,8 +66,7 @@ class Knobs:
         if self.strength is not None:
             changes["strength"] = _strength(self.strength, body)
         if self.paper:
-            # Algorithm 1 sets velocities with unlimited force.
-            changes |= {"drive_time": None, "strength": None}
+            changes |= {"drive_time": None, **AS_IT_IS}
         elif self.paper is not None and base.drive_time is None and self.drive_time is None:
             changes["drive_time"] = type(base).drive_time
         return replace(base, **changes)

@@ -134,9 +134,9 @@ std::vector<SkinPoint> skin_points(const Stepper& s, Ints body, Doubles weight, 
 }
 
 // Person `person` stands on what is under it: see Footing. `joints`: hip, knee and ankle (bodies) of
-// every leg, whose soles are the next `soles` points; the rest are of other skin.
-void set_footing(Stepper& s, int person, Faces joints, Ints soles, Ints body, Doubles weight,
-                 Rows3 local, Rows3 normal) {
+// every leg, whose soles are the next `soles` points; the last `hands` are of hands, the rest of other skin.
+void set_footing(Stepper& s, int person, Faces joints, Ints soles, int hands, Ints body,
+                 Doubles weight, Rows3 local, Rows3 normal) {
   const Model& m = s.system.model;
   need(person >= 0 && person < (int)s.system.drives.size() && joints.shape(0) == soles.shape(0),
        "set_footing: bad person or length");
@@ -161,7 +161,9 @@ void set_footing(Stepper& s, int person, Faces joints, Ints soles, Ints body, Do
     next += soles.data()[f];
     model->legs.push_back(leg);
   }
-  model->skin.assign(next, points.end());
+  need(hands >= 0 && points.end() - next >= hands, "set_footing: too few points");
+  model->skin.assign(next, points.end() - hands);
+  model->hands.assign(points.end() - hands, points.end());
   s.system.drives[person].footing.model = model;
 }
 
@@ -232,8 +234,8 @@ void bind_stepper_system(StepperClass& stepper) {
            [](Stepper& s, bool on) {
              for (Drive& d : s.system.drives) d.clock.on = on;
            })
-      .def("set_footing", &set_footing, nb::kw_only(), "person"_a, "joints"_a, "soles"_a, "body"_a,
-           "weight"_a, "local"_a, "normal"_a)
+      .def("set_footing", &set_footing, nb::kw_only(), "person"_a, "joints"_a, "soles"_a, "hands"_a,
+           "body"_a, "weight"_a, "local"_a, "normal"_a)
       .def("person_qpos", [](Stepper& s, int p) { return s.system.drives.at(p).first_qpos(); })
       .def("person_qpos_count",
            [](Stepper& s, int p) { return s.system.drives.at(p).qpos_count(); });

@@ -187,7 +187,10 @@ void BroadPhase::save_pairs(std::vector<double>& out) const {
   for (const BroadPhasePair& e : pairs_) {
     out.insert(out.end(),
                {(double)e.shape, (double)e.other_static, (double)e.other_shape, e.dist, e.travelled,
-                e.planes_reach, e.axis.x, e.axis.y, e.axis.z, (double)e.planes.size()});
+                e.planes_reach, e.axis.x, e.axis.y, e.axis.z, e.room, e.room_at,
+                (double)e.planes.size()});
+    for (Vec3 n : e.axes.n) out.insert(out.end(), {n.x, n.y, n.z});
+    out.push_back(e.axes.next);
     out.push_back(e.hint.n);
     for (int k = 0; k < 3; k++) out.insert(out.end(), {(double)e.hint.a[k], (double)e.hint.b[k]});
     for (const Plane& q : e.planes)
@@ -204,8 +207,11 @@ const double* BroadPhase::load_pairs(const double* in) {
     e.dist = in[3], e.travelled = in[4], e.planes_reach = in[5];
     e.axis = load3(in + 6);
     e.own = e.other_shape >= 0 && world_.may_touch_itself(e.shape, e.other_shape);
-    int planes = (int)in[9];
-    in += 10;
+    e.room = in[9], e.room_at = in[10];
+    int planes = (int)in[11];
+    in += 12;
+    for (Vec3& n : e.axes.n) n = load3(in), in += 3;
+    e.axes.next = (int)*in++;
     e.hint.n = (int)*in++;
     for (int k = 0; k < 3; k++) e.hint.a[k] = (int)*in++, e.hint.b[k] = (int)*in++;
     for (; planes > 0; planes--, in += 7)

@@ -7,6 +7,7 @@
 // which is implicit in springs and damping: any stiffness is stable (docs/physics.md, "Articulated
 // objects"). A limit of a joint is a contact without friction that moves with one dof.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "contact/solver.h"
@@ -39,6 +40,9 @@ class Articulations {
   // Is any of them active?
   bool any(const Model& m, const std::vector<char>& active) const;
   const std::vector<int>& dofs() const { return dofs_; }
+  bool jointed(int body) const {  // is it a link of one?
+    return std::binary_search(bodies_.begin(), bodies_.end(), body);
+  }
   // Damping and springs act with the velocity at the end of the step: h D + h^2 K joins the inertia.
   void added_inertia(const Model& m, const std::vector<char>& active, double h,
                      std::vector<double>& extra) const;

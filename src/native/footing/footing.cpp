@@ -13,6 +13,12 @@ double fades(double x, double low, double high) {
   return std::clamp((high - x) / (high - low), 0.0, 1.0);
 }
 
+// Soles may be this much nearer to the ground than they are put [m]: who has not been lifted and stands
+// clear of it, by as little as contact needs, keeps the motion's bits.
+double tolerated(double height) {
+  return tune::kAtHeight + (height == 0 ? tune::kSoleGap - tune::kLeastSoleGap : 0);
+}
+
 }  // namespace
 
 // Where the points of the reference are in the pose `qpos`, and how fast they got there in `time` of its
@@ -42,6 +48,7 @@ void Footing::find_feet(const CollisionWorld& world, Poses& poses, Vec3 displace
   size_t i = 0;
   feet_.assign(model->legs.size(), {});
   ground_.clear();
+  bearing.points.assign(points_.size(), {});
   for (size_t f = 0; f < model->legs.size(); f++) {
     Foot& foot = feet_[f];
     const Vec3 by{displaced.x + shift_[f].x, displaced.y + shift_[f].y, height_ + shift_[f].z};
@@ -53,6 +60,7 @@ void Footing::find_feet(const CollisionWorld& world, Poses& poses, Vec3 displace
       const Surface s = below.find(poses, points_[i] + by, tune::kStepUp, tune::kDeep);
       ground_.push_back(s.found ? s.height + world.settings.clearance + tune::kSoleGap : -1e300);
       if (!s.found) continue;
+      bearing.points[i] = {{0, 0, s.height}, s.shape, 1};
       foot.grounded = true;
       foot.lift = std::max(foot.lift, ground_.back() - points_[i].z);
     }
@@ -67,7 +75,6 @@ void Footing::find_feet(const CollisionWorld& world, Poses& poses, Vec3 displace
 // person up.
 void Footing::find_skin(const CollisionWorld& world, Poses& poses, Vec3 displaced) {
   SurfaceBelow below(world);
-  carried_ = false;
   skin_lift_ = -1e300;
   const Vec3 by{displaced.x, displaced.y, height_ + std::max(0.0, displaced.z)};
   const size_t soles = points_.size() - model->skin.size();
@@ -77,14 +84,14 @@ void Footing::find_skin(const CollisionWorld& world, Poses& poses, Vec3 displace
     const Vec3 x = points_[i] + by;
     const Surface s = below.find(poses, x, tune::kPressedIn, tune::kCarries);
     if (!s.found) continue;
-    carried_ = true;
+    bearing.points[i] = {{0, 0, s.height}, s.shape, 1};
     skin_lift_ = std::max(skin_lift_, s.height + world.settings.clearance - points_[i].z);
   }
 }
 
 // False: nothing rests, the height stays.
 bool Footing::wanted_height(double& height) const {
-  if (carried_) {
+  if (sits()) {
     height = skin_lift_;
     return true;
   }
@@ -109,7 +116,7 @@ void Footing::move_height(double dt, double gravity) {
     rising_ = 0;
     return;
   }
-  const bool near = to > height_ - tune::kFloats && to < height_ + tune::kAtHeight;
+  const bool near = to > height_ - tune::kFloats && to < height_ + tolerated(height_);
   if (near && std::fabs(rising_) < tune::kAtRest) {
     rising_ = 0;
     return;
@@ -122,6 +129,29 @@ void Footing::move_height(double dt, double gravity) {
     height_ = to, rising_ = 0;
 }
 
+// The least height at which nothing is in static geometry that is over it when displaced by `by`.
+double Footing::least_height(const CollisionWorld& world, Vec3 by) const {
+  SurfaceBelow below(world);
+  double least = -1e300;
+  auto look = [&](Vec3 x) {
+    const Surface s = below.find_static(x + by, tune::kNotSunk, tune::kDeep);
+    if (s.found) least = std::max(least, s.height + world.settings.clearance - x.z);
+  };
+  const size_t soles = points_.size() - model->skin.size();
+  for (size_t n = 0; n < model->skin.size(); n++) look(points_[soles + n]);
+  for (const SkinPoint& p : model->hands) look(p.position(kin_));
+  return least;
+}
+
+// After the height has gone down from `from`: no further than nothing sinks into the ground.
+void Footing::come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt) {
+  if (height_ >= from) return;
+  const double least = std::min(from, least_height(world, {displaced.x, displaced.y, from}));
+  if (height_ >= least) return;
+  height_ = least;
+  rising_ = dt > 0 ? (height_ - from) / dt : 0;
+}
+
 // Where a foot is to be put beyond the person's height.
 Vec3 Footing::wanted_shift(size_t leg, Vec3 displaced, double dt) const {
   const Foot& foot = feet_[leg];
@@ -132,7 +162,8 @@ Vec3 Footing::wanted_shift(size_t leg, Vec3 displaced, double dt) const {
     const double swings = (1 - foot.rests) * tune::kSwingGap;
     if (up > -swings) up += swings;
     const bool far =
-        carried_ ? up < -tune::kHangs : up < -tune::kFar && rested_[leg] < tune::kRestTime;
+        sits() ? up < -tune::kHangs : up < -tune::kFar && rested_[leg] < tune::kRestTime;
+    if (shift.z == 0 && up < tolerated(height_)) up = std::min(up, 0.0);
     if (up < tune::kAtHeight) up = far ? 0 : foot.rests * std::min(0.0, up + tune::kFloats);
   }
   if (up > shift.z)
@@ -155,14 +186,47 @@ Vec3 Footing::wanted_shift(size_t leg, Vec3 displaced, double dt) const {
 
 // After the heights are known: what is on the ground at the end of the frame.
 void Footing::find_state() {
-  over_ground_ = on_ground_ = carried_;
+  over_ground_ = on_ground_ = sits();
   at_rest_ = true;
   for (size_t f = 0; f < feet_.size(); f++) {
     over_ground_ |= feet_[f].grounded;
     on_ground_ |= feet_[f].grounded && feet_[f].lift > height_ + shift_[f].z - tune::kOnGround;
     at_rest_ &= feet_[f].rests > 0.5;
+    Foot& foot = feet_[f];
+    const bool near = foot.lift > height_ + shift_[f].z - tune::kBears;
+    foot.bears = foot.grounded && near && foot.rests > 0;
   }
-  at_rest_ |= carried_;
+  at_rest_ |= sits();
+}
+
+// Which points carry the person where it is put: what rests, near a surface. After the heights are known.
+void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 displaced) {
+  const auto carries = [&](size_t i, Vec3 by, double rests) {
+    BearingPoint& p = bearing.points[i];
+    if (p.carries == 0) return;
+    const Vec3 x = points_[i] + by;
+    const double gap = x.z - p.at.z - world.settings.clearance;
+    p.at = {x.x, x.y, p.at.z};
+    p.carries = rests * fades(speed_[i], tune::kRests, tune::kMoves) *
+                fades(gap, tune::kPresses, tune::kPressesNot);
+    if (p.shape < 0) return;
+    const int body = world.shapes[p.shape].body;
+    if (m.pushed_dof(body) < 0 || own_[body]) p.shape = -1;
+  };
+  size_t i = 0;
+  const Vec3 whole{displaced.x, displaced.y, height_ + std::max(0.0, displaced.z)};
+  for (size_t f = 0; f < feet_.size(); f++)
+    for (size_t n = 0; n < model->legs[f].sole.size(); n++, i++)
+      carries(i, whole + shift_[f], fades(points_[i].z - lowest_, tune::kLow, tune::kHigh));
+  for (; i < points_.size(); i++) carries(i, whole, 1);
+  Vec3 centre;
+  double mass = 0;
+  for (int b = 1; b < m.nbody; b++) {
+    if (!own_[b]) continue;
+    centre += m.mass[b] * (kin_.xpos[b] + kin_.xmat[b] * m.ipos[b]);
+    mass += m.mass[b];
+  }
+  bearing.aim((1 / mass) * centre + whole);
 }
 
 void Footing::apply(int root_qpos, double* qpos) {
@@ -202,21 +266,27 @@ bool Footing::clear_between(const Model& m, int root_qpos, const double* from, c
   return any;
 }
 
-void Footing::start(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
-                    double* qpos) {
+void Footing::clear() {
   height_ = rising_ = aloft_ = 0;
-  started_ = corrected_ = false;
+  started_ = corrected_ = at_rest_ = false;
   displaced_ = {};
-  if (!on()) return;
+  bearing.reset();
   shift_.assign(model->legs.size(), {});
   rested_.assign(model->legs.size(), 0);
+}
+
+void Footing::start(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
+                    double* qpos) {
+  if (!on()) return;
+  clear();
   read(m, qpos, 0);
   find_feet(world, poses, {}, 0);
   find_skin(world, poses, {});
   double height = 0;
   if (!wanted_height(height) || std::fabs(height) > tune::kStartShift) return;
-  if (height < tune::kAtHeight && height > -tune::kFloats) height = 0;
+  if (height < tolerated(height_) && height > -tune::kFloats) height = 0;
   height_ = height;
+  come_down(world, {}, 0, 0);
   for (size_t f = 0; f < feet_.size(); f++) {
     const double up = wanted_shift(f, {}, 1).z;
     if (std::fabs(up) < tune::kStartShift) shift_[f].z = up;
@@ -224,15 +294,24 @@ void Footing::start(const Model& m, const CollisionWorld& world, Poses& poses, i
   apply(root_qpos, qpos);
 }
 
+bool Footing::bears(int toes) const {
+  for (size_t f = 0; f < feet_.size(); f++)
+    if (model->legs[f].toes == toes) return feet_[f].bears;
+  return false;
+}
+
 void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
                     const Frame& frame, double* target) {
   read(m, target, frame.passed);
   find_feet(world, poses, frame.displaced, frame.dt);
   find_skin(world, poses, frame.displaced);
+  const double from = height_;
   move_height(frame.dt, frame.gravity);
+  come_down(world, frame.displaced, from, frame.dt);
   for (size_t f = 0; f < feet_.size(); f++) shift_[f] = wanted_shift(f, frame.displaced, frame.dt);
   displaced_ = frame.displaced;
   find_state();
+  find_bearing(m, world, frame.displaced);
   asked_.assign(target, target + m.nq);
   apply(root_qpos, target);
   if (!corrected_ || !clear_between(m, root_qpos, frame.from, target)) return;
@@ -240,21 +319,31 @@ void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, i
   apply(root_qpos, target);
 }
 
+// Begins with its length: whoever takes the state over may have no footing, or another.
 void Footing::save(std::vector<double>& out) const {
+  const size_t at = out.size();
+  out.push_back(0);
   if (!on()) return;
-  out.insert(out.end(), {height_, rising_, aloft_, started_ ? 1.0 : 0.0, corrected_ ? 1.0 : 0.0});
+  out.insert(out.end(), {height_, rising_, aloft_, started_ ? 1.0 : 0.0, corrected_ ? 1.0 : 0.0,
+                         at_rest_ ? 1.0 : 0.0});
   for (Vec3 v : shift_) out.insert(out.end(), {v.x, v.y, v.z});
   out.insert(out.end(), rested_.begin(), rested_.end());
   out.insert(out.end(), {displaced_.x, displaced_.y, displaced_.z});
   for (size_t i = 0; i < before_.size(); i++)
     out.insert(out.end(), {before_[i].x, before_[i].y, before_[i].z, speed_[i]});
+  bearing.save(before_.size(), out);
+  out[at] = (double)(out.size() - at - 1);
 }
 
 const double* Footing::load(const double* in) {
-  if (!on()) return in;
+  const double* end = in + 1 + (size_t)*in;
+  const bool any = *in++ > 0;
+  if (!on()) return end;
+  clear();
+  if (!any) return end;
   height_ = in[0], rising_ = in[1], aloft_ = in[2], started_ = in[3] != 0, corrected_ = in[4] != 0;
-  in += 5;
-  shift_.resize(model->legs.size());
+  at_rest_ = in[5] != 0;
+  in += 6;
   for (Vec3& v : shift_) v = load3(in), in += 3;
   rested_.assign(in, in + model->legs.size());
   in += model->legs.size();
@@ -264,7 +353,8 @@ const double* Footing::load(const double* in) {
   before_.resize(points);
   speed_.resize(points);
   for (size_t i = 0; i < points; i++, in += 4) before_[i] = load3(in), speed_[i] = in[3];
-  return in;
+  bearing.restore(points, in);
+  return end;
 }
 
 }  // namespace hp

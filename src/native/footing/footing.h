@@ -11,12 +11,14 @@
 //               that rests also keeps its place on the ground while the root is off its path.
 //
 // What rests is read from the reference: what is slow and low. A sole that would be under a surface
-// is lifted whether it rests or not. A motion whose feet are at the ground is not changed by one bit,
+// is lifted whether it rests or not, and nothing that is over the static ground gets into it as the
+// person comes down. A motion whose feet are at the ground is not changed by one bit,
 // and where there is nothing under a person nothing is corrected.
 #pragma once
 #include <memory>
 #include <vector>
 
+#include "footing/bearing.h"
 #include "footing/leg.h"
 #include "footing/surface_below.h"
 
@@ -25,12 +27,14 @@ namespace hp {
 // What footing knows of a person's body.
 struct FootingModel {
   std::vector<Leg> legs;
-  std::vector<SkinPoint> skin;  // all over the body, but feet and hands
+  std::vector<SkinPoint> skin;   // all over the body, but feet and hands
+  std::vector<SkinPoint> hands;  // they reach, and carry nobody
 };
 
 class Footing {
  public:
   std::shared_ptr<const FootingModel> model;  // none: off
+  Bearing bearing;                            // what it weighs on
 
   bool on() const { return model != nullptr; }
   // Has the last frame's target been corrected?
@@ -41,11 +45,17 @@ class Footing {
   bool on_ground() const { return on_ground_; }
   // Both feet rest, or something else carries.
   bool at_rest() const { return at_rest_; }
+  // Skin but the feet's carries it.
+  bool sits() const { return skin_lift_ > -1e300; }
+  // Is this body the toes of a foot that rests on the ground?
+  bool bears(int toes) const;
 
   // The person starts at `qpos` (the model's): it is put on what is under it, if that is near.
   // `root_qpos`: its first coordinate.
   void start(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
              double* qpos);
+  // Nothing is known of the person; after start(): it starts as asked instead.
+  void clear();
   struct Frame {
     double dt;           // [s]
     double passed;       // how much of the reference's time passes [s]
@@ -67,14 +77,18 @@ class Footing {
     double rests = 0;  // 0: it moves, 1: it rests
     double lift = 0;   // how far up it must be put to stand on the highest surface under it [m]
     bool grounded = false;  // there is a surface under it
+    bool bears = false;     // and it is there, and rests more or less
   };
   void read(const Model& m, const double* qpos, double time);
   void find_feet(const CollisionWorld& world, Poses& poses, Vec3 displaced, double dt);
   void find_skin(const CollisionWorld& world, Poses& poses, Vec3 displaced);
   bool wanted_height(double& height) const;
+  double least_height(const CollisionWorld& world, Vec3 by) const;
+  void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
   Vec3 wanted_shift(size_t leg, Vec3 displaced, double dt) const;
   void find_state();
+  void find_bearing(const Model& m, const CollisionWorld& world, Vec3 displaced);
   void apply(int root_qpos, double* qpos);
   bool clear_between(const Model& m, int root_qpos, const double* from, const double* to);
 
@@ -97,8 +111,7 @@ class Footing {
   std::vector<double> ground_;  // height under each point of the soles; -1e300: none
   std::vector<Foot> feet_;
   double lowest_ = 0;
-  bool carried_ = false;  // skin carries
-  double skin_lift_ = 0;  // that it takes
+  double skin_lift_ = -1e300;  // that skin takes which carries; else this
 };
 
 }  // namespace hp

@@ -18,11 +18,10 @@ Quat least_rotation(Vec3 from, Vec3 to) {
 
 Vec3 rotate(Quat q, Vec3 v) { return to_matrix(q) * v; }
 
-// The axis about which the knee bends: u and w from hip to knee to ankle, `own` the thigh's lateral.
-Vec3 knee_axis(Vec3 u, Vec3 w, Vec3 own) {
-  Vec3 n = cross(u, w) + (tune::kStraightKnee * norm(u) * norm(w)) * own;
+// The axis about which the knee bends: the thigh's lateral, across the thigh u.
+Vec3 knee_axis(Vec3 u, Vec3 own) {
   const Vec3 along = (1 / norm(u)) * u;
-  n -= dot(n, along) * along;
+  const Vec3 n = own - dot(own, along) * along;
   const double size = norm(n);
   return size > 0 ? (1 / size) * n : own;
 }
@@ -58,7 +57,7 @@ Vec3 Leg::move(const Kinematics& k, Vec3 shift, double* qpos) const {
   Vec3 to = from + shift - h;
   const double asked = norm(to), most = reach(k);
   if (asked > most) to = (most / asked) * to;
-  const Vec3 n = knee_axis(u, w, k.xmat[hip].col(0));
+  const Vec3 n = knee_axis(u, k.xmat[hip].col(0));
   const Quat bend = exp_quat(knee_turn(u, w, n, norm(to)) * n);
   const Quat swing = least_rotation(u + rotate(bend, w), to);
   const Quat thigh = swing * k.xquat[hip], shank = swing * bend * k.xquat[knee];

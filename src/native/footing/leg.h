@@ -6,8 +6,9 @@
 //   |u + w(delta)|^2 = d^2,   w(delta) = w_n + w_t cos(delta) + (n x w_t) sin(delta)
 //
 // of the two solutions the one with the knee bent; then both turn about the hip by the least
-// rotation that puts the ankle in its place. The axis is that in which the leg is bent already, and
-// that of a straight leg is the thigh's own, from left to right.
+// rotation that puts the ankle in its place. The axis is the thigh's own, from left to right, whatever the
+// plane in which a recording has the leg: about the axis of that plane, which of a leg that is all but
+// straight is noise, knees bent sideways by 20 degrees.
 #pragma once
 #include <vector>
 

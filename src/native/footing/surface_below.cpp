@@ -38,7 +38,7 @@ void SurfaceBelow::meet(const PosedShape& shape, int number, Vec3 x, double abov
   best = {at.z, number, true};
 }
 
-Surface SurfaceBelow::find(Poses& poses, Vec3 x, double step, double depth) {
+Surface SurfaceBelow::find_static(Vec3 x, double step, double depth) {
   Surface best{x.z - depth, -1, false};
   for (const Static& s : world_.statics) {
     if (s.kind == Static::Kind::HalfSpace) {
@@ -52,6 +52,11 @@ Surface SurfaceBelow::find(Poses& poses, Vec3 x, double step, double depth) {
       if (z > best.height) best = {z, -1, true};
     }
   }
+  return best;
+}
+
+Surface SurfaceBelow::find(Poses& poses, Vec3 x, double step, double depth) {
+  Surface best = find_static(x, step, depth);
   for (int i = 0; i < (int)world_.shapes.size(); i++) {
     if (world_.shapes[i].person >= 0) continue;
     const BoundingSphere& ball = poses.cached_bounding_sphere(world_.shapes, i);

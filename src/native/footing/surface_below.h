@@ -19,6 +19,8 @@ class SurfaceBelow {
   explicit SurfaceBelow(const CollisionWorld& world);
   // The highest surface under `x`, at most `depth` under it [m]. `poses` has the objects.
   Surface find(Poses& poses, Vec3 x, double step, double depth);
+  // The same of static geometry alone.
+  Surface find_static(Vec3 x, double step, double depth);
 
  private:
   void meet(const PosedShape& shape, int number, Vec3 x, double above, Surface& best);

@@ -33,6 +33,7 @@ struct Step {
   std::vector<double> v;           // velocity with contact
   std::vector<double> spin;        // what qvel at the end differs from v by, of objects that spin
   std::vector<double> joint_pull;  // change of articulated dofs' velocity by forces
+  std::vector<double> load;        // change of v_free by people who stand on things; empty: none
   std::vector<char> pushed;        // per body: contacts have pushed it, or a body that hangs on it
   JointResistance resistance;
   int index = 0;  // of the whole substep in its frame

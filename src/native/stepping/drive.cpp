@@ -23,6 +23,7 @@ void Drive::reset(const double* target, double* qvel) {
   for (int i = 0; i < dof_count(); i++) qvel[first_dof() + i] = 0;
   std::fill(lately_.begin(), lately_.end(), 0.0);
   exact_ = true;
+  carried = sits = false;
   gentle_return.stop();
 }
 
@@ -93,14 +94,13 @@ double DriveSettings::resistance(double lambda, double h) const {
 
 namespace {
 
-// Firmness of a ball. Toes of somebody who stands bear on the ground: as light as they are, they would
+// Firmness of a ball. Toes of a foot that is on the ground bear on it: as light as they are, they would
 // curl under the foot.
 double firmness(const Drive& d, const DriveSettings& s, int ball) {
   const double lambda = d.stiffness()[ball];
-  if (!d.footing.on() || s.time_constant == 0 || lambda == 0) return lambda;
-  for (const Leg& leg : d.footing.model->legs)
-    if (d.body(ball) == leg.toes) return std::max(lambda, tuning::footing::kToeFirmness);
-  return lambda;
+  if (!d.footing.on() || s.time_constant == 0 || lambda == 0 || !d.footing.bears(d.body(ball)))
+    return lambda;
+  return std::max(lambda, tuning::footing::kToeFirmness);
 }
 
 }  // namespace
@@ -202,8 +202,9 @@ void Drive::reference_change(double* a) const {
 void Drive::save(std::vector<double>& out) const {
   for (const auto* v : {&motion.target(), &v_ref_, &deviation_, &stiffness_, &lately_})
     out.insert(out.end(), v->begin(), v->end());
-  out.insert(out.end(),
-             {(exact_ ? 1.0 : 0.0) + (motion.fresh() ? 2.0 : 0.0), gentle_return.left()});
+  out.insert(out.end(), {(exact_ ? 1.0 : 0.0) + (motion.fresh() ? 2.0 : 0.0) +
+                             (carried ? 4.0 : 0.0) + (sits ? 8.0 : 0.0),
+                         gentle_return.left()});
   footing.save(out);
   clock.save(out);
 }
@@ -218,9 +219,15 @@ const double* Drive::load(const double* in) {
   const int flags = (int)*in++;
   exact_ = (flags & 1) != 0;
   motion.restore(target, (flags & 2) != 0);
+  carried = (flags & 4) != 0;
+  sits = (flags & 8) != 0;
   q_start_ = motion.target();
   gentle_return.restore(*in++);
-  return clock.load(*this, footing.load(in));
+  in = footing.load(in);
+  clock.reset(*this, target);
+  in = clock.load(*this, in);
+  motion.eager = clock.eager();
+  return in;
 }
 
 }  // namespace hp

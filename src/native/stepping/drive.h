@@ -82,6 +82,10 @@ class Drive : public PersonDofs {
   std::vector<double> limits;
   // Ranges of every ball (joint_ranges.h), the root's ignored. Empty: joints have none.
   std::vector<JointRange> ranges;
+  // Contacts of the last frame held it up.
+  bool carried = false;
+  // It sits or lies: skin but the feet's has been at rest on something, and contacts hold it up since.
+  bool sits = false;
   // In their place the force on the root of somebody with a footing, by what it stands on.
   RootForce root_force;
 

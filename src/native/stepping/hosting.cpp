@@ -6,15 +6,13 @@
 
 namespace hp {
 
-void Hosting::begin(System& system, Data& data, const double* targets, double dt) {
+void Hosting::begin(System& system, Data& data, Aiming& aiming, const double* targets, double dt) {
   State& state = data.state;
-  data.result.clear(system.model.nbody);
+  aiming.begin(system, data, targets, dt);
   settled_.clear();
   system.world.active.assign(system.model.nbody, 1);
   for (Drive& d : system.drives) {
-    d.aim(system.drive_settings, targets, dt, state.qpos.data());
     settled_.push_back(d.settled(system.drive_settings, state.qpos.data()));
-    targets += d.qpos_count();
     d.begin_frame(system.drive_settings, state.qpos.data(), state.qvel.data());
   }
   start_qpos_ = state.qpos;
@@ -65,6 +63,7 @@ void Hosting::substep(System& system, Data& data, Substep& substep, int k, doubl
 
 void Hosting::end(System& system, Data& data) {
   State& state = data.state;
+  Aiming::end(system, data.result);
   end_gentle_frame(system, state);
   for (size_t i = 0; i < system.drives.size(); i++) {
     Drive& d = system.drives[i];

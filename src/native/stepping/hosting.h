@@ -2,6 +2,7 @@
 // moves all bodies but people and says, substep by substep, where they are and which velocity they
 // would have without the people. The impulses between the two are solved as everywhere else.
 #pragma once
+#include "stepping/aiming.h"
 #include "stepping/substep.h"
 
 namespace hp {
@@ -9,7 +10,7 @@ namespace hp {
 class Hosting {
  public:
   // A frame of length dt [s] towards the people's `targets` begins.
-  void begin(System& system, Data& data, const double* targets, double dt);
+  void begin(System& system, Data& data, Aiming& aiming, const double* targets, double dt);
   // Substep k of length h [s] from `qpos`, `qvel` (people's entries are not read). `v_free`: the
   // other bodies' velocity at its end without people; `damping`: of their joints, implicit, per
   // dof.

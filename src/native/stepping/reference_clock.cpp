@@ -9,7 +9,8 @@ namespace tune = tuning::footing;
 void ReferenceClock::reset(const PersonDofs& dofs, const double* target) {
   reached_.assign(target, target + dofs.qpos_count());
   ahead_.clear();
-  waited_ = passed_ = 0;
+  waited_ = passed_ = untouched_ = 0;
+  eager_ = 1;
   impatient_ = false;
 }
 
@@ -19,11 +20,14 @@ double ReferenceClock::rate(Vec3 displaced, bool touched, bool stands, double dt
   way.z = 0;
   const double length = norm(way), speed = length / next.time;
   const double behind = speed > tune::kStill ? -dot(displaced, way) / length : 0;
+  untouched_ = touched ? 0 : untouched_ + dt;
+  eager_ = 1;
   if (behind < tune::kBehind) impatient_ = false, waited_ = 0;
-  if (behind < tune::kBehind || !touched || impatient_) return 1;
+  if (behind < tune::kBehind || (!touched && waited_ == 0) || impatient_) return 1;
   const double share = std::max(0.0, (tune::kBlocked - behind) / (tune::kBlocked - tune::kBehind));
   waited_ += (1 - share) * dt;
   impatient_ = waited_ > tune::kPatience;
+  if (untouched_ < tune::kTriesAgain) eager_ = share;
   return stands ? share : std::max(share, tune::kSlowest);
 }
 
@@ -65,9 +69,11 @@ double ReferenceClock::lag() const {
 }
 
 void ReferenceClock::save(std::vector<double>& out) const {
+  out.push_back(on ? 1 : 0);
   if (!on) return;
   out.insert(out.end(), reached_.begin(), reached_.end());
-  out.insert(out.end(), {(double)ahead_.size(), waited_, passed_, impatient_ ? 1.0 : 0.0});
+  out.insert(out.end(),
+             {(double)ahead_.size(), waited_, passed_, untouched_, eager_, impatient_ ? 1.0 : 0.0});
   for (const Asked& a : ahead_) {
     out.push_back(a.time);
     out.insert(out.end(), a.qpos.begin(), a.qpos.end());
@@ -75,12 +81,13 @@ void ReferenceClock::save(std::vector<double>& out) const {
 }
 
 const double* ReferenceClock::load(const PersonDofs& dofs, const double* in) {
-  if (!on) return in;
+  const bool was_on = *in++ != 0;
+  if (!was_on) return in;
   reset(dofs, in);
   in += dofs.qpos_count();
   const size_t count = (size_t)in[0];
-  waited_ = in[1], passed_ = in[2], impatient_ = in[3] != 0;
-  in += 4;
+  waited_ = in[1], passed_ = in[2], untouched_ = in[3], eager_ = in[4], impatient_ = in[5] != 0;
+  in += 6;
   for (size_t i = 0; i < count; i++, in += dofs.qpos_count() + 1)
     ahead_.push_back({{in + 1, in + 1 + dofs.qpos_count()}, in[0]});
   return in;

@@ -31,6 +31,8 @@ class ReferenceClock {
   // How far the reference is behind [s], and how much of its time has passed in this frame [s].
   double lag() const;
   double passed() const { return passed_; }
+  // Share of its pace at which the person is to go back to its path.
+  double eager() const { return eager_; }
 
   void save(std::vector<double>& out) const;
   const double* load(const PersonDofs& dofs, const double* in);
@@ -45,7 +47,7 @@ class ReferenceClock {
 
   std::vector<double> reached_;
   std::deque<Asked> ahead_;
-  double waited_ = 0, passed_ = 0;
+  double waited_ = 0, passed_ = 0, untouched_ = 0, eager_ = 1;
   bool impatient_ = false;
 };
 

@@ -17,6 +17,9 @@ class ReferenceMotion {
   explicit ReferenceMotion(const PersonDofs& dofs)
       : dofs_(dofs), target_(dofs.qpos_count()), previous_(dofs.qpos_count()) {}
 
+  // Share of its pace at which the root goes back to its path along the ground: who waits stays.
+  double eager = 1;
+
   // The person is put at `target` (its qpos) at rest.
   void reset(const double* target);
   // A frame of length dt [s] towards `target` begins, from the pose `qpos` of the model.

@@ -18,6 +18,8 @@ bool Rebounds::demand(const System& system, Data& data, double h) {
       before_[model.dof_first[b] + i] -= time * system.gravity[i];
   for (int i : system.articulations.dofs())
     if (time > 0) before_[i] -= step.joint_pull[i];
+  if (time > 0)
+    for (size_t i = 0; i < step.load.size(); i++) before_[i] -= step.load[i];
   // Nor is the velocity in mid-step what it ends with where objects spin fast.
   for (int i = 0; i < model.nv; i++) before_[i] += step.spin[i];
   body_twists(model, kin, step.v_free.data(), free_);

@@ -6,9 +6,28 @@
 
 namespace hp {
 
-bool wake_touched(System& system, Data& data) {
+void wake_neighbours(System& system, Data& data, std::vector<char>& woken) {
   World& world = system.world;
   Poses& pose = data.state.pose;
+  const double range = tuning::stepping::kWakeRange * world.settings.clearance;
+  const int n = (int)world.shapes.size();
+  for (bool more = true; more;) {
+    more = false;
+    for (int i = 0; i < n; i++)
+      for (int j = 0; j < n && world.asleep[system.tree(i)]; j++) {
+        if (!woken[system.tree(j)] ||
+            world.pairing(world.shapes[i].name, world.shapes[j].name).ignore)
+          continue;
+        if (separate(world.place(pose, i), world.place(pose, j), range).dist >= range) continue;
+        world.asleep[system.tree(i)] = 0;
+        woken[system.tree(i)] = 1;
+        more = true;
+      }
+  }
+}
+
+bool wake_touched(System& system, Data& data) {
+  World& world = system.world;
   std::vector<char> woken(system.model.nbody, 0);
   bool any = false;
   auto wake = [&](int shape) {
@@ -23,20 +42,7 @@ bool wake_touched(System& system, Data& data) {
     wake(data.attempt.candidates[c.pair].other_shape);
   }
   if (!any) return false;
-  const double range = tuning::stepping::kWakeRange * world.settings.clearance;
-  const int n = (int)world.shapes.size();
-  for (bool more = true; more;) {
-    more = false;
-    for (int i = 0; i < n; i++)
-      for (int j = 0; j < n && world.asleep[system.tree(i)]; j++) {
-        if (!woken[system.tree(j)] ||
-            world.pairing(world.shapes[i].name, world.shapes[j].name).ignore)
-          continue;
-        if (separate(world.place(pose, i), world.place(pose, j), range).dist >= range) continue;
-        wake(i);
-        more = true;
-      }
-  }
+  wake_neighbours(system, data, woken);
   object_velocity(system, data.state, data.step, data.step.length, &woken);
   return true;
 }

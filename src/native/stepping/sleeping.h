@@ -13,6 +13,10 @@ namespace hp {
 // gives them their free velocity. True if there were any: then the step is to be tried again.
 bool wake_touched(System& system, Data& data);
 
+// Wakes all sleeping objects that lie within kWakeRange clearances of `woken` (per root body) or of what
+// they wake, which joins them. Does not give them their free velocity.
+void wake_neighbours(System& system, Data& data, std::vector<char>& woken);
+
 // Sleeping objects have no velocity, into step.v_free.
 void hold_asleep(const System& system, Step& step);
 

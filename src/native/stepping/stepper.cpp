@@ -30,81 +30,20 @@ void Stepper::reset(const double* qpos, const double* qvel) {
   state.update_pose(system);
   for (Drive& d : system.drives) {
     d.clock.reset(d, &state.qpos[d.first_qpos()]);
-    d.footing.start(model, world, state.pose, d.first_qpos(), state.qpos.data());
     d.reset(&state.qpos[d.first_qpos()], state.qvel.data());
   }
   data_.cache.clear();
   data_.result.touches.clear();
   probe.solve_times.clear();
   world.broad_phase.forget();
-  state.pose_known = false;
-  state.update_pose(system);
   world.asleep.assign(model.nbody, 0);  // what they rest on is known when they wake
   prescribed_.reset(system);
   world.reset(model, state.pose);
+  aiming_.start(system, state);
   for (int b : system.start_asleep) world.asleep[b] = 1;
   kinematic_.reset(model);
   state.exit_path.assign(model.nbody, 0);
   start_exits(system, state);
-}
-
-namespace {
-
-// Per root body: contacts of the last frame held it up.
-std::vector<char> carried_people(const System& system, const FrameResult& last) {
-  std::vector<char> carried(system.model.nbody, 0);
-  auto look = [&](int shape, Vec3 impulse) {
-    if (shape >= 0 && impulse.z > tuning::footing::kHeldUp * norm(impulse))
-      carried[system.tree(shape)] = 1;
-  };
-  for (const Touch& t : last.touches) look(t.shape, t.impulse), look(t.other_shape, -t.impulse);
-  return carried;
-}
-
-// Has a contact pushed any of a person's bodies within the last kTouchedTime?
-bool touched(const Drive& d) {
-  for (int i = 0; i < d.ball_count(); i++)
-    if (d.lately(i)) return true;
-  return false;
-}
-
-// Nothing but the ground, through the feet, moves a person as a whole: its weight pulls it down, legs
-// push it up, and along the ground it pushes with what does not tip it over. In the air it does none. `carried`: contacts
-// held it up in the last frame; `above`: how far it is above its target [m].
-void limit_root_force(const System& system, Drive& d, bool carried, double above) {
-  d.root_force.on = d.footing.over_ground() && !d.limits.empty();
-  if (!d.root_force.on) return;
-  const double weight = norm(system.gravity) * system.model.carried[d.body(0)];
-  const bool stands = carried || (d.footing.on_ground() && above < tuning::footing::kOnGround);
-  const double least = tuning::footing::kInTheAir;
-  d.root_force.across = stands ? std::min(d.limits[0], tuning::footing::kPush * weight) : least;
-  d.root_force.up = stands ? d.limits[0] : least;
-  d.root_force.down = weight;
-}
-
-}  // namespace
-
-void Stepper::aim(const double* targets, double dt, const std::vector<char>& carried) {
-  State& state = data_.state;
-  const DriveSettings& s = system.drive_settings;
-  for (Drive& d : system.drives) {
-    const Vec3 displaced = d.motion.displaced(s, dt, state.qpos.data());
-    const bool stands = !d.footing.on() || d.footing.at_rest();
-    const double* target = d.clock.advance(d, targets, dt, displaced, touched(d), stands);
-    targets += d.qpos_count();
-    if (d.footing.on()) {
-      target_ = state.qpos;
-      std::copy_n(target, d.qpos_count(), &target_[d.first_qpos()]);
-      d.footing.frame(
-          system.model, system.world, state.pose, d.first_qpos(),
-          {dt, d.clock.passed(), norm(system.gravity), d.motion.target().data(), displaced},
-          target_.data());
-      target = &target_[d.first_qpos()];
-      limit_root_force(system, d, carried[d.body(0)],
-                       state.qpos[d.first_qpos() + 2] - d.motion.target()[2]);
-    }
-    d.aim(s, target, dt, state.qpos.data());
-  }
 }
 
 void Stepper::frame(const double* targets, double dt, int n, std::vector<double>* poses) {
@@ -113,10 +52,7 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   State& state = data_.state;
   const bool pieces = probe.keep_pieces;
   const size_t recorded = poses ? poses->size() : 0;
-  const std::vector<char> carried = carried_people(system, data_.result);
-  data_.result.clear(system.model.nbody);
-  state.update_pose(system);
-  aim(targets, dt, carried);
+  aiming_.begin(system, data_, targets, dt);
   paths_.begin(system, data_, dt, pieces);
   probe.pieces = pieces ? poses : nullptr;
   if (paths_.any_busy() && paths_.any_free())
@@ -128,6 +64,8 @@ void Stepper::frame(const double* targets, double dt, int n, std::vector<double>
   end_gentle_frame(system, state);
   paths_.arrive(system, data_, poses && !pieces ? poses->data() + recorded : nullptr, n);
   paths_.travel(system, data_);
+  Aiming::end(system, data_.result);
+  StandingLoad::end_frame(system, data_.result, dt);
 }
 
 // Steps busy trees, while free ones stand at the start of their paths. If busy trees get farther

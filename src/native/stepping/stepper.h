@@ -7,6 +7,7 @@
 //   Stepper            frames, resets, snapshots
 //     System           trees, shapes, drives, settings          (system.h)
 //     Data             state, step, attempt, results            (data.h)
+//     Aiming           where people are driven in a frame
 //     FreePaths        people who need no substeps
 //     KinematicBodies  objects on trajectories
 //     PrescribedPoses  baseline: people whose poses are set
@@ -42,7 +43,7 @@ class Stepper {
   void frame(const double* targets, double dt, int n, std::vector<double>* poses = nullptr);
   // Another engine's frame (hosting.h).
   void begin_hosted(const double* targets, double dt) {
-    hosting_.begin(system, data_, targets, dt);
+    hosting_.begin(system, data_, aiming_, targets, dt);
   }
   void substep_hosted(int k, double h, const double* qpos, const double* qvel, const double* v_free,
                       const double* damping);
@@ -74,17 +75,16 @@ class Stepper {
 
  private:
   Snapshot snapshot() { return {system, data_, kinematic_, prescribed_}; }
-  void aim(const double* targets, double dt, const std::vector<char>& carried);
   void step_beside_free(double dt, int n, std::vector<double>* poses);
   void substeps(double dt, int n, std::vector<double>* poses);
 
   Data data_;
   KinematicBodies kinematic_;
   PrescribedPoses prescribed_;
+  Aiming aiming_;
   Hosting hosting_;
   FreePaths paths_;
   Substep substep_;
-  std::vector<double> target_;  // scratch of aim()
 };
 
 }  // namespace hp

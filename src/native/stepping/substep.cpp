@@ -53,17 +53,20 @@ void Substep::begin(double h) {
 
 void Substep::free_velocity(int k, double h) {
   Step& step = data_.step;
+  step.load.clear();
   free_.drive(system_, data_, internal_, k, h);
   if (step.host_v_free) {
     for (int i = 0; i < system_.model.nv; i++)
       if (!system_.is_person(system_.model.dof_body[i])) step.v_free[i] = step.host_v_free[i];
-    return;
+    return strength_.limit(system_, data_, h);
   }
+  standing_.wake(system_, data_);
   load_.find(system_, data_.state, h);
   strength_.limit(system_, data_, h);
   load_.bear(system_, data_, h);
   part_people(system_, data_);
   object_velocity(system_, data_.state, step, h);
+  standing_.add(system_, data_, h);
   hold_asleep(system_, step);
   kinematic_.set_velocity(system_.model, data_.state, step, h);
 }

@@ -1,6 +1,7 @@
 // The substep: one step of length h, verified (docs/physics.md, "The substep").
 //
-//   free velocity (1)     v*: drive, forces of joints, gravity; limits of strength, held loads
+//   free velocity (1)     v*: drive, forces of joints, gravity; limits of strength, held loads, the
+//                         weight of who stands on things (standing_load.h)
 //   attempt (2 to 7)      broad phase, candidates, contacts, solve, verify (contact_step.h); made
 //                         again where bodies wake or come out of an overlap too fast
 //                         (step_attempts.h), where a kinematic body squeezes others, or where a
@@ -12,6 +13,7 @@
 #pragma once
 #include "stepping/free_motion.h"
 #include "stepping/squeezed.h"
+#include "stepping/standing_load.h"
 #include "stepping/strength.h"
 #include "stepping/sub_stepping.h"
 
@@ -45,6 +47,7 @@ class Substep {
   FreeMotion free_;
   InternalForces internal_;
   HeldLoad load_;
+  StandingLoad standing_;
   StrengthLimits strength_{load_, internal_};
   SqueezeLimit squeezed_;
   StepAttempts attempts_;

@@ -12,6 +12,7 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.simulation.build_world import build_world
 from halfphysics.simulation.world import World
+from support.as_it_is import as_it_is
 
 ROUNDING = 1e-13  # rounding of coordinates of about 1 m [m]
 STEP = 1e-5  # step of the finite differences [rad, m]
@@ -31,7 +32,7 @@ def body(bent: bool) -> hp.Body:
 
 
 def world(bent: bool) -> World:
-    return build_world([body(bent)], hp.Scene(), hp.Settings(contact="skin"))
+    return build_world([body(bent)], hp.Scene(), as_it_is(contact="skin"))
 
 
 def vertices_of(built: World, hull: int) -> np.ndarray:
@@ -85,7 +86,7 @@ def test_jacobians_are_the_derivatives_of_the_skin(bent: bool) -> None:
 
 def test_rigid_parts_and_skin_carry_one_mass() -> None:
     """The collision shape does not change the mass."""
-    skin, parts = world(False), build_world([body(False)], hp.Scene(), hp.Settings(contact="parts"))
+    skin, parts = world(False), build_world([body(False)], hp.Scene(), as_it_is(contact="parts"))
     qpos = skin.targets([random_pose(3)])
     np.testing.assert_array_equal(
         skin.stepper.inertia_matrix(qpos), parts.stepper.inertia_matrix(qpos)
@@ -111,7 +112,7 @@ def test_a_skin_with_blend_shapes_is_held_exactly(drive_time: float | None) -> N
         "table", hp.Box((3.0, 3.0, 0.02)), position=(hands[0] + 1.2, 0.0, hands[2] - 0.15)
     )
     assert hp.metrics.penetration(motion, bent, scene).depth_max_mm > 5.0
-    settings = hp.Settings(contact="skin", drive_time=drive_time, record="substeps")
+    settings = as_it_is(contact="skin", drive_time=drive_time, record="substeps")
     result = hp.simulate(motion, scene, body=bent, settings=settings)
     assert result.lost_time.sum() == 0.0
     assert len(result.contacts.frame) > 0

@@ -7,6 +7,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.geometry.shapes import Box
+from support.as_it_is import as_it_is
 from support.people import along_x
 
 pytestmark = pytest.mark.filterwarnings("ignore:the start is not clear")
@@ -43,7 +44,7 @@ def fastest(person):
 @pytest.mark.parametrize("ahead", [0.0, 0.12], ids=["in one place", "half overlapping"])
 def test_they_are_apart_within_a_second(body, ahead, drive, contact):
     motions = [along_x(0.0, 45, start=0.0), along_x(0.0, 45, start=ahead)]
-    settings = hp.Settings(contact=contact, **drive)
+    settings = as_it_is(contact=contact, **drive)
     result = hp.simulate(motions, body=[body, body], settings=settings)
     assert len(result.breaches) == 0
     first, last = result.inside.frame.min(), result.inside.frame.max()
@@ -64,7 +65,7 @@ def test_they_are_apart_within_a_second(body, ahead, drive, contact):
 def test_the_child_is_displaced_not_the_adult(body, child, order):
     bodies = [(body, child)[k] for k in order]
     motions = [along_x(0.0, 45, start=0.0), along_x(0.0, 45, start=0.05)]
-    result = hp.simulate(motions, body=bodies)
+    result = hp.simulate(motions, body=bodies, settings=as_it_is())
     off = np.linalg.norm(displaced(result, motions), axis=2)[:, -1]
     assert off[order.index(0)] == 0.0
     assert 0.05 < off[order.index(1)] < 0.4
@@ -73,11 +74,11 @@ def test_the_child_is_displaced_not_the_adult(body, child, order):
 
 def test_where_a_wall_holds_the_child_the_adult_goes(body, child):
     motions = [along_x(0.0, 60, start=0.0), along_x(0.0, 60, start=0.1)]
-    free = displaced(hp.simulate(motions, body=[body, child]), motions)[1, -1]
+    free = displaced(hp.simulate(motions, body=[body, child], settings=as_it_is()), motions)[1, -1]
     behind = np.sign(free[0]) * 0.2 + 0.1
     scene = hp.Scene()
     scene.add_static("wall", Box((0.02, 2.0, 4.0)), position=(behind, 0.0, 0.0))
-    result = hp.simulate(motions, scene, body=[body, child])
+    result = hp.simulate(motions, scene, body=[body, child], settings=as_it_is())
     off = np.linalg.norm(displaced(result, motions), axis=2)[:, -1]
     assert abs(free[1]) < 1e-9  # along x, towards the wall
     assert len(result.breaches) == 0
@@ -88,14 +89,14 @@ def test_where_a_wall_holds_the_child_the_adult_goes(body, child):
 
 def test_who_walks_out_of_it_is_not_thrown(body):
     motions = [along_x(0.0, 16, start=0.0), along_x(2.0, 16, start=0.02)]
-    result = hp.simulate(motions, body=[body, body])
+    result = hp.simulate(motions, body=[body, body], settings=as_it_is())
     assert max(fastest(p) for p in result.people) < 3.0
 
 
 def test_who_walks_into_it_is_turned_away(body):
     """Displaced against the motion; from then on the two are solid to each other."""
     motions = [along_x(0.0, 60, start=0.0), along_x(-0.3, 60, start=0.15)]
-    result = hp.simulate(motions, body=[body, body])
+    result = hp.simulate(motions, body=[body, body], settings=as_it_is())
     assert len(result.breaches) == 0
     assert result.inside.frame.max() < 30
     apart = result.people[1].motion.translation - result.people[0].motion.translation

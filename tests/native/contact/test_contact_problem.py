@@ -16,8 +16,8 @@ from halfphysics.geometry.shapes import Box, Plane
 from halfphysics.reference import step as reference
 from halfphysics.reference.contact import contact_residual
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.judges.person_hulls import CONTACTS
 from support.people import along_x
 
@@ -188,7 +188,7 @@ def test_law_of_contact_for_a_person_against_a_wall(drive_time, stiffness, conta
     scene = Scene()
     scene.add_static("wall", Box((0.01, 6.0, 6.0)), position=(0.6, 0.0, 0.0), friction=1.0)
     scene.add_static("floor", Plane(), friction=0.5)
-    settings = Settings(contact=contact, drive_time=drive_time, stiffness=stiffness, substeps=1)
+    settings = as_it_is(contact=contact, drive_time=drive_time, stiffness=stiffness, substeps=1)
     simulator = Simulator(scene, body=body, settings=settings, fps=240)
     simulator.reset(motion[0])
     stepper, model = simulator.world.stepper, simulator.world.model

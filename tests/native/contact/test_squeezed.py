@@ -21,8 +21,8 @@ from halfphysics.geometry.shapes import Box
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX as J
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.people import FACING_X
 from support.starts.meshes import box_mesh, finely, union_mesh
 from support.starts.objects_judge import ObjectJudge
@@ -42,7 +42,7 @@ SLIPS = np.deg2rad(2.0)
 #: The same where friction holds a body from both sides and contacts snap over: it nods by 17.
 WEDGED = np.deg2rad(12.0)
 #: Tolerance of the solver, at either of two sides [m].
-SOLVED = Settings().tolerance
+SOLVED = as_it_is().tolerance
 #: Displacement of a pressed body's root in a second [m]; its largest change between two frames [m].
 CREEP, TREMBLE = 5e-3, 1e-4
 #: The slowest run that still progresses [frames per second of processor time].
@@ -121,7 +121,7 @@ def put(scene, solids, kind):
 
 
 def follow(body, hulls, motion, scene, solids, free=("neck",), **settings):
-    settings = Settings(record="substeps", **settings)
+    settings = as_it_is(record="substeps", **settings)
     simulator = Simulator(scene, body=body, settings=settings, fps=motion.fps)
     begin = time.thread_time()  # other processes do not count
     simulator.reset(motion[0])

@@ -6,10 +6,11 @@ import trimesh
 
 import halfphysics as hp
 from halfphysics.body.footing_points import footing_points
+from support.as_it_is import as_it_is
 
 #: Clearance, the gap of a sole, and what its points miss of the skin between them [m].
 STANDS = (0.0009, 0.004)
-WEIGHT = hp.Settings(weight=True)
+WEIGHT = as_it_is(weight=True)
 BODY = hp.Body.default()
 FEET = np.flatnonzero(
     BODY.weights[
@@ -62,7 +63,7 @@ def test_a_displaced_clip_stands_from_the_first_frame_on_without_force(height):
 def test_who_stands_already_or_on_nothing_is_not_changed_by_one_bit(scene):
     motion = standing(0.0)
     result = hp.simulate(motion, scene, body=BODY, settings=WEIGHT)
-    without = hp.simulate(motion, scene, body=BODY, settings=hp.Settings())
+    without = hp.simulate(motion, scene, body=BODY, settings=as_it_is())
     assert np.array_equal(result.motion.translation, without.motion.translation)
     assert np.array_equal(result.motion.rotations, without.motion.rotations)
     assert not result.people[0].corrected.any()
@@ -108,9 +109,7 @@ def test_one_foot_on_a_step_bends_the_leg_and_keeps_the_foot_level():
         "step", hp.Box((0.2, 0.6, step)), position=(left[0], left[1] - 0.1, step / 2.0)
     )
     motion = standing(0.0, frames=90)
-    result = hp.simulate(
-        motion, scene, body=BODY, settings=hp.Settings(weight=True, root="recover")
-    )
+    result = hp.simulate(motion, scene, body=BODY, settings=as_it_is(weight=True, root="recover"))
     name = [hp.JOINT_NAMES[i] for i in BODY.weights.argmax(axis=1)]
     for side, height in (("left", step), ("right", 0.0)):
         sole = [i for i in FEET if name[i].startswith(side)]
@@ -137,7 +136,7 @@ def test_what_a_foot_is_about_to_kick_is_no_ground():
 
 def test_a_baseline_that_sets_poses_is_not_corrected():
     motion = standing(0.03, frames=5)
-    settings = hp.baselines.Kinematic(weight=True, blocked="wait")
+    settings = hp.baselines.Kinematic()
     result = hp.simulate(motion, floor(), body=BODY, settings=settings)
     assert np.array_equal(result.motion.translation, motion.translation)
     assert not result.people[0].corrected.any()
@@ -145,7 +144,7 @@ def test_a_baseline_that_sets_poses_is_not_corrected():
 
 def test_a_saved_state_resumes_to_the_bit():
     motion = standing(0.05, frames=40)
-    settings = hp.Settings(weight=True, root="recover", strength="human", blocked="wait")
+    settings = hp.Settings()
     scene = floor()
     scene.add_static("wall", hp.Box((3.0, 0.1, 2.0)), position=(0.0, -0.8, 1.0))
     walk = motion.with_frames(

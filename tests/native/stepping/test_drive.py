@@ -18,6 +18,7 @@ from halfphysics.geometry.shapes import Box, Plane, Sphere
 from halfphysics.motion.joint_groups import JOINT_GROUPS
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES, PARENTS
 from halfphysics.settings import Settings
+from support.as_it_is import as_it_is
 from support.people import along_x, t_pose
 
 KNEE = JOINT_INDEX["right_knee"]
@@ -66,7 +67,7 @@ def test_settings_stay_values():
         ({"stiffness": {"legs": float("nan")}}, r"stiffness\['legs'\].*found nan"),
         ({"strength": "strong"}, "strength is 'strong'; expected None, 'human', or a mapping"),
         ({"strength": {"rot": 1.0}}, "no joint 'rot'; did you mean 'root'"),
-        ({"strength": "human", "drive_time": None}, "None without drive_time"),
+        ({"strength": {"arms": 50.0}, "drive_time": None}, "None without drive_time"),
     ],
 )
 def test_impossible_settings(changes, said):
@@ -203,12 +204,13 @@ def test_two_people_each_with_their_own(body):
     one = along_x(1.5, 24, start=-0.1)
     two = one.with_frames(one.translation + np.array([0.0, 2.0, 0.0]), one.rotations)
     limp, firm = np.full(24, 0.1), np.full(24, 5.0)
-    both = hp.simulate([one, two], wall(), body=body, stiffness=[limp, firm])
-    alone = hp.simulate(one, wall(), body=body, stiffness=limp)
+    how = as_it_is()
+    both = hp.simulate([one, two], wall(), body=body, settings=how, stiffness=[limp, firm])
+    alone = hp.simulate(one, wall(), body=body, settings=how, stiffness=limp)
     # Solver passes are shared: a further pass for one changes the remaining slack of the other.
     np.testing.assert_allclose(both.people[0].motion.rotations, alone.motion.rotations, atol=0.03)
     assert np.abs(both.people[1].motion.rotations - alone.motion.rotations).max() > 1.0
-    simulator = hp.Simulator(wall(), body=[body, body])
+    simulator = hp.Simulator(wall(), body=[body, body], settings=how)
     with pytest.raises(InputError, match="no pose yet"):
         simulator.set_stiffness(1.0)
     simulator.reset([one[0], two[0]])
@@ -365,10 +367,9 @@ def test_no_torque_above_its_limit(body, mass):
 
 def test_the_whole_body_pushes_no_harder_than_it_can(body):
     motion = along_x(1.5, 60, start=-0.2)
-    result = hp.simulate(motion, wall(1.2), body=body, settings=Settings(strength="human"))
-    frames = np.arange(60)
+    result = hp.simulate(motion, wall(1.2), body=body, settings=as_it_is(strength="human"))
     force = np.array(
-        [-result.contacts.impulse[result.contacts.frame == f, 0].sum() for f in frames]
+        [-result.contacts.impulse[result.contacts.frame == f, 0].sum() for f in range(60)]
     )
     force *= motion.fps
     most, _ = limits_of("human", body)
@@ -379,8 +380,8 @@ def test_the_whole_body_pushes_no_harder_than_it_can(body):
 def test_strength_that_is_not_needed_changes_no_bit(body):
     motion = along_x(1.5, 30, start=-0.1)
     much = {"all": 1e9, "pelvis": 1e9, "root": 1e9}
-    a = hp.simulate(motion, wall(), body=body)
-    b = hp.simulate(motion, wall(), body=body, settings=Settings(strength=much))
+    a = hp.simulate(motion, wall(), body=body, settings=as_it_is())
+    b = hp.simulate(motion, wall(), body=body, settings=as_it_is(strength=much))
     np.testing.assert_array_equal(a.motion.rotations, b.motion.rotations)
 
 

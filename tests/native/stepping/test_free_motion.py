@@ -17,8 +17,8 @@ from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_NAMES, PARENTS
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulator import Simulator
+from support.as_it_is import as_it_is
 from support.judges.clear_judge import Judge
 from support.judges.coal_shapes import coal_hull, coal_shape
 from support.judges.person_hulls import CONTACTS, pieces_of
@@ -92,7 +92,7 @@ def test_a_frictionless_wall_takes_nothing_along_it(body, contact, kind, drive, 
     rotations = motion.rotations.copy()
     facing = rot.multiply(rot.exp([0.0, 0.0, -np.pi / 4]), rot.exp(FACING_X))
     rotations[:, 0] = rot.log(facing)
-    settings = Settings(contact=contact, stiffness=stiffness, drive_time=drive, substeps=8)
+    settings = as_it_is(contact=contact, stiffness=stiffness, drive_time=drive, substeps=8)
     frames, moved, _ = follow(motion.with_frames(path, rotations), scene, body, settings)
     touched = np.array([len(f.contacts.part) > 0 for f in frames])
     first = int(np.argmax(touched))
@@ -114,7 +114,7 @@ def test_a_frictionless_wall_takes_nothing_along_it(body, contact, kind, drive, 
 @pytest.mark.parametrize("contact", CONTACTS)
 def test_who_is_stopped_rests_at_the_wall(body, contact, kind, drive, stiffness):
     path = np.outer(np.minimum(1.5 * np.arange(75) / 30.0, 1.8) - 1.0, [1.0, 0.0, 0.0])
-    settings = Settings(
+    settings = as_it_is(
         contact=contact, stiffness=stiffness, drive_time=drive, substeps=8, record="substeps"
     )
     motion = t_pose(path)
@@ -155,7 +155,7 @@ def test_a_blocked_arm_leaves_the_rest_alone(body, drive, shape):
     else:
         plate = finely(trimesh.creation.box((0.06, 0.1, 0.3)), 2)
         scene.add_static("it", plate, position=at)
-    settings = Settings(stiffness=1.0, drive_time=drive, substeps=8)
+    settings = as_it_is(stiffness=1.0, drive_time=drive, substeps=8)
     frames, moved, _ = follow(motion, scene, body, settings)
     touched = {int(p) for f in frames for p in f.contacts.part}
     assert touched
@@ -281,7 +281,7 @@ def test_passing_by_an_edge_is_exact(body, kind, fps, substeps, drive):
         shape, at, turn = edge(kind, case, pose)
         motion, scene = passer(pose, fps), Scene()
         scene.add_static("it", shape, position=at, quaternion=turn)
-        settings = Settings(substeps=substeps, drive_time=drive)
+        settings = as_it_is(substeps=substeps, drive_time=drive)
         frames, _, _ = follow(motion, scene, body, settings)
         check_exact(body, motion, frames)
 
@@ -315,7 +315,7 @@ def turned_person(facing, frames, fps, place=(0.0, 0.0, 0.0)):
 @pytest.mark.parametrize("whom", ["thing", "person"])
 def test_passing_by_people_and_things_is_exact(body, whom, fps, substeps, drive):
     """Neither the passer nor the passed bodies and objects change their motion."""
-    settings = Settings(substeps=substeps, drive_time=drive)
+    settings = as_it_is(substeps=substeps, drive_time=drive)
     for case, pose in enumerate(("tpose", "tpose", "curled")):
         shape, at, turn, facing, place = company(case, pose)
         motion, scene = passer(pose, fps), Scene(gravity=0.0)

@@ -9,8 +9,8 @@ from halfphysics.bench.clips import straight
 from halfphysics.body.body import Body
 from halfphysics.geometry.shapes import Box, Sphere
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
+from support.as_it_is import as_it_is
 
 FRAMES = 30
 #: How far apart the two places are [m]: nothing of one is within reach of the other.
@@ -64,7 +64,7 @@ def run(body, kind: str, **settings):
     calm(scene)
     trouble(scene, kind)
     motions = [into_the_wall(0.0), into_the_wall(APART)]
-    return simulate(motions, scene, body=[body, body], settings=Settings(substeps=8, **settings))
+    return simulate(motions, scene, body=[body, body], settings=as_it_is(substeps=8, **settings))
 
 
 @pytest.mark.filterwarnings("ignore:no room")  # between the plate and the wall

@@ -6,7 +6,7 @@ import pytest
 import halfphysics as hp
 
 BODY = hp.Body.default()
-STANDS_FIRM = hp.Settings(weight=True, root="recover", strength="human", blocked="wait")
+STANDS_FIRM = hp.Settings()
 
 
 def walk(frames=150, fps=30.0, speed=1.2, stop=4.0):
@@ -48,17 +48,17 @@ def test_who_walks_into_a_wall_waits_and_stands_still():
     assert (np.diff(clock) >= -1e-12).all()
     assert (np.diff(clock) <= 1.0 / result.fps + 1e-12).all()
     still = np.flatnonzero(np.diff(clock) < 1e-9)
-    assert len(still) > 1.5 * result.fps  # it waits for three seconds at most, of five
+    assert len(still) > 1.0 * result.fps  # it waits for three seconds at most, of five
     feet = [hp.JOINT_NAMES.index(f"{side}_ankle") for side in ("left", "right")]
     moved = np.linalg.norm(np.diff(BODY.joints(result.motion)[:, feet], axis=0), axis=2).max(axis=1)
-    # Pushed back by its own arms it comes back to the wall at first; 0.3 mm a frame is the aim.
-    assert np.median(moved[still]) < 8e-3  # [m] a frame
-    assert np.abs(forces(result)[still]).max() < 3000.0
-    assert np.linalg.norm(forces(result)[still].mean(axis=0)) < 400.0
+    # Thrown off by the first blow it comes back, and then stands.
+    assert np.median(moved[still]) < 3e-4  # [m] a frame
+    assert np.abs(forces(result)[still]).max() < 300.0
+    assert np.linalg.norm(forces(result)[still].mean(axis=0)) < 100.0
 
 
 def test_continue_walks_on_the_spot_as_the_paper_does():
-    settings = hp.Settings(weight=True, root="recover", strength="human")
+    settings = hp.Settings(blocked="continue")
     result = hp.simulate(walk(), room(**WALL), body=BODY, settings=settings)
     assert np.array_equal(result.clock, np.arange(len(result)) / result.fps)
 

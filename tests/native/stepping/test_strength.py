@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
-from halfphysics import Settings
 from halfphysics.body.strength import limits_of
 from halfphysics.geometry.shapes import Box
 from halfphysics.motion.skeleton import JOINT_INDEX
+from support.as_it_is import as_it_is
 from support.held import HAND, holding, pointing
 from support.people import along_x, violent
 
@@ -70,7 +70,7 @@ def test_nor_from_other_starts(body, forward, contact):
 
 def shares(body, motion, scene, contact):
     """Torques of all substeps as shares of the limits (T, 55)."""
-    settings = Settings(strength="human", contact=contact)
+    settings = as_it_is(strength="human", contact=contact)
     assert settings.substeps_for(1.0 / motion.fps) == 1
     simulator = hp.Simulator(scene, body=body, settings=settings, fps=motion.fps)
     _, limits = limits_of("human", body)
@@ -86,14 +86,14 @@ def shares(body, motion, scene, contact):
 def test_without_limits_the_same_blow_takes_more(body):
     """In the same case the drive alone would exert many times a neck's strength."""
     motion, scene = cases()["runs into a wall at 6 m/s"]
-    result = hp.simulate(motion, scene, body=body)
+    result = hp.simulate(motion, scene, body=body, settings=as_it_is())
     _, limits = limits_of("human", body)
     assert (np.linalg.norm(result.people[0].torque, axis=-1) / limits).max() > 3.0
 
 
 def test_who_was_hit_gets_back_to_the_motion(body):
     held = along_x(0.0, 90, start=0.0)
-    settings = Settings(strength="human")
+    settings = as_it_is(strength="human")
     result = hp.simulate(held, thrown(20.0), body=body, settings=settings)
     off = np.degrees(np.linalg.norm(result.motion.rotations - held.rotations, axis=-1))
     assert off.max() > 10.0
@@ -104,7 +104,7 @@ def test_a_limp_arm_leaves_the_rest_its_strength(body):
     """The joints that were hit recover; the arm, which is not driven, swings on."""
     arm = [f"right_{j}" for j in ("shoulder", "elbow", "wrist")]
     held = along_x(0.0, 90, start=0.0)
-    settings = Settings(strength=dict.fromkeys(arm, 0.0))
+    settings = as_it_is(strength=dict.fromkeys(arm, 0.0))
     result = hp.simulate(held, thrown(20.0), body=body, settings=settings)
     off = np.degrees(np.linalg.norm(result.motion.rotations - held.rotations, axis=-1))
     index = [JOINT_INDEX[j] for j in arm]
@@ -126,7 +126,7 @@ def test_what_is_held_counts_on_impacts_too(body, mass):
         motion,
         scene=walled(tip + 0.3),
         mass=mass,
-        settings=Settings(contact="parts", strength="human"),
+        settings=as_it_is(contact="parts", strength="human"),
     )
     _, limits = limits_of("human", body)
     frames = [simulator.step(motion[t]) for t in range(1, len(motion))]

@@ -9,6 +9,7 @@ import halfphysics as hp
 from halfphysics.errors import InputError
 from halfphysics.scenarios.props import chest, laptop
 from halfphysics.scenarios.stories import close_laptop, open_drawer, open_laptop
+from support.as_it_is import as_it_is
 from support.joint_scenarios import MOVED, done
 from support.judges.jointed import Jointed
 
@@ -166,7 +167,7 @@ def test_the_drawer_goes_with_the_hooked_fingers():
 def test_a_door_that_swings_to_its_stop(stiffness):
     """The same judge, for a door whose hinge hardly holds it back."""
     sequence = hp.scenarios.load("push_door", damping=0.05)
-    settings = hp.Settings(stiffness=stiffness)
+    settings = as_it_is(stiffness=stiffness)
     result = hp.simulate(sequence.motion, sequence.scene, body=sequence.body, settings=settings)
     thing, angle = Jointed(result, "door"), result.joints["door/hinge"]
     assert max(thing.off()) < 1e-12

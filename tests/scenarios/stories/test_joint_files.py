@@ -12,6 +12,7 @@ from halfphysics.scenarios.acting.gait import pose_at
 from halfphysics.scenarios.acting.walk_plan import Walk, ease
 from halfphysics.scenarios.props import laptop, stage
 from halfphysics.scenarios.stories import close_laptop
+from support.as_it_is import as_it_is
 from support.joint_scenarios import done
 from support.judges.jointed import Jointed
 
@@ -64,7 +65,7 @@ def test_a_laptop_from_urdf_closes_as_the_one_from_mjcf(stiffness):
         joints={"hinge": laptop.OPEN},
     )
     other = hp.simulate(
-        sequence.motion, scene, body=sequence.body, settings=hp.Settings(stiffness=stiffness)
+        sequence.motion, scene, body=sequence.body, settings=as_it_is(stiffness=stiffness)
     )
     # The numbers in the text agree up to their last digits; contact does not amplify that.
     np.testing.assert_allclose(other.joints["laptop/hinge"], angle, atol=1e-9)
@@ -123,7 +124,7 @@ def cut(free, stiffness=0.0, fps=30.0):
     if free:  # the handle is pressed against this
         peg = hp.Box((0.10, 0.02, 0.04))
         scene.add_static("peg", peg, position=(RIVET[0] - 0.06, RIVET[1] + 0.017, TABLE + 0.02))
-    settings = hp.Settings(stiffness=stiffness)
+    settings = as_it_is(stiffness=stiffness)
     return motion, hp.simulate(motion, scene, body=body, settings=settings)
 
 

@@ -96,7 +96,7 @@ def test_what_is_too_heavy_stays_and_the_body_gives():
         assert max(a for name, a in angles.items() if name.startswith(f"{side}_thumb")) > 30.0
     asked, found = story.body.joints(result.reference), story.body.joints(result.motion)
     assert (asked - found)[:, [20, 21], 2].max() > 0.03  # hands held back
-    assert (asked - found)[:, 0, 2].max() > 0.003  # the body pulled down, onto the floor
+    assert (asked - found)[:, 0, 2].max() > 0.001  # the body pulled down, onto the floor
 
 
 @pytest.mark.parametrize("fps", RATES)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import halfphysics as hp
+from support.as_it_is import as_it_is
 from support.judges.pair_judge import PairJudge
 from support.pairs_of_people import check_clear, motions, simulated
 
@@ -23,7 +24,7 @@ def pelvis(result):
 @pytest.mark.parametrize("stature", [1.60, 1.85])
 def test_two_people_who_meet_stop_clear_of_each_other(stature):
     sequence = hp.scenarios.load("meet", stature=stature)
-    result = simulated(sequence)
+    result = simulated(sequence, settings=as_it_is())
     check_clear(sequence, result, 0.10)
     at = pelvis(result)
     touched = int(result.contacts.frame[result.contacts.other_part >= 0].min())
@@ -53,7 +54,7 @@ def test_each_with_their_own_firmness():
     sequence = hp.scenarios.load("meet", stature=hp.Body.default().stature)
     given = []
     for stiffness in ([0.05, 10.0], [10.0, 0.05]):
-        result = simulated(sequence, stiffness=stiffness)
+        result = simulated(sequence, settings=as_it_is(), stiffness=stiffness)
         given.append([hp.metrics.mpjpe(p.motion, p.reference, p.body) for p in result.people])
         judge = PairJudge(sequence.body)
         assert judge.judge(motions(result), skin_every=80).clear

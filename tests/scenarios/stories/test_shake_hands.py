@@ -8,6 +8,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.motion.skeleton import JOINT_INDEX, RIGHT_HAND_JOINTS
 from halfphysics.scenarios.stories import shake_hands
+from support.as_it_is import as_it_is
 from support.judges.pair_judge import PairJudge
 from support.pairs_of_people import check_clear, motions, simulated
 
@@ -74,7 +75,7 @@ def test_limp_and_firm_hands():
     begin, end = (round(t * 30.0) for t in shake_hands.held(1))
     force, bent = [], []
     for stiffness in ([0.0, 0.0], [0.0, 10.0], [10.0, 10.0]):
-        result = simulated(sequence, stiffness=stiffness)
+        result = simulated(sequence, settings=as_it_is(), stiffness=stiffness)
         rows = hands(result) & (result.contacts.frame >= begin) & (result.contacts.frame <= end)
         force.append(np.linalg.norm(result.contacts.impulse[rows], axis=1).sum())
         fingers = [

@@ -29,10 +29,11 @@ class SceneVerdict:
     free: np.ndarray
 
 
-def judge(sequence):
-    """Simulates a `Sequence` and judges the result."""
+def judge(sequence, settings=None):
+    """Simulates a `Sequence`, by its own settings or others, and judges the result."""
     motion, scene, body = sequence.motion, sequence.scene, sequence.body
-    result = simulate(motion, scene, body=body, settings=sequence.settings)
+    settings = settings or sequence.settings
+    result = simulate(motion, scene, body=body, settings=settings)
     there = metrics.penetration(motion, body, scene)
     after = metrics.penetration(result.motion, body, scene, objects=result.objects)
     angle = np.where(free_joints(result), joint_angles(motion, result.motion), 0.0)

@@ -19,6 +19,7 @@ from halfphysics.geometry.shapes import Box, Plane
 from halfphysics.motion.motion import Motion
 from halfphysics.scene.scene import Scene
 from halfphysics.settings import Settings
+from support.as_it_is import as_it_is
 from support.starts.furniture import STRAIGHT, furniture_for
 from support.starts.groups import groups_at
 from support.starts.meshes import box_mesh, finely, furniture, sheet_mesh, union_mesh
@@ -148,7 +149,7 @@ def _try(case, contact, data, rng):
     aside = np.array([*rng.uniform(-3.0, 3.0, size=2), 0.0])
     scene = _scene(solids, form, case.kind, turn, aside, rng, data)
     fps, count = STEPS[rng.integers(len(STEPS))]
-    settings = Settings(
+    settings = as_it_is(
         substeps=count,
         record="substeps",
         root="recover" if rng.random() < 0.25 else "stay",

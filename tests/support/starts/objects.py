@@ -10,7 +10,7 @@ from halfphysics.geometry.shapes import Box, Capsule, Cylinder, Plane, Sphere
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.scene.scene import Scene
-from halfphysics.settings import Settings
+from support.as_it_is import as_it_is
 from support.judges.coal_scene import coal_shape
 from support.starts.cases import SECONDS, Case, Start, body, hulls
 from support.starts.meshes import box_mesh, finely
@@ -132,7 +132,7 @@ def build(case: Case, contact: str, data=None) -> Start:
     return Start(
         motion=Motion(np.tile(two.translation[0], (frames, 1)), turns, 30.0),
         scene=scene,
-        settings=Settings(record="substeps"),
+        settings=as_it_is(record="substeps"),
         solids=solids,
         form=form,
         target="wave",

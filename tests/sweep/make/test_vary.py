@@ -316,8 +316,8 @@ def test_a_run_changes_nothing_for_the_next():
     assert shop._world is world  # it was used again
     assert same(shop.run(shop.make(heavy)), first)
     assert same(workshop().run(shop.make(heavy)), first)
-    stronger = scenario("kick_ball", factors={"settings.strength": "human"})
-    shop.run(shop.make(stronger))
+    limitless = scenario("kick_ball", factors={"settings.strength": None})
+    shop.run(shop.make(limitless))
     assert shop._world is not world
 
 

@@ -236,7 +236,11 @@ def test_possible_factors() -> None:
         ({"settings.substeps": {"uniform": [4, 8]}}, {}, "substeps is 4.0; expected a whole"),
         ({"settings.clearance": {"normal": [0.01, 0.01]}}, {}, "is -0.04.* Add within"),
         ({"objects.mass": {"normal": [2, 1]}}, {}, "found -4.0, expected .* Add within"),
-        ({"settings.strength": ["human"]}, {"drive_time": None}, "None without drive_time"),
+        (
+            {"settings.drive_time": [None]},
+            {"strength": {"arms": 50.0}},
+            "None without drive_time",
+        ),
         ({"settings.mode": ["velocity", "torqe"]}, {}, "mode"),
         ({"settings.clearance": [0.01]}, {"clearance": 0.02}, "also in settings"),
         ({"objects.mass": [0]}, {}, "objects.mass: found 0, expected a number above 0"),

@@ -41,7 +41,7 @@ from halfphysics.results.records import BodyRecord, SceneRecord, checked_documen
 from halfphysics.results.result import ObjectTrack, PersonResult, Result
 from halfphysics.results.substeps import Substeps, at_substeps
 from halfphysics.results.table import Table
-from halfphysics.settings import Settings
+from halfphysics.settings import AS_IT_IS, Settings
 
 if TYPE_CHECKING:
     from halfphysics.body.body import Body
@@ -315,4 +315,5 @@ def _settings(data: Any) -> Settings:
             f"field 'meta/settings': found unknown settings {unknown}, expected some of "
             f"{sorted(OPTIONS)}. A newer halfphysics may read it"
         )
-    return from_options(data)
+    # Files from before a setting existed, or before it was the default, were made without it.
+    return from_options({**AS_IT_IS, **data})

@@ -9,6 +9,7 @@ import numpy as np
 from halfphysics.geometry.shapes import Cylinder, Sphere
 from halfphysics.scenarios.acting.acting import Act
 from halfphysics.scenarios.props import stage
+from halfphysics.settings import Settings
 from halfphysics.simulation.sequence import Sequence
 
 if TYPE_CHECKING:
@@ -68,4 +69,4 @@ def build(
     act.move(
         2.2, 2.4, **act.both(foot=(far[0] - 0.78, 0.10, far[2] - 0.25), toes=(4.0, -125.0, 0.0))
     )
-    return Sequence(act.motion(4.8, fps), scene, actor)
+    return Sequence(act.motion(4.8, fps), scene, actor, settings=Settings(weight=False))  # it flies

@@ -1,0 +1,131 @@
+#include "stepping/aiming.h"
+
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::footing;
+
+namespace {
+
+// Has a contact pushed any of a person's bodies within the last kTouchedTime?
+bool touched(const Drive& d) {
+  for (int i = 0; i < d.ball_count(); i++)
+    if (d.lately(i)) return true;
+  return false;
+}
+
+// Nothing but the ground, through the feet, moves a person as a whole: its weight pulls it down, legs
+// push it up, and along the ground it pushes with what does not tip it over; who sits or lies does not tip,
+// and moves on its seat with all it has. In the air it does none. `above`: how far it is above its target [m].
+void limit_root_force(const System& system, Drive& d, double above) {
+  d.root_force.on = d.footing.over_ground() && !d.limits.empty();
+  if (!d.root_force.on) return;
+  const double weight = norm(system.gravity) * system.model.carried[d.body(0)];
+  const bool stands = d.carried || (d.footing.on_ground() && above < tune::kOnGround);
+  const double push = d.sits ? d.limits[0] : std::min(d.limits[0], tune::kPush * weight);
+  d.root_force.across = stands ? push : tune::kInTheAir;
+  d.root_force.up = stands ? d.limits[0] : tune::kInTheAir;
+  d.root_force.down = weight;
+}
+
+}  // namespace
+
+// The collision world starts again, as in Stepper::reset().
+void Aiming::restart_world(System& system, State& state) {
+  system.world.broad_phase.forget();
+  state.pose_known = false;
+  state.update_pose(system);
+  system.world.reset(system.model, state.pose);
+}
+
+// Puts people on what is under them; true if anybody was moved.
+bool Aiming::stand(System& system, State& state) {
+  bool any = false;
+  for (Drive& d : system.drives) {
+    d.footing.start(system.model, system.world, state.pose, d.first_qpos(), state.qpos.data());
+    any |= d.footing.corrected();
+  }
+  return any;
+}
+
+std::vector<Aiming::Depth> Aiming::depths(const System& system) {
+  std::vector<Depth> out;
+  for (const InitialOverlap& in : system.world.depenetration.overlaps()) {
+    const int other = in.other_shape < 0 ? -1 : system.tree(in.other_shape);
+    out.push_back({system.tree(in.shape), in.other_static, other, in.depth()});
+  }
+  return out;
+}
+
+// Is a person deeper in anything than it was?
+bool Aiming::deeper(const std::vector<Depth>& before, const std::vector<Depth>& after, int person) {
+  for (const Depth& now : after) {
+    if (now.person != person && now.other_tree != person) continue;
+    double was = 0;
+    for (const Depth& b : before)
+      if (b.person == now.person && b.other_static == now.other_static &&
+          b.other_tree == now.other_tree)
+        was = std::max(was, b.depth);
+    if (now.depth > was + tune::kDeeperAtStart) return true;
+  }
+  return false;
+}
+
+void Aiming::start(System& system, State& state) {
+  const std::vector<double> asked = state.qpos;
+  const std::vector<Depth> before = depths(system);
+  if (!stand(system, state)) return;
+  restart_world(system, state);
+  const std::vector<Depth> after = depths(system);
+  bool back = false;
+  for (Drive& d : system.drives) {
+    if (!d.footing.corrected()) continue;
+    if (deeper(before, after, d.body(0))) {
+      std::copy_n(&asked[d.first_qpos()], d.qpos_count(), &state.qpos[d.first_qpos()]);
+      d.footing.clear();
+      back = true;
+    }
+    d.reset(&state.qpos[d.first_qpos()], state.qvel.data());
+  }
+  if (back) restart_world(system, state);
+}
+
+void Aiming::begin(System& system, Data& data, const double* targets, double dt) {
+  State& state = data.state;
+  const DriveSettings& s = system.drive_settings;
+  data.result.clear(system.model.nbody);
+  state.update_pose(system);
+  for (Drive& d : system.drives) {
+    const Vec3 displaced = d.motion.displaced(s, dt, state.qpos.data());
+    const bool stands = !d.footing.on() || d.footing.at_rest();
+    // Who sits or lies is held by what is under it, not blocked on its way.
+    const Vec3 behind = d.sits ? Vec3{} : displaced;
+    const double* target = d.clock.advance(d, targets, dt, behind, touched(d), stands);
+    targets += d.qpos_count();
+    d.motion.eager = d.clock.eager();
+    if (d.footing.on()) {
+      target_ = state.qpos;
+      std::copy_n(target, d.qpos_count(), &target_[d.first_qpos()]);
+      const double passed = d.clock.passed(), gravity = norm(system.gravity);
+      d.footing.frame(system.model, system.world, state.pose, d.first_qpos(),
+                      {dt, passed, gravity, d.motion.target().data(), displaced}, target_.data());
+      target = &target_[d.first_qpos()];
+      const double above = state.qpos[d.first_qpos() + 2] - d.motion.target()[2];
+      d.sits = d.footing.sits() || (d.sits && d.carried);
+      limit_root_force(system, d, above);
+    }
+    d.aim(s, target, dt, state.qpos.data());
+  }
+}
+
+void Aiming::end(System& system, const FrameResult& result) {
+  std::vector<char> carried(system.model.nbody, 0);
+  auto look = [&](int shape, Vec3 impulse) {
+    if (shape >= 0 && impulse.z > tune::kHeldUp * norm(impulse)) carried[system.tree(shape)] = 1;
+  };
+  for (const Touch& t : result.touches) look(t.shape, t.impulse), look(t.other_shape, -t.impulse);
+  for (Drive& d : system.drives) d.carried = carried[d.body(0)];
+}
+
+}  // namespace hp

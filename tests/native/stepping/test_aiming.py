@@ -1,0 +1,58 @@
+"""Where people are driven: who starts on what is under them; who sits is not blocked."""
+
+import numpy as np
+import pytest
+
+import halfphysics as hp
+from support.as_it_is import as_it_is
+
+BODY = hp.Body.default()
+WEIGHT = as_it_is(weight=True)
+
+
+def standing(height, frames=3):
+    """A T-pose whose lowest skin is so high over z = 0 [m]."""
+    rotations = np.zeros((frames, 55, 3))
+    rotations[:, 0] = [np.pi / 2, 0.0, 0.0]
+    return hp.Motion(np.zeros((frames, 3)), rotations, 30.0).grounded(BODY, height)
+
+
+def room(ceiling=None):
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    if ceiling is not None:
+        scene.add_static("ceiling", hp.Box((1.0, 1.0, 0.2)), position=(0.0, 0.0, ceiling + 0.1))
+    return scene
+
+
+def test_who_starts_in_the_floor_is_put_on_it():
+    result = hp.simulate(standing(-0.03), room(), body=BODY, settings=WEIGHT)
+    assert len(result.inside) == 0
+    assert result.people[0].corrected.all()
+
+
+def test_who_would_thereby_be_in_something_else_starts_as_asked():
+    motion = standing(-0.03)
+    top = BODY.vertices(motion[0])[:, 2].max()
+    with pytest.warns(hp.HalfPhysicsWarning, match="inside floor"):
+        result = hp.simulate(motion, room(top + 0.01), body=BODY, settings=WEIGHT)
+    assert np.array_equal(result.motion.translation[0], motion.translation[0])
+    assert {result.names[i] for i in result.inside.at(0).other} == {"floor"}
+
+
+@pytest.mark.parametrize("name", ["open_laptop", "close_laptop", "crawl_under_table"])
+def test_nothing_that_is_over_a_thing_starts_in_it(name):
+    """Hands over the table stay over it, as the feet come down to the floor."""
+    story = hp.scenarios.load(name)
+    result = hp.simulate(story.motion[:2], story.scene, body=story.body)
+    assert len(result.inside) == 0
+
+
+def test_who_sits_is_not_blocked():
+    """Somebody moves back on a mattress: friction holds, but nobody waits for it."""
+    story = hp.scenarios.load("sit_on_bed")
+    result = hp.simulate(story.motion, story.scene, body=story.body)
+    late = np.arange(len(result)) / result.fps - result.clock
+    assert late.max() < 0.3
+    off = result.motion.translation[-1] - story.motion.translation[-1]
+    assert np.linalg.norm(off[:2]) < 0.02

@@ -185,10 +185,9 @@ const double* BroadPhase::load_travel(const double* in) {
 void BroadPhase::save_pairs(std::vector<double>& out) const {
   out.push_back((double)pairs_.size());
   for (const BroadPhasePair& e : pairs_) {
-    out.insert(out.end(),
-               {(double)e.shape, (double)e.other_static, (double)e.other_shape, e.dist, e.travelled,
-                e.planes_reach, e.axis.x, e.axis.y, e.axis.z, e.room, e.room_at,
-                (double)e.planes.size()});
+    out.insert(out.end(), {(double)e.shape, (double)e.other_static, (double)e.other_shape, e.dist,
+                           e.travelled, e.planes_reach, e.axis.x, e.axis.y, e.axis.z, e.room,
+                           e.room_at, (double)e.planes.size()});
     for (Vec3 n : e.axes.n) out.insert(out.end(), {n.x, n.y, n.z});
     out.push_back(e.axes.next);
     out.push_back(e.hint.n);

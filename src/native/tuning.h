@@ -228,6 +228,14 @@ constexpr double kSpread2 = 5e-3 * 5e-3;
 constexpr double kStaysNear = 2e-4;
 // Points of a face are within this of its nearest one, along the normal [m].
 constexpr double kFaceThickness = 2e-3;
+// A point is over a static whose surface is this much farther than the candidate's plane [m]: more than
+// rounding, less than a corner that sticks out needs to tip.
+constexpr double kOver = 1e-5;
+// A corner of a mesh counts if it lies so many times farther out than its gap is larger [-]. Less, and
+// the sides under a table's edge count; more, and what is slanted rests on its nearest corner alone.
+constexpr double kFartherThanDeeper = 10;
+// Directions around a disc that lies flat in which it may stick out.
+constexpr int kRimLooks = 8;
 // Cosines of the normals of one contact in two passes, and in two substeps.
 constexpr double kSamePassNormal = 0.9999, kCachedNormal = 0.99;
 // Directions of the deepest point of a disc: up to the first difference [-] it is one contact, which is

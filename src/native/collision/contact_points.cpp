@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "collision/overhang.h"
 #include "geometry/contact_manifold.h"
 #include "geometry/separation.h"
 #include "tuning.h"
@@ -25,6 +26,7 @@ struct Generator {
   const CollisionShape& shape;
   const PosedShape& a0;  // the shape at the start
   int already = 0;       // points that the candidate has
+  const Overhang overhang;
 
   Generator(const CollisionWorld& world, const std::vector<CachedContact>& cached, Poses& start,
             Poses& end, const ContactCandidate& c, int index, int pass,
@@ -38,7 +40,8 @@ struct Generator {
         pass(pass),
         contacts(contacts),
         shape(world.shapes[c.shape]),
-        a0(world.place(start, c.shape)) {
+        a0(world.place(start, c.shape)),
+        overhang(world) {
     for (const Contact& k : contacts) already += k.pair == index;
   }
 
@@ -69,6 +72,7 @@ struct Generator {
   int rim_contact(int feature, Vec3 toward) const;
   void add_displaced();
   void add_first();
+  void add_beside();
   void add_cached(bool& nearest);
   void add_at_end();
   void replace(int at);
@@ -251,6 +255,18 @@ void Generator::add_displaced() {
       start.material(world.shapes[c.other_shape], world.place(start, c.other_shape), xb);
 }
 
+// An object that sticks out over an edge of a static: the corners of what is carried, then the
+// nearest points.
+void Generator::add_beside() {
+  for (const Contact& k : contacts)
+    if (k.key == pair_key(c)) return add_at_end();
+  Vec3 pa[Overhang::kMostCorners], pb[Overhang::kMostCorners];
+  const int n = overhang.corners(start, c, pa, pb);
+  for (int i = 0; i < n; i++)
+    make_opposite(c.n, std::max(c.dist, dot(c.n, pa[i] - pb[i])), pa[i], pb[i], i);
+  if (n == 0) add_at_end();
+}
+
 // Points that carried an impulse in the substep before, as long as they face each other.
 void Generator::add_cached(bool& nearest) {
   const CollisionShape& other = world.shapes[c.other_shape];
@@ -290,21 +306,29 @@ void Generator::add_first() {
   }
 }
 
+// The point of a shape farthest along a normal.
+Vec3 top(const PosedShape& s, Vec3 n) { return s.support().farthest(n) + s.hull->radius * n; }
+
+// Of two moving shapes, or of an object and a static that it sticks out over.
 void Generator::add_at_end() {
-  const PosedShape &a1 = world.place(end, c.shape), &b1 = world.place(end, c.other_shape);
-  Separation s = separate(a1, b1, 1e300, false, c.n);
+  const PosedShape& a1 = world.place(end, c.shape);
+  const bool fixed = c.other_static >= 0;
+  Separation s = fixed ? overhang.at_end(start, end, c)
+                       : separate(a1, world.place(end, c.other_shape), 1e300, false, c.n);
   const bool settle = pass > tune::kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < tune::kSameSide;
   if (settle) {
     s.n = c.n;
     s.pa = a1.support().farthest(-c.n) - a1.hull->radius * c.n;
-    s.pb = b1.support().farthest(c.n) + b1.hull->radius * c.n;
+    s.pb = fixed ? s.pa - (dot(c.n, s.pa) - c.offset) * c.n
+                 : top(world.place(end, c.other_shape), c.n);
   }
   // The same material points at the start, and how far apart they were along the end's normal: a
   // better line for the contact that is there, or one more.
-  const Vec3 xa = start_of(c.shape, end, s.pa), xb = start_of(c.other_shape, end, s.pb);
+  const Vec3 xa = start_of(c.shape, end, s.pa);
+  const Vec3 xb = fixed ? s.pb : start_of(c.other_shape, end, s.pb);
   const double dist = dot(s.n, xa - xb);
   auto sphere = [](const PosedShape& x) { return x.hull->radius > 0 && x.points().n == 1; };
-  const bool round = sphere(a1) && sphere(b1);
+  const bool round = !fixed && sphere(a1) && sphere(world.place(end, c.other_shape));
   int same = -1;
   for (size_t i = 0; i < contacts.size(); i++) {
     const Contact& k = contacts[i];
@@ -325,7 +349,9 @@ void Generator::add_at_end() {
 
 void Generator::add() {
   if (c.other_static >= 0) {
-    if (shape.hull.rim > 0)
+    if (overhang.any(start, end, c))
+      add_beside();
+    else if (shape.hull.rim > 0)
       add_rim_points();
     else if (pass > 0 || already > 0 || !add_recalled_vertices())
       add_deepest_vertices();

@@ -5,6 +5,8 @@
 // - *against a static*: of a person, first the vertices that carried an impulse in the substep
 //   before; then those that would end deepest, at first spread out (so that few points carry a
 //   face), at most four more per pass;
+// - *an object beside the edge of a static* (overhang.h): the corners of the area where the two
+//   faces overlap; then the nearest points at the end pose;
 // - *a disc against a static*: points of its rim in a direction of the world, not of the material,
 //   so that what rolls or tips is measured where it touches: the deepest, and four that make it
 //   stand;

@@ -200,6 +200,10 @@ double GapCheck::excess(const Model& m, Poses& start, Poses& end, ContactCandida
     gap = a1.lowest(c.n) + dot(c.n, c.shift()) - c.offset;
     const bool half_space = world_.statics[c.other_static].kind == Static::Kind::HalfSpace;
     if (half_space || gap >= c.target) return gap - c.target;
+    if (overhang_.any(start, end, c)) {
+      const Separation s = overhang_.at_end(start, end, c);
+      if (s.dist > 0 && dot(s.n, c.n) > tune::kSameSide) return s.dist - c.target;
+    }
   } else {
     const PosedShape& b1 = world_.place(end, c.other_shape);
     PosedShape moved;

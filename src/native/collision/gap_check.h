@@ -2,7 +2,8 @@
 // anything?
 //
 // The gap at the end is measured along the candidate's plane; of two shapes whose nearest features
-// have stayed the same, it is their true distance at the end, because the plane turns as they do. A
+// have stayed the same, and of an object that sticks out over an edge (overhang.h), it is their true
+// distance at the end, because the plane turns as they do. A
 // plane that is crossed is *forgiven* if the shape meets nothing behind it: if the swept hull (the
 // hull of the shape's start and end vertices, seen from the other) is disjoint from the other by
 // the clearance and by the bulge. The bulge is how far the paths of points stray out of the swept
@@ -13,13 +14,14 @@
 #include <vector>
 
 #include "collision/collision_world.h"
+#include "collision/overhang.h"
 #include "collision/path_bounds.h"
 
 namespace hp {
 
 class GapCheck {
  public:
-  explicit GapCheck(const CollisionWorld& world) : world_(world) {}
+  explicit GapCheck(const CollisionWorld& world) : world_(world), overhang_(world) {}
 
   // Smallest gap of a candidate at the end pose minus its target [m]; kForgiven, and c.forgiven is
   // set, where the plane is crossed but nothing is behind it.
@@ -39,6 +41,7 @@ class GapCheck {
   bool swept_mesh_clear(const Model& m, const ContactCandidate& c, Poses& start, Poses& end);
 
   const CollisionWorld& world_;
+  const Overhang overhang_;
   struct MeshAnswer {
     int shape, other_static;
     bool clear;

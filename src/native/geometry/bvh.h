@@ -65,6 +65,9 @@ class TriangleTree {
   // `least_z`, up or down; -1e300: none.
   double below(Vec3 from, double least_z) const;
 
+  // The triangles whose bounding boxes meet a box, in the order of the leaves.
+  std::vector<int> meeting(const Box3& box) const;
+
   // How often the triangles wind around p: 1 inside a closed mesh, 0 outside, between where it is
   // open (generalised winding number: Jacobson et al. 2013). Sums over all triangles.
   double winding(Vec3 p) const;

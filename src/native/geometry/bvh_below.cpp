@@ -1,4 +1,4 @@
-// TriangleTree::below: the highest triangle under a point.
+// TriangleTree::below and meeting: the highest triangle under a point, and those around a box.
 #include "geometry/bvh.h"
 #include "tuning.h"
 
@@ -45,6 +45,28 @@ double TriangleTree::below(Vec3 from, double least_z) const {
     }
   }
   return best;
+}
+
+std::vector<int> TriangleTree::meeting(const Box3& box) const {
+  std::vector<int> found;
+  int stack[tune::kMostDeep], top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    if (!node.box.meets(box)) continue;
+    if (node.left >= 0) {
+      stack[top++] = node.right, stack[top++] = node.left;
+      continue;
+    }
+    for (int t = node.first; t < node.first + node.count; t++) {
+      Vec3 v[3];
+      triangle(t, v);
+      Box3 own;
+      for (Vec3 x : v) own.add(x);
+      if (own.meets(box)) found.push_back(t);
+    }
+  }
+  return found;
 }
 
 }  // namespace hp

@@ -43,7 +43,7 @@ def test_a_pass_is_what_two_passes_have_more_than_one(valgrind):
     (record,) = instructions.instructions(Options(quick=True))
     contact = record.checks["substeps with contact"][0]
     # In 30 frames of 8 substeps the wall is met in frame 15, and who is met by it is thrown off.
-    assert 40 < contact <= 29 * 8
+    assert 15 < contact <= 29 * 8
     assert record.ours == pytest.approx((1e-6 * PASS / contact,))
     assert record.unit == "M instructions"
 

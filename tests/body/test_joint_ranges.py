@@ -87,6 +87,13 @@ def test_a_twist_before_a_swing(ranges):
     np.testing.assert_allclose(swing_twist(-q, axes), expected, atol=1e-12)
 
 
+def test_the_whole_person_turns_as_far_as_it_likes(ranges):
+    asked, own = np.zeros((5, 55, 3)), np.zeros((5, 55, 3))
+    asked[:, 0, 1] = 3.0
+    own[:, 0] = [[-3.1, 0, 0], [0, -3.1, 0], [0, 0, 3.1], [2, 2, 2], [0, 3.2, 0]]
+    assert ranges.excess(own, asked).max() == 0.0
+
+
 def test_what_the_reference_asks_is_no_excess(ranges):
     rng = np.random.default_rng(1)
     asked = rng.normal(size=(20, 55, 3))

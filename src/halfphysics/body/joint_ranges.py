@@ -135,6 +135,8 @@ class JointRanges:
     def excess(self, rotations: ArrayLike, reference: ArrayLike) -> Array:
         """How far angles are beyond their ranges, and beyond the reference's, (..., 55, 3) [rad].
 
+        Nothing is beyond a range of a whole turn, as the pelvis has.
+
         Args:
             rotations, reference: Axis-angle (..., 55, 3) [rad] of the motion and of what was asked.
         """
@@ -142,6 +144,7 @@ class JointRanges:
         own[..., 0] += 2.0 * np.pi * np.round((asked - own)[..., 0] / (2.0 * np.pi))
         least, most = np.minimum(self.lower, asked), np.maximum(self.upper, asked)
         out: Array = np.maximum(np.maximum(least - own, own - most), 0.0)
+        out[..., self.upper - self.lower >= 2.0 * np.pi] = 0.0
         return out
 
 

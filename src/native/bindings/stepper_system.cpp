@@ -134,7 +134,7 @@ std::vector<SkinPoint> skin_points(const Stepper& s, Ints body, Doubles weight, 
 }
 
 // Person `person` stands on what is under it: see Footing. `joints`: hip, knee and ankle (bodies) of
-// every leg, whose soles are the next `soles` points; the last `hands` are of hands, the rest of other skin.
+// every leg, with the ranges that they have by then, whose soles are the next `soles` points; the last `hands` are of hands, the rest of other skin.
 void set_footing(Stepper& s, int person, Faces joints, Ints soles, int hands, Ints body,
                  Doubles weight, Rows3 local, Rows3 normal) {
   const Model& m = s.system.model;
@@ -151,7 +151,11 @@ void set_footing(Stepper& s, int person, Faces joints, Ints soles, int hands, In
       const int b = joints.data()[3 * f + k];
       need(b > 0 && b < m.nbody && m.plain_ball[b], "set_footing: no such joint");
       *bodies[k] = b, *quats[k] = m.jnt_qpos[m.jnt_first[b]];
+      const Drive& d = s.system.drives[person];
+      for (int ball = 0; ball < d.ball_count() && !d.ranges.empty(); ball++)
+        if (d.body(ball) == b) leg.ranges.push_back(d.ranges[ball]);
     }
+    need(leg.ranges.empty() || leg.ranges.size() == 3, "set_footing: no such joint");
     leg.root = m.parent[leg.hip];
     for (int b = 1; b < m.nbody; b++)
       if (m.parent[b] == leg.ankle) leg.toes = b;

@@ -145,11 +145,11 @@ void Generator::add_vertex(int v) {
 // Vertices that carried an impulse in the substep before; false if there are none.
 bool Generator::add_recalled_vertices() {
   bool any = false;
-  for (const CachedContact& w : cached) {
-    if (w.candidate != index) continue;
-    any = true;
-    if (!has(w.feature)) add_vertex(w.feature);
-  }
+  for (const CachedContact& w : cached)
+    if (w.candidate == index) {
+      any = true;
+      if (!has(w.feature)) add_vertex(w.feature);
+    }
   return any;
 }
 
@@ -204,26 +204,26 @@ std::vector<Generator::RimPoint> Generator::deep_rim_points() const {
 // The contact of this disc's rim in nearly the same direction; -1: none.
 int Generator::rim_contact(int feature, Vec3 toward) const {
   int same = -1;
-  for (size_t k = 0; k < contacts.size(); k++)
-    if (contacts[k].pair == index && contacts[k].feature == feature &&
-        norm(contacts[k].rim - toward) < tune::kSameRim)
-      same = (int)k;
+  for (size_t i = 0; i < contacts.size(); i++) {
+    const Contact& k = contacts[i];
+    if (k.pair == index && k.feature == feature && norm(k.rim - toward) < tune::kSameRim)
+      same = (int)i;
+  }
   return same;
 }
 
 void Generator::add_rim_points() {
   const Support s0 = a0.support();
-  int added = 0;
   std::vector<Vec3> chosen;
+  int added = 0;
   for (const RimPoint& w : deep_rim_points()) {
     if (added == tune::kPointsPerPass || already + added == tune::kMostPoints) break;
     const Vec3 toward = (1 / norm(w.toward)) * w.toward;
     const Vec3 x = s0.points.at(w.feature / 5) + s0.on_rim(toward) - a0.hull->radius * c.n;
     const int same = rim_contact(w.feature, toward);
     if (same >= 0 && norm(contacts[same].rim - toward) < tune::kSettledRim) continue;
-    bool near = false;
-    for (Vec3 o : chosen) near |= norm2(o - x) < tune::kSpread2;
-    if (near && already == 0) continue;
+    const auto near = [x](Vec3 o) { return norm2(o - x) < tune::kSpread2; };
+    if (already == 0 && std::any_of(chosen.begin(), chosen.end(), near)) continue;
     chosen.push_back(x);
     make(c.n, dot(c.n, x + c.from) - c.offset, x, x, w.feature);
     contacts.back().rim = toward;
@@ -318,7 +318,7 @@ void Generator::add_at_end() {
   const bool settle = pass > tune::kTurningPasses || s.dist <= 0 || dot(s.n, c.n) < tune::kSameSide;
   if (settle) {
     s.n = c.n;
-    s.pa = a1.support().farthest(-c.n) - a1.hull->radius * c.n;
+    s.pa = top(a1, -c.n);
     s.pb = fixed ? s.pa - (dot(c.n, s.pa) - c.offset) * c.n
                  : top(world.place(end, c.other_shape), c.n);
   }
@@ -340,10 +340,7 @@ void Generator::add_at_end() {
     return;  // only its shift is missing
   if (same < 0 && already == tune::kMostPoints) return;
   const int feature = same >= 0 ? contacts[same].feature : 5 + already;
-  if (settle)
-    make(s.n, dist, xa, xb, feature);
-  else
-    make_opposite(s.n, dist, xa, xb, feature);
+  settle ? make(s.n, dist, xa, xb, feature) : make_opposite(s.n, dist, xa, xb, feature);
   if (same >= 0) replace(same);
 }
 

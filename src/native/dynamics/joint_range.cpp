@@ -1,5 +1,6 @@
 #include "dynamics/joint_range.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -55,6 +56,23 @@ Vec3 joint_angles(const JointRange& r, Quat q) {
   const SwingTwist p(r, q);
   return {2 * std::atan2(p.t, p.w), 4 * std::atan(p.sf / (1 + p.N)),
           4 * std::atan(p.sa / (1 + p.N))};
+}
+
+Quat from_joint_angles(const JointRange& r, Vec3 angles) {
+  const double f = std::tan(0.25 * angles.y), a = std::tan(0.25 * angles.z);
+  const double scale = 1 / (1 + f * f + a * a);
+  const Vec3 side = (2 * scale * f) * r.axis[1] + (2 * scale * a) * r.axis[2];
+  const Quat swing{2 * scale - 1, side.x, side.y, side.z};
+  const Vec3 turn = std::sin(0.5 * angles.x) * r.axis[0];
+  return swing * Quat{std::cos(0.5 * angles.x), turn.x, turn.y, turn.z};
+}
+
+Vec3 clamped_angles(const JointRange& r, Quat q, Quat asked) {
+  Vec3 out = joint_angles(r, q);
+  const Vec3 own = joint_angles(r, asked);
+  for (int i = 0; i < 3; i++)
+    out[i] = std::clamp(out[i], std::min(r.lower[i], own[i]), std::max(r.upper[i], own[i]));
+  return out;
 }
 
 bool has_twist(const JointRange& r, Quat q) { return SwingTwist(r, q).N > tune::kLeastTwistShare; }

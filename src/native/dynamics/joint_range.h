@@ -27,6 +27,10 @@ struct JointRange {
 Vec3 joint_angles(const JointRange& r, Quat q);
 // Their rates by the joint's angular velocity in the child's frame: rate of angle i = out[i] . omega.
 void joint_angle_rates(const JointRange& r, Quat q, Vec3 out[3]);
+// The rotation with these angles.
+Quat from_joint_angles(const JointRange& r, Vec3 angles);
+// The angles of q, each put within its range or, where `asked` is farther out, within what that has.
+Vec3 clamped_angles(const JointRange& r, Quat q, Quat asked);
 // Is the twist of q well defined?
 bool has_twist(const JointRange& r, Quat q);
 

@@ -23,7 +23,7 @@ double tolerated(double height) {
 
 // Where the points of the reference are in the pose `qpos`, and how fast they got there in `time` of its
 // own; if none passed, as before.
-void Footing::read(const Model& m, const double* qpos, double time) {
+void Footing::read(const Model& m, const double* qpos, double time, double gravity) {
   kin_.resize(m);
   own_.assign(m.nbody, 0);
   const int root = m.root[model->legs[0].hip];
@@ -39,8 +39,9 @@ void Footing::read(const Model& m, const double* qpos, double time) {
     for (size_t i = 0; i < points_.size(); i++) speed_[i] = norm(points_[i] - before_[i]) / time;
   before_ = points_;
   started_ = true;
-  lowest_ = 1e300;
-  for (const Vec3& p : points_) lowest_ = std::min(lowest_, p.z);
+  double lowest = 1e300;
+  for (const Vec3& p : points_) lowest = std::min(lowest, p.z);
+  flight_.see(kin_.xpos[root].z, lowest, time, gravity);
 }
 
 void Footing::find_feet(const CollisionWorld& world, Poses& poses, Vec3 displaced, double dt) {
@@ -51,10 +52,11 @@ void Footing::find_feet(const CollisionWorld& world, Poses& poses, Vec3 displace
   bearing.points.assign(points_.size(), {});
   for (size_t f = 0; f < model->legs.size(); f++) {
     Foot& foot = feet_[f];
-    const Vec3 by{displaced.x + shift_[f].x, displaced.y + shift_[f].y, height_ + shift_[f].z};
+    // Steps are measured from where the motion has the foot: who stands on one does not climb the next.
+    const Vec3 by{displaced.x + shift_[f].x, displaced.y + shift_[f].y, height_};
     foot.lift = -1e300;
     for (size_t n = 0; n < model->legs[f].sole.size(); n++, i++) {
-      const double low = fades(points_[i].z - lowest_, tune::kLow, tune::kHigh);
+      const double low = fades(points_[i].z - flight_.lowest(), tune::kLow, tune::kHigh);
       foot.low = std::max(foot.low, low);
       foot.rests = std::max(foot.rests, low * fades(speed_[i], tune::kRests, tune::kMoves));
       const Surface s = below.find(poses, points_[i] + by, tune::kStepUp, tune::kDeep);
@@ -66,9 +68,6 @@ void Footing::find_feet(const CollisionWorld& world, Poses& poses, Vec3 displace
     }
     rested_[f] = foot.rests > 0.5 ? rested_[f] + dt : 0;
   }
-  aloft_ += dt;
-  for (const Foot& foot : feet_)
-    if (foot.rests > 0.5) aloft_ = 0;
 }
 
 // The lift that skin needs which rests on something, or presses on it: seen from where contacts hold the
@@ -97,7 +96,8 @@ bool Footing::wanted_height(double& height) const {
   }
   // As high as one foot has it, no higher than the other leg reaches down.
   double highest = -1e300, most = 1e300;
-  const bool falls = aloft_ > tune::kFlight;
+  bool falls = !flight_.flies();
+  for (const Foot& foot : feet_) falls &= foot.rests <= 0.5;
   for (size_t f = 0; f < feet_.size(); f++) {
     const Foot& foot = feet_[f];
     if (!foot.grounded || (falls ? foot.low : foot.rests) < 0.5) continue;
@@ -153,7 +153,7 @@ void Footing::come_down(const CollisionWorld& world, Vec3 displaced, double from
 }
 
 // Where a foot is to be put beyond the person's height.
-Vec3 Footing::wanted_shift(size_t leg, Vec3 displaced, double dt) const {
+Vec3 Footing::wanted_shift(size_t leg, Vec3 displaced, double dt) {
   const Foot& foot = feet_[leg];
   Vec3 shift = shift_[leg];
   double up = 0;
@@ -166,10 +166,16 @@ Vec3 Footing::wanted_shift(size_t leg, Vec3 displaced, double dt) const {
     if (shift.z == 0 && up < tolerated(height_)) up = std::min(up, 0.0);
     if (up < tune::kAtHeight) up = far ? 0 : foot.rests * std::min(0.0, up + tune::kFloats);
   }
-  if (up > shift.z)
+  double& sinking = sinking_[leg];
+  if (up > shift.z) {
+    sinking = 0;
     shift.z = std::min(up, shift.z + tune::kLift * dt);
-  else
-    shift.z += (1 - std::exp(-dt / tune::kLowerTime)) * (up - shift.z);
+  } else {
+    // Implicit: no step is too long.
+    const double h = dt * tune::kLowerRate;
+    sinking = (sinking + h * tune::kLowerRate * (up - shift.z)) / ((1 + h) * (1 + h));
+    shift.z += dt * sinking;
+  }
   if (std::fabs(shift.z) < tune::kAtHeight) shift.z = 0;
   Vec3 behind{shift.x, shift.y, 0};
   if (foot.rests > 0.5 && foot.grounded) {
@@ -217,7 +223,8 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
   const Vec3 whole{displaced.x, displaced.y, height_ + std::max(0.0, displaced.z)};
   for (size_t f = 0; f < feet_.size(); f++)
     for (size_t n = 0; n < model->legs[f].sole.size(); n++, i++)
-      carries(i, whole + shift_[f], fades(points_[i].z - lowest_, tune::kLow, tune::kHigh));
+      carries(i, whole + shift_[f],
+              fades(points_[i].z - flight_.lowest(), tune::kLow, tune::kHigh));
   for (; i < points_.size(); i++) carries(i, whole, 1);
   Vec3 centre;
   double mass = 0;
@@ -267,19 +274,21 @@ bool Footing::clear_between(const Model& m, int root_qpos, const double* from, c
 }
 
 void Footing::clear() {
-  height_ = rising_ = aloft_ = 0;
+  height_ = rising_ = 0;
+  flight_ = {};
   started_ = corrected_ = at_rest_ = false;
   displaced_ = {};
   bearing.reset();
   shift_.assign(model->legs.size(), {});
   rested_.assign(model->legs.size(), 0);
+  sinking_.assign(model->legs.size(), 0);
 }
 
 void Footing::start(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
                     double* qpos) {
   if (!on()) return;
   clear();
-  read(m, qpos, 0);
+  read(m, qpos, 0, 0);
   find_feet(world, poses, {}, 0);
   find_skin(world, poses, {});
   double height = 0;
@@ -302,7 +311,7 @@ bool Footing::bears(int toes) const {
 
 void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
                     const Frame& frame, double* target) {
-  read(m, target, frame.passed);
+  read(m, target, frame.passed, frame.gravity);
   find_feet(world, poses, frame.displaced, frame.dt);
   find_skin(world, poses, frame.displaced);
   const double from = height_;
@@ -324,10 +333,11 @@ void Footing::save(std::vector<double>& out) const {
   const size_t at = out.size();
   out.push_back(0);
   if (!on()) return;
-  out.insert(out.end(), {height_, rising_, aloft_, started_ ? 1.0 : 0.0, corrected_ ? 1.0 : 0.0,
+  out.insert(out.end(), {height_, rising_, started_ ? 1.0 : 0.0, corrected_ ? 1.0 : 0.0,
                          at_rest_ ? 1.0 : 0.0});
+  flight_.save(out);
   for (Vec3 v : shift_) out.insert(out.end(), {v.x, v.y, v.z});
-  out.insert(out.end(), rested_.begin(), rested_.end());
+  for (const auto* v : {&rested_, &sinking_}) out.insert(out.end(), v->begin(), v->end());
   out.insert(out.end(), {displaced_.x, displaced_.y, displaced_.z});
   for (size_t i = 0; i < before_.size(); i++)
     out.insert(out.end(), {before_[i].x, before_[i].y, before_[i].z, speed_[i]});
@@ -341,12 +351,14 @@ const double* Footing::load(const double* in) {
   if (!on()) return end;
   clear();
   if (!any) return end;
-  height_ = in[0], rising_ = in[1], aloft_ = in[2], started_ = in[3] != 0, corrected_ = in[4] != 0;
-  at_rest_ = in[5] != 0;
-  in += 6;
+  height_ = in[0], rising_ = in[1], started_ = in[2] != 0, corrected_ = in[3] != 0;
+  at_rest_ = in[4] != 0;
+  in = flight_.load(in + 5);
   for (Vec3& v : shift_) v = load3(in), in += 3;
-  rested_.assign(in, in + model->legs.size());
-  in += model->legs.size();
+  for (auto* v : {&rested_, &sinking_}) {
+    v->assign(in, in + model->legs.size());
+    in += model->legs.size();
+  }
   displaced_ = load3(in), in += 3;
   size_t points = model->skin.size();
   for (const Leg& leg : model->legs) points += leg.sole.size();

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "footing/bearing.h"
+#include "footing/flight.h"
 #include "footing/leg.h"
 #include "footing/surface_below.h"
 
@@ -39,7 +40,6 @@ class Footing {
   bool on() const { return model != nullptr; }
   // Has the last frame's target been corrected?
   bool corrected() const { return corrected_; }
-  double height() const { return height_; }
   // Is there a surface anywhere under the person, and is it on it? Else it falls or jumps.
   bool over_ground() const { return over_ground_; }
   bool on_ground() const { return on_ground_; }
@@ -56,6 +56,8 @@ class Footing {
              double* qpos);
   // Nothing is known of the person; after start(): it starts as asked instead.
   void clear();
+  // The person is so much higher than where it was put, and something holds it there [m].
+  void raise(double by) { height_ += by, rising_ = 0; }
   struct Frame {
     double dt;           // [s]
     double passed;       // how much of the reference's time passes [s]
@@ -79,14 +81,14 @@ class Footing {
     bool grounded = false;  // there is a surface under it
     bool bears = false;     // and it is there, and rests more or less
   };
-  void read(const Model& m, const double* qpos, double time);
+  void read(const Model& m, const double* qpos, double time, double gravity);
   void find_feet(const CollisionWorld& world, Poses& poses, Vec3 displaced, double dt);
   void find_skin(const CollisionWorld& world, Poses& poses, Vec3 displaced);
   bool wanted_height(double& height) const;
   double least_height(const CollisionWorld& world, Vec3 by) const;
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
-  Vec3 wanted_shift(size_t leg, Vec3 displaced, double dt) const;
+  Vec3 wanted_shift(size_t leg, Vec3 displaced, double dt);
   void find_state();
   void find_bearing(const Model& m, const CollisionWorld& world, Vec3 displaced);
   void apply(int root_qpos, double* qpos);
@@ -94,8 +96,9 @@ class Footing {
 
   double height_ = 0, rising_ = 0;  // d [m] and its speed [m/s]
   std::vector<Vec3> shift_;         // c_f [m], per leg
-  double aloft_ = 0;                // how long nothing has rested [s]
+  Flight flight_;                   // of the reference
   std::vector<double> rested_;      // how long each foot has rested [s]
+  std::vector<double> sinking_;     // speed of each foot on its way down to what it stands on [m/s]
   std::vector<Vec3> before_;        // points of the last reference pose: soles, then skin
   Vec3 displaced_;                  // of the last frame
   bool started_ = false;            // `before_` is known
@@ -110,7 +113,6 @@ class Footing {
   std::vector<double> speed_;
   std::vector<double> ground_;  // height under each point of the soles; -1e300: none
   std::vector<Foot> feet_;
-  double lowest_ = 0;
   double skin_lift_ = -1e300;  // that skin takes which carries; else this
 };
 

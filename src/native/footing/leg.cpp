@@ -51,7 +51,7 @@ double Leg::slack(const Kinematics& k) const {
   return std::max(0.0, std::sqrt(std::max(0.0, most * most - across2)) + way.z);
 }
 
-Vec3 Leg::move(const Kinematics& k, Vec3 shift, double* qpos) const {
+Leg::Bent Leg::bend(const Kinematics& k, Vec3 shift) const {
   const Vec3 h = k.xpos[hip], from = k.xpos[ankle];
   const Vec3 u = k.xpos[knee] - h, w = from - k.xpos[knee];
   Vec3 to = from + shift - h;
@@ -61,10 +61,72 @@ Vec3 Leg::move(const Kinematics& k, Vec3 shift, double* qpos) const {
   const Quat bend = exp_quat(knee_turn(u, w, n, norm(to)) * n);
   const Quat swing = least_rotation(u + rotate(bend, w), to);
   const Quat thigh = swing * k.xquat[hip], shank = swing * bend * k.xquat[knee];
-  store4(qpos + hip_qpos, normalized(conjugate(k.xquat[root]) * thigh));
-  store4(qpos + knee_qpos, normalized(conjugate(thigh) * shank));
-  store4(qpos + ankle_qpos, normalized(conjugate(shank) * k.xquat[ankle]));
-  return to + h - from;
+  Bent b;
+  b.hip = normalized(conjugate(k.xquat[root]) * thigh);
+  b.knee = normalized(conjugate(thigh) * shank);
+  b.ankle = normalized(conjugate(shank) * k.xquat[ankle]);
+  b.foot = k.xquat[ankle];
+  b.made = to + h - from;
+  return b;
+}
+
+// Are hip and knee within their ranges?
+bool Leg::holds(const Bent& b, const Bent& asked) const {
+  const auto inside = [](const JointRange& r, Quat q, Quat own) {
+    return norm(joint_angles(r, q) - clamped_angles(r, q, own)) < tune::kLegRangeMiss;
+  };
+  return inside(ranges[0], b.hip, asked.hip) && inside(ranges[1], b.knee, asked.knee);
+}
+
+// The largest part of a shift that hip and knee can make, and the ankle as far as it goes.
+Leg::Bent Leg::within(const Kinematics& k, Vec3 shift, const Bent& asked) const {
+  Bent b = bend(k, shift);
+  if (!holds(b, asked)) {
+    double good = 0, bad = 1;
+    for (int i = 0; i < tune::kLegBisections; i++) {
+      const double share = 0.5 * (good + bad);
+      (holds(bend(k, share * shift), asked) ? good : bad) = share;
+    }
+    b = bend(k, good * shift);
+  }
+  const Vec3 angles = joint_angles(ranges[2], b.ankle),
+             kept = clamped_angles(ranges[2], b.ankle, asked.ankle);
+  if (norm(angles - kept) < tune::kLegRangeMiss) return b;
+  const Quat ankle = normalized(from_joint_angles(ranges[2], kept));
+  b.foot = b.foot * conjugate(b.ankle) * ankle;
+  b.ankle = ankle;
+  return b;
+}
+
+// How far a foot that tilts about its ankle comes down with a point of its sole [m].
+double Leg::sinks(const Kinematics& k, const Bent& b) const {
+  const Mat3 turn = to_matrix(b.foot * conjugate(k.xquat[ankle]));
+  double most = 0;
+  for (const SkinPoint& p : sole) {
+    const Vec3 arm = p.position(k) - k.xpos[ankle];
+    most = std::max(most, arm.z - (turn * arm).z);
+  }
+  return most;
+}
+
+Vec3 Leg::move(const Kinematics& k, Vec3 shift, double* qpos) const {
+  Bent b;
+  if (ranges.empty()) {
+    b = bend(k, shift);
+  } else {
+    Bent asked;
+    asked.hip = load4(qpos + hip_qpos), asked.knee = load4(qpos + knee_qpos);
+    asked.ankle = load4(qpos + ankle_qpos);
+    b = within(k, shift, asked);
+    const Vec3 made = b.made;
+    const double rise = sinks(k, b);
+    if (rise > tune::kAtHeight) b = within(k, made + Vec3{0, 0, rise}, asked);
+    b.made = made;
+  }
+  store4(qpos + hip_qpos, b.hip);
+  store4(qpos + knee_qpos, b.knee);
+  store4(qpos + ankle_qpos, b.ankle);
+  return b.made;
 }
 
 }  // namespace hp

@@ -9,9 +9,14 @@
 // rotation that puts the ankle in its place. The axis is the thigh's own, from left to right, whatever the
 // plane in which a recording has the leg: about the axis of that plane, which of a leg that is all but
 // straight is noise, knees bent sideways by 20 degrees.
+//
+// Joints with ranges stay within them, or within what the motion itself asks: a shift that hip or knee cannot
+// make is made as far as they can, and where the ankle cannot keep the foot's orientation the foot tilts, and
+// the ankle rises by as much as the sole would come down.
 #pragma once
 #include <vector>
 
+#include "dynamics/joint_range.h"
 #include "footing/skin_point.h"
 
 namespace hp {
@@ -21,15 +26,26 @@ struct Leg {
   int hip_qpos = 0, knee_qpos = 0, ankle_qpos = 0;  // their quaternions in the model's qpos
   int root = 0;                                     // the body that the hip hangs on
   std::vector<SkinPoint> sole;
+  std::vector<JointRange> ranges;  // of hip, knee and ankle; empty: they have none
 
   // How much farther down the ankle can go while the hip stays [m].
   double slack(const Kinematics& k) const;
   // Puts the ankle of the pose `k`, whose coordinates are `qpos`, elsewhere by `shift` [m], or as
-  // far as the leg reaches; the quaternions in qpos change, `k` does not. Returns the shift made.
+  // far as the leg reaches; the quaternions in qpos change, `k` does not. Returns the shift made, without
+  // what a foot that tilts needs besides.
   Vec3 move(const Kinematics& k, Vec3 shift, double* qpos) const;
 
  private:
+  struct Bent {
+    Quat hip, knee, ankle;  // of the joints
+    Quat foot;              // in the world
+    Vec3 made;              // the ankle's shift [m]
+  };
   double reach(const Kinematics& k) const;
+  Bent bend(const Kinematics& k, Vec3 shift) const;
+  Bent within(const Kinematics& k, Vec3 shift, const Bent& asked) const;
+  bool holds(const Bent& b, const Bent& asked) const;
+  double sinks(const Kinematics& k, const Bent& b) const;
 };
 
 }  // namespace hp

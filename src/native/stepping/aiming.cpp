@@ -27,6 +27,15 @@ void limit_root_force(const System& system, Drive& d, double above) {
   d.root_force.across = stands ? push : tune::kInTheAir;
   d.root_force.up = stands ? d.limits[0] : tune::kInTheAir;
   d.root_force.down = weight;
+  d.root_force.falls = !stands;
+}
+
+// Who is blocked comes back to the pose of the motion slowly, so that it does not kick itself off.
+void yield(const System& system, Drive& d) {
+  d.yields.clear();
+  if (!d.clock.blocked()) return;
+  d.yields = return_rates(d, tune::kYieldSpeed, system.joint_reach);
+  d.yields[0] = tune::kYieldTurn;
 }
 
 }  // namespace
@@ -97,19 +106,27 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
   data.result.clear(system.model.nbody);
   state.update_pose(system);
   for (Drive& d : system.drives) {
-    const Vec3 displaced = d.motion.displaced(s, dt, state.qpos.data());
+    Vec3 displaced = d.motion.displaced(s, dt, state.qpos.data());
+    // Who has been lifted onto something stands there, and not on what is below.
+    if (d.footing.on() && d.carried && displaced.z > tune::kRaised) {
+      d.footing.raise(displaced.z);
+      d.motion.raise(displaced.z);
+      displaced.z = 0;
+    }
     const bool stands = !d.footing.on() || d.footing.at_rest();
     // Who sits or lies is held by what is under it, not blocked on its way.
     const Vec3 behind = d.sits ? Vec3{} : displaced;
     const double* target = d.clock.advance(d, targets, dt, behind, touched(d), stands);
     targets += d.qpos_count();
     d.motion.eager = d.clock.eager();
+    yield(system, d);
     if (d.footing.on()) {
+      const Vec3 will_be = d.motion.displaced(s, dt, state.qpos.data());
       target_ = state.qpos;
       std::copy_n(target, d.qpos_count(), &target_[d.first_qpos()]);
       const double passed = d.clock.passed(), gravity = norm(system.gravity);
       d.footing.frame(system.model, system.world, state.pose, d.first_qpos(),
-                      {dt, passed, gravity, d.motion.target().data(), displaced}, target_.data());
+                      {dt, passed, gravity, d.motion.target().data(), will_be}, target_.data());
       target = &target_[d.first_qpos()];
       const double above = state.qpos[d.first_qpos() + 2] - d.motion.target()[2];
       d.sits = d.footing.sits() || (d.sits && d.carried);

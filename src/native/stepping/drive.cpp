@@ -134,15 +134,27 @@ bool Drive::free_velocity(const DriveSettings& s, int k, double h, const double*
   return restored_deviation(s, k, h, q, v, deviation + first_dof());
 }
 
+namespace {
+
+// How fast a ball comes back to the motion, at most [rad/s].
+double return_rate(const Drive& d, const DriveSettings& s, int ball) {
+  double most = s.recovery_rate;
+  if (d.gentle()) most = std::min(most, d.gentle_return.rate(ball));
+  if (!d.yields.empty()) most = std::min(most, d.yields[ball]);
+  return most;
+}
+
+}  // namespace
+
 // v* with a time constant.
 void Drive::spring_velocity(const DriveSettings& s, int k, double h, const double* q,
                             double* v) const {
-  const double tau = s.time_constant, sc = scale(s, h), limit = 2 * s.recovery_rate * tau;
+  const double tau = s.time_constant, sc = scale(s, h);
   for (int i = 0; i < 3; i++) v[i] = v_ref_[i] + deviation_[i] / sc;
   for (int i = 0; i < ball_count(); i++) {
     const Ball& b = balls()[i];
     const Quat ref = motion.before(b) * exp_quat((k * h) * load3(&v_ref_[b.dof]));
-    const double most = gentle() ? std::min(limit, 2 * gentle_return.rate(i) * tau) : limit;
+    const double most = 2 * tau * return_rate(*this, s, i);
     const Vec3 xi = capped(log_quat(conjugate(ref) * load4(q + b.qpos)), most);
     const Vec3 e = load3(&deviation_[b.dof]) - (h / (tau * tau)) * xi;
     store3(v + b.dof, load3(&v_ref_[b.dof]) + (1 / sc) * e);

@@ -66,6 +66,7 @@ inline Vec3 capped(Vec3 v, double limit) {
 // Most force on a root along the ground, up and down [N].
 struct RootForce {
   bool on = false;
+  bool falls = false;  // nothing holds it: what pulls it down acts on M, not on M^
   double across = 0, up = 0, down = 0;
   double upright(double force) const { return force > 0 ? up : down; }
 };
@@ -88,6 +89,8 @@ class Drive : public PersonDofs {
   bool sits = false;
   // In their place the force on the root of somebody with a footing, by what it stands on.
   RootForce root_force;
+  // How fast each ball comes back to the motion in this frame, at most [rad/s]. Empty: nothing is in the way.
+  std::vector<double> yields;
 
   Drive(const Model& m, int root_body);
 

@@ -7,11 +7,17 @@ namespace hp {
 
 namespace tune = tuning::stepping;
 
+std::vector<double> return_rates(const PersonDofs& dofs, double speed,
+                                 const std::vector<double>& reach) {
+  std::vector<double> rates;
+  for (const PersonDofs::Ball& b : dofs.balls())
+    rates.push_back(speed / std::max(reach[b.body], tune::kLeastJointReach));
+  return rates;
+}
+
 void GentleReturn::start(const PersonDofs& dofs, double speed, const std::vector<double>& reach) {
   if (left_ == 0) left_ = tune::kReturnTime;
-  rate_.clear();
-  for (const PersonDofs::Ball& b : dofs.balls())
-    rate_.push_back(speed / std::max(reach[b.body], tune::kLeastJointReach));
+  rate_ = return_rates(dofs, speed, reach);
 }
 
 void GentleReturn::end_frame(const PersonDofs& dofs, bool comes_out, double dt,

@@ -9,6 +9,11 @@
 
 namespace hp {
 
+// How fast each ball turns, at most, so that no point goes faster than `speed` [m/s] on its account [rad/s];
+// `reach` is per body of the model [m].
+std::vector<double> return_rates(const PersonDofs& dofs, double speed,
+                                 const std::vector<double>& reach);
+
 class GentleReturn {
  public:
   bool active() const { return left_ > 0; }

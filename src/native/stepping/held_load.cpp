@@ -162,8 +162,9 @@ void HeldLoad::bear(System& system, Data& data, const Drive& d, double h) const 
   std::vector<double> may(count);
   bool enough = true;
   for (int k = 0; k < count; k++) {
-    // What is held pulls a root down.
-    const double most = k == 0 && d.root_force.on ? d.root_force.up : d.limits[k];
+    // Up it is held by what it stands on, down it is pulled by its weight.
+    const bool root = k == 0 && d.root_force.on;
+    const double most = root ? d.root_force.upright(need[first + 2]) : d.limits[k];
     may[k] = h * most / (1 + tune::kYieldTolerance);
     enough &= norm(load3(&need[d.limit_dof(k)])) <=
               may[k] + tune::kVelocityRounding * tune::kVelocityRounding;

@@ -10,25 +10,27 @@ void ReferenceClock::reset(const PersonDofs& dofs, const double* target) {
   reached_.assign(target, target + dofs.qpos_count());
   ahead_.clear();
   waited_ = passed_ = untouched_ = 0;
-  eager_ = 1;
+  rate_ = eager_ = 1;
   impatient_ = false;
 }
 
-double ReferenceClock::rate(Vec3 displaced, bool touched, bool stands, double dt) {
+// The rate of the clock in the next dt, and at which share of its pace the person goes back to its path.
+void ReferenceClock::decide(Vec3 displaced, bool touched, bool stands, double dt) {
   const Asked& next = ahead_.front();
   Vec3 way = load3(next.qpos.data()) - load3(reached_.data());
   way.z = 0;
   const double length = norm(way), speed = length / next.time;
   const double behind = speed > tune::kStill ? -dot(displaced, way) / length : 0;
+  const double most = rate_ + tune::kSpeedUp * dt, most_eager = eager_ + tune::kSpeedUp * dt;
   untouched_ = touched ? 0 : untouched_ + dt;
-  eager_ = 1;
+  rate_ = std::min(1.0, most), eager_ = std::min(1.0, most_eager);
   if (behind < tune::kBehind) impatient_ = false, waited_ = 0;
-  if (behind < tune::kBehind || (!touched && waited_ == 0) || impatient_) return 1;
+  if (behind < tune::kBehind || (!touched && waited_ == 0) || impatient_) return;
   const double share = std::max(0.0, (tune::kBlocked - behind) / (tune::kBlocked - tune::kBehind));
   waited_ += (1 - share) * dt;
   impatient_ = waited_ > tune::kPatience;
-  if (untouched_ < tune::kTriesAgain) eager_ = share;
-  return stands ? share : std::max(share, tune::kSlowest);
+  if (untouched_ < tune::kTriesAgain) eager_ = std::min(share, most_eager);
+  rate_ = std::min(stands ? share : std::max(share, tune::kSlowest), most);
 }
 
 void ReferenceClock::move_on(const PersonDofs& dofs, double time) {
@@ -57,7 +59,8 @@ const double* ReferenceClock::advance(const PersonDofs& dofs, const double* targ
   passed_ = dt;
   if (!on) return target;
   ahead_.push_back({{target, target + dofs.qpos_count()}, dt});
-  passed_ = dt * rate(displaced, touched, stands, dt);
+  decide(displaced, touched, stands, dt);
+  passed_ = dt * rate_;
   move_on(dofs, passed_);
   return reached_.data();
 }
@@ -72,8 +75,8 @@ void ReferenceClock::save(std::vector<double>& out) const {
   out.push_back(on ? 1 : 0);
   if (!on) return;
   out.insert(out.end(), reached_.begin(), reached_.end());
-  out.insert(out.end(),
-             {(double)ahead_.size(), waited_, passed_, untouched_, eager_, impatient_ ? 1.0 : 0.0});
+  out.insert(out.end(), {(double)ahead_.size(), waited_, passed_, untouched_, rate_, eager_,
+                         impatient_ ? 1.0 : 0.0});
   for (const Asked& a : ahead_) {
     out.push_back(a.time);
     out.insert(out.end(), a.qpos.begin(), a.qpos.end());
@@ -86,8 +89,9 @@ const double* ReferenceClock::load(const PersonDofs& dofs, const double* in) {
   reset(dofs, in);
   in += dofs.qpos_count();
   const size_t count = (size_t)in[0];
-  waited_ = in[1], passed_ = in[2], untouched_ = in[3], eager_ = in[4], impatient_ = in[5] != 0;
-  in += 6;
+  waited_ = in[1], passed_ = in[2], untouched_ = in[3];
+  rate_ = in[4], eager_ = in[5], impatient_ = in[6] != 0;
+  in += 7;
   for (size_t i = 0; i < count; i++, in += dofs.qpos_count() + 1)
     ahead_.push_back({{in + 1, in + 1 + dofs.qpos_count()}, in[0]});
   return in;

@@ -8,7 +8,8 @@
 //
 // but at kSlowest at least until the pose is one to stand in. Poses that were asked for meanwhile wait
 // in a queue, and the person moves through it as time passes for it. Who has waited for kPatience goes
-// on whatever is in the way, until back on the path. A clock that never lags changes no bit.
+// on whatever is in the way, until back on the path. It goes on as a person starts to walk: the rate grows by
+// kSpeedUp at most. A clock that never lags changes no bit.
 #pragma once
 #include <deque>
 #include <vector>
@@ -33,6 +34,8 @@ class ReferenceClock {
   double passed() const { return passed_; }
   // Share of its pace at which the person is to go back to its path.
   double eager() const { return eager_; }
+  // Something is in its way: it waits, or goes on all the same.
+  bool blocked() const { return eager_ < 1 || impatient_; }
 
   void save(std::vector<double>& out) const;
   const double* load(const PersonDofs& dofs, const double* in);
@@ -42,12 +45,12 @@ class ReferenceClock {
     std::vector<double> qpos;
     double time;  // from the pose before it [s]
   };
-  double rate(Vec3 displaced, bool touched, bool stands, double dt);
+  void decide(Vec3 displaced, bool touched, bool stands, double dt);
   void move_on(const PersonDofs& dofs, double time);
 
   std::vector<double> reached_;
   std::deque<Asked> ahead_;
-  double waited_ = 0, passed_ = 0, untouched_ = 0, eager_ = 1;
+  double waited_ = 0, passed_ = 0, untouched_ = 0, rate_ = 1, eager_ = 1;
   bool impatient_ = false;
 };
 

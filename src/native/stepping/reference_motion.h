@@ -26,6 +26,8 @@ class ReferenceMotion {
   // With `weight` its height comes back to the motion's even if the root does not.
   void aim(const DriveSettings& s, const double* target, double dt, const double* qpos,
            bool weight = false);
+  // The path goes on so much higher [m].
+  void raise(double by) { target_[2] += by; }
   // How far the root will be off its path along the ground at the end of a frame that is about to be
   // aimed at, if nothing is in the way, and how far above it is now [m].
   Vec3 displaced(const DriveSettings& s, double dt, const double* qpos) const;

@@ -19,12 +19,13 @@ bool cap(double* x, int count, double most) {
 }
 
 // Scales the entries of x [nv] that limit k is of to at most so many times the limit; true if they were
-// more. x is what the drive takes off: the opposite of what it exerts.
-bool cap(const Drive& d, int k, double times, double* x) {
+// more. x is what the drive takes off in M^ = s (M + ...): the opposite of what it exerts.
+bool cap(const Drive& d, int k, double times, double s, double* x) {
   double* at = x + d.limit_dof(k);
   if (k > 0 || !d.root_force.on) return cap(at, 3, times * d.limits[k]);
   const bool across = cap(at, 2, times * d.root_force.across);
-  return cap(at + 2, 1, times * d.root_force.upright(-at[2])) || across;
+  const double pull = d.root_force.upright(-at[2]);
+  return cap(at + 2, 1, times * (d.root_force.falls ? s * pull : pull)) || across;
 }
 
 double largest(const Drive& d, const double* x) {
@@ -35,9 +36,9 @@ double largest(const Drive& d, const double* x) {
 }
 
 // Cuts what the drive exerts to what its joints can; true if any exceeded that.
-bool cut(const Drive& d, double h, double* impulse) {
+bool cut(const Drive& d, double h, double s, double* impulse) {
   bool any = false;
-  for (int k = 0; k <= d.ball_count(); k++) any |= cap(d, k, tune::kPullShare * h, impulse);
+  for (int k = 0; k <= d.ball_count(); k++) any |= cap(d, k, tune::kPullShare * h, s, impulse);
   return any;
 }
 
@@ -85,12 +86,12 @@ void StrengthLimits::limit(const System& system, Data& data, double h) {
       double own = 0;
       for (int c = 0; c < 3; c++)
         own += s * (inertia.matrix().diagonal(system.model, at + c) + added[at + c]) / 3;
-      less |= cap(d, k, tune::kPullShare * h / own, change_.data());
+      less |= cap(d, k, tune::kPullShare * h / own, s, change_.data());
     }
     std::fill(pushed_.begin(), pushed_.end(), 0.0);
     inertia.multiply(system, d, change_.data(), pushed_.data());
     for (int i = first; i < end; i++) pushed_[i] = s * (pushed_[i] + added[i] * change_[i]);
-    if (cut(d, h, pushed_.data())) {
+    if (cut(d, h, s, pushed_.data())) {
       inertia.solve(system.model, pushed_.data());
       std::copy(pushed_.begin() + first, pushed_.begin() + end, change_.begin() + first);
       less = true;

@@ -56,8 +56,8 @@ def table(kind: str):
 
 
 def at_edge(kind, name, beyond, yaw=0.0, frames=FRAMES):
-    """Poses of an object whose centre of mass is `beyond` the edge of a table: positions (n, 3) from
-    the edge, quaternions (n, 4); and the time that was lost [s]."""
+    """Poses of an object whose centre of mass is `beyond` the edge of a table: positions (n, 3)
+    from the edge, quaternions (n, 4); and the time that was lost [s]."""
     turn = rot.exp([0.0, 0.0, yaw])
     scene = Scene()
     shape, height, centre = OBJECTS[name]

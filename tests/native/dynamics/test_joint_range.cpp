@@ -1,6 +1,7 @@
 // Angles of ball joints and their rates.
 #include "dynamics/joint_range.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <stdexcept>
 
@@ -8,7 +9,7 @@
 
 namespace {
 
-constexpr double kStep = 1e-5, kTolerance = 1e-8;
+constexpr double kStep = 1e-5, kTolerance = 1e-8, kRounding = 1e-12;
 
 // A number in [-1, 1) that depends on `seed` alone.
 double drawn(uint64_t& seed) {
@@ -60,6 +61,34 @@ void what_holds_is_within_all_ends() {
   CHECK(held > 100 && held < 1800);
 }
 
+void angles_and_rotations_are_the_same_thing() {
+  const hp::JointRange r = range();
+  uint64_t seed = 7;
+  for (int trial = 0; trial < 1000; trial++) {
+    const hp::Vec3 a = 1.5 * hp::Vec3{drawn(seed), drawn(seed), drawn(seed)};
+    const hp::Vec3 again = hp::joint_angles(r, hp::from_joint_angles(r, a));
+    for (int i = 0; i < 3; i++) CHECK_NEAR(again[i], a[i], kRounding);
+  }
+}
+
+void clamping_goes_no_farther_than_the_range_or_what_is_asked() {
+  const hp::JointRange r = range();
+  uint64_t seed = 11;
+  int beyond = 0;
+  for (int trial = 0; trial < 1000; trial++) {
+    const hp::Quat q = hp::exp_quat(2.0 * hp::Vec3{drawn(seed), drawn(seed), drawn(seed)});
+    const hp::Quat asked = hp::exp_quat(1.4 * hp::Vec3{drawn(seed), drawn(seed), drawn(seed)});
+    const hp::Vec3 own = hp::joint_angles(r, q), wish = hp::joint_angles(r, asked),
+                   kept = hp::clamped_angles(r, q, asked);
+    for (int i = 0; i < 3; i++) {
+      const double low = std::min(r.lower[i], wish[i]), up = std::max(r.upper[i], wish[i]);
+      CHECK_NEAR(kept[i], std::clamp(own[i], low, up), kRounding);
+      beyond += kept[i] != own[i];
+    }
+  }
+  CHECK(beyond > 300);
+}
+
 void bad_axes_are_refused() {
   hp::JointRange r = range();
   r.axis[1] = -r.axis[1];
@@ -77,6 +106,8 @@ void bad_axes_are_refused() {
 int main() {
   rates_are_those_of_the_angles();
   what_holds_is_within_all_ends();
+  angles_and_rotations_are_the_same_thing();
+  clamping_goes_no_farther_than_the_range_or_what_is_asked();
   bad_axes_are_refused();
   return check::report("joint_range");
 }

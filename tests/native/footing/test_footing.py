@@ -6,7 +6,10 @@ import trimesh
 
 import halfphysics as hp
 from halfphysics.body.footing_points import footing_points
+from halfphysics.scenarios.acting.gait import Walk
+from halfphysics.scenarios.acting.gait import walk as gait
 from support.as_it_is import as_it_is
+from support.ground.figures import knee_jerk
 
 #: Clearance, the gap of a sole, and what its points miss of the skin between them [m].
 STANDS = (0.0009, 0.004)
@@ -83,6 +86,37 @@ def test_nobody_is_held_up_by_nothing_and_falls_no_faster_than_gravity():
     assert not len(result.breaches)
 
 
+def lifted(frames=150, fps=60.0, high=0.6):
+    """Somebody on a lift that goes up at 3 m/s and stops: the result, heights, bends (T,)."""
+    motion, scene = standing(0.0, frames=frames, fps=fps), floor(top=-0.0012)
+    up = np.minimum(3.0 * np.arange(frames) / fps, high) - 0.0512
+    lift = np.column_stack([np.broadcast_to(motion.translation[0, :2], (frames, 2)), up])
+    scene.add_moving("lift", hp.Box((3.0, 3.0, 0.1)), lift, fps=fps)
+    result = hp.simulate(motion, scene, body=BODY)
+    bent = np.abs(result.motion.rotations - motion.rotations).max(axis=(1, 2))
+    return result, (result.motion.translation - motion.translation)[:, 2], bent
+
+
+def test_who_is_thrown_up_falls_while_its_joints_are_out_of_place():
+    result, z, bent = lifted()
+    free = ~np.isin(np.arange(150), result.contacts.frame)
+    # Frames that nothing touches, nor the two before and after them, above all that could carry.
+    flies = np.flatnonzero(np.convolve(free & (z > 0.7), np.ones(5), "valid") == 5) + 1
+    assert len(flies) >= 4
+    assert (bent[flies] > np.radians(2.0)).all()
+    # Of the root, against which joints move on their way back; held by nothing it would not fall.
+    fall = np.diff(z, 2)[flies].mean() * 60.0**2
+    assert -1.1 * 9.81 < fall < -0.4 * 9.81
+    assert not len(result.breaches)
+
+
+def test_who_is_lifted_onto_something_stands_there_and_is_as_the_motion_has_it():
+    result, z, bent = lifted()
+    assert z[-1] == pytest.approx(0.6, abs=0.005)
+    assert bent[-1] < np.radians(1.5)
+    assert not np.isin(np.arange(120, 150), result.contacts.frame).any()  # 2 mm over the lift
+
+
 def test_a_jump_is_not_pulled_down():
     """Up and down along a parabola of 0.3 m, off the ground for half a second."""
     fps, g = 60.0, 9.81
@@ -92,6 +126,41 @@ def test_a_jump_is_not_pulled_down():
     jump = motion.with_frames(motion.translation + up[:, None] * [0.0, 0.0, 1.0], motion.rotations)
     result = hp.simulate(jump, floor(), body=BODY, settings=WEIGHT)
     assert np.abs(result.motion.translation - jump.translation).max() < 0.02
+
+
+def moved(motion, along, up):
+    """Somebody who does not move a joint goes `along` -y and `up` [m], each (T,)."""
+    way = np.column_stack([np.zeros(len(up)), -along, up])
+    return motion.with_frames(motion.translation + way, motion.rotations)
+
+
+def test_hops_on_feet_that_slide_are_not_pulled_down():
+    """Hops of 20 cm, one after the other, at 0.6 m/s: no foot ever rests, and nobody floats."""
+    fps, g, high = 60.0, 9.81, 0.2
+    t = np.arange(180) / fps
+    lasts = 2.0 * np.sqrt(2.0 * high / g)
+    s = np.mod(t, lasts)
+    motion = standing(0.0012, frames=180, fps=fps)
+    hops = moved(motion, 0.6 * t, 0.5 * g * s * (lasts - s))
+    result = hp.simulate(hops, floor(), body=BODY, settings=WEIGHT)
+    assert np.abs((result.motion.translation - hops.translation)[:, 2]).max() < 0.02
+
+
+def test_who_glides_over_the_ground_comes_down():
+    fps = 60.0
+    motion = standing(0.03, frames=120, fps=fps)
+    glides = moved(motion, 0.8 * np.arange(120) / fps, np.zeros(120))
+    result = hp.simulate(glides, floor(), body=BODY, settings=WEIGHT)
+    # Feet that move keep kSwingGap more.
+    assert (lowest(result.motion)[60:] < STANDS[1] + 0.009).all()
+
+
+def test_knees_go_down_to_the_ground_smoothly():
+    """A walk 1 cm over the floor: legs that reach down and are lifted do not jerk."""
+    walk = gait(BODY, Walk(distance=2.0, speed=1.2), 30.0)
+    high = walk.with_frames(walk.translation + np.array([0.0, 0.0, 0.01]), walk.rotations)
+    result = hp.simulate(high, floor(), body=BODY, settings=WEIGHT)
+    assert knee_jerk(result.people[0]) < 1.2
 
 
 @pytest.mark.parametrize("shape", ["plane", "hull", "mesh"])

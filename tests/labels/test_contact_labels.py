@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 import halfphysics as hp
 from halfphysics.errors import InputError
 from halfphysics.labels import contact_labels
+from halfphysics.labels.solver_contacts import solver_contacts
 from halfphysics.results.result import Result
 
 
@@ -118,3 +120,18 @@ def test_farther_than_clearance_and_a_millimetre_is_no_contact():
         labels.skin_near(0.01, person=1)
     with pytest.raises(InputError, match="Result"):
         contact_labels(result.motion)
+
+
+def test_what_has_bounced_far_off_by_the_end_of_the_frame_has_no_distance():
+    """0.8 m a frame: the ball meets the wall and is beyond the reach of 0.1 m again."""
+    scene = hp.Scene(gravity=0.0)
+    scene.add_static("wall", hp.Box((0.2, 4.0, 4.0)), position=(3.1, 0.0, 0.0), restitution=0.9)
+    ball = {"mass": 1.0, "position": (2.5, 0.0, 0.0), "velocity": (8.0, 0.0, 0.0)}
+    scene.add_object("ball", hp.Sphere(0.1), restitution=0.9, **ball)
+    motion = hp.Motion(np.zeros((4, 3)), np.zeros((4, 55, 3)), 10.0)
+    result = hp.simulate(motion, scene, settings=hp.settings.Settings(weight=False))
+    found = solver_contacts(result)
+    assert np.isposinf(found.distance).any()
+    assert np.isposinf(found.arrays()["distance"]).any()
+    with pytest.raises(InputError, match="NaN"):
+        replace(found, distance=np.full(len(found), np.nan))

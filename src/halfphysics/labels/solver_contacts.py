@@ -38,6 +38,7 @@ class SolverContacts(Table):
     NAME: ClassVar[str] = "contacts"
     VECTORS: ClassVar[frozenset[str]] = frozenset({"position", "normal", "impulse"})
     NUMBERS: ClassVar[frozenset[str]] = frozenset({"distance"})
+    ENDLESS: ClassVar[frozenset[str]] = frozenset({"distance"})
 
     frame: Ints
     person: Ints

@@ -19,8 +19,18 @@ def frozen(array: ArrayLike) -> Array:
     return copy
 
 
-def checked(name: str, value: ArrayLike, shape: tuple[int | None, ...], expected: str) -> Array:
-    """Read-only float64 copy of `value`, refused unless finite and of `shape` (None: any)."""
+def checked(
+    name: str,
+    value: ArrayLike,
+    shape: tuple[int | None, ...],
+    expected: str,
+    *,
+    endless: bool = False,
+) -> Array:
+    """Read-only float64 copy of `value`, refused unless finite and of `shape` (None: any).
+
+    With `endless` inf is a value too: farther than anybody looked.
+    """
     try:
         array = frozen(value)
     except (TypeError, ValueError) as error:
@@ -32,7 +42,7 @@ def checked(name: str, value: ArrayLike, shape: tuple[int | None, ...], expected
     )
     if not fits:
         raise InputError(f"{name}: found shape {array.shape}, expected {expected}")
-    bad = ~np.isfinite(array)
+    bad = ~np.isfinite(array) & ~(endless & np.isposinf(array))
     if bad.any():
         where = np.argwhere(bad)[0]
         raise InputError(

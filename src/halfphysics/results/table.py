@@ -26,6 +26,7 @@ class Table:
     NAME: ClassVar[str]  # in messages
     VECTORS: ClassVar[frozenset[str]] = frozenset()  # columns (n, 3) of float64
     NUMBERS: ClassVar[frozenset[str]] = frozenset()  # columns (n,) of float64
+    ENDLESS: ClassVar[frozenset[str]] = frozenset()  # those of them that may be inf
 
     def __post_init__(self) -> None:
         first = fields(self)[0].name
@@ -37,7 +38,8 @@ class Table:
             if column in self.VECTORS:
                 array = checked(name, value, (None, 3), "(n, 3)")
             elif column in self.NUMBERS:
-                array = checked(name, value, (None,), "numbers (n,)")
+                endless = column in self.ENDLESS
+                array = checked(name, value, (None,), "numbers (n,)", endless=endless)
             else:
                 array = _whole(name, value)
             if len(array) != n:

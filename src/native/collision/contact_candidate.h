@@ -8,6 +8,7 @@
 // (`other_shape`); the one that is not meant is -1.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "contact/solver.h"
@@ -79,12 +80,16 @@ struct CachedContact {
   int candidate = -1;  // of this attempt, for which it is recalled; -1: none
 };
 
+struct Poses;
+
 // Bounds for the shapes on their way from one pose to another, without contact; per shape [m].
 struct Sweep {
   std::vector<double> travel;    // no point of the shape goes farther
   std::vector<double> straight;  // the part of `travel` that follows from the two poses alone
   std::vector<double> bulge;     // no point strays farther from the straight line between its ends
   std::vector<double> inner;     // `straight` as seen from the root; empty without self-contact
+  // Poses at 1, 2, ... of kPathParts parts of the way, made when they are asked for; empty: none.
+  std::function<std::vector<Poses>&()> between;
 };
 
 // The identity of a pair as a number, in the order of shapes, and back.

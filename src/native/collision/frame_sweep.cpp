@@ -18,27 +18,39 @@ struct FrameSweep {
   const Sweep& sweep;
   double clear;  // the gap that counts as free [m]
 
+  bool outside(const BroadPhasePair& e, Poses& poses, double gap);
   bool meets_static(BroadPhasePair& e);
   bool meets_shape(BroadPhasePair& e);
   bool meets_itself(BroadPhasePair& e);
   bool swept_hulls_meet(const BroadPhasePair& e, Vec3 guess, double margin);
 };
 
+// Is a shape in this pose on the outer side of all planes to a static, by more than `gap`?
+bool FrameSweep::outside(const BroadPhasePair& e, Poses& poses, double gap) {
+  for (const Plane& p : e.planes)
+    if (p.overlaps || world.place(poses, e.shape).lowest(p.n) - p.offset <= gap) return false;
+  return true;
+}
+
 bool FrameSweep::meets_static(BroadPhasePair& e) {
-  const double r = sweep.travel[e.shape] + clear;
+  const double r = sweep.travel[e.shape] + clear, bulge = sweep.bulge[e.shape];
   if (broad_phase.far(e, r)) return false;
   auto passes = [&]() {
-    if (!broad_phase.planes_reach(e, r)) return false;
-    const double bulge = clear + sweep.bulge[e.shape];
-    for (const Plane& p : e.planes)
-      if (p.overlaps || world.place(start, e.shape).lowest(p.n) - p.offset <= bulge ||
-          world.place(end, e.shape).lowest(p.n) - p.offset <= bulge)
-        return false;
+    return broad_phase.planes_reach(e, r) && outside(e, start, clear + bulge) &&
+           outside(e, end, clear + bulge);
+  };
+  auto passes_in_parts = [&]() {
+    const double less = clear + bulge / (tune::kPathParts * tune::kPathParts);
+    if (!sweep.between || !broad_phase.planes_reach(e, r) || !outside(e, start, less) ||
+        !outside(e, end, less))
+      return false;
+    for (Poses& poses : sweep.between())
+      if (!outside(e, poses, less)) return false;
     return true;
   };
   if (passes()) return false;
   broad_phase.measure_static(start, e, r + tune::kListMargin);
-  return !(e.dist > r || passes());
+  return !(e.dist > r || passes() || passes_in_parts());
 }
 
 bool FrameSweep::meets_shape(BroadPhasePair& e) {

@@ -5,7 +5,8 @@
 // an obstacle if, in the order of their cost,
 //
 // - the pair's distance bound exceeds the shape's whole travel,
-// - both ends lie on the outer side of all planes to a static by the bulge,
+// - both ends lie on the outer side of all planes to a static by the bulge; or they and the poses at kPathParts - 1
+//   places between them do by that of a part, which is smaller by the square of their number,
 // - of two shapes of one person, seen from the root: the hulls of both ends of each are apart by
 //   the bulges (GJK).
 //

@@ -10,6 +10,8 @@ namespace tune = tuning::footing;
 SurfaceBelow::SurfaceBelow(const CollisionWorld& world) : world_(world) {
   point_.vertices = {{}};
   point_.finish();
+  for (int i = 0; i < (int)world_.shapes.size(); i++)
+    if (world_.shapes[i].person < 0) objects_.push_back(i);
 }
 
 // Falls towards the shape: a step to the plane that separates it, again and again. Exact for a face
@@ -57,8 +59,7 @@ Surface SurfaceBelow::find_static(Vec3 x, double step, double depth) {
 
 Surface SurfaceBelow::find(Poses& poses, Vec3 x, double step, double depth) {
   Surface best = find_static(x, step, depth);
-  for (int i = 0; i < (int)world_.shapes.size(); i++) {
-    if (world_.shapes[i].person >= 0) continue;
+  for (int i : objects_) {
     const BoundingSphere& ball = poses.cached_bounding_sphere(world_.shapes, i);
     const double dx = ball.center.x - x.x, dy = ball.center.y - x.y;
     if (dx * dx + dy * dy > ball.radius * ball.radius) continue;

@@ -4,6 +4,8 @@
 // that a foot has sunk into), objects only where they are under it: what a foot kicks is no ground.
 // Walls and steep slopes are none either.
 #pragma once
+#include <vector>
+
 #include "collision/collision_world.h"
 
 namespace hp {
@@ -26,6 +28,7 @@ class SurfaceBelow {
   void meet(const PosedShape& shape, int number, Vec3 x, double above, Surface& best);
 
   const CollisionWorld& world_;
+  std::vector<int> objects_;  // shapes that are no person's
   Convex point_;
   PosedShape probe_;
 };

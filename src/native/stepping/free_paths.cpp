@@ -44,10 +44,13 @@ void FreePaths::find(System& system, Data& data, double dt) {
     any = true;
   }
   if (!any) return;
-  world.active.assign(model.nbody, 0);
-  for (int b = 1; b < model.nbody; b++) world.active[b] = !busy_[model.root[b]];
+  follows_.assign(model.nbody, 0);
+  for (int b = 1; b < model.nbody; b++) follows_[b] = !busy_[model.root[b]];
+  world.active = follows_;
   end.kin.update(model, end_qpos_.data(), world.active.data());
   world.start_poses(end);
+  between_known_ = false;
+  sweep_.between = [this, &system]() -> std::vector<Poses>& { return between(system); };
   const size_t n = world.shapes.size();
   sweep_.travel.assign(n, 0);
   sweep_.bulge.assign(n, 0);
@@ -59,6 +62,22 @@ void FreePaths::find(System& system, Data& data, double dt) {
   world.broad_phase.update(model, start, sweep_.travel, world.depenetration.overlaps());
   mark_busy_trees(world, world.broad_phase, world.depenetration.overlaps(), model, start, end,
                   sweep_, busy_);
+}
+
+std::vector<Poses>& FreePaths::between(const System& system) {
+  if (between_known_) return between_;
+  between_known_ = true;
+  between_.resize(tuning::collision::kPathParts - 1);
+  for (size_t k = 0; k < between_.size(); k++) {
+    part_qpos_ = start_qpos_;
+    for (const Drive& d : system.drives)
+      if (follows_[d.body(0)])
+        d.motion.follow((k + 1.0) / tuning::collision::kPathParts, part_qpos_.data());
+    between_[k].kin.resize(system.model);
+    between_[k].kin.update(system.model, part_qpos_.data(), follows_.data());
+    system.world.start_poses(between_[k]);
+  }
+  return between_;
 }
 
 // Busy trees are assumed not to get much farther than they would by themselves.

@@ -43,12 +43,16 @@ class FreePaths {
   void bound_speeds(const Model& m, const Drive& d);
   double bulge(const Model& m, const CollisionShape& shape) const;
   void sweep(const System& system, const Drive& d, double dt);
+  std::vector<Poses>& between(const System& system);
   void count(const Model& m);
 
   std::vector<char> settled_;  // per person: it is where the motion has it
   std::vector<char> busy_;     // per body
   bool any_busy_ = false, any_free_ = false;
-  std::vector<double> start_qpos_, end_qpos_;
+  std::vector<double> start_qpos_, end_qpos_, part_qpos_;
+  std::vector<char> follows_;   // per body: its path is looked at
+  std::vector<Poses> between_;  // places on the way
+  bool between_known_ = false;
   Poses followed_;  // the pose at the start of the frame, for free trees
   Sweep sweep_;
   std::vector<double> assumed_;  // per shape: how far it may have travelled at most [m]

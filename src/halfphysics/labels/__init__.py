@@ -1,4 +1,4 @@
-"""Labels of a result, for data sets: contacts, forces, events (docs/labels.md)."""
+"""Labels of a result, for data sets: contacts, forces, events, support (docs/labels.md)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from halfphysics.labels.exporters import arctic, behave, chois, omomo
 from halfphysics.labels.proximity import Near
 from halfphysics.labels.sampling import ObjectSurface
 from halfphysics.labels.solver_contacts import SolverContacts
+from halfphysics.labels.support_labels import support_labels
 from halfphysics.labels.tables import ContactLabels, PersonLabels
 
 __all__ = [
@@ -28,4 +29,5 @@ __all__ = [
     "contact_labels",
     "events",
     "omomo",
+    "support_labels",
 ]

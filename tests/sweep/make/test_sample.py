@@ -136,3 +136,16 @@ def test_columns_of_smplh():
     assert len(SMPLH_JOINTS) == 52
     assert SMPLH_JOINTS[22] == JOINT_INDEX["left_index1"]
     assert SMPLH_JOINTS[37] == JOINT_INDEX["right_index1"]
+
+
+def test_support_is_written_if_wanted(result, files):
+    from halfphysics.labels import support_labels
+
+    assert "support.npz" not in files
+    one, two = (
+        files_of(result, labels(12, 100), {}, support=True)["support.npz"] for _ in range(2)
+    )
+    assert one == two
+    found = arrays_of(one)
+    for key, value in support_labels(result).items():
+        np.testing.assert_array_equal(found[key], value)

@@ -106,7 +106,8 @@ class Maker:
         inputs = {source["path"]: source["sha256"] for source in ready.sources}
         if not all(holds(values) for holds in self._keep_after):
             return Sample(card, {}, inputs)
-        files = files_of(result, labels, card, whole=self._plan.outputs.results)
+        outputs = self._plan.outputs
+        files = files_of(result, labels, card, whole=outputs.results, support=outputs.support)
         return Sample(card, {**files, **other_labels(labels, self._plan.labels.also)}, inputs)
 
 

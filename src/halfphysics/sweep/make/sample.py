@@ -33,7 +33,12 @@ class Labels(Protocol):
 
 
 def files_of(
-    result: Result, labels: Labels, card: Mapping[str, Any], *, whole: bool = False
+    result: Result,
+    labels: Labels,
+    card: Mapping[str, Any],
+    *,
+    whole: bool = False,
+    support: bool = False,
 ) -> dict[str, bytes]:
     """The files of a sample by name; the same values give the same bytes.
 
@@ -45,6 +50,7 @@ def files_of(
         labels: Its contact labels.
         card: The card of the sample, JSON values.
         whole: Also write ``result.npz``, the result file (`Result.save`).
+        support: Also write ``support.npz``, the arrays of `labels.support_labels`.
     """
     files = {"card.json": text_of(card).encode() + b"\n"}
     for index, person in enumerate(result.people):
@@ -52,6 +58,10 @@ def files_of(
     for index, name in enumerate(result.objects):
         files[_numbered("object", index)] = npz_bytes(item(result, name))
     files["contact.npz"] = npz_bytes(labels.arrays())
+    if support:
+        from halfphysics.labels.support_labels import support_labels
+
+        files["support.npz"] = npz_bytes(support_labels(result))
     if whole:
         from halfphysics.formats.results.result_writer import result_fields
 

@@ -46,6 +46,7 @@ class Outputs:
         variants_per_shard: Variants in a shard, rounded up to whole batches.
         batch: Consecutive variants that are computed and written together.
         results: Whether each sample also has the whole result (result.npz).
+        support: Whether each sample also has what holds people up (support.npz).
     """
 
     folder: str = "sweep"
@@ -53,6 +54,7 @@ class Outputs:
     variants_per_shard: int = 1000
     batch: int = 8
     results: bool = False
+    support: bool = False
 
     def __post_init__(self) -> None:
         if not isinstance(self.folder, str) or not self.folder:
@@ -66,8 +68,10 @@ class Outputs:
                 raise InputError(
                     f"{name}: found {shown(value)}, expected a whole number of at least 1"
                 )
-        if not isinstance(self.results, bool):
-            raise InputError(f"results: found {shown(self.results)}, expected true or false")
+        for name in ("results", "support"):
+            value = getattr(self, name)
+            if not isinstance(value, bool):
+                raise InputError(f"{name}: found {shown(value)}, expected true or false")
 
     def document(self) -> dict[str, Any]:
         """The options as plain data."""
@@ -77,6 +81,7 @@ class Outputs:
             "variants_per_shard": self.variants_per_shard,
             "batch": self.batch,
             "results": self.results,
+            "support": self.support,
         }
 
 

@@ -46,7 +46,7 @@ _KEYS = (
 )
 _BODY_KEYS = ("stature", "model", "allow_mismatch")
 _LABEL_KEYS = ("threshold", "also")
-_OUTPUT_KEYS = ("folder", "formats", "variants_per_shard", "batch", "results")
+_OUTPUT_KEYS = ("folder", "formats", "variants_per_shard", "batch", "results", "support")
 
 
 def load_plan(path: str | os.PathLike[str]) -> Plan:

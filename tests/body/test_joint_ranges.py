@@ -7,7 +7,7 @@ import pytest
 
 import halfphysics as hp
 from halfphysics.base import rotations as rot
-from halfphysics.body.joint_ranges import JointRanges, swing_twist
+from halfphysics.body.joint_ranges import JointRanges, from_swing_twist, swing_twist
 from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 
 TWIST, FLEXION, ABDUCTION = range(3)
@@ -85,6 +85,14 @@ def test_a_twist_before_a_swing(ranges):
     expected = [-0.8, 4 * np.arctan(0.6 * quarter), 4 * np.arctan(0.8 * quarter)]
     np.testing.assert_allclose(swing_twist(q, axes), expected, atol=1e-12)
     np.testing.assert_allclose(swing_twist(-q, axes), expected, atol=1e-12)
+
+
+def test_angles_give_the_rotation_back(ranges):
+    rng = np.random.default_rng(2)
+    angles = rng.uniform(-2.0, 2.0, size=(50, 55, 3))
+    angles[0] = 0.0
+    turns = from_swing_twist(angles, ranges.axes)
+    np.testing.assert_allclose(ranges.angles(turns), angles, atol=1e-9)
 
 
 def test_the_whole_person_turns_as_far_as_it_likes(ranges):

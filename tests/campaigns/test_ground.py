@@ -123,4 +123,7 @@ def test_limits_and_the_way_back():
     assert late({"last_hit_s": None}) is None
     wall = {"kind": "push", "what": "wall", "push_mean_n": 500.0, "peak_n": 3500.0, "end_mm": 90.0}
     assert failed(wall) == ["peak_n", "push_mean_n"]
+    flight = {"kind": "scenario", "what": "fly_with_ball", "end_mm": 90.0, "peak_n": 3500.0}
+    assert failed(flight | {"unsupported_percent": 30.0}) == ["peak_n"]
+    assert failed(flight | {"what": "meet"}) == ["end_mm", "peak_n"]
     assert failed(wall | {"what": "box20", "pushed_mm": 400.0}) == ["peak_n", "pushed_mm"]

@@ -7,9 +7,25 @@ import pytest
 
 from halfphysics import scenarios
 from halfphysics.base import rotations as rot
+from halfphysics.body.joint_ranges import JointRanges
 from halfphysics.errors import InputError
-from halfphysics.motion.skeleton import JOINT_INDEX
+from halfphysics.metrics.airborne import airborne
+from halfphysics.metrics.range_violations import TOLERANCE
+from halfphysics.metrics.unsupported import unsupported_from
+from halfphysics.motion.skeleton import JOINT_INDEX, JOINT_NAMES
 from halfphysics.scenarios.props import stage
+from halfphysics.support.estimate import estimate
+
+#: How far a joint of a reference may be beyond its range [degrees]: that of `range_violations`.
+RANGE = TOLERANCE
+#: Joints beyond it, and how far [degrees]: the hand is behind an open lid, before the chest, and
+#: the wrist is bent to its side; with the laptop farther away the arm is too short for the lid.
+BEYOND = {("close_laptop", "right_wrist"): 21.0}
+#: Frames not in a jump in which over 5 % of the weight may be unsupported [%]: as the limit of
+#: `support.ground.limits`. Only `climb_onto_bed` has more than 1: a leg is thrown onto the bed.
+UNSUPPORTED = 5.0
+#: Who flies on purpose, without weight.
+IN_THE_AIR = {"fly_with_ball"}
 
 
 def depths(sequence, name: str, frames: range | None = None, person: int = 0) -> np.ndarray:
@@ -42,6 +58,31 @@ def test_every_scenario_starts_clear_and_walks_on_the_floor(name):
             assert depths(sequence, thing, range(1), person).max() <= 0.0
         lowest = body.vertices(motion)[..., 2].min()
         assert lowest > 2.0 * sequence.settings.clearance  # walking itself is undisturbed
+
+
+@pytest.mark.parametrize("name", scenarios.names())
+def test_what_a_person_is_asked_is_humanly_possible(name):
+    """References walk, sit and reach into things, but joints turn as far as joints do, and nobody
+    leans on the air.
+    """
+    sequence = scenarios.load(name)
+    for motion, body in zip(sequence.motions, sequence.bodies, strict=True):
+        ranges = JointRanges.of(body)
+        angles = ranges.angles(motion.rotations)
+        beyond = np.degrees(np.maximum(ranges.lower - angles, angles - ranges.upper)).max(axis=2)
+        most = np.full(len(JOINT_NAMES), RANGE)
+        for (story, joint), degrees in BEYOND.items():
+            if story == name:
+                most[JOINT_INDEX[joint]] = degrees
+                assert beyond[:, JOINT_INDEX[joint]].max() > RANGE, "stale"
+        worst = int((beyond.max(axis=0) - most).argmax())
+        assert (beyond.max(axis=0) <= most).all(), (JOINT_NAMES[worst], beyond[:, worst].max())
+        missing = np.nan_to_num(estimate(motion, sequence.scene, body=body).residual_percent)
+        report = unsupported_from(np.maximum(missing, 0.0), airborne(motion, body))
+        if name in IN_THE_AIR:
+            assert report.percent > UNSUPPORTED, "stale"
+        else:
+            assert report.percent <= UNSUPPORTED
 
 
 def test_the_story_is_told_in_order(doorway):

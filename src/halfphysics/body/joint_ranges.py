@@ -174,6 +174,17 @@ def swing_twist(quats: ArrayLike, axes: ArrayLike) -> Array:
     return np.concatenate([twist[..., None], 4.0 * np.arctan(swing)], axis=-1)
 
 
+def from_swing_twist(angles: ArrayLike, axes: ArrayLike) -> Array:
+    """Axis-angle rotations (..., 3) [rad] whose `swing_twist` about axes (..., 3, 3) these are."""
+    given, about = np.asarray(angles, dtype=np.float64), np.asarray(axes, dtype=np.float64)
+    quarter = np.tan(0.25 * given[..., 1:])
+    size = np.linalg.norm(quarter, axis=-1, keepdims=True)
+    swung = quarter * 4.0 * np.arctan(size) / np.where(size > 0.0, size, 1.0)
+    swing = swung[..., :1] * about[..., 1, :] + swung[..., 1:] * about[..., 2, :]
+    twist = given[..., :1] * about[..., 0, :]
+    return rot.log(rot.multiply(rot.exp(swing), rot.exp(twist)))
+
+
 _MADE: WeakKeyDictionary[Body, JointRanges] = WeakKeyDictionary()
 
 

@@ -17,6 +17,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.base.validation import frame_rate
 from halfphysics.motion.motion import MODELS, Motion
 from halfphysics.motion.skeleton import JOINT_INDEX, N_JOINTS
+from halfphysics.scenarios.acting.arms import FOREARM
 from halfphysics.scenarios.acting.legs import REACH, WORLD_FROM_REST, about, leg_of
 from halfphysics.scenarios.acting.walk_plan import ease
 
@@ -214,12 +215,12 @@ class Act:
         fingers = y * now[f"{side}_fingers"]
         held = _T(fore) @ _frame(fingers, now[f"{side}_palm"])
         turn = _between(loose, held, hold[:, 0])
-        # The forearm takes half of the twist of a hand.
+        # The forearm takes most of the twist of a hand.
         q = rot.from_matrix(turn)
         along = b / np.linalg.norm(b)
         half = np.arctan2(q[:, 1:] @ along, q[:, 0])
         half = (half + 0.5 * np.pi) % np.pi - 0.5 * np.pi
-        twist = rot.rotvec_to_matrix(half[:, None] * along)
+        twist = rot.rotvec_to_matrix(2.0 * FOREARM * half[:, None] * along)
         rotations[:, shoulder] = rot.matrix_to_rotvec(_T(chest) @ upper)
         rotations[:, elbow] = rot.matrix_to_rotvec(_T(upper) @ fore @ twist)
         rotations[:, wrist] = rot.matrix_to_rotvec(_T(twist) @ turn)

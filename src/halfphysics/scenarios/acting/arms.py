@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 
 #: Largest extension of an arm as a fraction of its length: a straight elbow snaps.
 REACH = 0.99
+#: The forearm's part of the twist of a hand, the rest is the wrist's: as their ranges are, 90 to 45
+#: degrees (`halfphysics.body.joint_ranges`).
+FOREARM = 2.0 / 3.0
 
 
 @dataclass(frozen=True)
@@ -91,11 +94,11 @@ def solve(
     turn = rot.normalize(rot.from_matrix(np.swapaxes(fore, 1, 2) @ hand))
     axis = arm.fore / b
     twist = np.unwrap(2.0 * np.arctan2(turn[:, 1:] @ axis, turn[:, 0]))
-    half = rot.rotvec_to_matrix(0.5 * twist[:, None] * axis)
+    part = rot.rotvec_to_matrix(FOREARM * twist[:, None] * axis)
     locals_ = (
         np.swapaxes(collar, 1, 2) @ upper,
-        np.swapaxes(upper, 1, 2) @ fore @ half,
-        np.swapaxes(fore @ half, 1, 2) @ hand,
+        np.swapaxes(upper, 1, 2) @ fore @ part,
+        np.swapaxes(fore @ part, 1, 2) @ hand,
     )
     return {j: rot.matrix_to_rotvec(m) for j, m in zip(arm.joints, locals_, strict=True)}
 

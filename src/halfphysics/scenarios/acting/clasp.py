@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.body.joint_ranges import JointRanges, from_swing_twist, swing_twist
 from halfphysics.motion.skeleton import JOINT_INDEX
 
 if TYPE_CHECKING:
@@ -33,19 +34,27 @@ def fingers(body: Body, closed: Array) -> dict[int, Array]:
         closed: 0 (straight fingers, thumb up) to 1 (around the other hand), (T,).
 
     Returns:
-        Joint index -> axis-angle (T, 3) in the parent's frame.
+        Joint index -> axis-angle (T, 3) in the parent's frame. The thumb goes as far to where it
+        should be as a thumb goes.
     """
+    ranges = JointRanges.of(body)
     turns = {}
     for name in _FINGERS:
         for k in range(3):
-            flexion = np.zeros((len(closed), 3))
-            flexion[:, 2] = _OPEN[k] + closed * (_CLOSED[k] - _OPEN[k])
-            turns[JOINT_INDEX[f"right_{name}{k + 1}"]] = flexion
+            # About the finger's own axis, which is not quite the hand's.
+            joint = JOINT_INDEX[f"right_{name}{k + 1}"]
+            flexed = _OPEN[k] + closed * (_CLOSED[k] - _OPEN[k])
+            turns[joint] = flexed[:, None] * ranges.axes[joint, 1]
     opened, over = (_thumb(body, to) for to in (_THUMB_UP, _THUMB_OVER))
-    for joint, start in opened.items():
-        way = rot.matrix_to_rotvec(start.T @ over[joint])
-        turned = start @ rot.rotvec_to_matrix(closed[:, None] * way)
-        turns[joint] = rot.matrix_to_rotvec(turned)
+    for joint in opened:
+        axes = ranges.axes[joint]
+        start, end = (
+            np.clip(
+                swing_twist(rot.from_matrix(to), axes), ranges.lower[joint], ranges.upper[joint]
+            )
+            for to in (opened[joint], over[joint])
+        )
+        turns[joint] = from_swing_twist(start + closed[:, None] * (end - start), axes)
     return turns
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from halfphysics.base import rotations as rot
+from halfphysics.body.joint_ranges import JointRanges, from_swing_twist, swing_twist
 from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_INDEX
 from halfphysics.scenarios.acting import arms
@@ -24,6 +25,15 @@ def between(start: Array, end: Array, share: Array) -> Array:
     first = rot.exp(start)
     way = rot.log(rot.multiply(rot.conjugate(first), rot.exp(end)))
     return rot.log(rot.multiply(first, rot.exp(share[:, None] * way)))
+
+
+def bent_between(body: Body, joint: int, start: Array, end: Array, share: Array) -> Array:
+    """As `between`, angle by angle (twist, flexion, abduction): who has both ends within the
+    joint's ranges, is within them on the way, too.
+    """
+    axes = JointRanges.of(body).axes[joint]
+    first, last = (swing_twist(rot.exp(turn), axes) for turn in (start, end))
+    return from_swing_twist(first + share[:, None] * (last - first), axes)
 
 
 def palm_depth(body: Body, side: str) -> float:
@@ -71,5 +81,5 @@ def reach(
     )
     rotations = np.array(base.rotations)
     for joint, turn in (held | dict(fingers)).items():
-        rotations[:, joint] = between(rotations[:, joint], turn, share)
+        rotations[:, joint] = bent_between(body, joint, rotations[:, joint], turn, share)
     return base.with_frames(base.translation, rotations)

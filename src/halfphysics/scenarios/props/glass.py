@@ -45,6 +45,8 @@ _ASIDE, _WAITS = 0.07, np.array([-0.08, -0.10, 0.06])
 AT_STAND, BEFORE_CHEST = np.radians([-40.0, 0.0])
 #: Middle of the standing glass from the shoulder, in arm lengths.
 _PLACE = np.array([0.60, -0.44, -0.66])
+#: Where the elbow hangs, behind and to the right; farther to the right while the hand is turned.
+_BEHIND, _BESIDE, _OUT = 0.8, 0.25, 1.5
 # Durations of the phases of the grasp [s].
 _WAIT, _COME, _NEAR, _CLOSE, _FIRM = 0.2, 0.7, 0.4, 0.6, 0.3
 #: Displacement of the lift [m] and its duration [s].
@@ -216,7 +218,7 @@ def perform(
     wrist = place + aside - np.einsum("tij,j->ti", hand, holds.centre)
     # The elbow hangs behind the hand; turning the hand over lifts the elbow outwards.
     pole = np.stack(
-        [0.0 * times - 0.3, -0.25 - 0.5 * np.sin(0.5 * ways["turn"]), 0.0 * times - 1.0]
+        [0.0 * times - _BEHIND, -_BESIDE - _OUT * np.sin(0.5 * ways["turn"]), 0.0 * times - 1.0]
     )
     arm = arm_of(body, "right")
     rotations = motion.rotations.copy()

@@ -16,6 +16,11 @@ if TYPE_CHECKING:
 _EDGE, _DEPTH, _HALF, _TOP = 0.42, 2.0, 0.8, 0.45
 
 
+# The hands, ahead, before and after their step [m]; feet of who kneels, toes down [degrees], and
+# their ankles over the knees' way in [m].
+_REACH, _TOES, _ANKLE = (0.78, 1.12), (0.0, -122.0, 0.0), 0.12
+
+
 def build(*, fps: float = 30.0, sink: float = 0.05, body: Body | None = None) -> Sequence:
     """A person climbs onto a bed on hands and knees, which sink into its mattress.
 
@@ -32,7 +37,7 @@ def build(*, fps: float = 30.0, sink: float = 0.05, body: Body | None = None) ->
     hand = _TOP + 0.01
     act.begin(
         elbows=(-0.6, 0.6, -0.6),
-        **act.both(hand=(0.72, 0.22, hand), palm=(0.0, 0.0, 1.0), fingers=(1.0, 0.0, 0.0)),
+        **act.both(hand=(_REACH[0], 0.22, hand), palm=(0.0, 0.0, 1.0), fingers=(1.0, 0.0, 0.0)),
     )
     # Hands on the bed.
     act.move(0.2, 1.1, pelvis=(0.0, 0.0, 0.82), turn=(0.0, 62.0, 0.0), bend=(14.0, 0, 0), nod=-30)
@@ -41,19 +46,21 @@ def build(*, fps: float = 30.0, sink: float = 0.05, body: Body | None = None) ->
     for side, start in (("right", 1.2), ("left", 2.3)):
         y = SIDES[side]
         act.move(start, 0.6, **{f"{side}_foot": (-0.12, 0.15 * y, _TOP + 0.14)})
-        act.move(start, 1.0, **{f"{side}_toes": (0.0, -150.0, 0.0)})
-        act.move(start + 0.5, 0.9, **{f"{side}_foot": (0.24, 0.12 * y, _TOP + 0.09 - sink)})
+        # The heel rises first, or the ankle would have to bend too far as the knee goes ahead.
+        act.move(start - 0.1, 1.0, **{f"{side}_toes": _TOES})
+        act.lift(f"{side}_foot", start - 0.1, 0.5, (0.0, 0.0, 0.03))
+        act.move(start + 0.5, 0.9, **{f"{side}_foot": (0.24, 0.12 * y, _TOP + _ANKLE - sink)})
     act.move(1.2, 0.9, pelvis=(0.24, 0.0, 0.88), turn=(0.0, 68.0, 0.0))
     act.move(
-        2.1,
+        1.9,
         1.2,
         pelvis=(0.60, 0.0, _TOP + 0.455 - sink),
         turn=(0.0, 80.0, 0.0),
         bend=(0.0, 0.0, 0.0),
         knees=(1.0, 0.0, -0.6),
     )
-    for side, start in (("left", 1.6), ("right", 2.6)):
+    for side, start in (("left", 1.6), ("right", 2.3)):
         y = SIDES[side]
-        act.move(start, 0.7, **{f"{side}_hand": (1.06, 0.22 * y, hand)})
+        act.move(start, 0.7, **{f"{side}_hand": (_REACH[1], 0.22 * y, hand)})
         act.lift(f"{side}_hand", start, 0.7, (0.0, 0.0, 0.07))
     return Sequence(act.motion(4.2, fps), scene, actor)

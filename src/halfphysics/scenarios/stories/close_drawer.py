@@ -23,7 +23,9 @@ _PLACE = (-0.17, 0.01)
 #: Between them and the front before the push [m].
 _BEFORE = 0.04
 #: Where the fingers point: up and ahead, for a wrist bends no farther; their flexion [degrees].
-_FINGERS, _CURLS = np.array([0.72, 0.36, 0.60]), (10.0, 12.0, 8.0)
+_FINGERS, _CURLS = np.array([0.76, 0.36, 0.54]), (10.0, 12.0, 8.0)
+#: Where the elbows point (ahead, outward, up).
+_ELBOWS = (-0.78, 0.45, -0.42)
 # Seconds: the hand is up, begins to push, has pushed, begins to draw back, hangs again.
 _UP, _PUSH, _SHUT, _BACK, _DOWN = 1.0, 1.1, 2.3, 2.6, 3.6
 
@@ -64,7 +66,7 @@ def build(
     # Turned so beside the chest, before the hand goes up to the front.
     low = (0.06, -0.32, act["pelvis"][2] + 0.06)
     act.begin(right_palm=-ahead, right_fingers=fingers, right_hand=low)
-    act.begin(elbows=(-0.5, 0.8, -0.6), curl=12.0)
+    act.begin(elbows=_ELBOWS, curl=12.0)
     act.move(0.1, 0.7, right_hold=1.0)
     act.move(0.5, _UP - 0.5, right_hand=before)
     act.move(_PUSH, _SHUT - _PUSH, right_hand=there + press * ahead)

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 # The table [m]: from where to where along the way, half its width, height and thickness of its top.
 _NEAR, _FAR, _HALF, _TOP, _THICK = 0.92, 1.62, 0.75, 0.685, 0.08
 # Of a crawl [m]: height of the pelvis, of the ankles and wrists, length of a step.
-_LOW, _ANKLE, _WRIST, _STEP = 0.455, 0.08, 0.055, 0.36
+_LOW, _ANKLE, _WRIST, _STEP = 0.455, 0.13, 0.055, 0.35
+# The hands ahead of the pelvis [m]; feet, toes on the floor, heels up [degrees].
+_REACH, _TOES = 0.60, (0.0, -130.0, 0.0)
 _PACE = 0.55  # seconds a step
 
 
@@ -36,13 +38,13 @@ def build(*, fps: float = 30.0, hunch: float = 0.07, body: Body | None = None) -
         pelvis=(0.0, 0.0, _LOW), turn=(0.0, 86.0, 0.0), knees=(0.5, 0.0, -1.0), nod=-12.0,
         elbows=(-0.2, 0.6, -0.8), curl=5.0,
         **act.both(hold=1.0, palm=(0.0, 0.0, 1.0), fingers=(1.0, 0.0, 0.0)),
-        **act.both(toes=(0.0, -165.0, 0.0)),
+        **act.both(toes=_TOES),
     )  # fmt: skip
     for side, ahead in (("left", 0.5), ("right", -0.5)):
         y, x = SIDES[side], 0.5 * ahead * _STEP
         act.begin(**{
             f"{side}_foot": (x - 0.42, 0.12 * y, _ANKLE),
-            f"{side}_hand": (0.46 - x, 0.20 * y, _WRIST),
+            f"{side}_hand": (_REACH - x, 0.20 * y, _WRIST),
         })  # fmt: skip
     steps = 8
     side = "right"

@@ -41,8 +41,9 @@ _OPEN, _CLOSING = 0.03, 0.5
 _TAKEN, _CARRIED = 0.30, 0.36
 # While it stands: the pelvis this much lower and farther back [m], the trunk leaning [rad].
 _CROUCH, _BACK, _LEAN = 0.08, 0.06, np.radians(24.0)
-# Of the hands: fingers below horizontal, each knuckle bent, thumbs out of the way [rad].
-_FINGERS, _BEND, _THUMB = np.radians([15.0, 10.0, 25.0])
+# Of the hands: fingers below horizontal as it is taken and as it is carried, each knuckle bent,
+# thumbs out of the way [rad].
+_TAKING, _CARRYING, _BEND, _THUMB = np.radians([28.0, 8.0, 10.0, 25.0])
 # Where the left elbow points, down and out; the right one mirrored.
 _ELBOW = (-0.5, 0.5, -1.0)
 _SPEED = 0.9
@@ -184,9 +185,9 @@ def _with_hands(body: Body, motion: Motion, wrists: Wrists) -> Array:
         wrist[:, 0] += (1.0 - lifted) * _BACK
         wrist[:, 1] = left * (0.5 * SIZE[1] + surface + wrists.apart)
         wrist[:, 2] = wrists.height
-        down = np.array([np.cos(_FINGERS), 0.0, -np.sin(_FINGERS)])
-        hand = arms.palm_frame(side, down, np.array([0.0, -left, 0.0]))
-        hand = np.broadcast_to(hand, (len(motion), 3, 3))
+        below = _TAKING + lifted * (_CARRYING - _TAKING)
+        fingers = np.stack([np.cos(below), 0.0 * below, -np.sin(below)], axis=-1)
+        hand = arms.palm_frame(side, fingers, np.array([0.0, -left, 0.0]))
         collar, shoulder = turns[:, arm.collar], positions[:, arm.joints[0]]
         elbow = np.array(_ELBOW) * (1.0, left, 1.0)
         for joint, turn in arms.solve(arm, collar, shoulder, wrist, hand, elbow).items():

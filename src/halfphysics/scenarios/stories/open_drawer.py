@@ -92,6 +92,6 @@ def _pulling(body: Body, base: Motion, beyond: float) -> Motion:
     hand = np.broadcast_to(arms.palm_frame("right", fingers, facing), (len(times), 3, 3))
     share = gone(_START, _OVER) * (1.0 - gone(_UP, _END))
     motion = reaching.reach(
-        body, base, "right", wrist, hand, share, pole=np.array([-0.4, -0.8, -0.8]), fingers={}
+        body, base, "right", wrist, hand, share, pole=np.array([-0.64, 0.0, -0.77]), fingers={}
     )
     return hands.shaped(body, motion, "right", share, curls=curls, thumb=False)

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 #: Near edge of the desk ahead of the person [m].
 _EDGE = 0.35
 #: Point of the desk below the middle of the hinge [m]: the base begins at the desk's edge.
-HINGE = (_EDGE + 0.012 + laptop.DEPTH, -0.10, laptop.DESK)
+HINGE = (_EDGE + 0.012 + laptop.DEPTH, -0.18, laptop.DESK)
 #: Where the right wrist waits, over the thigh [m].
 _WAITS = (0.10, -0.20, 0.70)
 #: Where the finger tips are under the lid [m] from the hinge.
@@ -31,6 +31,8 @@ ALONG = laptop.DEPTH - 0.022
 _UNDER, _AWAY = 0.003, 0.06
 #: Fingers point up by this under the shut lid and at the open one; their flexion [degrees].
 _PITCH, _CURLS = (7.0, 35.0), (3.0, 4.0, 4.0)
+#: Where the right elbow points.
+_ELBOW = np.array([-0.9, -0.2, -0.4])
 # Seconds: the hand is before the desk, under the lid, has opened it, leaves it, rests again.
 _START, _BESIDE, _LOW, _IN, _LIFT, _OPEN, _LEAVE, _END = 0.1, 0.9, 1.4, 1.9, 2.0, 4.0, 4.3, 5.3
 
@@ -96,7 +98,5 @@ def _opening(body: Body, base: Motion, press: float) -> Motion:
     wrist = wrist + gone(_LEAVE + 0.2, _LEAVE + 0.9)[:, None] * (above - wrist)
     hand = arms.palm_frame("right", fingers, facing)
     share = gone(_START, _BESIDE) * (1.0 - gone(_LEAVE + 0.6, _END))
-    motion = reaching.reach(
-        body, base, "right", wrist, hand, share, pole=np.array([-0.4, -0.7, -1.0]), fingers={}
-    )
+    motion = reaching.reach(body, base, "right", wrist, hand, share, pole=_ELBOW, fingers={})
     return hands.shaped(body, motion, "right", share, curls=curls)

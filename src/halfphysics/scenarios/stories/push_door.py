@@ -14,7 +14,7 @@ from halfphysics.motion.motion import Motion
 from halfphysics.motion.skeleton import JOINT_NAMES, N_JOINTS
 from halfphysics.scenarios.acting import arms
 from halfphysics.scenarios.acting.gait import walk
-from halfphysics.scenarios.acting.reaching import between
+from halfphysics.scenarios.acting.reaching import bent_between
 from halfphysics.scenarios.acting.walk_plan import Walk, ease
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
@@ -31,7 +31,7 @@ DOOR_AT = 1.2
 #: Gap under and beside the panel [m].
 _GAP = 0.02
 #: The pushing wrist from the pelvis: ahead, to the right, up [m].
-_WRIST = np.array([0.48, -0.18, 0.20])
+_WRIST = np.array([0.47, -0.18, 0.36])
 #: How much of the walk is over when the arm is raised, and when it is lowered again.
 _RAISED, _LOWERED = (0.05, 0.25), (0.70, 0.95)
 
@@ -115,7 +115,7 @@ def _pushing(body: Body, base: Motion) -> Motion:
     share = raised * (1.0 - ease((walked - _LOWERED[0]) / (_LOWERED[1] - _LOWERED[0])))
     rotations = np.array(base.rotations)
     for joint, turn in held.items():
-        rotations[:, joint] = between(rotations[:, joint], turn, share)
+        rotations[:, joint] = bent_between(body, joint, rotations[:, joint], turn, share)
     fingers = [j for j in range(25, N_JOINTS) if JOINT_NAMES[j].startswith("right_")]
     rotations[:, fingers] *= (1.0 - share)[:, None, None]
     return base.with_frames(base.translation, rotations)

@@ -31,6 +31,9 @@ TABLE = (0.60, 1.20, 0.74, 0.04)
 SCREEN, FOOT = (0.03, 0.50, 0.32), (0.20, 0.24, 0.02)
 # The table's near edge and the monitor's middle before the person [m]; the mouse beside it.
 _EDGE, _MONITOR, _MOUSE = 0.26, 0.52, (0.40, -0.42)
+# Where the fingers point beside the body, and past the screen; where the elbow does.
+_FINGERS = np.array([[0.6, 0.0, -0.8], [1.0, -0.08, -0.2]])
+_ELBOW = np.array([-0.6, -0.2, -1.0])
 # Times [s]: the hand leaves, is there, leaves again, is back.
 _LEAVES, _THERE, _AWAY, _BACK = 0.3, 1.3, 1.8, 2.8
 
@@ -86,9 +89,10 @@ def _reach(actor: Body, fps: float, beside: float) -> tuple[Motion, float]:
     start = np.array([middle + 0.05, -0.36, TABLE[2] + 0.16])
     end = np.array([middle + _MONITOR - 0.02, edge, TABLE[2] + 0.24])
     wrist = start + share[:, None] * (end - start)
-    hand = arms.palm_frame("right", np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, -0.3]))
-    hand = np.broadcast_to(hand, (count, 3, 3))
-    elbow = np.array([-0.6, -0.6, -1.0])
+    # Fingers go on along the forearm, which hangs first.
+    fingers = _FINGERS[0] + share[:, None] * (_FINGERS[1] - _FINGERS[0])
+    hand = arms.palm_frame("right", fingers, np.array([0.0, 1.0, -0.3]))
+    elbow = _ELBOW
     collar, shoulder = turns[:, arm.collar], positions[:, arm.joints[0]]
     for joint, turn in arms.solve(arm, collar, shoulder, wrist, hand, elbow).items():
         rotations[:, joint] = turn

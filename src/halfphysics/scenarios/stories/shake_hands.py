@@ -35,9 +35,11 @@ _ASIDE = 0.07
 #: Between each palm and the middle before and after the clasp [m].
 _OPEN = 0.06
 #: Fingers point down by this, so that they close around the edge of the other's hand [rad].
-_SLOPE = np.radians(40.0)
+_SLOPE = np.radians(34.0)
 #: Where the hands meet, as a part of the way from wrist to knuckle: web against web.
 _WEB = 0.97
+#: Where the right elbow points, to a person who walks along x.
+_ELBOW = np.array([-0.3, -1.0, -0.3])
 # Seconds: the hand goes up before the last step ends; it is up, palms meet, fingers close; a
 # shake; the hand is down.
 _EARLY, _RAISE, _MEET, _GRIP, _SHAKE, _DOWN = 0.4, 0.8, 0.35, 0.3, 0.5, 0.8
@@ -174,7 +176,7 @@ def _shaking(
     wrist = wrist - (reaching.palm_depth(body, "right") + apart)[:, None] * inward
     wrist[:, 2] += times.lifted
     fingers = clasp.fingers(body, times.gripped)
-    elbow = turn @ np.array([-0.3, -0.5, -1.0])
+    elbow = turn @ _ELBOW
     return reaching.reach(
         body, base, "right", wrist, hand, times.share, pole=elbow, fingers=fingers
     )

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 _EDGE, _DEPTH, _WIDTH, _TOP, _THICK = -0.17, 1.4, 2.0, 0.48, 0.24
 
 
+# Where the left fingers point beside the body, on the mattress: outwards and back.
+_FINGERS = (-0.34, 0.94, 0.0)
+
+
 def build(*, fps: float = 30.0, sink: float = 0.07, body: Body | None = None) -> Sequence:
     """A person sits down on a bed's edge, slides in and lays the legs on its mattress, a mesh.
 
@@ -41,10 +45,10 @@ def build(*, fps: float = 30.0, sink: float = 0.07, body: Body | None = None) ->
 
     act = Act(actor)
     sat = _TOP + 0.11 - sink
-    act.begin(**act.both(palm=(0.0, 0.0, 1.0), fingers=(0.35, 1.0, 0.0)))
+    act.begin(**act.both(palm=(0.0, 0.0, 1.0), fingers=_FINGERS))
     act.begin(**act.both(hand=(_EDGE - 0.42, 0.34, _TOP + 0.16)))
     act.move(0.2, 1.0, turn=(0.0, 34.0, 0.0), bend=(16.0, 0.0, 0.0), nod=-16.0)
-    act.move(0.2, 1.4, pelvis=(-0.40, 0.0, sat + sink))
+    act.move(0.2, 1.6, pelvis=(-0.40, 0.0, sat + sink))
     act.move(1.2, 0.9, turn=(0.0, -6.0, 0.0), bend=(6.0, 0.0, 0.0), nod=4.0)
     act.move(1.3, 0.6, pelvis=(-0.42, 0.0, sat))
     act.move(0.2, 0.9, **act.both(hold=1.0))

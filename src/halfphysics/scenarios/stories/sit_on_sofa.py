@@ -16,12 +16,16 @@ if TYPE_CHECKING:
 _SEAT, _FRONT, _REST, _HALF = 0.44, -0.16, -0.68, 0.75
 
 
-def build(*, fps: float = 30.0, sink: float = 0.09, body: Body | None = None) -> Sequence:
+# At rest after the deepest [m]: as far in as a seat gives, and the pelvis this much farther ahead.
+_RESTS, _AHEAD = 0.02, 0.045
+
+
+def build(*, fps: float = 30.0, sink: float = 0.08, body: Body | None = None) -> Sequence:
     """A person sits down on a sofa, sinks into its seat and leans back into its rest.
 
     Args:
         fps: Frames per second.
-        sink: How far into the seat the motion goes [m].
+        sink: How far into the seat the motion goes [m], before it comes to rest.
         body: The person's body; None: the default body, whose size the sofa has.
     """
     actor = stage.actor(body)
@@ -35,11 +39,12 @@ def build(*, fps: float = 30.0, sink: float = 0.09, body: Body | None = None) ->
     act = Act(actor)
     act.begin(turn=(0.0, 2.0, 0.0))
     sat = _SEAT + 0.115
-    act.move(0.3, 1.1, turn=(0.0, 38.0, 0.0), bend=(18.0, 0.0, 0.0), nod=-18.0)
+    act.move(0.3, 1.1, turn=(0.0, 46.0, 0.0), bend=(26.0, 0.0, 0.0), nod=-18.0)
     act.move(0.3, 1.5, pelvis=(-0.42, 0.0, sat))
     act.move(0.2, 0.9, **act.both(arm=(0.36, 0.10, -0.28)))
     act.move(1.4, 1.2, turn=(0.0, -8.0, 0.0), bend=(4.0, 0.0, 0.0), nod=4.0)
-    act.move(1.7, 1.3, pelvis=(-0.50, 0.0, sat - sink))
-    act.move(2.4, 1.2, turn=(0.0, -22.0, 0.0), bend=(2.0, 0.0, 0.0), nod=18.0)
+    act.move(1.6, 1.5, pelvis=(-0.50, 0.0, sat - sink))
+    act.move(2.1, 1.1, turn=(0.0, -22.0, 0.0), bend=(2.0, 0.0, 0.0), nod=18.0)
+    act.move(3.1, 1.0, pelvis=(-0.50 + _AHEAD, 0.0, sat - _RESTS))
     act.move(2.2, 1.2, **act.both(arm=(0.26, 0.16, -0.36)))
-    return Sequence(act.motion(4.2, fps), scene, actor)
+    return Sequence(act.motion(4.6, fps), scene, actor)

@@ -16,12 +16,20 @@ if TYPE_CHECKING:
 _FRONT, _TOP, _WALL = -0.85, 0.58, -1.27
 
 
-def build(*, fps: float = 30.0, sink: float = 0.07, body: Body | None = None) -> Sequence:
+# The left hand on its top [m]: from the front edge, from the middle; where its fingers point.
+_IN, _ACROSS, _FINGERS = 0.05, 0.36, (0.26, 0.97, 0.0)
+
+
+# At rest after the deepest [m]: the pelvis this much higher than that sinks by 0, and ahead.
+_RESTS, _AHEAD = 0.010, 0.02
+
+
+def build(*, fps: float = 30.0, sink: float = 0.06, body: Body | None = None) -> Sequence:
     """A person steps back and leans on a TV cabinet, sinks into it and into the wall behind.
 
     Args:
         fps: Frames per second.
-        sink: How far into the cabinet the motion goes [m].
+        sink: How far into the cabinet the motion goes [m], before it comes to rest.
         body: The person's body; None: the default body, for which the cabinet is placed.
     """
     actor = stage.actor(body)
@@ -37,9 +45,10 @@ def build(*, fps: float = 30.0, sink: float = 0.07, body: Body | None = None) ->
     act.lift("pelvis", 0.3, 0.6, (0.0, 0.03, -0.01))
     act.lift("pelvis", 0.85, 0.6, (0.0, -0.03, -0.01))
     act.move(1.3, 1.0, turn=(0.0, 24.0, 0.0), bend=(10.0, 0.0, 0.0))
-    act.move(1.9, 1.3, pelvis=(-0.95, 0.0, _TOP + 0.11 - sink))
+    act.move(1.7, 1.8, pelvis=(-0.95, 0.0, _TOP + 0.11 - sink))
     act.move(1.7, 1.2, **act.both(hold=1.0))
-    act.begin(**act.both(palm=(0.0, 0.0, 1.0), fingers=(0.75, 0.65, 0.0)))
-    act.begin(**act.both(hand=(_FRONT - 0.12, 0.36, _TOP + 0.015)))
-    act.move(2.5, 1.5, turn=(0.0, -22.0, 0.0), bend=(-4.0, 0.0, 0.0), nod=8.0)
-    return Sequence(act.motion(4.6, fps), scene, actor)
+    act.begin(**act.both(palm=(0.0, 0.0, 1.0), fingers=_FINGERS))
+    act.begin(**act.both(hand=(_FRONT - _IN, _ACROSS, _TOP + 0.03)))
+    act.move(2.4, 1.2, turn=(0.0, -22.0, 0.0), bend=(-4.0, 0.0, 0.0), nod=8.0)
+    act.move(3.5, 1.0, pelvis=(-0.95 + _AHEAD, 0.0, _TOP + 0.11 + _RESTS))
+    return Sequence(act.motion(4.8, fps), scene, actor)

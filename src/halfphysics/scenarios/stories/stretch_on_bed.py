@@ -16,12 +16,17 @@ if TYPE_CHECKING:
 _TOP, _FOOT, _HEAD, _HALF = 0.45, 1.05, -1.05, 0.8
 
 
+# At rest after the stretch, seat, back, head and heels alike on the mattress: how far the pelvis
+# goes in [m], lean and bend back [degrees], the ankles over the top [m].
+_RESTS, _LIES, _BENDS, _FEET = 0.02, -91.0, -3.0, 0.06
+
+
 def build(*, fps: float = 30.0, sink: float = 0.05, body: Body | None = None) -> Sequence:
     """A person lies on a bed and stretches arms and legs, the hands through its head board.
 
     Args:
         fps: Frames per second.
-        sink: How far into the mattress the motion goes [m].
+        sink: How far into the mattress the motion goes [m], before it comes to rest.
         body: The person's body; None: the default body, whose size the bed has.
     """
     actor = stage.actor(body)
@@ -42,6 +47,13 @@ def build(*, fps: float = 30.0, sink: float = 0.05, body: Body | None = None) ->
     act.move(1.2, 1.3, **act.both(arm=(0.06, 0.16, 0.47)))
     act.move(1.9, 0.9, **act.both(toes=(10.0, 52.0, 0.0), foot=(0.825, 0.27, _TOP + 0.03)), nod=-4)
     act.move(1.7, 1.1, bend=(-8.0, 0.0, 0.0))
-    act.move(3.2, 0.8, bend=(0.0, 0.0, 0.0), **act.both(toes=(12.0, 75.0, 0.0)))
+    act.move(3.2, 0.8, bend=(_BENDS, 0.0, 0.0), **act.both(toes=(12.0, 75.0, 0.0)))
+    act.move(
+        3.2,
+        1.0,
+        pelvis=(0.0, 0.0, lying - _RESTS),
+        turn=(0.0, _LIES, 0.0),
+        **act.both(foot=(0.825, 0.27, _TOP + _FEET)),
+    )
     act.move(3.2, 1.1, **act.both(arm=(0.10, 0.44, 0.20)))
     return Sequence(act.motion(4.6, fps), scene, actor)

@@ -35,6 +35,7 @@ KEYS = (
     "figure5",
     "figures6and7",
     "figure8",
+    "defaults",
     "speed",
 )
 

@@ -18,9 +18,10 @@ from halfphysics.support.estimate import estimate
 
 #: How far a joint of a reference may be beyond its range [degrees]: that of `range_violations`.
 RANGE = TOLERANCE
-#: Joints beyond it, and how far [degrees]: the hand is behind an open lid, before the chest, and
-#: the wrist is bent to its side; with the laptop farther away the arm is too short for the lid.
-BEYOND = {("close_laptop", "right_wrist"): 21.0}
+#: Joints beyond it, and how far [degrees]: the hand is behind an open lid, before the chest, with
+#: the elbow bent to its end and the wrist to its side. With the laptop farther away the arm is too
+#: short for the lid; with other elbows and fingers the hand jerks, or pushes too hard.
+BEYOND = {("close_laptop", "right_wrist"): 34.0, ("close_laptop", "right_elbow"): 2.5}
 #: Frames not in a jump in which over 5 % of the weight may be unsupported [%]: as the limit of
 #: `support.ground.limits`. Only `climb_onto_bed` has more than 1: a leg is thrown onto the bed.
 UNSUPPORTED = 5.0

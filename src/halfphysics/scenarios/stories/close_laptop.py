@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: Point of the desk below the middle of the hinge [m].
-HINGE = (0.54, -0.02, laptop.DESK)
+HINGE = (0.49, -0.08, laptop.DESK)
 #: Near edge of the desk ahead of the person [m].
 _EDGE = 0.24
 #: Where the finger pads are on the lid [m] from the hinge.
@@ -29,11 +29,11 @@ ALONG = 0.198
 #: Before they touch: behind the lid, and above it [m].
 _BEHIND, _ABOVE = 0.03, 0.12
 #: At the open lid and at the shut one [degrees]: how far the fingers point down, their flexion.
-_PITCH, _CURLS = (40.0, 8.0), ((32.0, 25.0, 15.0), (8.0, 4.0, 4.0))
+_PITCH, _CURLS = (45.0, 0.0), ((32.0, 25.0, 15.0), (8.0, 4.0, 4.0))
 #: Fingers point this much to the left of ahead [degrees]: the elbow is out at the right.
-_YAW = 38.0
+_YAW = 30.0
 #: Where the right elbow points.
-_ELBOW = np.array([-0.25, -0.9, -0.4])
+_ELBOW = np.array([-0.3, -1.0, -0.3])
 # Seconds: the hand is up, above the lid, behind it, has closed it, leaves it, rests again.
 _START, _UP, _OVER, _BEHIND_IT, _PULL, _SHUT, _LEAVE, _END = 0.2, 0.9, 1.2, 1.6, 1.6, 3.2, 3.6, 4.5
 

@@ -37,7 +37,7 @@ class Limit:
 
 ENDS = ("scenario", "room", "sunk", "long")
 FIRST = ("sunk",)
-#: Fly on purpose: with weight they fall, from wherever they are, and are still falling at the end.
+#: Fly on purpose: these stories ask for `weight=False`, and are run with the default settings here.
 FLIES = ("fly_with_ball",)
 LIMITS = (
     Limit("end_mm", "end mm", 5.0, -5.0, ENDS, but=FLIES),

@@ -2,12 +2,17 @@
 
     PYTHONPATH=src:tests python -m campaigns.ground [--data DATA] --log ground.jsonl
                           [--set root=recover --set strength=human] [--only sunk] [--case ID]
-                          [--seconds 600] [--shard 0/2] [--summary] [--frames 90]
+                          [--seconds 600] [--shard 0/2] [--summary] [--frames 90] [--shakes 4]
+                          [--against other.jsonl]
 
 One row of figures a person (`support.ground.figures`), each with its limit
 (`support.ground.limits`); a star in the table marks a figure that misses it. `--set` changes
 settings from their defaults; rows of other settings in the log are kept apart. Logged cases are
 not run again.
+
+Rooms are chaotic: a run of one says little of a change to the core. `--shakes 4` runs every case
+four times, with its motions moved by 4 mm; `--against` compares a log with that of another
+core, case by case: how many figures got better or worse, and by how much in the middle.
 """
 
 from __future__ import annotations
@@ -27,7 +32,7 @@ from halfphysics.settings import Settings
 from halfphysics.simulation.simulate import simulate
 from support.ground.cases import all_cases, set_up
 from support.ground.figures import figures, push_figures
-from support.ground.limits import failed, late, summary, table
+from support.ground.limits import comparison, failed, late, summary, table
 
 
 def run(case, data=None, changes=None, frames=None):
@@ -121,10 +126,12 @@ def main():
     p.add_argument("--shard", default="0/1", help="k/n: every n-th case from k on")
     p.add_argument("--only", default="", help="cases whose id contains one of these, by commas")
     p.add_argument("--case", help="one case by id: its rows, nothing is written")
+    p.add_argument("--shakes", type=int, default=0, help="runs of each case, a little beside it")
+    p.add_argument("--against", type=Path, help="a log of another core, to compare with")
     p.add_argument("--summary", action="store_true", help="of the log, nothing is run")
     options = p.parse_args()
     data = None if options.data is None else Path(options.data)
-    changes, cases = settings_of(options.set), all_cases(data)
+    changes, cases = settings_of(options.set), all_cases(data, options.shakes)
     if options.case:
         case = next(c for c in cases if c.id == options.case)
         print(json.dumps(run(case, data, changes, options.frames), indent=1))
@@ -136,6 +143,9 @@ def main():
     print(table(rows))
     print()
     print(summary(rows))
+    if options.against:
+        print()
+        print(comparison(read(options.against), rows))
 
 
 if __name__ == "__main__":

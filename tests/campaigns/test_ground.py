@@ -13,7 +13,7 @@ from halfphysics.base import rotations as rot
 from halfphysics.settings import Settings
 from support.ground.cases import Case, all_cases, set_up
 from support.ground.figures import end_height, slide_in_waiting
-from support.ground.limits import LIMITS, failed, late, summary, table
+from support.ground.limits import LIMITS, comparison, failed, late, summary, table
 
 
 def test_a_scenario_gives_a_row_a_person():
@@ -127,3 +127,28 @@ def test_limits_and_the_way_back():
     assert failed(flight | {"unsupported_percent": 30.0}) == ["peak_n"]
     assert failed(flight | {"what": "meet"}) == ["end_mm", "peak_n"]
     assert failed(wall | {"what": "box20", "pushed_mm": 400.0}) == ["peak_n", "pushed_mm"]
+
+
+def test_shaken_cases_are_beside_each_other(shared_data):
+    cases = all_cases(shared_data, shakes=3)
+    assert len({case.id for case in cases}) == len(cases) == 3 * len(all_cases(shared_data))
+    plain = set_up(Case("push", "jamb"), None)[0][0].translation[0]
+    starts = [set_up(Case("push", "jamb", shake=k), None)[0][0].translation[0] for k in (1, 2, 3)]
+    for start in starts:
+        assert np.linalg.norm(start - plain) == pytest.approx(0.004)
+        assert start[2] == plain[2]
+    assert np.linalg.norm(np.diff(starts, axis=0), axis=1).min() > 0.003
+
+
+def test_a_comparison_counts_what_misses_its_limit_by_less():
+    def rows(slides, height):
+        return [
+            {"id": str(k), "person": 0, "kind": "room", "what": "", "slide_mm": s, "end_mm": height}
+            for k, s in enumerate(slides)
+        ]
+
+    told = comparison(rows([3.0, 4.0, 1.0, 5.0], 1.0), rows([2.5, 1.0, 1.9, 6.0], 2.0))
+    lines = {line.split()[0]: line.split()[1:] for line in told.splitlines()}
+    # Missed by 1, 2, 0, 3 and by 0.5, 0, 0, 4.
+    assert lines["slide"] == ["2", "1", "1.5", "1.125", "1"]
+    assert "end" not in lines  # within its bounds before and after

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -34,19 +34,27 @@ BOXES = {"box20": 20.0, "box80": 80.0, "box200": 200.0}
 PUSHES = (*BOXES, "wall", "jamb")
 #: Seeds of rooms for a long walk.
 LONG_SEEDS = (1, 2, 3)
+#: How far a shaken case's motions are moved along the ground [m]: contact makes other runs of it,
+#: no worse or better ones. Each shake goes another way, by the golden angle [rad].
+SHAKEN, GOLDEN = 0.004, np.pi * (3.0 - np.sqrt(5.0))
 
 
 @dataclass(frozen=True)
 class Case:
-    """One run: a kind, the clip, scenario or thing, and how it is displaced or the room's seed."""
+    """One run: a kind, the clip, scenario or thing, how it is displaced or the room's seed.
+
+    `shake`: 0, or the number of a small shift of all motions.
+    """
 
     kind: str
     what: str
     how: str = ""
+    shake: int = 0
 
     @property
     def id(self) -> str:
-        return "-".join(text for text in (self.kind, self.what, self.how) if text)
+        name = "-".join(text for text in (self.kind, self.what, self.how) if text)
+        return f"{name}~{self.shake}" if self.shake else name
 
 
 @cache
@@ -68,8 +76,16 @@ def clip(data, name) -> Motion:
     return motion.resample(FPS).grounded(body(), z=0.0)
 
 
-def all_cases(data) -> list[Case]:
-    """Scenarios, pushes, displaced clips, rooms, long walks; those that need no data without it."""
+def all_cases(data, shakes=0) -> list[Case]:
+    """Scenarios, pushes, displaced clips, rooms, long walks; those that need no data without it.
+
+    Each as it is, or in its place `shakes` times, shaken.
+    """
+    cases = _cases(data)
+    return [replace(c, shake=k) for c in cases for k in range(1, shakes + 1)] if shakes else cases
+
+
+def _cases(data):
     cases = [Case("scenario", name) for name in scenarios.names()]
     cases += [Case("push", what) for what in PUSHES]
     if data is None:
@@ -83,6 +99,16 @@ def all_cases(data) -> list[Case]:
 
 def set_up(case: Case, data):
     """Motions, scene and bodies of a case."""
+    motions, scene, bodies = _set_up(case, data)
+    if not case.shake:
+        return motions, scene, bodies
+    angle = case.shake * GOLDEN
+    by = SHAKEN * np.array([np.cos(angle), np.sin(angle), 0.0])
+    shaken = [m.with_frames(m.translation + by, m.rotations) for m in motions]
+    return tuple(shaken), scene, bodies
+
+
+def _set_up(case, data):
     if case.kind == "scenario":
         story = scenarios.load(case.what)
         return story.motions, story.scene, story.bodies

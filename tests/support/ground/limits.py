@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import comb
 
 #: Return to the path: this long, and one second per metre of offset at the last obstacle [s].
 RETURN = 3.0
@@ -33,6 +34,13 @@ class Limit:
         if value is None or not self.applies(row):
             return None
         return self.least <= value <= self.most
+
+    def misses(self, row) -> float | None:
+        """By how much the bounds are missed; 0 within them, None: not measured."""
+        value = row.get(self.figure)
+        if value is None or not self.applies(row):
+            return None
+        return max(0.0, value - self.most, self.least - value)
 
 
 ENDS = ("scenario", "room", "sunk", "long")
@@ -79,6 +87,36 @@ def late(row) -> float | None:
 def failed(row) -> list[str]:
     """The figures of a row that miss their limits."""
     return [limit.figure for limit in LIMITS if limit.holds(row) is False]
+
+
+def comparison(before, after) -> str:
+    """By how much limits are missed in two logs, case by case.
+
+    In how many cases by less, in how many by more, the means over all cases, and the chance of so
+    uneven a split among coin tosses (two-sided sign test).
+    """
+    old = {(row["id"], row["person"]): row for row in before}
+    pairs = [(old[key], row) for row in after if (key := (row["id"], row["person"])) in old]
+    lines = [f"{f'{len(pairs)} cases':32s}" + "".join(f"{h:>14s}" for h in _COMPARED)]
+    for limit in LIMITS:
+        found = [(limit.misses(a), limit.misses(b)) for a, b in pairs if limit.holds(a) is not None]
+        found = [(a, b) for a, b in found if b is not None]
+        better, worse = sum(b < a for a, b in found), sum(b > a for a, b in found)
+        if not better + worse:
+            continue
+        means = [sum(values) / len(found) for values in zip(*found, strict=True)]
+        chance = min(1.0, 2.0 * _tail(max(better, worse), better + worse))
+        cells = (str(better), str(worse), f"{means[0]:.4g}", f"{means[1]:.4g}", f"{chance:.2g}")
+        lines.append(f"{limit.short:32s}" + "".join(f"{cell:>14s}" for cell in cells))
+    return "\n".join(lines)
+
+
+_COMPARED = ("better", "worse", "missed by", "now", "by chance")
+
+
+def _tail(at_least, tosses) -> float:
+    """The chance of at least so many heads."""
+    return sum(comb(tosses, k) for k in range(at_least, tosses + 1)) / 2**tosses
 
 
 def table(rows) -> str:

@@ -51,8 +51,10 @@ def spread():
 
 def held(nodes):
     """The content of the visible nodes: kind -> positions, starts and ends."""
-    points = {k: np.array(h.batched_positions) for k, h in nodes.points.items() if h.visible}
-    arrows = {k: np.array(h.points) for k, h in nodes.arrows.items() if h.visible}
+    handles = {k: node.handle for k, node in nodes.points.items()}
+    points = {k: np.array(h.batched_positions) for k, h in handles.items() if h.visible}
+    handles = {k: node.handle for k, node in nodes.arrows.items()}
+    arrows = {k: np.array(h.points) for k, h in handles.items() if h.visible}
     return points, arrows
 
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 halfphysics render result.npz film.mp4
 halfphysics render result.npz page.html
+halfphysics render result.npz standing.html --support
 halfphysics render result.npz slow.mp4 --camera follow --camera top --speed 0.25 --start 2 --end 3
 halfphysics render limp.npz firm.npz film.mp4 --label limp --label firm --camera orbit
 halfphysics render result.npz strip.png
@@ -38,6 +39,9 @@ class Command:
     """Result files, and the file to write."""
     frame: int | None = None
     """Of a picture: the frame to show, negative ones from the end; without it key frames."""
+    support: bool = False
+    """Of a page: also show what holds the people up: pressure on the skin, forces, centres of
+    pressure and of mass."""
     threads: int | None = None
     """Workers; what is written does not depend on it. None: one a core."""
     film: tyro.conf.OmitArgPrefixes[tyro.conf.UseAppendAction[FilmOptions]] = field(
@@ -57,6 +61,8 @@ class Command:
         kind = self._kind(out)
         if self.frame is not None and kind != "picture":
             raise InputError(f"--frame: {out} is a {kind}; a frame is for a .png")
+        if self.support and kind != "page":
+            raise InputError(f"--support: {out} is a {kind}; support is shown on a page (.html)")
         check_output(out, *sources)
         results = [Result.load(source) for source in sources]
         if kind == "page":
@@ -89,14 +95,15 @@ class Command:
             )
         if replace(self.film, fps=None, label=()) != FilmOptions() or len(self.film.label) > 1:
             raise InputError(
-                f"{out}: of the options only --fps and one --label (its title) are for a page, in "
-                "which the viewer moves the camera and the time"
+                f"{out}: of the options only --fps, --support and one --label (its title) are for a "
+                "page, in which the viewer moves the camera and the time"
             )
         save_page(
             results[0],
             out,
             title=self.film.label[0] if self.film.label else "halfphysics",
             max_fps=MAX_FPS if self.film.fps is None else self.film.fps,
+            support=self.support,
             progress=progress(),
         )
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from halfphysics.render.rasterizer import Color
-from halfphysics.viewer.figure import rgb
+from halfphysics.viewer.batches import Arrows, Batch, Copies, ball
 
 if TYPE_CHECKING:
     from halfphysics.results.contacts import Contacts
@@ -43,7 +43,6 @@ SCENE, OBJECT, PERSON, NO_PERSON = range(4)
 SHORTEST, TENFOLD, LARGEST = 0.06, 0.08, 1e4
 
 _POINT = 0.011  # radius [m]
-_SHAFT, _HEAD, _HEAD_LENGTH = 0.0055, 0.0145, 0.042  # [m]
 
 
 def arrow_lengths(force: Array) -> Array:
@@ -145,40 +144,21 @@ class ContactNodes:
 
     Attributes:
         frames: The contacts.
-        points, arrows: viser's handles by kind, for the kinds that occur.
+        points, arrows: Nodes by kind, for the kinds that occur.
     """
 
     def __init__(self, server: Any, stage: Stage, frames: ContactSource | None = None) -> None:
         self.frames = ContactFrames(stage.drawing.result) if frames is None else frames
-        self.points: dict[int, Any] = {}
-        self.arrows: dict[int, Any] = {}
+        self.points: dict[int, Copies] = {}
+        self.arrows: dict[int, Arrows] = {}
         self._visible = True
         self._frame = -1
-        ball, faces = _ball(_POINT)
         for kind in np.unique(self.frames.kind).tolist():
-            color = rgb(KINDS[kind].color)
-            # Start with one point and one arrow: the browser builds its buffers from them.
-            self.points[kind] = server.scene.add_batched_meshes_simple(
-                stage.path(f"contact/points-{kind}"),
-                ball,
-                faces,
-                batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
-                batched_positions=np.zeros((1, 3)),
-                batched_colors=color,
-                lod="off",
-                cast_shadow=False,
-                receive_shadow=False,
-                visible=False,
+            color = KINDS[kind].color
+            self.points[kind] = Copies(
+                server, stage.path(f"contact/points-{kind}"), ball(_POINT), color
             )
-            self.arrows[kind] = server.scene.add_arrows(
-                stage.path(f"contact/arrows-{kind}"),
-                np.array([[[0.0, 0.0, 0.0], [0.0, 0.0, SHORTEST]]]),
-                color,
-                shaft_radius=_SHAFT,
-                head_radius=_HEAD,
-                head_length=_HEAD_LENGTH,
-                visible=False,
-            )
+            self.arrows[kind] = Arrows(server, stage.path(f"contact/arrows-{kind}"), color)
         stage.followers.append(self.show)
 
     @property
@@ -192,8 +172,9 @@ class ContactNodes:
         if visible and self._frame >= 0:
             self.show(self._frame)
         elif not visible:
-            for handle in (*self.points.values(), *self.arrows.values()):
-                handle.visible = False
+            nodes: list[Batch] = [*self.points.values(), *self.arrows.values()]
+            for node in nodes:
+                node.hide()
 
     def show(self, frame: int) -> None:
         """Draw the contacts of a frame."""
@@ -203,27 +184,5 @@ class ContactNodes:
         contacts = self.frames.at(frame)
         for kind, points in self.points.items():
             mine = contacts.of(kind)
-            if len(mine.rows):
-                points.batched_positions = mine.position
-                points.batched_wxyzs = _unturned(len(mine.rows))
-            _show(points, len(mine.rows))
-            segments = mine.arrows()
-            if len(segments):
-                self.arrows[kind].points = segments.astype(np.float32)
-            _show(self.arrows[kind], len(segments))
-
-
-def _show(handle: Any, count: int) -> None:
-    if handle.visible != (count > 0):
-        handle.visible = count > 0
-
-
-def _unturned(count: int) -> Array:
-    return np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
-
-
-def _ball(radius: float) -> tuple[Array, NDArray[np.integer]]:
-    from halfphysics.geometry.shapes import Sphere
-
-    vertices, faces = Sphere(radius).triangles()
-    return vertices, faces
+            points.show(mine.position)
+            self.arrows[kind].show(mine.arrows())

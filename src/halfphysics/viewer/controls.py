@@ -6,8 +6,9 @@ import math
 import time
 from typing import TYPE_CHECKING, Any
 
+from halfphysics.errors import HalfPhysicsError
 from halfphysics.viewer.camera import PRESETS
-from halfphysics.viewer.layers import legend
+from halfphysics.viewer.layers import SUPPORT, hint, legend, support_legend
 from halfphysics.viewer.numbers import NumbersPanel
 from halfphysics.viewer.plots import Plots
 from halfphysics.viewer.server import icon
@@ -53,7 +54,8 @@ class Controls:
             self._toggles = self._add_layers()
             if any("contacts" in stage.layers for stage in viewer.stages):
                 gui.add_html(legend(results))
-        with gui.add_folder("Plots", expand_by_default=False):
+            self._support_note = gui.add_html("", visible=False)
+        with gui.add_folder("Plots", expand_by_default=False) as self._plots_folder:
             self.plots = Plots(gui, results, viewer.labels, timeline.duration)
         with gui.add_folder("Numbers", expand_by_default=False):
             self.numbers = NumbersPanel(gui, results, viewer.labels)
@@ -73,7 +75,7 @@ class Controls:
         for name in dict.fromkeys(n for stage in viewer.stages for n in stage.layers):
             layers = [stage.layers[name] for stage in viewer.stages if name in stage.layers]
             box = gui.add_checkbox(layers[0].label, layers[0].visible)
-            box.on_update(self._shows(layers))
+            box.on_update(self._shows_support(layers) if name == SUPPORT else self._shows(layers))
             boxes.append(box)
         return boxes
 
@@ -84,6 +86,35 @@ class Controls:
                     item.visible = event.target.value
 
             self._viewer.do(task)
+
+        return shows
+
+    def _shows_support(self, layers: list[Any]) -> Any:
+        """As `_shows`. The first time it works the support out, and adds its plot and numbers."""
+
+        def shows(event: Any) -> None:
+            note = self._support_note
+            if event.client_id is None:  # the task set it back
+                return
+            box = event.target
+            if box.value and not self.plots.has_support:
+                note.content, note.visible = hint("Working out what holds people up ..."), True
+            self._viewer.do(lambda: task(box))
+
+        def task(box: Any) -> None:
+            note = self._support_note
+            try:
+                for layer in layers:
+                    layer.visible = box.value
+            except HalfPhysicsError as error:
+                note.content, note.visible, box.value = hint(str(error)), True, False
+                return
+            if box.value and not self.plots.has_support:
+                with self._plots_folder:
+                    self.plots.add_support()
+                self.numbers.add_support()
+                self._followed = 0.0
+            note.content, note.visible = support_legend(), box.value
 
         return shows
 

@@ -1,4 +1,4 @@
-"""Numbers of a frame: clearance, contacts by name with their forces, deviation."""
+"""Numbers of a frame: clearance, contacts by name with their forces, deviation, support."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from halfphysics.motion.skeleton import JOINT_NAMES
+from halfphysics.support.support import UNSUPPORTED
 from halfphysics.viewer.contacts import KINDS, NO_PERSON, ContactFrames
 
 if TYPE_CHECKING:
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 
 # Most contacts in the list; the rest is summed up in one row.
 _MOST = 8
+# Smaller upward forces are not in the list [N].
+_LEAST = 1.0
 _CELL = "padding:1px 0;vertical-align:top;line-height:1.3"
 
 
@@ -25,12 +28,16 @@ class Numbers:
     Args:
         result: The result.
         label: Name of the result; empty: it is the only one.
+
+    Attributes:
+        with_support: Whether `html` says what holds people up.
     """
 
     def __init__(self, result: Result, label: str = "") -> None:
         self._result = result
         self._label = label
         self._frames = ContactFrames(result)
+        self.with_support = False
         self._off = [1e3 * person.joint_errors()[1] for person in result.people]
 
     def contacts(self, frame: int) -> list[tuple[str, str, float, int]]:
@@ -76,6 +83,23 @@ class Numbers:
             out.append((person.name, float(off[frame].mean()), name, float(off[frame, worst])))
         return out
 
+    def support(self, frame: int) -> list[tuple[str, list[tuple[str, float]], float, bool]]:
+        """What holds people up; works the support out if that was not done.
+
+        Returns:
+            For each person: name, the surfaces that push upwards with their upward force [N], the
+            largest first, the upward force that is missing [N], whether the person is in flight.
+        """
+        out = []
+        for person in self._result.people:
+            support = person.support
+            upward = support.force[frame] @ support.up
+            order = np.argsort(-upward, kind="stable").tolist()
+            forces = [(support.names[k], float(upward[k])) for k in order if upward[k] > _LEAST]
+            missing = max(float(support.residual[frame, :3] @ support.up), 0.0)
+            out.append((person.name, forces, missing, bool(support.airborne[frame])))
+        return out
+
     def html(self, frame: int) -> str:
         """All numbers of a frame as HTML, for the panel."""
         clearance = 1e3 * float(self._result.clearance[frame])
@@ -103,6 +127,7 @@ class Numbers:
         if len(contacts) > _MOST:
             rest = sum(size for _, _, size, _ in contacts[_MOST:])
             lines.append(_row(f"and {len(contacts) - _MOST} more", f"{rest:.0f} N"))
+        lines += self._support_rows(frame) if self.with_support else []
         head = f"<b>{html.escape(self._label)}</b>, " if self._label else ""
         last = len(self._result.motion) - 1
         time = f"{head}frame {frame} of {last}, {frame / self._result.fps:.2f} s"
@@ -111,6 +136,22 @@ class Numbers:
             f'<table style="width:100%;border-collapse:collapse;margin-top:4px">'
             f"{''.join(lines)}</table></div>"
         )
+
+    def _support_rows(self, frame: int) -> list[str]:
+        rows = []
+        several = len(self._result.people) > 1
+        for (name, forces, missing, flies), person in zip(
+            self.support(frame), self._result.people, strict=True
+        ):
+            weight = max(person.support.weight, 1e-9)
+            share = 100.0 * sum(force for _, force in forces) / weight
+            subject = f"{html.escape(name)} held up" if several else "Held up"
+            said = "in flight" if flies else f"{share:.0f} % of {weight:.0f} N"
+            rows.append(_row(subject, said))
+            rows += [_row(f"by {html.escape(item)}", f"{force:.0f} N") for item, force in forces]
+            if missing > UNSUPPORTED * weight:
+                rows.append(_row("by nothing, though needed", f"{missing:.0f} N"))
+        return rows
 
 
 class NumbersPanel:
@@ -130,6 +171,12 @@ class NumbersPanel:
         ]
         self.texts = [gui.add_html("") for _ in results]
         self._shown = [-1] * len(results)
+
+    def add_support(self) -> None:
+        """Say what holds people up from now on."""
+        for numbers in self._numbers:
+            numbers.with_support = True
+        self._shown = [-1] * len(self._shown)
 
     def show(self, frames: Sequence[int]) -> None:
         """Show the numbers of one frame of each result."""

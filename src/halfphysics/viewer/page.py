@@ -14,6 +14,7 @@ from halfphysics.errors import InputError
 from halfphysics.render.result_meshes import Drawing
 from halfphysics.viewer.arrange import Arrangement, arrange
 from halfphysics.viewer.contacts import ContactNodes
+from halfphysics.viewer.layers import show_support
 from halfphysics.viewer.page_head import head
 from halfphysics.viewer.server import close_server, open_server
 from halfphysics.viewer.stage import Stage, aim, light
@@ -32,6 +33,7 @@ def save_page(
     *,
     title: str = "halfphysics",
     max_fps: float = MAX_FPS,
+    support: bool = False,
     progress: bool = False,
 ) -> Path:
     """Writes a self-contained HTML page that plays: body, ghost, objects, contacts and scene.
@@ -45,6 +47,8 @@ def save_page(
         path: The file to write; written completely or not at all.
         title: Title of the page.
         max_fps: Most frames played per second; a faster result keeps every n-th frame.
+        support: Also shows what holds the people up (`PersonResult.support`): pressure on the
+            skin, forces, centres of pressure and of mass. Bodies are drawn as glass.
         progress: Shows a progress bar on stderr.
 
     Returns:
@@ -66,6 +70,8 @@ def save_page(
         recorder = server.get_scene_serializer()
         row = arrange([drawing], _VIEW)
         stage, contacts = _build(server, drawing, row)
+        if support:
+            show_support(server, stage)
         bar = _bar(len(frames), progress)
         # Without this the server's thread wakes for every bone and frame, with no browser to serve.
         with server.atomic():
@@ -76,7 +82,7 @@ def save_page(
         bar.close()
         page = recorder.as_html()
         page = page.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
-        page = page.replace("</head>", f"{head(title, drawing, row, contacts)}</head>", 1)
+        page = page.replace("</head>", f"{head(title, drawing, row, contacts, support)}</head>", 1)
         file.write(page.encode("utf-8"))
     return Path(path)
 

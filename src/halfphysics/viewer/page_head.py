@@ -14,6 +14,7 @@ from halfphysics.render.result_meshes import GHOST, PEOPLE, Drawing
 from halfphysics.viewer.arrange import Arrangement
 from halfphysics.viewer.contacts import KINDS
 from halfphysics.viewer.figure import rgb
+from halfphysics.viewer.support_overlay import KEY
 
 Array = NDArray[np.float64]
 
@@ -61,7 +62,9 @@ addEventListener("DOMContentLoaded", () => {
 """
 
 
-def head(title: str, drawing: Drawing, row: Arrangement, contacts: Sequence[int]) -> str:
+def head(
+    title: str, drawing: Drawing, row: Arrangement, contacts: Sequence[int], support: bool = False
+) -> str:
     """HTML for the head of a page.
 
     Args:
@@ -69,6 +72,7 @@ def head(title: str, drawing: Drawing, row: Arrangement, contacts: Sequence[int]
         drawing: The drawing that the page shows.
         row: The arrangement that gives the camera.
         contacts: Kinds of contacts on the page, indices into `KINDS`.
+        support: Whether the page shows the support of people.
     """
     cameras = []
     for shape in _SHAPES:
@@ -76,12 +80,12 @@ def head(title: str, drawing: Drawing, row: Arrangement, contacts: Sequence[int]
         cameras.append([shape, _text(camera.position), _text(camera.target)])
     aim = _AIM % {"bar": _BAR, "cameras": json.dumps(cameras), "first": json.dumps(cameras[0])}
     # A title may hold any text, even the end tag of a script.
-    key = json.dumps(_key(title, drawing, contacts)).replace("<", "\\u003c")
+    key = json.dumps(_key(title, drawing, contacts, support)).replace("<", "\\u003c")
     style = _STYLE % {"bottom": _BAR + 10}
     return f"<style>{style}</style><script>{aim}{_SHOW % key}</script>"
 
 
-def _key(title: str, drawing: Drawing, contacts: Sequence[int]) -> str:
+def _key(title: str, drawing: Drawing, contacts: Sequence[int], support: bool) -> str:
     """HTML of the title and the meaning of the colours."""
     people = len(drawing.result.people)
     bodies = [PEOPLE[k % len(PEOPLE)] for k in range(people)]
@@ -89,6 +93,8 @@ def _key(title: str, drawing: Drawing, contacts: Sequence[int]) -> str:
     for k, kind in enumerate(contacts):
         label = KINDS[kind].label.removeprefix("on a person, ")
         entries.append(([KINDS[kind].color], label if k else f"force {label}"))
+    if support:
+        entries += [([color], label) for color, label in KEY]
     said = "".join(
         f"<span>{''.join(map(_patch, colors))}{html.escape(label)}</span>"
         for colors, label in entries

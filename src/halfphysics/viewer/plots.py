@@ -1,4 +1,4 @@
-"""Clearance, speed and contact force over time, with a line at the present time."""
+"""Clearance, speed, contact force and support over time, with a line at the present time."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 #: Colours of lines, one per result or person; the reference motion is grey and dashed.
 COLORS = ("#1f6fd6", "#d9480f", "#2b8a3e", "#9c36b5", "#0b7285", "#c2255c")
 _ASKED = "#8a94a0"
+_WARNING = "#f03e3e"
 
 #: Points whose speed can be plotted, beside objects: label -> joint.
 POINTS = {"pelvis": "pelvis", "left hand": "left_wrist", "right hand": "right_wrist"}
@@ -40,12 +41,14 @@ class Line:
         time: (T,) [s].
         value: (T,); nan where there is no value.
         dashed: Draw dashed and grey: the reference motion.
+        warning: Draw wide and red: what should not be.
     """
 
     label: str
     time: Array
     value: Array
     dashed: bool = False
+    warning: bool = False
 
 
 def clearance(results: Sequence[Result], labels: Sequence[str]) -> list[Line]:
@@ -92,6 +95,23 @@ def speed(results: Sequence[Result], labels: Sequence[str], what: str) -> list[L
                 track = person.body.joints(person.reference)[:, joint]
                 asked.append(_speed("asked for", result, track, dashed=True))
         lines += asked
+    return lines
+
+
+def support(results: Sequence[Result], labels: Sequence[str]) -> list[Line]:
+    """What holds people up, and what does not though it is needed [% of the weight].
+
+    Two lines per result and person: the upward force of everything on them, and, in frames in which
+    they are held up by nothing (`Support.unsupported`), the upward force that is missing.
+    """
+    lines = []
+    for result, label in zip(results, labels, strict=True):
+        for person in result.people:
+            name = label if len(result.people) == 1 else f"{label} {person.name}".strip()
+            found, time = person.support, _times(result)
+            lines.append(Line(label=name, time=time, value=found.weight_percent))
+            missing = np.where(found.unsupported, found.residual_percent, np.nan)
+            lines.append(Line(label="by nothing", time=time, value=missing, warning=True))
     return lines
 
 
@@ -165,6 +185,7 @@ class Plots:
         names = list(labels) if len(results) > 1 else ["body"]
         self._names = names
         self._cursors: list[Any] = []
+        self.has_support = False
         self._at = ""
         self.heads: dict[str, Any] = {}
         self.charts: dict[str, Any] = {}
@@ -202,6 +223,12 @@ class Plots:
         chart.scales = {**chart.scales, "y": {"range": _range(lines)}}
         chart.data = aligned(lines, self._duration)
 
+    def add_support(self) -> None:
+        """Add the plot of what holds people up, within the same folder or tab."""
+        lines = support(self._results, self._names)
+        self._add("support", "Held up [% of the weight]", lines, last=True)
+        self.has_support, self._at = True, ""
+
     def show(self, time: float) -> None:
         """Move the time lines to a time [s]."""
         share = min(max(time / self._duration, 0.0), 1.0)
@@ -233,13 +260,15 @@ def _series(lines: Sequence[Line]) -> tuple[Any, ...]:
         one = {"label": line.label, "stroke": color, "width": 1.5, "points": {"show": False}}
         if line.dashed:
             one["dash"] = (4.0, 3.0)
+        if line.warning:
+            one["width"] = 3.0
         series.append(one)
     return tuple(series)
 
 
 def _colors(lines: Sequence[Line]) -> list[str]:
-    solid = iter(COLORS * len(lines))
-    return [_ASKED if line.dashed else next(solid) for line in lines]
+    own = iter(COLORS * len(lines))
+    return [_ASKED if line.dashed else _WARNING if line.warning else next(own) for line in lines]
 
 
 def _range(lines: Sequence[Line]) -> tuple[float, float]:
@@ -262,10 +291,20 @@ def _head(title: str, lines: Sequence[Line]) -> str:
             f'<span style="display:inline-block;width:16px;border-top:2px '
             f"{'dashed' if line.dashed else 'solid'} {color};vertical-align:middle;"
             f'margin-right:4px"></span>{html.escape(line.label)}</span>'
-            for line, color in zip(lines, _colors(lines), strict=True)
+            for line, color in _keys(lines)
         )
     )
     return (
         f'<div style="font-size:12px;line-height:1.35;margin:8px 11px -6px 11px">'
         f"<b>{html.escape(title)}</b>{keys}</div>"
     )
+
+
+def _keys(lines: Sequence[Line]) -> list[tuple[Line, str]]:
+    """Lines with their colours, without warnings that never occur or repeat others."""
+    out: list[tuple[Line, str]] = []
+    for line, color in zip(lines, _colors(lines), strict=True):
+        known = any(other.warning for other, _ in out)
+        if not line.warning or (np.isfinite(line.value).any() and not known):
+            out.append((line, color))
+    return out

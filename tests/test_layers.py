@@ -39,7 +39,10 @@ LAYERS = {
     "labels": "errors base motion geometry body scene results metrics _native",
     "mujoco": "errors base motion geometry body settings scene simulation _native",
     "scenarios": "errors base motion geometry body scene settings simulation",
-    "viewer": "errors base motion geometry body settings scene results simulation render scenarios",
+    "viewer": (
+        "errors base motion geometry body settings scene results support simulation render "
+        "scenarios"
+    ),
     "sweep": (
         "errors base motion geometry body settings scene results simulation baselines formats "
         "labels scenarios __version__"

@@ -67,6 +67,14 @@ def test_the_command_writes_what_python_writes(source, tmp_path):
     assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
 
 
+def test_a_page_shows_what_holds_people_up_when_asked(source, tmp_path):
+    pytest.importorskip("viser")
+    assert run(source, "plain.html") == 0
+    assert run(source, "held.html", "--support") == 0
+    assert "supporting force" not in (tmp_path / "plain.html").read_text(encoding="utf-8")
+    assert "supporting force" in (tmp_path / "held.html").read_text(encoding="utf-8")
+
+
 def test_one_frame_and_several_results(source):
     assert run(source, "one.png", "--frame", "-1", *SMALL) == 0
     with Image.open("one.png") as one:
@@ -88,6 +96,7 @@ def test_one_frame_and_several_results(source):
         (["R", "R"], "suffix '.npz'"),
         (["R", "a.png", "--frame", "8"], "8 frames (0 to 7)"),
         (["R", "a.gif", "--frame", "1"], "a frame is for a .png"),
+        (["R", "a.gif", "--support"], "shown on a page"),
         (["R", "a.gif", "--camera", "sky"], "'sky'"),
         (["R", "a.gif", "--size", "0x10"], "16 to 8192"),
         (["R", "a.mp4", "--size", "641x480"], "642x480"),

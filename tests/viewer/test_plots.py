@@ -8,11 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import halfphysics as hp
 from halfphysics.viewer import plots
 from halfphysics.viewer.contacts import NO_PERSON, OBJECT, SCENE
-from halfphysics.viewer.numbers import Numbers
+from halfphysics.viewer.numbers import Numbers, NumbersPanel
 from halfphysics.viewer.plots import Line, Plots, aligned, clearance, force, items, speed
 from support.results.small_result import FPS, FRAMES, small_result
+from support.standing import ARMS_DOWN, raised, still
 
 RESULT = small_result()
 DURATION = (FRAMES - 1) / FPS
@@ -43,6 +45,49 @@ def test_speeds_of_body_ghost_and_objects():
     np.testing.assert_allclose(ball.value[-1], 4.0)
     assert ball.value[3] == 0.0
     assert items([RESULT]) == ["pelvis", "left hand", "right hand", "ball"]
+
+
+@pytest.fixture(scope="module")
+def held():
+    """Who stands on a floor, and who is 0.3 m above it, held by nothing."""
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    standing = still(hp.Body.default(), ARMS_DOWN)
+    settings = hp.Settings(weight=False)
+    return [hp.simulate(raised(standing, up), scene, settings=settings) for up in (0.0, 0.3)]
+
+
+def test_support_is_a_share_of_the_weight_and_a_warning_where_it_is_missing(held):
+    carried, missing, not_carried, all_missing = plots.support(held, ["a", "b"])
+    assert [line.warning for line in (carried, missing, not_carried, all_missing)] == [
+        False, True, False, True,
+    ]  # fmt: skip
+    assert carried.value == pytest.approx(100.0, abs=1.0)
+    assert np.isnan(missing.value).all()
+    assert not_carried.value == pytest.approx(0.0, abs=1e-9)
+    assert all_missing.value == pytest.approx(100.0, abs=1.0)
+    # In the legend a warning occurs once, and only if there is one.
+    assert plots._head("", [carried, all_missing, all_missing]).count("by nothing") == 1
+    assert plots._head("", [carried, missing]).count("by nothing") == 0
+
+
+def test_the_plot_and_the_numbers_of_support_come_when_asked(server, held):
+    shown = Plots(server.gui, held, ["a", "b"], 19 / 60)
+    assert not shown.has_support
+    shown.add_support()
+    assert shown.has_support
+    shown.show(0.1)
+    assert len(shown._cursors) == len(shown.charts) == 4
+    assert all("0.3158" in cursor.content for cursor in shown._cursors)
+    numbers = NumbersPanel(server.gui, held, ["a", "b"])
+    numbers.show([3, 3])
+    assert not any("Held up" in text.content for text in numbers.texts)
+    numbers.add_support()
+    numbers.show([3, 3])
+    stands, hovers = (re.sub(r"<[^>]+>", " ", text.content) for text in numbers.texts)
+    assert re.search(r"Held up +(99|100|101) % of 604 N +by floor +60\d N", stands)
+    assert "by nothing" not in stands
+    assert re.search(r"Held up +0 % of 604 N +by nothing, though needed +60\d N", hovers)
 
 
 def test_several_results_are_several_lines_with_one_ghost():

@@ -95,8 +95,8 @@ class Command:
             )
         if replace(self.film, fps=None, label=()) != FilmOptions() or len(self.film.label) > 1:
             raise InputError(
-                f"{out}: of the options only --fps, --support and one --label (its title) are for a "
-                "page, in which the viewer moves the camera and the time"
+                f"{out}: of the options only --fps, --support and one --label (its title) are for "
+                "a page, in which the viewer moves the camera and the time"
             )
         save_page(
             results[0],

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import halfphysics as hp
 from halfphysics.base.json_files import text_of
 from halfphysics.baselines import options_of
 from halfphysics.labels import events
@@ -22,10 +23,11 @@ from halfphysics.sweep.make.card import Checks, card_of, checks
 from halfphysics.sweep.make.making import Maker
 from halfphysics.sweep.make.provenance import versions
 from halfphysics.sweep.make.vary import Ready
-from halfphysics.sweep.plan.plan import OF_RESULT, Inputs, Plan
+from halfphysics.sweep.plan.plan import OF_RESULT, Inputs, Outputs, Plan
 from halfphysics.sweep.plan.variants import Variants
 from support.paths import DOCS
 from support.results.handled import Handled
+from support.standing import ARMS_DOWN, raised, still
 
 LABELS = SimpleNamespace(threshold_m=0.002)
 
@@ -96,6 +98,20 @@ def test_a_card_says_what_happened():
     assert found["travel_max"] == pytest.approx(0.8)
     assert found["clearance_min"] == result.settings.clearance_range  # no item is nearer
     assert found["events"]["drops"][0]["onto"] == "floor"
+
+
+def test_what_holds_people_up_is_in_the_card_of_a_plan_that_asks():
+    scene = hp.Scene()
+    scene.add_static("floor", hp.Plane())
+    standing = still(hp.Body.default(), ARMS_DOWN)
+    hovering = raised(standing, 0.3)
+    motions = [standing, hp.Motion(hovering.translation + 2.0, hovering.rotations, hovering.fps)]
+    result = hp.simulate(motions, scene, settings=hp.Settings(weight=False))
+    plain = card(result)
+    assert plain["unsupported_percent"] is plain["carried_max"] is None
+    asked = card(result, plan=plan_of(outputs=Outputs(support=True)))
+    assert asked["unsupported_percent"] == 100.0  # of the second person
+    assert asked["carried_max"] == pytest.approx(1.0, abs=0.01)  # of the first
 
 
 def test_deviation_is_that_of_the_joints():

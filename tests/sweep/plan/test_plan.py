@@ -168,6 +168,15 @@ def test_expressions_know_factors_and_results(folder: Path) -> None:
     assert not set(OF_VARIANT) & set(OF_RESULT)
 
 
+def test_expressions_know_support_where_it_is_an_output() -> None:
+    inputs = Inputs(scenarios="kick_ball")
+    keep_after = ("unsupported_percent < 5",)
+    plan = Plan(inputs=inputs, keep_after=keep_after, outputs=Outputs(support=True))
+    assert plan.expressions("keep_after")[0].names == ("unsupported_percent",)
+    with pytest.raises(InputError, match=r"unsupported_percent needs outputs: \{support: true\}"):
+        Plan(inputs=inputs, keep_after=keep_after)
+
+
 def test_the_explained_lines_of_python_run(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

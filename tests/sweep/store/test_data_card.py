@@ -10,7 +10,7 @@ import pytest
 
 from halfphysics.errors import InputError
 from halfphysics.sweep.make.card import CHECKS
-from halfphysics.sweep.plan.plan import Inputs, Plan
+from halfphysics.sweep.plan.plan import OF_SUPPORT, Inputs, Plan
 from halfphysics.sweep.store.data_card import SPREADS, SUMMED, VALUES, DataCard, counted
 
 VERSIONS = {"halfphysics": "0.1.0", "program": "ab" * 32, "mujoco": "3.3.0", "coacd": None}
@@ -168,6 +168,19 @@ def test_failures_are_told_by_what_went_wrong():
 def test_a_number_that_is_not_known_is_not_counted():
     found = whole([counted([sample(1, force_max=None), sample(2)])]).document()
     assert found["spreads"]["force_max"]["number"] == 1
+
+
+def test_support_is_in_the_card_where_samples_have_it():
+    with_support = whole([counted([sample(n, unsupported_percent=n) for n in range(5)])])
+    its = with_support.document()["spreads"]["unsupported_percent"]
+    assert (its["number"], its["least"], its["most"], its["unit"]) == (5, 0, 4, "%")
+    assert "| unsupported_percent [%] | 5 |" in with_support.markdown()
+    without = {name: None for name in OF_SUPPORT}
+    page = whole([counted([sample(n, **without) for n in range(5)])]).markdown()
+    assert not any(name in page for name in OF_SUPPORT)
+    # Cards of a version of the program that did not have it.
+    older = {name: value for name, value in sample(1).items() if name not in OF_SUPPORT}
+    assert whole([counted([older])]).document()["samples"] == 1
 
 
 def test_the_page_tells_it_to_a_person():

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from halfphysics.base import rotations as rot
 from halfphysics.baselines import options_of
 from halfphysics.sweep.make.provenance import versions
+from halfphysics.sweep.plan.plan import OF_SUPPORT
 
 if TYPE_CHECKING:
     from halfphysics.labels.event_kinds import Events
@@ -121,7 +122,7 @@ def _stays_clear(result: Result) -> bool:
 def card_of(
     plan: Plan, variant: Variant, ready: Made, result: Result, labels: Labelled, events: Events
 ) -> dict[str, Any]:
-    """The card of one sample.
+    """The card of one sample. What holds people up is in it if the plan's outputs have it.
 
     Args:
         plan: The plan of the sweep.
@@ -139,6 +140,7 @@ def card_of(
         **_made_from(plan, variant, ready),
         **_outcome(ready, result),
         **_happened(result, labels, events),
+        **(_support(result) if plan.outputs.support else dict.fromkeys(OF_SUPPORT)),
     }
 
 
@@ -199,6 +201,16 @@ def _happened(result: Result, labels: Labelled, events: Events) -> dict[str, Any
         "objects": objects,
         "travel_max": max((its["travel"] or 0.0 for its in objects.values()), default=0.0),
         "events": events.document(),
+    }
+
+
+def _support(result: Result) -> dict[str, float | None]:
+    """The part of a card about what holds people up: of the person for whom each is largest."""
+    supports = [person.support for person in result.people]
+    carried = [support.weight_percent.max() / 100.0 for support in supports]
+    return {
+        "unsupported_percent": _number(max(support.unsupported_percent for support in supports)),
+        "carried_max": _number(max(carried)),
     }
 
 

@@ -15,7 +15,7 @@ from halfphysics.sweep.make.contact_exports import other_labels
 from halfphysics.sweep.make.sample import files_of
 from halfphysics.sweep.make.time_limit import OutOfTimeError, time_limit
 from halfphysics.sweep.make.vary import Workshop
-from halfphysics.sweep.plan.plan import OF_RESULT
+from halfphysics.sweep.plan.plan import OF_RESULT, OF_SUPPORT
 
 if TYPE_CHECKING:
     from halfphysics.sweep.plan.plan import Plan
@@ -102,7 +102,7 @@ class Maker:
         result = self._workshop.run(ready)
         labels = contact_labels(result, threshold=self._plan.labels.threshold)
         card = card_of(self._plan, variant, ready, result, labels, events(result))
-        values = {**variant.values(), **{name: card[name] for name in OF_RESULT}}
+        values = {**variant.values(), **{name: card[name] for name in (*OF_RESULT, *OF_SUPPORT)}}
         inputs = {source["path"]: source["sha256"] for source in ready.sources}
         if not all(holds(values) for holds in self._keep_after):
             return Sample(card, {}, inputs)

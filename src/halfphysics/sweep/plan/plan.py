@@ -60,6 +60,8 @@ OF_RESULT = (
     "drops",
     "travel_max",
 )
+#: Further names that `keep_after` may use with `Outputs.support`.
+OF_SUPPORT = ("unsupported_percent", "carried_max")
 
 _MOST_SEED = 2**63 - 1
 
@@ -228,6 +230,8 @@ class Plan:
             InputError: An expression is invalid or has an unknown name.
         """
         known = (*OF_VARIANT, *self.factors, *(OF_RESULT if which == "keep_after" else ()))
+        if which == "keep_after" and self.outputs.support:
+            known = (*known, *OF_SUPPORT)
         texts: tuple[str, ...] = getattr(self, which)
         made = []
         for k, text in enumerate(texts):
@@ -235,7 +239,8 @@ class Plan:
                 made.append(Expression(text, known))
             except InputError as error:
                 where = f"{which}[{k}]" if len(texts) > 1 else which
-                raise InputError(f"{where}: {error}") from None
+                more = "" if self.outputs.support else _needs_support(which, text)
+                raise InputError(f"{where}: {error}{more}") from None
         return tuple(made)
 
     def _check_factors(self) -> None:
@@ -270,6 +275,14 @@ def resolve_inputs(plan: Plan) -> list[str]:
         FileError: No file matches a pattern.
     """
     return resolve(plan.inputs, plan.base, plan.outputs.folder)
+
+
+def _needs_support(which: str, text: str) -> str:
+    """What to add to the message about an expression with a name of `OF_SUPPORT`."""
+    names = [name for name in OF_SUPPORT if name in text]
+    if which != "keep_after" or not names:
+        return ""
+    return f". {names[0]} needs outputs: {{support: true}}"
 
 
 def _specs(factors: Mapping[str, Any]) -> dict[str, Spec]:

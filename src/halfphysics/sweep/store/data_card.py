@@ -33,6 +33,8 @@ SPREADS = {
     "held_seconds": "s",
     "slid": "m",
     "travel_max": "m",
+    "unsupported_percent": "%",
+    "carried_max": "weights",
 }
 #: Integers of a sample's card that are summed; samples with a nonzero value are counted too.
 SUMMED = ("frames", "contacts", "holds", "lost_grasps", "slips", "drops", "started_inside")
@@ -109,7 +111,8 @@ class DataCard:
             sums[0] += card[name]
             sums[1] += bool(card[name])
         for name, spread in self._spreads.items():
-            if card[name] is not None:
+            # A card of an older version of the program has fewer entries.
+            if card.get(name) is not None:
                 spread.add(card[name])
         counts = [1, bool(card["success"]), bool(card["slips"]), bool(card["drops"]), False]
         self._tally(card, [int(count) for count in counts])

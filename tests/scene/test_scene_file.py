@@ -125,7 +125,8 @@ def test_json_says_the_same_with_tabs_too(tmp_path: Path) -> None:
         (WHOLE, "", "the file is empty"),
         (WHOLE, "- 1\n", "expected a mapping"),
         (WHOLE, "x: &a [*a]\n", "nested too deeply|not valid YAML|unknown key"),
-        (WHOLE, "a: " + "[" * 3000 + "]" * 3000, "nested too deeply"),
+        # PyYAML from 6.0.4 stops at its own bound, before ours.
+        (WHOLE, "a: " + "[" * 3000 + "]" * 3000, "nested too deeply|maximum nesting depth"),
         (WHOLE, "!!python/object/apply:os.system ['true']", "expected a mapping"),
     ],
 )

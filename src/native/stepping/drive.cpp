@@ -59,6 +59,10 @@ void Drive::begin_frame(const DriveSettings& s, const double* qpos, double* qvel
   exact_ = false;
   const double rate = 1 / motion.frame_length();
   const int nv = dof_count();
+  // What a clock that slows down takes from the motion's velocity it does not take from the body's.
+  if (s.time_constant > 0)
+    for (int i = 0; i < 3; i++)
+      deviation_[i] += clock.slowed() * (qvel[first_dof() + i] - deviation_[i]);
   // That of the last frame.
   for (int i = 0; i < nv; i++) gain_[i] = qvel[first_dof() + i] - deviation_[i];
   motion.reference(v_ref_.data());

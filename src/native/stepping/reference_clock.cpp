@@ -9,7 +9,7 @@ namespace tune = tuning::footing;
 void ReferenceClock::reset(const PersonDofs& dofs, const double* target) {
   reached_.assign(target, target + dofs.qpos_count());
   ahead_.clear();
-  waited_ = passed_ = untouched_ = 0;
+  waited_ = passed_ = untouched_ = slowed_ = 0;
   rate_ = eager_ = 1;
   impatient_ = false;
 }
@@ -57,9 +57,12 @@ void ReferenceClock::move_on(const PersonDofs& dofs, double time) {
 const double* ReferenceClock::advance(const PersonDofs& dofs, const double* target, double dt,
                                       Vec3 displaced, bool touched, bool stands) {
   passed_ = dt;
+  slowed_ = 0;
   if (!on) return target;
   ahead_.push_back({{target, target + dofs.qpos_count()}, dt});
+  const double before = rate_;
   decide(displaced, touched, stands, dt);
+  if (rate_ < before) slowed_ = 1 - rate_ / before;
   passed_ = dt * rate_;
   move_on(dofs, passed_);
   return reached_.data();

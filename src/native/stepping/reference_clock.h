@@ -10,6 +10,10 @@
 // in a queue, and the person moves through it as time passes for it. Who has waited for kPatience goes
 // on whatever is in the way, until back on the path. It goes on as a person starts to walk: the rate grows by
 // kSpeedUp at most. A clock that never lags changes no bit.
+//
+// A clock that slows down takes velocity from the motion, and not from the body: it has its momentum until
+// something outside takes it. The drive keeps what the root loses, slowed() of its velocity, as deviation
+// (Drive::begin_frame); joints, whose muscles are inside, slow down with the clock.
 #pragma once
 #include <deque>
 #include <vector>
@@ -34,6 +38,8 @@ class ReferenceClock {
   double passed() const { return passed_; }
   // Share of its pace at which the person is to go back to its path.
   double eager() const { return eager_; }
+  // Share of the motion's velocity that the clock takes away in this frame.
+  double slowed() const { return slowed_; }
   // Something is in its way: it waits, or goes on all the same.
   bool blocked() const { return eager_ < 1 || impatient_; }
 
@@ -51,6 +57,7 @@ class ReferenceClock {
   std::vector<double> reached_;
   std::deque<Asked> ahead_;
   double waited_ = 0, passed_ = 0, untouched_ = 0, rate_ = 1, eager_ = 1;
+  double slowed_ = 0;  // of the frame under way
   bool impatient_ = false;
 };
 

@@ -51,15 +51,28 @@ def test_who_walks_into_a_wall_waits_and_stands_still():
     assert len(still) > 1.0 * result.fps  # it waits for three seconds at most, of five
     feet = [hp.JOINT_NAMES.index(f"{side}_ankle") for side in ("left", "right")]
     moved = np.linalg.norm(np.diff(BODY.joints(result.motion)[:, feet], axis=0), axis=2).max(axis=1)
-    # Thrown off by the first blow it comes back, and then stands.
+    # It steps back from the first blow, comes back, and then stands.
     assert moved[still].max() < 8e-3  # [m] a frame
     assert np.median(moved[still]) < 1e-3
     assert moved[still][-10:].max() < 3e-4
-    x = result.motion.translation[:, 0]
-    # Legs that the wall has stopped do not kick it off.
-    assert (np.maximum.accumulate(x) - x).max() < 0.45
-    assert np.abs(forces(result)[still]).max() < 300.0
+    assert np.abs(forces(result)[still]).max() < 400.0  # as it comes to lean on the wall
     assert np.linalg.norm(forces(result)[still].mean(axis=0)) < 100.0
+
+
+@pytest.mark.parametrize("x", [1.5, 1.55, 1.6, 1.65, 1.7, 1.75])
+def test_a_clock_that_slows_down_throws_nobody_back(x):
+    """A walker whom a wall stops keeps what momentum the wall has left it, and steps back a little.
+
+    With the clock's loss of velocity taken from the body as well: 0.38 m, at 1.4 m/s, with nothing
+    that pushed.
+    """
+    result = hp.simulate(
+        walk(), room(wall=(WALL["wall"][0], (x, 0.0, 1.25))), body=BODY, settings=STANDS_FIRM
+    )
+    way = result.motion.translation[:, 0]
+    assert (np.maximum.accumulate(way) - way).max() < 0.15
+    back = -np.diff(way).min() * result.fps
+    assert back < 0.7  # [m/s]; it walked at 1.2
 
 
 def test_continue_walks_on_the_spot_as_the_paper_does():
@@ -76,7 +89,12 @@ def test_a_person_pushes_what_its_feet_can(mass, moves):
     )
     result = hp.simulate(walk(), scene, body=BODY, settings=STANDS_FIRM)
     way = result.objects["box"].position[-1, 0] - 1.5
-    assert way > 0.3 if moves else abs(way) < 0.02
+    if not moves:
+        assert abs(way) < 0.02
+        return
+    # 59 N of friction, of 240 N that feet transmit: it walks its four metres, the box ahead.
+    assert way > 3.0
+    assert (walk().translation - result.motion.translation)[-1, 0] < 0.01
 
 
 def test_saved_and_loaded_with_its_clock(tmp_path):

@@ -619,6 +619,8 @@ constexpr double kTouchedTime = 0.1;
 // Deviations from the motion below these are what a contact leaves in rounding [rad], [m/s, rad/s].
 // Larger ones drop motion, smaller ones step people through without need.
 constexpr double kSettledAngle = 1e-11, kSettledSpeed = 1e-9;
+// In so many implicit steps it is looked ahead how the root will turn back in a frame: as by default.
+constexpr int kFrameParts = 8;
 // A deviation whose square is smaller is rounding: free motion must not cost a factor [rad^2].
 constexpr double kLeastDeviation2 = 1e-26;
 
@@ -805,6 +807,14 @@ constexpr double kFloats = 1.5e-3;
 // second [m/s]: a stance foot of recorded walks drifts by 0.1, swings at 1 to 4. It is low up to the
 // first height above the person's lowest point, high from the second [m].
 constexpr double kRests = 0.15, kMoves = 0.35, kLow = 0.02, kHigh = 0.05;
+// A body that goes beside its motion by less than this in a frame does not [m]: rounding.
+constexpr double kNoWay = 1e-9;
+// A foot that rests by more than this share rests.
+constexpr double kAtRestShare = 0.5;
+// Who is tilted so that cos of half of it is less than this has no heading.
+constexpr double kUpsideDown = 0.3;
+// A step ends on ground that is at most so much higher or lower [m].
+constexpr double kLandsUp = 0.12, kLandsDown = 0.15;
 // What is farther than this above any surface [m] carries only after it has rested so long [s]: at the
 // top of a jump a foot rests for 0.05 s.
 constexpr double kFar = 0.06, kRestTime = 0.1;
@@ -841,9 +851,8 @@ constexpr double kNoTime = 1e-6;
 constexpr double kAtHeight = 1e-6, kAtRest = 1e-5;
 // How fast a sole is corrected up [m/s], and the rate of its critically damped way down [rad/s]: at 1 m/s, without
 // one, knees jerk twice as much as those of recorded clips (1.5 times at most in 11 of 60), with a time constant of
-// 0.05 s in 29, with the rate in 41, and with kLegReach too in 51; at 20 rad/s dancing feet hang 3 mm more. How fast a foot in the air gives up what it was
-// held back by along the ground [m/s], which is never more than the last [m]: then it slides.
-constexpr double kLift = 2.0, kLowerRate = 25, kGiveUp = 1.5, kMostBehind = 0.25;
+// 0.05 s in 29, with the rate in 41, and with kLegReach too in 51; at 20 rad/s dancing feet hang 3 mm more. 
+constexpr double kLift = 2.0, kLowerRate = 25;
 // A person may start this much higher or lower than asked to stand [m]: what recordings are off by.
 constexpr double kStartShift = 0.1;
 // It starts as asked if it would otherwise be deeper in something by this [m].
@@ -851,6 +860,62 @@ constexpr double kDeeperAtStart = 1e-6;
 // What is no farther than this in static geometry is over it, and does not sink into it as the person
 // comes down [m].
 constexpr double kNotSunk = 0.01;
+
+// footwork.cpp
+
+// A foot is left behind by no more than this [m], and turned by this [rad]: then it slides. Legs reach 0.3 m, ankles
+// turn by 0.35.
+constexpr double kMostBehind = 0.25, kMostTurned = 0.35;
+// One that was put down to wait may be this far from under its hip [m]: half a long stride.
+constexpr double kMostStride = 0.45;
+// A foot at rest that is farther than this from where it is to be has been stopped, and stays there [m].
+constexpr double kStopped = 0.02;
+// How fast it then comes down, or up, and level [m/s, rad/s].
+constexpr double kSettles = 0.5, kSettlesTurn = 2;
+// How fast a foot in the air gives up what it was held back by [m/s], and how far it was turned [rad/s].
+constexpr double kGiveUp = 1.5, kGiveUpTurn = 3;
+// Who moves steps from these on [m, rad]; who has come to rest puts the feet where they belong to these.
+constexpr double kStepAt = 0.08, kStepTurn = 0.25, kTidyAt = 0.03, kTidyTurn = 0.1;
+constexpr double kTidySpeed = 0.03, kTidySpin = 0.05;  // of who moves [m/s, rad/s]
+// How long both feet have stood before one of them is lifted [s]: the two of a walk stand together for 0.1 s.
+// Who waits lifts one as soon as it stands.
+constexpr double kStood = 0.2, kStoodToWait = 0.05;
+// A foot that is less than this above its ground stands [m].
+constexpr double kStands = 0.01;
+// A step lasts the first [s], less kHurry for every m/s that the body goes beside its motion, but no less than the
+// second. It is so high [m].
+constexpr double kStepTime = 0.4, kQuickestStep = 0.2, kHurry = 0.2, kStepHeight = 0.04;
+// For this share of a step it follows the body that moves on; then it is known where it ends.
+constexpr double kAims = 0.6;
+// A foot stands for this long between its steps [s], and is put at most so far ahead of the body [m].
+constexpr double kStance = 0.5, kMostAhead = 0.15;
+// Time constant of the speed of a body beside its motion [s]; less than the second is none [m/s, rad/s].
+constexpr double kSlideTime = 0.1, kNoSlide = 1e-3;
+// If there is no ground where a step would end it is shortened, by this share at a time.
+constexpr double kShorter = 0.25;
+// A foot whose other one is lifted by the motion comes down so much faster.
+constexpr double kInTheAirToo = 2;
+// A body goes slower over the last of what its feet can be left behind [m], but at this share of its pace.
+constexpr double kSlowsDown = 0.1, kSlowestPace = 0.15;
+
+// way_round.cpp
+
+// Who is farther than the first off the path [m], and has been touched within so long [s], looks for a way round.
+constexpr double kOffPath = 0.5, kTouchedLately = 1.0;
+// The middle of a body is a vertical capsule of this radius up to this height [m]; it needs so much room around it,
+// a body's half width with the arms at its sides, and has enough with the last.
+constexpr double kMiddle = 0.08, kChest = 1.4, kBodyRoom = 0.14, kRoomy = 0.3;
+// A place without any room costs so much more than one with enough.
+constexpr double kNarrow = 4;
+// Size of a cell and how many there are to each side of the middle: 4 m. So many are looked at, at most.
+constexpr double kCell = 0.15;
+constexpr int kHalfGrid = 27, kMostCells = 1500;
+// Who is this near to where it started may be as near to things as there [m]; less than the second is rounding.
+constexpr double kLeaves = 0.35, kSameRoom = 1e-9;
+// Straight ways are looked at in steps of this [m]. A point of the way that is this near has been reached [m].
+constexpr double kLook = 0.1, kReached = 0.15;
+// A way is found anew after so long [s], or when its end has moved by so much [m].
+constexpr double kFindsAnew = 0.5, kMovedOn = 0.3;
 
 // bearing.cpp
 

@@ -30,6 +30,8 @@ SLOW, LOW = 0.25, 0.03
 #: A patch farther than this above all surfaces rests on none, even if it is the lowest [m]: feet
 #: that dangle, and clips that float by more.
 FAR = 0.1
+#: A foot that is lifted by more than this, heel and toe, while the other one stands is stepping [m].
+LIFTED = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +117,8 @@ def stance_slide(result: Result, person: int = 0) -> StanceReport:
     """Sliding of a person's heels and toes while they rest in the reference.
 
     A patch counts in the steps from frame to frame at both ends of which the reference's patch
-    rests (`in_stance`). Its displacement in the result is that of its centre, relative to the
+    rests (`in_stance`), but those in which its foot is in the air while the other one stands: who is
+    off the path puts a foot elsewhere with a step. A person who floats with both feet slides. Its displacement in the result is that of its centre, relative to the
     object or link within 3 cm under it, which may move, in the horizontal plane.
 
     Args:
@@ -158,6 +161,8 @@ def stance_from(
     centres, lowest = patch_centres(asked_motion(subject), subject.body, patch)
     rests = in_stance(centres, lowest, gaps[0].gap[:, :4], in_air, fps)
     steps = rests[1:] & rests[:-1]
+    lifted = stepping(gaps[1].gap[:, :4])
+    steps &= ~(lifted[1:] | lifted[:-1])
     asked = np.linalg.norm(np.diff(centres[..., :2], axis=0), axis=-1)
     mine = patch_centres(subject.motion, subject.body, patch)[0]
     slide = np.linalg.norm((mine[1:] - _carried(mine, gaps[1], objects))[..., :2], axis=-1)
@@ -169,6 +174,16 @@ def stance_from(
         steps=int(steps.sum()),
         slide=slide,
     )
+
+
+def stepping(gaps: Array) -> NDArray[np.bool_]:
+    """Whether each patch belongs to a foot that is in the air while the other one stands (T, 4).
+
+    Args:
+        gaps: Distances of `PATCHES` from surfaces that can carry them (T, 4) [m].
+    """
+    low = (gaps < LIFTED).reshape(-1, 2, 2).any(axis=2)
+    return np.repeat(~low & low[:, ::-1], 2, axis=1)
 
 
 def _carried(centres: Array, gaps: Gaps, objects: Mapping[str, Any]) -> Array:

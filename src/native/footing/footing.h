@@ -7,8 +7,11 @@
 //   height  d   of the whole person, moved slowly, like a critically damped spring, towards what the
 //               soles (or seat, back, knees) that rest need to stand on what is under them. It
 //               falls no faster than gravity has it: nobody is held up by nothing.
-//   shift   c_f of each foot, for what is left: hip, knee and ankle bend (leg.h). A foot
-//               that rests also keeps its place on the ground while the root is off its path.
+//   lift    u_f of each foot, for what is left: hip, knee and ankle bend (leg.h).
+//
+// Somebody who is off the path, or turned off it, stands there: the reference is seen from where the body
+// is, turned about the vertical like it, and its feet keep their places on the ground, or step to others
+// (footwork.h). A body that is tilted stands on level feet: the legs make up for it.
 //
 // What rests is read from the reference: what is slow and low. A sole that would be under a surface
 // is lifted whether it rests or not, and nothing that is over the static ground gets into it as the
@@ -20,8 +23,10 @@
 
 #include "footing/bearing.h"
 #include "footing/flight.h"
+#include "footing/footwork.h"
 #include "footing/leg.h"
 #include "footing/surface_below.h"
+#include "footing/way_round.h"
 
 namespace hp {
 
@@ -36,6 +41,7 @@ class Footing {
  public:
   std::shared_ptr<const FootingModel> model;  // none: off
   Bearing bearing;                            // what it weighs on
+  WayRound way;                               // back to the path
 
   bool on() const { return model != nullptr; }
   // Has the last frame's target been corrected?
@@ -43,12 +49,18 @@ class Footing {
   // Is there a surface anywhere under the person, and is it on it? Else it falls or jumps.
   bool over_ground() const { return over_ground_; }
   bool on_ground() const { return on_ground_; }
-  // Both feet rest, or something else carries.
-  bool at_rest() const { return at_rest_; }
+  // Does the motion fly?
+  bool flies() const { return flight_.flies(); }
   // Skin but the feet's carries it.
   bool sits() const { return skin_lift_ > -1e300; }
+  // Height of the highest ground under the feet; -1e300: none [m].
+  double ground() const;
   // Is this body the toes of a foot that rests on the ground?
   bool bears(int toes) const;
+  // The joints of this leg go on from where they are: its foot is elsewhere than it was to be.
+  bool goes_on(size_t leg) const { return footwork_.stopped(leg); }
+  // Share of its pace at which the root may go back along `way`, so that feet can follow.
+  double pace(Vec3 way) const { return on() && !sits() ? footwork_.pace(way) : 1; }
 
   // The person starts at `qpos` (the model's): it is put on what is under it, if that is near.
   // `root_qpos`: its first coordinate.
@@ -59,11 +71,13 @@ class Footing {
   // The person is so much higher than where it was put, and something holds it there [m].
   void raise(double by) { height_ += by, rising_ = 0; }
   struct Frame {
-    double dt;           // [s]
-    double passed;       // how much of the reference's time passes [s]
-    double gravity;      // [m/s^2]
-    const double* from;  // the corrected target before: qpos of the person
+    double dt = 0;       // [s]
+    double passed = 0;   // how much of the reference's time passes [s]
+    double gravity = 0;  // [m/s^2]
+    const double* from = nullptr;  // the corrected target before: qpos of the person
     Vec3 displaced;      // how far the root will be off its path, and is above it now [m]
+    Quat turned;         // and how it will be turned off the motion, in the world
+    double waits = 0;    // 0: time passes as it does, 1: it stands, for a person who waits
   };
   // A frame towards the pose in `target` (the model's qpos), which is corrected.
   void frame(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
@@ -81,35 +95,60 @@ class Footing {
     bool grounded = false;  // there is a surface under it
     bool bears = false;     // and it is there, and rests more or less
   };
-  void read(const Model& m, const double* qpos, double time, double gravity);
+  void turn(Quat turned);
+  void read(const Model& m, const double* qpos, const Frame& frame);
+  void find_rest(double waits);
+  void pose(const Model& m, int root_qpos, const double* qpos);
+  Leg::Place place(size_t leg) const;
   void find_feet(const CollisionWorld& world, Poses& poses, Vec3 displaced, double dt);
   void find_skin(const CollisionWorld& world, Poses& poses, Vec3 displaced);
   bool wanted_height(double& height) const;
   double least_height(const CollisionWorld& world, Vec3 by) const;
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
-  Vec3 wanted_shift(size_t leg, Vec3 displaced, double dt);
+  double wanted_lift(size_t leg, double dt);
+  void move_feet(const CollisionWorld& world, Poses& poses, const Frame& frame);
+  void find_left(const Poses& poses, double dt);
+  bool lands(SurfaceBelow& below, Poses& poses, size_t leg, Vec3 offset, double turn,
+             Vec3 displaced) const;
   void find_state();
   void find_bearing(const Model& m, const CollisionWorld& world, Vec3 displaced);
   void apply(int root_qpos, double* qpos);
   bool clear_between(const Model& m, int root_qpos, const double* from, const double* to);
 
   double height_ = 0, rising_ = 0;  // d [m] and its speed [m/s]
-  std::vector<Vec3> shift_;         // c_f [m], per leg
+  std::vector<double> lift_;        // u_f [m], per leg
+  Footwork footwork_;               // and their places along the ground
+  std::vector<Vec3> placed_;        // where the ankles were to be at the end of the last frame [m]
+  bool placed_known_ = false;
+  std::vector<double> left_up_;     // how far a foot that was stopped is still above its place [m]
+  std::vector<Vec3> left_turn_;     // and how it is still turned, a rotation vector in the world [rad]
   Flight flight_;                   // of the reference
   std::vector<double> rested_;      // how long each foot has rested [s]
   std::vector<double> sinking_;     // speed of each foot on its way down to what it stands on [m/s]
   std::vector<Vec3> before_;        // points of the last reference pose: soles, then skin
   Vec3 displaced_;                  // of the last frame
+  Quat turned_, heading_;           // of this one: of the root off the motion, and about the vertical alone
   bool started_ = false;            // `before_` is known
   bool corrected_ = false;
-  bool over_ground_ = false, on_ground_ = false, at_rest_ = false;  // in this frame
+  bool over_ground_ = false, on_ground_ = false;  // in the last frame
 
   // Of the frame under way.
-  Kinematics kin_, between_;  // of the reference; half-way to the target
+  Kinematics kin_;     // of the reference, turned about the vertical like the body
+  Kinematics tilted_;  // the same turned as the body is
+  bool tilts_ = false;  // is that another pose?
+  Kinematics between_;  // half-way to the target
+  Quat turned_before_, heading_before_;
   std::vector<double> asked_, half_;
   std::vector<char> own_;
-  std::vector<Vec3> points_;
+  std::vector<Vec3> points_;      // soles, then skin, seen from where the body is
+  std::vector<Vec3> own_points_;  // the same in the motion itself
+  std::vector<double> rests_;      // per leg: how much it rests, in the reference or to wait
+  std::vector<char> held_;         // per leg: it rests to wait
+  bool drags_ = false;             // nothing rests, and it does not fly: what is lowest carries
+  std::vector<double> low_;        // per point of the soles: how much it can carry there
+  std::vector<Quat> foot_turn_;    // per leg: of the foot from the reference's, in the world
+  std::vector<char> foot_turns_;   // per leg: is that another one?
   std::vector<double> speed_;
   std::vector<double> ground_;  // height under each point of the soles; -1e300: none
   std::vector<Foot> feet_;

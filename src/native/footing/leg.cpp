@@ -45,16 +45,18 @@ double Leg::reach(const Kinematics& k) const {
   return std::max(norm(a - h), tune::kLegReach * (norm(n - h) + norm(a - n)));
 }
 
-double Leg::slack(const Kinematics& k) const {
+double Leg::slack(const Kinematics& k, Vec3 shift) const {
   const Vec3 way = k.xpos[ankle] - k.xpos[hip];
-  const double most = reach(k), across2 = way.x * way.x + way.y * way.y;
-  return std::max(0.0, std::sqrt(std::max(0.0, most * most - across2)) + way.z);
+  const double x = way.x + shift.x, y = way.y + shift.y;
+  const double most = reach(k), across2 = x * x + y * y;
+  const double slack = std::sqrt(std::max(0.0, most * most - across2)) + way.z;
+  return shift.x == 0 && shift.y == 0 ? std::max(0.0, slack) : slack;
 }
 
-Leg::Bent Leg::bend(const Kinematics& k, Vec3 shift) const {
-  const Vec3 h = k.xpos[hip], from = k.xpos[ankle];
-  const Vec3 u = k.xpos[knee] - h, w = from - k.xpos[knee];
-  Vec3 to = from + shift - h;
+Leg::Bent Leg::bend(const Kinematics& k, const Place& place) const {
+  const Vec3 h = k.xpos[hip];
+  const Vec3 u = k.xpos[knee] - h, w = k.xpos[ankle] - k.xpos[knee];
+  Vec3 to = place.ankle - h;
   const double asked = norm(to), most = reach(k);
   if (asked > most) to = (most / asked) * to;
   const Vec3 n = knee_axis(u, k.xmat[hip].col(0));
@@ -64,9 +66,8 @@ Leg::Bent Leg::bend(const Kinematics& k, Vec3 shift) const {
   Bent b;
   b.hip = normalized(conjugate(k.xquat[root]) * thigh);
   b.knee = normalized(conjugate(thigh) * shank);
-  b.ankle = normalized(conjugate(shank) * k.xquat[ankle]);
-  b.foot = k.xquat[ankle];
-  b.made = to + h - from;
+  b.ankle = normalized(conjugate(shank) * place.foot);
+  b.foot = {to + h, place.foot};
   return b;
 }
 
@@ -78,55 +79,58 @@ bool Leg::holds(const Bent& b, const Bent& asked) const {
   return inside(ranges[0], b.hip, asked.hip) && inside(ranges[1], b.knee, asked.knee);
 }
 
-// The largest part of a shift that hip and knee can make, and the ankle as far as it goes.
-Leg::Bent Leg::within(const Kinematics& k, Vec3 shift, const Bent& asked) const {
-  Bent b = bend(k, shift);
+// The largest part of the way to a place that hip and knee can make, and the ankle as far as it goes.
+Leg::Bent Leg::within(const Kinematics& k, const Place& place, const Bent& asked) const {
+  Bent b = bend(k, place);
   if (!holds(b, asked)) {
+    const Vec3 from = k.xpos[ankle], way = place.ankle - from;
     double good = 0, bad = 1;
     for (int i = 0; i < tune::kLegBisections; i++) {
       const double share = 0.5 * (good + bad);
-      (holds(bend(k, share * shift), asked) ? good : bad) = share;
+      (holds(bend(k, {from + share * way, place.foot}), asked) ? good : bad) = share;
     }
-    b = bend(k, good * shift);
+    b = bend(k, {from + good * way, place.foot});
   }
   const Vec3 angles = joint_angles(ranges[2], b.ankle),
              kept = clamped_angles(ranges[2], b.ankle, asked.ankle);
   if (norm(angles - kept) < tune::kLegRangeMiss) return b;
   const Quat ankle = normalized(from_joint_angles(ranges[2], kept));
-  b.foot = b.foot * conjugate(b.ankle) * ankle;
+  b.foot.foot = b.foot.foot * conjugate(b.ankle) * ankle;
   b.ankle = ankle;
   return b;
 }
 
-// How far a foot that tilts about its ankle comes down with a point of its sole [m].
-double Leg::sinks(const Kinematics& k, const Bent& b) const {
-  const Mat3 turn = to_matrix(b.foot * conjugate(k.xquat[ankle]));
+// How far a foot that is turned like `made` and not as `asked` comes down with a point of its sole [m].
+double Leg::sinks(const Kinematics& k, Quat asked, Quat made) const {
+  const Quat own = conjugate(k.xquat[ankle]);
+  const Mat3 level = to_matrix(asked * own), tilted = to_matrix(made * own);
   double most = 0;
   for (const SkinPoint& p : sole) {
     const Vec3 arm = p.position(k) - k.xpos[ankle];
-    most = std::max(most, arm.z - (turn * arm).z);
+    most = std::max(most, (level * arm).z - (tilted * arm).z);
   }
   return most;
 }
 
-Vec3 Leg::move(const Kinematics& k, Vec3 shift, double* qpos) const {
+Vec3 Leg::move(const Kinematics& k, const Place& place, double* qpos) const {
   Bent b;
+  Vec3 made;
   if (ranges.empty()) {
-    b = bend(k, shift);
+    b = bend(k, place);
+    made = b.foot.ankle;
   } else {
     Bent asked;
     asked.hip = load4(qpos + hip_qpos), asked.knee = load4(qpos + knee_qpos);
     asked.ankle = load4(qpos + ankle_qpos);
-    b = within(k, shift, asked);
-    const Vec3 made = b.made;
-    const double rise = sinks(k, b);
-    if (rise > tune::kAtHeight) b = within(k, made + Vec3{0, 0, rise}, asked);
-    b.made = made;
+    b = within(k, place, asked);
+    made = b.foot.ankle;
+    const double rise = sinks(k, place.foot, b.foot.foot);
+    if (rise > tune::kAtHeight) b = within(k, {made + Vec3{0, 0, rise}, place.foot}, asked);
   }
   store4(qpos + hip_qpos, b.hip);
   store4(qpos + knee_qpos, b.knee);
   store4(qpos + ankle_qpos, b.ankle);
-  return b.made;
+  return made;
 }
 
 }  // namespace hp

@@ -28,24 +28,30 @@ struct Leg {
   std::vector<SkinPoint> sole;
   std::vector<JointRange> ranges;  // of hip, knee and ankle; empty: they have none
 
-  // How much farther down the ankle can go while the hip stays [m].
-  double slack(const Kinematics& k) const;
-  // Puts the ankle of the pose `k`, whose coordinates are `qpos`, elsewhere by `shift` [m], or as
-  // far as the leg reaches; the quaternions in qpos change, `k` does not. Returns the shift made, without
-  // what a foot that tilts needs besides.
-  Vec3 move(const Kinematics& k, Vec3 shift, double* qpos) const;
+  // Where a foot is to be.
+  struct Place {
+    Vec3 ankle;  // [m]
+    Quat foot;   // the ankle's frame in the world
+  };
+
+  // How much farther down the ankle can go while the hip stays, moved by `shift` along the ground [m];
+  // negative: it has to come up.
+  double slack(const Kinematics& k, Vec3 shift) const;
+  // Puts the foot of the pose `k`, whose coordinates are `qpos`, to `place`, or as near to it as the leg
+  // reaches; the quaternions in qpos change, `k` does not. Returns the ankle's place, without what a foot that
+  // tilts needs besides.
+  Vec3 move(const Kinematics& k, const Place& place, double* qpos) const;
 
  private:
   struct Bent {
     Quat hip, knee, ankle;  // of the joints
-    Quat foot;              // in the world
-    Vec3 made;              // the ankle's shift [m]
+    Place foot;
   };
   double reach(const Kinematics& k) const;
-  Bent bend(const Kinematics& k, Vec3 shift) const;
-  Bent within(const Kinematics& k, Vec3 shift, const Bent& asked) const;
+  Bent bend(const Kinematics& k, const Place& place) const;
+  Bent within(const Kinematics& k, const Place& place, const Bent& asked) const;
   bool holds(const Bent& b, const Bent& asked) const;
-  double sinks(const Kinematics& k, const Bent& b) const;
+  double sinks(const Kinematics& k, Quat asked, Quat made) const;
 };
 
 }  // namespace hp

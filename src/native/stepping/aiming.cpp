@@ -30,6 +30,28 @@ void limit_root_force(const System& system, Drive& d, double above) {
   d.root_force.falls = !stands;
 }
 
+// Who is off the path where something is in between goes round it, as fast as the motion and the way back
+// together.
+void go_round(const System& system, Drive& d, const double* qpos, const double* target, double dt) {
+  const DriveSettings& s = system.drive_settings;
+  Footing& footing = d.footing;
+  const Vec3 at = load3(qpos + d.first_qpos()), to = load3(target);
+  const Vec3 off{to.x - at.x, to.y - at.y, 0};
+  const bool may = s.recover_root && !d.sits && footing.on_ground() && d.motion.eager > 0;
+  if (!may || norm(off) < tune::kOffPath || !(footing.way.on() || touched(d))) {
+    footing.way.clear();
+    return;
+  }
+  const Vec3 next = footing.way.next(system.world, at, to, footing.ground(), dt);
+  if (!footing.way.on()) return;
+  const Vec3 way{next.x - at.x, next.y - at.y, 0};
+  const Vec3 motion = (1 / dt) * (to - load3(d.motion.target().data()));
+  const double speed = d.clock.eager() * footing.pace(way) *
+                       (s.root_speed + std::sqrt(motion.x * motion.x + motion.y * motion.y));
+  d.motion.goes_round = true;
+  d.motion.goes = (speed / std::max(norm(way), tune::kReached)) * way;
+}
+
 // Who is blocked comes back to the pose of the motion slowly, so that it does not kick itself off.
 void yield(const System& system, Drive& d) {
   d.yields.clear();
@@ -106,33 +128,52 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
   data.result.clear(system.model.nbody);
   state.update_pose(system);
   for (Drive& d : system.drives) {
-    Vec3 displaced = d.motion.displaced(s, dt, state.qpos.data());
+    d.motion.goes_round = false;
+    Vec3 displaced = d.motion.displaced(s, targets, dt, state.qpos.data());
     // Who has been lifted onto something stands there, and not on what is below.
     if (d.footing.on() && d.carried && displaced.z > tune::kRaised) {
       d.footing.raise(displaced.z);
       d.motion.raise(displaced.z);
       displaced.z = 0;
     }
-    const bool stands = !d.footing.on() || d.footing.at_rest();
+    const bool stands = !d.footing.on() || !d.footing.flies();
     // Who sits or lies is held by what is under it, not blocked on its way.
     const Vec3 behind = d.sits ? Vec3{} : displaced;
-    const double* target = d.clock.advance(d, targets, dt, behind, touched(d), stands);
+    const double* target = d.clock.advance(d, targets, dt, behind, touched(d), stands, d.footing.way.on());
     targets += d.qpos_count();
-    d.motion.eager = d.clock.eager();
+    d.motion.eager = d.clock.eager() * d.footing.pace(-displaced);
     yield(system, d);
     if (d.footing.on()) {
-      const Vec3 will_be = d.motion.displaced(s, dt, state.qpos.data());
+      go_round(system, d, state.qpos.data(), target, dt);
       target_ = state.qpos;
       std::copy_n(target, d.qpos_count(), &target_[d.first_qpos()]);
-      const double passed = d.clock.passed(), gravity = norm(system.gravity);
-      d.footing.frame(system.model, system.world, state.pose, d.first_qpos(),
-                      {dt, passed, gravity, d.motion.target().data(), will_be}, target_.data());
+      stand(system, state, d, target, dt);
       target = &target_[d.first_qpos()];
       const double above = state.qpos[d.first_qpos() + 2] - d.motion.target()[2];
       d.sits = d.footing.sits() || (d.sits && d.carried);
       limit_root_force(system, d, above);
     }
     d.aim(s, target, dt, state.qpos.data());
+  }
+}
+
+// Puts the feet of target_ where they are to be.
+void Aiming::stand(System& system, State& state, Drive& d, const double* asked, double dt) {
+  const DriveSettings& s = system.drive_settings;
+  const double* qpos = state.qpos.data();
+  Footing::Frame frame;
+  frame.dt = dt, frame.passed = d.clock.passed();
+  frame.gravity = norm(system.gravity);
+  frame.from = d.motion.target().data();
+  frame.displaced = d.motion.displaced(s, asked, dt, qpos) + d.drift(s, dt);
+  frame.turned = d.turned(s, asked, dt, qpos);
+  frame.waits = 1 - d.clock.rate();
+  d.footing.frame(system.model, system.world, state.pose, d.first_qpos(), frame, target_.data());
+  for (size_t f = 0; f < d.footing.model->legs.size(); f++) {
+    if (!d.footing.goes_on(f)) continue;
+    const Leg& leg = d.footing.model->legs[f];
+    for (int at : {leg.hip_qpos, leg.knee_qpos, leg.ankle_qpos})
+      d.motion.go_on(at - d.first_qpos(), &qpos[at]);
   }
 }
 

@@ -98,6 +98,11 @@ class Drive : public PersonDofs {
   void reset(const double* target, double* qvel);
   // A frame of length dt towards `target` begins.
   void aim(const DriveSettings& s, const double* target, double dt, const double* qpos);
+  // How the root will be turned off the motion at the end of a frame that is about to be aimed at `target`,
+  // if nothing is in the way (in the world).
+  Quat turned(const DriveSettings& s, const double* target, double dt, const double* qpos) const;
+  // How far what is left of a push will carry the root along the ground in a frame [m].
+  Vec3 drift(const DriveSettings& s, double dt) const;
   // Is the person where the motion has it, but for the root's position, and at its velocity? Then
   // only contact can keep it from the target.
   bool settled(const DriveSettings& s, const double* qpos) const;

@@ -15,7 +15,8 @@ void ReferenceClock::reset(const PersonDofs& dofs, const double* target) {
 }
 
 // The rate of the clock in the next dt, and at which share of its pace the person goes back to its path.
-void ReferenceClock::decide(Vec3 displaced, bool touched, bool stands, double dt) {
+void ReferenceClock::decide(Vec3 displaced, bool touched, bool stands, bool round,
+                            double dt) {
   const Asked& next = ahead_.front();
   Vec3 way = load3(next.qpos.data()) - load3(reached_.data());
   way.z = 0;
@@ -25,6 +26,7 @@ void ReferenceClock::decide(Vec3 displaced, bool touched, bool stands, double dt
   untouched_ = touched ? 0 : untouched_ + dt;
   rate_ = std::min(1.0, most), eager_ = std::min(1.0, most_eager);
   if (behind < tune::kBehind) impatient_ = false, waited_ = 0;
+  if (behind >= tune::kBehind && round) impatient_ = true;
   if (behind < tune::kBehind || (!touched && waited_ == 0) || impatient_) return;
   const double share = std::max(0.0, (tune::kBlocked - behind) / (tune::kBlocked - tune::kBehind));
   waited_ += (1 - share) * dt;
@@ -55,13 +57,14 @@ void ReferenceClock::move_on(const PersonDofs& dofs, double time) {
 }
 
 const double* ReferenceClock::advance(const PersonDofs& dofs, const double* target, double dt,
-                                      Vec3 displaced, bool touched, bool stands) {
+                                      Vec3 displaced, bool touched, bool stands,
+                                      bool round) {
   passed_ = dt;
   slowed_ = 0;
   if (!on) return target;
   ahead_.push_back({{target, target + dofs.qpos_count()}, dt});
   const double before = rate_;
-  decide(displaced, touched, stands, dt);
+  decide(displaced, touched, stands, round, dt);
   if (rate_ < before) slowed_ = 1 - rate_ / before;
   passed_ = dt * rate_;
   move_on(dofs, passed_);

@@ -30,12 +30,14 @@ class ReferenceClock {
   void reset(const PersonDofs& dofs, const double* target);
   // Time dt passes and `target` is asked for at its end. Returns the pose to aim at. `displaced`: of
   // the root from its path [m]; `touched`: something touches the person; `stands`: it could stop in the
-  // pose that it is in.
+  // pose that it is in; `round`: it is on its way round something, and does not wait.
   const double* advance(const PersonDofs& dofs, const double* target, double dt, Vec3 displaced,
-                        bool touched, bool stands);
+                        bool touched, bool stands, bool round);
   // How far the reference is behind [s], and how much of its time has passed in this frame [s].
   double lag() const;
   double passed() const { return passed_; }
+  // How fast it goes: 1 as time does, 0 where it stands.
+  double rate() const { return rate_; }
   // Share of its pace at which the person is to go back to its path.
   double eager() const { return eager_; }
   // Share of the motion's velocity that the clock takes away in this frame.
@@ -51,7 +53,7 @@ class ReferenceClock {
     std::vector<double> qpos;
     double time;  // from the pose before it [s]
   };
-  void decide(Vec3 displaced, bool touched, bool stands, double dt);
+  void decide(Vec3 displaced, bool touched, bool stands, bool round, double dt);
   void move_on(const PersonDofs& dofs, double time);
 
   std::vector<double> reached_;

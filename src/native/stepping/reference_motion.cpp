@@ -26,6 +26,7 @@ void ReferenceMotion::aim(const DriveSettings& s, const double* target, double d
   target_.assign(target, target + dofs_.qpos_count());
   root_velocity_ = (1 / dt) * (load3(target) - load3(previous_.data()));
   root_velocity_ += way_back(s, previous_, dt, qpos, weight);
+  if (goes_round) root_velocity_.x = goes.x, root_velocity_.y = goes.y;
 }
 
 // Measured against the reference as it was when this pose was reached.
@@ -43,9 +44,11 @@ Vec3 ReferenceMotion::way_back(const DriveSettings& s, const std::vector<double>
   return back;
 }
 
-Vec3 ReferenceMotion::displaced(const DriveSettings& s, double dt, const double* qpos) const {
-  const Vec3 back = way_back(s, target_, dt, qpos, true);
+Vec3 ReferenceMotion::displaced(const DriveSettings& s, const double* next, double dt,
+                                const double* qpos) const {
+  Vec3 back = way_back(s, target_, dt, qpos, true);
   Vec3 off = load3(qpos + dofs_.first_qpos()) - load3(target_.data());
+  if (goes_round) back = goes - (1 / dt) * (load3(next) - load3(target_.data()));
   off.x += dt * back.x, off.y += dt * back.y;
   return off;
 }

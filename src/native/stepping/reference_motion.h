@@ -20,6 +20,10 @@ class ReferenceMotion {
   // Share of its pace at which the root goes back to its path along the ground: who waits stays.
   double eager = 1;
 
+  // It goes along the ground with a velocity of its own [m/s], and not with the motion: round something.
+  bool goes_round = false;
+  Vec3 goes;
+
   // The person is put at `target` (its qpos) at rest.
   void reset(const double* target);
   // A frame of length dt [s] towards `target` begins, from the pose `qpos` of the model.
@@ -28,9 +32,11 @@ class ReferenceMotion {
            bool weight = false);
   // The path goes on so much higher [m].
   void raise(double by) { target_[2] += by; }
+  // A ball, by its place in the person's qpos, goes on from rotation `q` (wxyz), where it is.
+  void go_on(int ball_qpos, const double* q) { std::copy_n(q, 4, &target_[ball_qpos]); }
   // How far the root will be off its path along the ground at the end of a frame that is about to be
-  // aimed at, if nothing is in the way, and how far above it is now [m].
-  Vec3 displaced(const DriveSettings& s, double dt, const double* qpos) const;
+  // aimed at `next`, if nothing is in the way, and how far above it is now [m].
+  Vec3 displaced(const DriveSettings& s, const double* next, double dt, const double* qpos) const;
   // The person follows the frame to its end: its velocity is that of the motion.
   void follow_all() { velocity_known_ = false; }
   // A frame is stepped through: velocities of a frame before that was followed have been asked for.

@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 import halfphysics as hp
+from halfphysics.base import rotations as rot
 from halfphysics.body.footing_points import footing_points
 from halfphysics.scenarios.acting.gait import Walk
 from halfphysics.scenarios.acting.gait import walk as gait
@@ -15,6 +16,7 @@ from support.ground.figures import knee_jerk
 STANDS = (0.0009, 0.004)
 WEIGHT = as_it_is(weight=True)
 BODY = hp.Body.default()
+SIDES = ("left", "right")
 FEET = np.flatnonzero(
     BODY.weights[
         :, [hp.JOINT_NAMES.index(f"{s}_{j}") for s in ("left", "right") for j in ("ankle", "foot")]
@@ -262,3 +264,55 @@ def test_points_are_on_the_skin_and_cover_the_soles():
         sole = at[side]
         assert np.ptp(sole[:, 2]) > 0.2
         assert sole[:, 1].min() < BODY.rest_vertices[:, 1].min() + 1e-3
+
+
+def pushed_aside(by=0.6, fps=60.0):
+    """Somebody who stands for 6 s, whom a slow wall pushes aside within 2 s and then leaves."""
+    motion = standing(0.0, frames=int(6 * fps), fps=fps)
+    scene = floor(top=-0.0012)
+    t = np.arange(len(motion)) / fps
+    reach = np.abs(BODY.vertices(motion[0])[:, 0]).max()
+    # Beside the arm, out by `by` and back again.
+    way = by * np.interp(t, [0.0, 0.5, 2.0, 2.5], [0.0, 0.0, 1.0, -0.5])
+    start = motion.translation[0, 0] - reach - 0.06
+    track = np.column_stack([start + way, np.zeros_like(t), np.full_like(t, 1.0)])
+    scene.add_moving("wall", hp.Box((0.1, 2.0, 1.9)), track, fps=fps)
+    return hp.simulate(motion, scene, body=BODY)
+
+
+def test_who_is_pushed_aside_steps_there_and_back():
+    result = pushed_aside()
+    off = (result.motion.translation - result.reference.translation)[:, 0]
+    assert off.max() > 0.4
+    assert abs(off[-1]) < 0.01
+    slid = np.nansum(hp.metrics.stance_slide(result).slide, axis=0)
+    assert slid.max() < 0.1  # [m] of 0.9 that the body goes
+    ankles = BODY.joints(result.motion)[:, [hp.JOINT_NAMES.index(f"{s}_ankle") for s in SIDES]]
+    up = ankles[..., 2] - ankles[0, :, 2]
+    assert up.max() > 0.02  # a foot was lifted
+    assert not ((up > 0.02).all(axis=1)).any()  # never both
+    home = ankles[-1, :, :2] - BODY.joints(result.reference)[-1][
+        [hp.JOINT_NAMES.index(f"{s}_ankle") for s in SIDES], :2
+    ]
+    assert np.linalg.norm(home, axis=1).max() < 0.04  # the feet are where they belong
+    assert not len(result.breaches)
+
+
+def test_who_is_turned_off_the_motion_stands_on_level_feet():
+    """A post that pushes one hip back turns somebody; soles stay on the ground and level."""
+    fps = 60.0
+    motion = standing(0.0, frames=120, fps=fps)
+    scene = floor(top=-0.0012)
+    t = np.arange(120) / fps
+    hip = BODY.joints(motion[0])[hp.JOINT_NAMES.index("left_hip")]
+    front = BODY.vertices(motion[0])[:, 1].min()
+    y = front - 0.06 + np.interp(t, [0.2, 1.2], [0.0, 0.3])
+    track = np.column_stack([np.full_like(t, hip[0] + 0.06), y, np.full_like(t, hip[2] + 0.05)])
+    scene.add_moving("post", hp.Box((0.1, 0.1, 0.3)), track, fps=fps)
+    result = hp.simulate(motion, scene, body=BODY)
+    turned = rot.angles(result.motion.rotations[:, 0], result.reference.rotations[:, 0])
+    assert turned.max() > np.radians(5.0)
+    sole = BODY.vertices(result.motion)[:, FEET, 2].min(axis=1)
+    assert sole.min() > -0.0012 + STANDS[0]
+    assert np.abs(sole - sole[0]).max() < 0.02
+    assert hp.metrics.stance_slide(result).simulated.mean_mm < 1.5  # [mm] a frame

@@ -1,0 +1,171 @@
+// Feet that keep their places, and step.
+#include "footing/footwork.h"
+
+#include <cmath>
+
+#include "check.h"
+
+namespace {
+
+using hp::Footwork;
+using hp::Vec3;
+
+constexpr double kDt = 1.0 / 60;
+const Footwork::Lands kAnywhere = [](size_t, Vec3, double) { return true; };
+
+// Two feet that have stood for a second.
+std::vector<Footwork::Foot> standing(Vec3 slid = {}) {
+  Footwork::Foot foot;
+  foot.rests = 1, foot.rested = 1, foot.grounded = foot.stands = true;
+  foot.slid = slid;
+  return {foot, foot};
+}
+
+void a_foot_keeps_its_place_while_the_body_is_moved() {
+  Footwork feet;
+  feet.clear(2);
+  Vec3 moved;
+  for (int i = 0; i < 30; i++) {
+    const Vec3 slid{0.001, -0.0005, 0};
+    moved += slid;
+    feet.frame(standing(slid), false, kDt, kAnywhere);
+    for (size_t f = 0; f < 2; f++) CHECK_NEAR(hp::norm(feet.offset(f) + moved), 0, 1e-12);
+  }
+}
+
+// Somebody is moved aside by 0.6 m in a second: where the feet are in the world, frame by frame.
+struct Story {
+  std::vector<Vec3> place[2];
+  std::vector<double> raised[2];
+  Footwork feet;
+};
+
+Story moved_aside(const Footwork::Lands& lands) {
+  Story story;
+  story.feet.clear(2);
+  Vec3 body;
+  for (int i = 0; i < 180; i++) {
+    const Vec3 slid = i < 60 ? Vec3{0, 0.01, 0} : Vec3{};
+    body += slid;
+    story.feet.frame(standing(slid), true, kDt, lands);
+    for (size_t f = 0; f < 2; f++) {
+      story.place[f].push_back(body + story.feet.offset(f));
+      story.raised[f].push_back(story.feet.raised(f));
+    }
+  }
+  return story;
+}
+
+void who_is_moved_aside_steps_with_one_foot_at_a_time_and_slides_not_at_all() {
+  const Story s = moved_aside(kAnywhere);
+  int steps = 0;
+  for (size_t i = 1; i < s.place[0].size(); i++) {
+    CHECK(s.raised[0][i] == 0 || s.raised[1][i] == 0);
+    for (int f = 0; f < 2; f++) {
+      const bool up = s.raised[f][i] > 0 || s.raised[f][i - 1] > 0;
+      steps += s.raised[f][i] > 0 && s.raised[f][i - 1] == 0;
+      const double went = hp::norm(s.place[f][i] - s.place[f][i - 1]);
+      if (!up) CHECK_NEAR(went, 0, 1e-12);
+      CHECK(went < 6 * kDt);  // [m], of who takes a quick step
+      CHECK(s.raised[f][i] < 0.05);
+    }
+  }
+  CHECK(steps >= 4);
+  for (int f = 0; f < 2; f++)  // they are where they belong, but for what is not worth a step
+    CHECK_NEAR(hp::norm(s.place[f].back() - Vec3{0, 0.6, 0}), 0, 0.04);
+}
+
+void a_foot_steps_only_where_there_is_ground_and_then_shorter() {
+  const Story none = moved_aside([](size_t, Vec3, double) { return false; });
+  for (int f = 0; f < 2; f++)
+    for (double r : none.raised[f]) CHECK(r == 0);
+  // Half the way there is ground: beyond it, seen from the body, is a hole.
+  const Story half = moved_aside([](size_t, Vec3 to, double) { return to.y < -0.03; });
+  bool any = false;
+  for (int f = 0; f < 2; f++)
+    for (double r : half.raised[f]) any |= r > 0;
+  CHECK(any);
+}
+
+void a_foot_is_not_lifted_while_the_other_does_not_stand() {
+  Footwork feet;
+  feet.clear(2);
+  for (int i = 0; i < 60; i++) {
+    auto both = standing({0, 0.005, 0});
+    both[1].stands = false;
+    feet.frame(both, true, kDt, kAnywhere);
+    CHECK(!feet.steps(0) && !feet.steps(1));
+  }
+}
+
+void who_waits_leaves_a_foot_that_was_stopped_where_it_is() {
+  Footwork feet;
+  feet.clear(2);
+  feet.frame(standing(), true, kDt, kAnywhere);
+  auto both = standing();
+  both[0].missed = {-0.1, 0, 0};
+  feet.frame(both, true, kDt, kAnywhere);
+  CHECK(!feet.stopped(0) && feet.offset(0).x == 0);  // who does not wait comes back to its place
+  for (auto& foot : both) foot.held = true;
+  feet.frame(both, true, kDt, kAnywhere);
+  CHECK(feet.stopped(0));
+  CHECK_NEAR(feet.offset(0).x, -0.1, 1e-15);
+  both[0].missed = {};
+  for (int i = 0; i < 60; i++) feet.frame(both, true, kDt, kAnywhere);
+  CHECK_NEAR(feet.offset(0).x, -0.1, 1e-15);  // that is its place, it does not step
+  both[0].missed = {-2, 0, 0};
+  feet.frame(both, true, kDt, kAnywhere);
+  CHECK_NEAR(feet.offset(0).x, -0.1, 1e-15);  // no leg reaches so far
+}
+
+void a_body_slows_down_where_its_feet_cannot_follow() {
+  Footwork feet;
+  feet.clear(2);
+  CHECK(feet.pace({1, 0, 0}) == 1);
+  for (int i = 0; i < 20; i++) feet.frame(standing({0.01, 0, 0}), false, kDt, kAnywhere);
+  CHECK(feet.pace({1, 0, 0}) < 0.6);
+  CHECK(feet.pace({-1, 0, 0}) == 1);
+  for (int i = 0; i < 100; i++) feet.frame(standing({0.01, 0, 0}), false, kDt, kAnywhere);
+  CHECK(feet.pace({1, 0, 0}) > 0);
+  CHECK(hp::norm(feet.offset(0)) < 0.26);  // then it slides
+}
+
+void what_a_motion_lifts_comes_back_to_its_place() {
+  Footwork feet;
+  feet.clear(2);
+  for (int i = 0; i < 20; i++) feet.frame(standing({0.01, 0, 0}), false, kDt, kAnywhere);
+  auto walking = standing();
+  for (auto& foot : walking) foot.rests = 0, foot.stands = false;
+  for (int i = 0; i < 120; i++) feet.frame(walking, true, kDt, kAnywhere);
+  CHECK(!feet.any());  // to the bit
+}
+
+void saved_and_loaded_it_goes_on() {
+  Footwork a, b;
+  a.clear(2);
+  for (int i = 0; i < 40; i++) a.frame(standing({0, 0.01, 0}), true, kDt, kAnywhere);
+  CHECK(a.steps(0) || a.steps(1));
+  std::vector<double> saved;
+  a.save(saved);
+  CHECK(b.load(saved.data(), 2) == saved.data() + saved.size());
+  for (int i = 0; i < 60; i++) {
+    a.frame(standing({0, 0.002, 0}), true, kDt, kAnywhere);
+    b.frame(standing({0, 0.002, 0}), true, kDt, kAnywhere);
+    for (size_t f = 0; f < 2; f++)
+      CHECK(a.offset(f).y == b.offset(f).y && a.raised(f) == b.raised(f));
+  }
+}
+
+}  // namespace
+
+int main() {
+  a_foot_keeps_its_place_while_the_body_is_moved();
+  who_is_moved_aside_steps_with_one_foot_at_a_time_and_slides_not_at_all();
+  a_foot_steps_only_where_there_is_ground_and_then_shorter();
+  a_foot_is_not_lifted_while_the_other_does_not_stand();
+  who_waits_leaves_a_foot_that_was_stopped_where_it_is();
+  a_body_slows_down_where_its_feet_cannot_follow();
+  what_a_motion_lifts_comes_back_to_its_place();
+  saved_and_loaded_it_goes_on();
+  return check::report("footwork");
+}

@@ -769,6 +769,15 @@ constexpr double kOnObject = 0.02;
 constexpr double kAboveBox = 1e-3, kLanded = 1e-7;
 constexpr int kFallSteps = 48;
 
+// What is more than this above a sole [m] is stepped on only where it goes on, at the same level to the second [m],
+// in at least kAroundFound of kAround directions at the distance of half a foot's width [m]: along a bar it does in two,
+// at the corner of a stair in three.
+constexpr double kOver = 0.03, kSameLevel = 0.03, kFootWidth = 0.08;
+constexpr int kAround = 8, kAroundFound = 3;
+// Of what is too narrow so many are looked past, from this far under each [m].
+constexpr int kNarrowThings = 4;
+constexpr double kUnderIt = 1e-3;
+
 // leg.cpp
 
 // A leg reaches this share of the length of its bones: stretched to the end its knee would turn at any
@@ -851,7 +860,7 @@ constexpr double kNoTime = 1e-6;
 constexpr double kAtHeight = 1e-6, kAtRest = 1e-5;
 // How fast a sole is corrected up [m/s], and the rate of its critically damped way down [rad/s]: at 1 m/s, without
 // one, knees jerk twice as much as those of recorded clips (1.5 times at most in 11 of 60), with a time constant of
-// 0.05 s in 29, with the rate in 41, and with kLegReach too in 51; at 20 rad/s dancing feet hang 3 mm more. 
+// 0.05 s in 29, with the rate in 41, and with kLegReach too in 51; at 20 rad/s dancing feet hang 3 mm more.
 constexpr double kLift = 2.0, kLowerRate = 25;
 // A person may start this much higher or lower than asked to stand [m]: what recordings are off by.
 constexpr double kStartShift = 0.1;

@@ -62,6 +62,21 @@ def test_a_displaced_clip_rests_all_the_same(stood, height):
     assert report.simulated.mean_mm == pytest.approx(1.0)
 
 
+def test_a_foot_in_the_air_beside_one_that_stands_steps_and_does_not_slide(stood):
+    result = slid(stood, [0.003, 0.0, 0.0])
+    person = result.people[0]
+    rotations = person.motion.rotations.copy()
+    rotations[:, JOINT_INDEX["right_hip"], 0] = -0.5
+    rotations[:, JOINT_INDEX["right_knee"], 0] = 0.8
+    lifted = dataclasses.replace(
+        person, motion=person.motion.with_frames(person.motion.translation, rotations)
+    )
+    report = metrics.stance_slide(dataclasses.replace(result, people=(lifted,)))
+    assert report.steps == 2 * (FRAMES - 1)
+    assert np.isnan(report.slide[:, 2:]).all()
+    assert report.slide[:, :2] == pytest.approx(np.full((FRAMES - 1, 2), 0.003))
+
+
 def test_feet_far_above_everything_do_not_rest(stood):
     report = metrics.stance_slide(slid(stood, [0.001, 0.0, 0.0], standing(0.2)))
     assert (report.steps, report.simulated.max_mm) == (0, 0.0)

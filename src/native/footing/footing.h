@@ -22,20 +22,13 @@
 #include <vector>
 
 #include "footing/bearing.h"
-#include "footing/flight.h"
+#include "footing/footing_model.h"
 #include "footing/footwork.h"
-#include "footing/leg.h"
+#include "footing/stance.h"
 #include "footing/surface_below.h"
 #include "footing/way_round.h"
 
 namespace hp {
-
-// What footing knows of a person's body.
-struct FootingModel {
-  std::vector<Leg> legs;
-  std::vector<SkinPoint> skin;   // all over the body, but feet and hands
-  std::vector<SkinPoint> hands;  // they reach, and carry nobody
-};
 
 class Footing {
  public:
@@ -50,7 +43,7 @@ class Footing {
   bool over_ground() const { return over_ground_; }
   bool on_ground() const { return on_ground_; }
   // Does the motion fly?
-  bool flies() const { return flight_.flies(); }
+  bool flies() const { return stance_.flies(); }
   // Skin but the feet's carries it.
   bool sits() const { return skin_lift_ > -1e300; }
   // Height of the highest ground under the feet; -1e300: none [m].
@@ -71,13 +64,9 @@ class Footing {
   // The person is so much higher than where it was put, and something holds it there [m].
   void raise(double by) { height_ += by, rising_ = 0; }
   struct Frame {
-    double dt = 0;       // [s]
-    double passed = 0;   // how much of the reference's time passes [s]
-    double gravity = 0;  // [m/s^2]
+    Stance::View view;
     const double* from = nullptr;  // the corrected target before: qpos of the person
-    Vec3 displaced;      // how far the root will be off its path, and is above it now [m]
-    Quat turned;         // and how it will be turned off the motion, in the world
-    double waits = 0;    // 0: time passes as it does, 1: it stands, for a person who waits
+    Vec3 displaced;                // how far the root will be off its path, and is above it now [m]
   };
   // A frame towards the pose in `target` (the model's qpos), which is corrected.
   void frame(const Model& m, const CollisionWorld& world, Poses& poses, int root_qpos,
@@ -87,26 +76,21 @@ class Footing {
   const double* load(const double* in);
 
  private:
-  // One leg over one frame.
-  struct Foot {
-    double low = 0;    // 1: no part of the person is lower
-    double rests = 0;  // 0: it moves, 1: it rests
-    double lift = 0;   // how far up it must be put to stand on the highest surface under it [m]
-    bool grounded = false;  // there is a surface under it
-    bool bears = false;     // and it is there, and rests more or less
+  // What is under one foot in a frame.
+  struct Under {
+    double lift = 0;        // how far up it must be put to stand on the highest surface there [m]
+    bool grounded = false;  // there is one
+    bool bears = false;     // the foot is on it, and rests more or less
   };
-  void turn(Quat turned);
-  void read(const Model& m, const double* qpos, const Frame& frame);
-  void find_rest(double waits);
-  void pose(const Model& m, int root_qpos, const double* qpos);
   Leg::Place place(size_t leg) const;
-  void find_feet(const CollisionWorld& world, Poses& poses, Vec3 displaced, double dt);
+  void find_ground(const CollisionWorld& world, Poses& poses, Vec3 displaced);
   void find_skin(const CollisionWorld& world, Poses& poses, Vec3 displaced);
   bool wanted_height(double& height) const;
   double least_height(const CollisionWorld& world, Vec3 by) const;
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
   double wanted_lift(size_t leg, double dt);
+  Footwork::Foot moved_foot(const Poses& poses, size_t leg, Vec3 slid) const;
   void move_feet(const CollisionWorld& world, Poses& poses, const Frame& frame);
   void find_left(const Poses& poses, double dt);
   bool lands(SurfaceBelow& below, Poses& poses, size_t leg, Vec3 offset, double turn,
@@ -121,38 +105,20 @@ class Footing {
   Footwork footwork_;               // and their places along the ground
   std::vector<Vec3> placed_;        // where the ankles were to be at the end of the last frame [m]
   bool placed_known_ = false;
-  std::vector<double> left_up_;     // how far a foot that was stopped is still above its place [m]
-  std::vector<Vec3> left_turn_;     // and how it is still turned, a rotation vector in the world [rad]
-  Flight flight_;                   // of the reference
-  std::vector<double> rested_;      // how long each foot has rested [s]
-  std::vector<double> sinking_;     // speed of each foot on its way down to what it stands on [m/s]
-  std::vector<Vec3> before_;        // points of the last reference pose: soles, then skin
-  Vec3 displaced_;                  // of the last frame
-  Quat turned_, heading_;           // of this one: of the root off the motion, and about the vertical alone
-  bool started_ = false;            // `before_` is known
+  std::vector<double> left_up_;  // how far a foot that was stopped is still above its place [m]
+  std::vector<Vec3> left_turn_;  // and how it is still turned, a rotation vector in the world [rad]
+  std::vector<double> sinking_;  // speed of each foot on its way down to what it stands on [m/s]
+  Vec3 displaced_;               // of the last frame
+  Stance stance_;                // of the reference
   bool corrected_ = false;
   bool over_ground_ = false, on_ground_ = false;  // in the last frame
 
   // Of the frame under way.
-  Kinematics kin_;     // of the reference, turned about the vertical like the body
-  Kinematics tilted_;  // the same turned as the body is
-  bool tilts_ = false;  // is that another pose?
   Kinematics between_;  // half-way to the target
-  Quat turned_before_, heading_before_;
   std::vector<double> asked_, half_;
-  std::vector<char> own_;
-  std::vector<Vec3> points_;      // soles, then skin, seen from where the body is
-  std::vector<Vec3> own_points_;  // the same in the motion itself
-  std::vector<double> rests_;      // per leg: how much it rests, in the reference or to wait
-  std::vector<char> held_;         // per leg: it rests to wait
-  bool drags_ = false;             // nothing rests, and it does not fly: what is lowest carries
-  std::vector<double> low_;        // per point of the soles: how much it can carry there
-  std::vector<Quat> foot_turn_;    // per leg: of the foot from the reference's, in the world
-  std::vector<char> foot_turns_;   // per leg: is that another one?
-  std::vector<double> speed_;
   std::vector<double> ground_;  // height under each point of the soles; -1e300: none
-  std::vector<Foot> feet_;
-  double skin_lift_ = -1e300;  // that skin takes which carries; else this
+  std::vector<Under> under_;    // per leg
+  double skin_lift_ = -1e300;   // that skin takes which carries; else this
 };
 
 }  // namespace hp

@@ -8,11 +8,6 @@ namespace tune = tuning::footing;
 
 namespace {
 
-Vec3 shortened(Vec3 v, double most) {
-  const double size = norm(v);
-  return size > most ? (most / size) * v : v;
-}
-
 // A path of least jerk from 0 to 1.
 double least_jerk(double s) { return s * s * s * (10 - 15 * s + 6 * s * s); }
 
@@ -35,12 +30,13 @@ bool Footwork::any() const {
 
 // Where a foot in the air is to be: ahead of the body by half of what it will be left behind.
 Vec3 Footwork::wanted(const Place& place) const {
-  return place.home + shortened(0.5 * tune::kStance * speed_, tune::kMostAhead);
+  return place.home + capped(0.5 * tune::kStance * speed_, tune::kMostAhead);
 }
 
 // How far a foot is from where it should be, in steps.
 double Footwork::late(const Place& place) const {
-  const bool moves = place.held || norm(speed_) > tune::kTidySpeed || std::fabs(spin_) > tune::kTidySpin;
+  const bool moves =
+      place.held || norm(speed_) > tune::kTidySpeed || std::fabs(spin_) > tune::kTidySpin;
   const double far = norm(place.offset - wanted(place)), turn = std::fabs(place.turn);
   return std::max(far / (moves ? tune::kStepAt : tune::kTidyAt),
                   turn / (moves ? tune::kStepTurn : tune::kTidyTurn));
@@ -63,8 +59,7 @@ void Footwork::begin_step(const std::vector<Foot>& feet, const Lands& lands) {
   if (next < 0) return;
   const Vec3 from = places_[next].offset, to = wanted(places_[next]);
   for (share_ = 1; share_ > 0; share_ -= tune::kShorter)
-    if (lands((size_t)next, from + share_ * (to - from), (1 - share_) * places_[next].turn))
-      break;
+    if (lands((size_t)next, from + share_ * (to - from), (1 - share_) * places_[next].turn)) break;
   if (share_ <= 0) return;
   steps_ = next;
   time_ = 0;
@@ -102,7 +97,7 @@ void Footwork::stay(Place& place, Vec3 missed) {
 }
 
 void Footwork::limit(Place& place) {
-  place.offset = place.home + shortened(place.offset - place.home, most(place));
+  place.offset = place.home + capped(place.offset - place.home, most(place));
   place.turn = std::clamp(place.turn, -tune::kMostTurned, tune::kMostTurned);
 }
 
@@ -140,7 +135,7 @@ void Footwork::frame(const std::vector<Foot>& feet, bool free, double dt, const 
     } else {
       const Vec3 way = wanted(p) - p.offset;
       const double most = tune::kGiveUp * dt, turn = tune::kGiveUpTurn * dt;
-      p.offset += shortened(way, most);
+      p.offset += capped(way, most);
       p.turn -= std::clamp(p.turn, -turn, turn);
     }
     limit(p);
@@ -162,7 +157,7 @@ double Footwork::pace(Vec3 way) const {
 void Footwork::save(std::vector<double>& out) const {
   for (const Place& p : places_)
     out.insert(out.end(), {p.offset.x, p.offset.y, p.home.x, p.home.y, p.turn, p.raised,
-                         (p.rests ? 1.0 : 0.0) + (p.held ? 2.0 : 0.0)});
+                           (p.rests ? 1.0 : 0.0) + (p.held ? 2.0 : 0.0)});
   out.insert(out.end(),
              {speed_.x, speed_.y, spin_, (double)steps_, time_, lasts_, share_, to_.x, to_.y});
 }

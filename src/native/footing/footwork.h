@@ -26,14 +26,14 @@ class Footwork {
  public:
   // A foot in a frame.
   struct Foot {
-    double rests = 0;     // 0: the motion moves it, 1: it rests
-    double rested = 0;    // for how long [s]
+    double rests = 0;       // 0: the motion moves it, 1: it rests
+    double rested = 0;      // for how long [s]
     bool grounded = false;  // there is ground under it
-    bool stands = false;  // and it stands there
-    Vec3 slid;            // how far the body has carried it along the ground, beside its motion [m]
-    double turned = 0;    // and about the vertical [rad]
-    bool held = false;    // it rests because the person waits
-    Vec3 missed;          // how far it is now from where it was to be, along the ground [m]
+    bool stands = false;    // and it stands there
+    Vec3 slid;          // how far the body has carried it along the ground, beside its motion [m]
+    double turned = 0;  // and about the vertical [rad]
+    bool held = false;  // it rests because the person waits
+    Vec3 missed;        // how far it is now from where it was to be, along the ground [m]
   };
   // May a foot be put down at an offset, turned by an angle?
   using Lands = std::function<bool(size_t foot, Vec3 offset, double turn)>;
@@ -42,9 +42,9 @@ class Footwork {
   void frame(const std::vector<Foot>& feet, bool free, double dt, const Lands& lands);
   void clear(size_t feet);
 
-  Vec3 offset(size_t foot) const { return places_[foot].offset; }      // c [m]
-  double turn(size_t foot) const { return places_[foot].turn; }        // p [rad]
-  double raised(size_t foot) const { return places_[foot].raised; }    // of a foot that steps [m]
+  Vec3 offset(size_t foot) const { return places_[foot].offset; }    // c [m]
+  double turn(size_t foot) const { return places_[foot].turn; }      // p [rad]
+  double raised(size_t foot) const { return places_[foot].raised; }  // of a foot that steps [m]
   bool steps(size_t foot) const { return steps_ == (int)foot; }
   bool any() const;
   // In this frame it was found elsewhere, and stays there.
@@ -74,12 +74,12 @@ class Footwork {
   static void limit(Place& place);
 
   std::vector<Place> places_;
-  Vec3 speed_;         // v
-  double spin_ = 0;    // the same about the vertical [rad/s]
-  int steps_ = -1;     // the foot that steps
+  Vec3 speed_;                   // v
+  double spin_ = 0;              // the same about the vertical [rad/s]
+  int steps_ = -1;               // the foot that steps
   double time_ = 0, lasts_ = 0;  // of the step so far, and in all [s]
-  double share_ = 1;   // of the wanted offset at which there is ground
-  Vec3 to_;            // where it ends, as seen now: an offset [m]
+  double share_ = 1;             // of the wanted offset at which there is ground
+  Vec3 to_;                      // where it ends, as seen now: an offset [m]
 };
 
 }  // namespace hp

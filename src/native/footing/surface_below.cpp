@@ -68,4 +68,25 @@ Surface SurfaceBelow::find(Poses& poses, Vec3 x, double step, double depth) {
   return best;
 }
 
+// Does static geometry go on at this height around a point of it?
+bool SurfaceBelow::wide(Vec3 x, double height) {
+  int found = 0;
+  for (int i = 0; i < tune::kAround; i++) {
+    const double angle = 2 * M_PI * i / tune::kAround;
+    const Vec3 beside{x.x + tune::kFootWidth * std::cos(angle),
+                      x.y + tune::kFootWidth * std::sin(angle), height};
+    found += find_static(beside, tune::kSameLevel, tune::kSameLevel).found;
+  }
+  return found >= tune::kAroundFound;
+}
+
+Surface SurfaceBelow::find_footing(Poses& poses, Vec3 x, double step, double depth) {
+  Surface s = find(poses, x, step, depth);
+  for (int i = 0; i < tune::kNarrowThings; i++) {
+    if (!s.found || s.shape >= 0 || s.height < x.z + tune::kOver || wide(x, s.height)) break;
+    s = find(poses, x, s.height - x.z - tune::kUnderIt, depth);
+  }
+  return s;
+}
+
 }  // namespace hp

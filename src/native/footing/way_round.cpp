@@ -146,7 +146,7 @@ class Search {
   Room& room_;
   Vec3 from_, origin_;
   int goal_ = 0;
-  double own_ = 0;  // room at the start [m]
+  double own_ = 0;                      // room at the start [m]
   std::vector<double> cost_, room_at_;  // per cell; -1: not reached, -1e300: not known
   std::vector<int> before_;
   std::priority_queue<Open, std::vector<Open>, std::greater<Open>> open_;

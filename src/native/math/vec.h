@@ -25,6 +25,11 @@ inline Vec3 cross(Vec3 a, Vec3 b) {
 }
 inline double norm2(Vec3 a) { return dot(a, a); }
 inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
+// No longer than `limit`.
+inline Vec3 capped(Vec3 v, double limit) {
+  const double n = norm(v);
+  return n > limit ? (limit / n) * v : v;
+}
 inline Vec3 load3(const double* p) { return {p[0], p[1], p[2]}; }
 inline void store3(double* p, Vec3 a) { p[0] = a.x, p[1] = a.y, p[2] = a.z; }
 

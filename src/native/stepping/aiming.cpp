@@ -139,7 +139,8 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
     const bool stands = !d.footing.on() || !d.footing.flies();
     // Who sits or lies is held by what is under it, not blocked on its way.
     const Vec3 behind = d.sits ? Vec3{} : displaced;
-    const double* target = d.clock.advance(d, targets, dt, behind, touched(d), stands, d.footing.way.on());
+    const double* target =
+        d.clock.advance(d, targets, dt, behind, touched(d), stands, d.footing.way.on());
     targets += d.qpos_count();
     d.motion.eager = d.clock.eager() * d.footing.pace(-displaced);
     yield(system, d);
@@ -162,12 +163,10 @@ void Aiming::stand(System& system, State& state, Drive& d, const double* asked, 
   const DriveSettings& s = system.drive_settings;
   const double* qpos = state.qpos.data();
   Footing::Frame frame;
-  frame.dt = dt, frame.passed = d.clock.passed();
-  frame.gravity = norm(system.gravity);
   frame.from = d.motion.target().data();
   frame.displaced = d.motion.displaced(s, asked, dt, qpos) + d.drift(s, dt);
-  frame.turned = d.turned(s, asked, dt, qpos);
-  frame.waits = 1 - d.clock.rate();
+  frame.view = {dt, d.clock.passed(), norm(system.gravity), d.turned(s, asked, dt, qpos),
+                1 - d.clock.rate()};
   d.footing.frame(system.model, system.world, state.pose, d.first_qpos(), frame, target_.data());
   for (size_t f = 0; f < d.footing.model->legs.size(); f++) {
     if (!d.footing.goes_on(f)) continue;

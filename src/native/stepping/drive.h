@@ -58,11 +58,6 @@ inline Vec3 rotation_between(const double* from, const double* to) {
   return log_quat(conjugate(load4(from)) * load4(to));
 }
 
-inline Vec3 capped(Vec3 v, double limit) {
-  const double n = norm(v);
-  return n > limit ? (limit / n) * v : v;
-}
-
 // Most force on a root along the ground, up and down [N].
 struct RootForce {
   bool on = false;

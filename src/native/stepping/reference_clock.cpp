@@ -15,8 +15,7 @@ void ReferenceClock::reset(const PersonDofs& dofs, const double* target) {
 }
 
 // The rate of the clock in the next dt, and at which share of its pace the person goes back to its path.
-void ReferenceClock::decide(Vec3 displaced, bool touched, bool stands, bool round,
-                            double dt) {
+void ReferenceClock::decide(Vec3 displaced, bool touched, bool stands, bool round, double dt) {
   const Asked& next = ahead_.front();
   Vec3 way = load3(next.qpos.data()) - load3(reached_.data());
   way.z = 0;
@@ -57,8 +56,7 @@ void ReferenceClock::move_on(const PersonDofs& dofs, double time) {
 }
 
 const double* ReferenceClock::advance(const PersonDofs& dofs, const double* target, double dt,
-                                      Vec3 displaced, bool touched, bool stands,
-                                      bool round) {
+                                      Vec3 displaced, bool touched, bool stands, bool round) {
   passed_ = dt;
   slowed_ = 0;
   if (!on) return target;

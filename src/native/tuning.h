@@ -772,7 +772,7 @@ constexpr int kFallSteps = 48;
 // What is more than this above a sole [m] is stepped on only where it goes on, at the same level to the second [m],
 // in at least kAroundFound of kAround directions at the distance of half a foot's width [m]: along a bar it does in two,
 // at the corner of a stair in three.
-constexpr double kOver = 0.03, kSameLevel = 0.03, kFootWidth = 0.08;
+constexpr double kStepsOver = 0.03, kSameLevel = 0.03, kFootWidth = 0.08;
 constexpr int kAround = 8, kAroundFound = 3;
 // Of what is too narrow so many are looked past, from this far under each [m].
 constexpr int kNarrowThings = 4;

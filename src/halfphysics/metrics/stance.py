@@ -30,7 +30,7 @@ SLOW, LOW = 0.25, 0.03
 #: A patch farther than this above all surfaces rests on none, even if it is the lowest [m]: feet
 #: that dangle, and clips that float by more.
 FAR = 0.1
-#: A foot that is lifted by more than this, heel and toe, while the other one stands is stepping [m].
+#: A foot that is lifted by more than this, heel and toe, while the other one stands steps [m].
 LIFTED = 0.01
 
 
@@ -117,9 +117,10 @@ def stance_slide(result: Result, person: int = 0) -> StanceReport:
     """Sliding of a person's heels and toes while they rest in the reference.
 
     A patch counts in the steps from frame to frame at both ends of which the reference's patch
-    rests (`in_stance`), but those in which its foot is in the air while the other one stands: who is
-    off the path puts a foot elsewhere with a step. A person who floats with both feet slides. Its displacement in the result is that of its centre, relative to the
-    object or link within 3 cm under it, which may move, in the horizontal plane.
+    rests (`in_stance`), but those in which the foot is in the air while the other one stands: who
+    is off the path puts a foot elsewhere with a step. A person who floats with both feet slides.
+    Its displacement in the result is that of its centre, relative to the object or link within
+    3 cm under it, which may move, in the horizontal plane.
 
     Args:
         result: The result of a simulation.
@@ -182,7 +183,7 @@ def stepping(gaps: Array) -> NDArray[np.bool_]:
     Args:
         gaps: Distances of `PATCHES` from surfaces that can carry them (T, 4) [m].
     """
-    low = (gaps < LIFTED).reshape(-1, 2, 2).any(axis=2)
+    low: NDArray[np.bool_] = np.any((gaps < LIFTED).reshape(-1, 2, 2), axis=2)
     return np.repeat(~low & low[:, ::-1], 2, axis=1)
 
 

@@ -49,61 +49,19 @@ void Footing::find_left(const Poses& poses, double dt) {
   }
 }
 
-void Footing::find_ground(const CollisionWorld& world, Poses& poses, Vec3 displaced) {
-  SurfaceBelow below(world);
-  size_t i = 0;
-  ground_.clear();
-  under_.assign(model->legs.size(), {});
-  bearing.points.assign(stance_.points.size(), {});
-  for (size_t f = 0; f < model->legs.size(); f++) {
-    Under& under = under_[f];
-    // Steps are measured from where the motion has the foot: who stands on one does not climb the next.
-    const Vec3 by = Vec3{displaced.x, displaced.y, height_} + footwork_.offset(f);
-    under.lift = -1e300;
-    for (size_t n = 0; n < model->legs[f].sole.size(); n++, i++) {
-      const Vec3 x = stance_.points[i];
-      const Surface s = below.find_footing(poses, x + by, tune::kStepUp, tune::kDeep);
-      ground_.push_back(s.found ? s.height + world.settings.clearance + tune::kSoleGap : -1e300);
-      if (!s.found) continue;
-      bearing.points[i] = {{0, 0, s.height}, s.shape, 1};
-      under.grounded = true;
-      under.lift = std::max(under.lift, ground_.back() - x.z);
-    }
-  }
-}
-
-// The lift that skin needs which rests on something, or presses on it: seen from where contacts hold the
-// person up.
-void Footing::find_skin(const CollisionWorld& world, Poses& poses, Vec3 displaced) {
-  SurfaceBelow below(world);
-  skin_lift_ = -1e300;
-  const Vec3 by{displaced.x, displaced.y, height_ + std::max(0.0, displaced.z)};
-  const size_t soles = stance_.points.size() - model->skin.size();
-  for (size_t n = 0; n < model->skin.size(); n++) {
-    const size_t i = soles + n;
-    if (stance_.speed[i] > tune::kMoves || model->skin[n].facing(stance_.kin).z > -tune::kFaces)
-      continue;
-    const Vec3 x = stance_.points[i] + by;
-    const Surface s = below.find(poses, x, tune::kPressedIn, tune::kCarries);
-    if (!s.found) continue;
-    bearing.points[i] = {{0, 0, s.height}, s.shape, 1};
-    skin_lift_ = std::max(skin_lift_, s.height + world.settings.clearance - stance_.points[i].z);
-  }
-}
-
 // False: nothing rests, the height stays.
 bool Footing::wanted_height(double& height) const {
   if (sits()) {
-    height = skin_lift_;
+    height = under_.skin_lift();
     return true;
   }
   // As high as one foot has it, no higher than the other leg reaches down.
   double highest = -1e300, most = 1e300;
-  for (size_t f = 0; f < under_.size(); f++) {
+  for (size_t f = 0; f < under_.feet.size(); f++) {
     const Stance::Foot& foot = stance_.feet[f];
-    const double lift = under_[f].lift;
+    const double lift = under_.feet[f].lift;
     const double carries = stance_.drags ? foot.low : foot.rests;
-    if (!under_[f].grounded || carries < tune::kAtRestShare) continue;
+    if (!under_.feet[f].grounded || carries < tune::kAtRestShare) continue;
     if (!stance_.drags && lift < height_ - tune::kFar && foot.rested < tune::kRestTime) continue;
     highest = std::max(highest, lift);
     most = std::min(most, lift + model->legs[f].slack(stance_.body(), footwork_.offset(f)));
@@ -132,24 +90,11 @@ void Footing::move_height(double dt, double gravity) {
     height_ = to, rising_ = 0;
 }
 
-// The least height at which nothing is in static geometry that is over it when displaced by `by`.
-double Footing::least_height(const CollisionWorld& world, Vec3 by) const {
-  SurfaceBelow below(world);
-  double least = -1e300;
-  auto look = [&](Vec3 x) {
-    const Surface s = below.find_static(x + by, tune::kNotSunk, tune::kDeep);
-    if (s.found) least = std::max(least, s.height + world.settings.clearance - x.z);
-  };
-  const size_t soles = stance_.points.size() - model->skin.size();
-  for (size_t n = 0; n < model->skin.size(); n++) look(stance_.points[soles + n]);
-  for (const SkinPoint& p : model->hands) look(p.position(stance_.kin));
-  return least;
-}
-
 // After the height has gone down from `from`: no further than nothing sinks into the ground.
 void Footing::come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt) {
   if (height_ >= from) return;
-  const double least = std::min(from, least_height(world, {displaced.x, displaced.y, from}));
+  const double least = std::min(
+      from, Underfoot::least_height(world, *model, stance_, {displaced.x, displaced.y, from}));
   if (height_ >= least) return;
   height_ = least;
   rising_ = dt > 0 ? (height_ - from) / dt : 0;
@@ -159,8 +104,8 @@ void Footing::come_down(const CollisionWorld& world, Vec3 displaced, double from
 double Footing::wanted_lift(size_t leg, double dt) {
   const Stance::Foot& foot = stance_.feet[leg];
   double lift = lift_[leg], up = 0;
-  if (under_[leg].grounded) {
-    up = under_[leg].lift - height_;
+  if (under_.feet[leg].grounded) {
+    up = under_.feet[leg].lift - height_;
     // The lowest foot of a dance on sliding feet carries, and does not pass over the ground.
     const double carries = stance_.drags ? std::max(foot.rests, foot.low) : foot.rests;
     const double swings = (1 - carries) * tune::kSwingGap;
@@ -183,24 +128,10 @@ double Footing::wanted_lift(size_t leg, double dt) {
   return std::fabs(lift) < tune::kAtHeight ? 0 : lift;
 }
 
-// Can a foot be put down at an offset? All of its sole is over ground that is no stair away.
-bool Footing::lands(SurfaceBelow& below, Poses& poses, size_t leg, Vec3 offset, double turn,
-                    Vec3 displaced) const {
-  const Leg& its = model->legs[leg];
-  const Vec3 ankle = stance_.kin.xpos[its.ankle];
-  const Mat3 by = to_matrix(exp_quat({0, 0, turn}));
-  const Vec3 whole = Vec3{displaced.x, displaced.y, height_ + lift_[leg]} + offset;
-  for (const SkinPoint& p : its.sole) {
-    const Vec3 x = ankle + by * (p.position(stance_.kin) - ankle) + whole;
-    if (!below.find(poses, x, tune::kLandsUp, tune::kLandsDown).found) return false;
-  }
-  return true;
-}
-
 // What moves a foot in a frame: the body beside its motion, and what kept it from its place in the last one.
 Footwork::Foot Footing::moved_foot(const Poses& poses, size_t leg, Vec3 slid) const {
   const Stance::Foot& seen = stance_.feet[leg];
-  const Under& under = under_[leg];
+  const Underfoot::Foot& under = under_.feet[leg];
   const int ankle = model->legs[leg].ankle;
   Footwork::Foot foot;
   foot.rests = seen.rests, foot.rested = seen.rested, foot.held = seen.held;
@@ -228,24 +159,22 @@ void Footing::move_feet(const CollisionWorld& world, Poses& poses, const Frame& 
   slid.z = 0;
   if (norm(slid) < tune::kNoWay) slid = {};
   std::vector<Footwork::Foot> feet;
-  for (size_t f = 0; f < under_.size(); f++) feet.push_back(moved_foot(poses, f, slid));
-  SurfaceBelow below(world);
+  for (size_t f = 0; f < under_.feet.size(); f++) feet.push_back(moved_foot(poses, f, slid));
+  const Vec3 whole{frame.displaced.x, frame.displaced.y, height_};
   footwork_.frame(feet, !sits() && !stance_.flies(), frame.view.dt,
                   [&](size_t leg, Vec3 offset, double turn) {
-                    return lands(below, poses, leg, offset, turn, frame.displaced);
+                    return Underfoot::lands(world, poses, model->legs[leg], stance_.kin,
+                                            whole + offset + Vec3{0, 0, lift_[leg]}, turn);
                   });
 }
 
 // After the heights are known: what is on the ground at the end of the frame.
 void Footing::find_state() {
   over_ground_ = on_ground_ = sits();
-  for (size_t f = 0; f < under_.size(); f++) {
-    Under& under = under_[f];
+  for (size_t f = 0; f < under_.feet.size(); f++) {
+    const Underfoot::Foot& under = under_.feet[f];
     over_ground_ |= under.grounded;
     on_ground_ |= under.grounded && under.lift > height_ + lift_[f] - tune::kOnGround;
-    const bool near = under.lift > height_ + lift_[f] - tune::kBears;
-    const double rests = footwork_.steps(f) ? 0 : stance_.feet[f].rests;
-    under.bears = under.grounded && near && rests > 0;
   }
 }
 
@@ -265,7 +194,7 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
   };
   size_t i = 0;
   const Vec3 whole{displaced.x, displaced.y, height_ + std::max(0.0, displaced.z)};
-  for (size_t f = 0; f < under_.size(); f++)
+  for (size_t f = 0; f < under_.feet.size(); f++)
     for (size_t n = 0; n < model->legs[f].sole.size(); n++, i++)
       carries(i, whole + footwork_.offset(f) + Vec3{0, 0, lift_[f] + footwork_.raised(f)},
               stance_.low[i]);
@@ -321,7 +250,7 @@ bool Footing::clear_between(const Model& m, int root_qpos, const double* from, c
   for (size_t f = 0; f < model->legs.size(); f++) {
     double sags = 0;
     for (const SkinPoint& p : model->legs[f].sole)
-      sags = std::max(sags, ground_[i++] - p.position(between_).z);
+      sags = std::max(sags, under_.ground[i++] - p.position(between_).z);
     if (sags < tune::kSags) continue;
     lift_[f] += std::min(2 * sags, tune::kMostSag);
     any = true;
@@ -347,29 +276,26 @@ void Footing::start(const Model& m, const CollisionWorld& world, Poses& poses, i
   if (!on()) return;
   clear();
   stance_.read(m, *model, footwork_, {}, qpos);
-  find_ground(world, poses, {});
-  find_skin(world, poses, {});
+  under_.find(world, poses, *model, stance_, footwork_, {}, height_, bearing);
   double height = 0;
   if (!wanted_height(height) || std::fabs(height) > tune::kStartShift) return;
   if (height < tolerated(height_) && height > -tune::kFloats) height = 0;
   height_ = height;
   come_down(world, {}, 0, 0);
-  for (size_t f = 0; f < under_.size(); f++) {
+  for (size_t f = 0; f < under_.feet.size(); f++) {
     const double up = wanted_lift(f, 1);
     if (std::fabs(up) < tune::kStartShift) lift_[f] = up;
   }
   apply(root_qpos, qpos);
 }
 
-double Footing::ground() const {
-  double height = -1e300;
-  for (double z : ground_) height = std::max(height, z);
-  return height;
-}
-
 bool Footing::bears(int toes) const {
-  for (size_t f = 0; f < under_.size(); f++)
-    if (model->legs[f].toes == toes) return under_[f].bears;
+  for (size_t f = 0; f < under_.feet.size(); f++) {
+    if (model->legs[f].toes != toes) continue;
+    const Underfoot::Foot& under = under_.feet[f];
+    const bool near = under.lift > height_ + lift_[f] - tune::kBears;
+    return under.grounded && near && !footwork_.steps(f) && stance_.feet[f].rests > 0;
+  }
   return false;
 }
 
@@ -380,11 +306,10 @@ void Footing::frame(const Model& m, const CollisionWorld& world, Poses& poses, i
   if (!over_ground_) view.waits = 0, view.turned = {};
   const double dt = view.dt, from = height_;
   stance_.read(m, *model, footwork_, view, target);
-  find_ground(world, poses, frame.displaced);
-  find_skin(world, poses, frame.displaced);
+  under_.find(world, poses, *model, stance_, footwork_, frame.displaced, height_, bearing);
   move_height(dt, view.gravity);
   come_down(world, frame.displaced, from, dt);
-  for (size_t f = 0; f < under_.size(); f++) lift_[f] = wanted_lift(f, dt);
+  for (size_t f = 0; f < under_.feet.size(); f++) lift_[f] = wanted_lift(f, dt);
   move_feet(world, poses, frame);
   find_left(poses, dt);
   displaced_ = frame.displaced;
@@ -403,7 +328,7 @@ void Footing::save(std::vector<double>& out) const {
   out.push_back(0);
   if (!on()) return;
   out.insert(out.end(), {height_, rising_, corrected_ ? 1.0 : 0.0, placed_known_ ? 1.0 : 0.0,
-                         over_ground_ ? 1.0 : 0.0, ground()});
+                         over_ground_ ? 1.0 : 0.0, under_.highest()});
   out.insert(out.end(), {displaced_.x, displaced_.y, displaced_.z});
   for (const auto* v : {&lift_, &sinking_, &left_up_}) out.insert(out.end(), v->begin(), v->end());
   for (const auto* v : {&left_turn_, &placed_})
@@ -423,7 +348,7 @@ const double* Footing::load(const double* in) {
   if (!any) return end;
   height_ = in[0], rising_ = in[1], corrected_ = in[2] != 0;
   placed_known_ = in[3] != 0, over_ground_ = in[4] != 0;
-  ground_.assign(1, in[5]);
+  under_.restore(in[5]);
   displaced_ = load3(in + 6), in += 9;
   for (auto* v : {&lift_, &sinking_, &left_up_})
     for (double& x : *v) x = *in++;

@@ -25,7 +25,7 @@
 #include "footing/footing_model.h"
 #include "footing/footwork.h"
 #include "footing/stance.h"
-#include "footing/surface_below.h"
+#include "footing/underfoot.h"
 #include "footing/way_round.h"
 
 namespace hp {
@@ -45,9 +45,9 @@ class Footing {
   // Does the motion fly?
   bool flies() const { return stance_.flies(); }
   // Skin but the feet's carries it.
-  bool sits() const { return skin_lift_ > -1e300; }
+  bool sits() const { return under_.sits(); }
   // Height of the highest ground under the feet; -1e300: none [m].
-  double ground() const;
+  double ground() const { return under_.highest(); }
   // Is this body the toes of a foot that rests on the ground?
   bool bears(int toes) const;
   // The joints of this leg go on from where they are: its foot is elsewhere than it was to be.
@@ -76,25 +76,14 @@ class Footing {
   const double* load(const double* in);
 
  private:
-  // What is under one foot in a frame.
-  struct Under {
-    double lift = 0;        // how far up it must be put to stand on the highest surface there [m]
-    bool grounded = false;  // there is one
-    bool bears = false;     // the foot is on it, and rests more or less
-  };
   Leg::Place place(size_t leg) const;
-  void find_ground(const CollisionWorld& world, Poses& poses, Vec3 displaced);
-  void find_skin(const CollisionWorld& world, Poses& poses, Vec3 displaced);
   bool wanted_height(double& height) const;
-  double least_height(const CollisionWorld& world, Vec3 by) const;
   void come_down(const CollisionWorld& world, Vec3 displaced, double from, double dt);
   void move_height(double dt, double gravity);
   double wanted_lift(size_t leg, double dt);
   Footwork::Foot moved_foot(const Poses& poses, size_t leg, Vec3 slid) const;
   void move_feet(const CollisionWorld& world, Poses& poses, const Frame& frame);
   void find_left(const Poses& poses, double dt);
-  bool lands(SurfaceBelow& below, Poses& poses, size_t leg, Vec3 offset, double turn,
-             Vec3 displaced) const;
   void find_state();
   void find_bearing(const Model& m, const CollisionWorld& world, Vec3 displaced);
   void apply(int root_qpos, double* qpos);
@@ -110,15 +99,13 @@ class Footing {
   std::vector<double> sinking_;  // speed of each foot on its way down to what it stands on [m/s]
   Vec3 displaced_;               // of the last frame
   Stance stance_;                // of the reference
+  Underfoot under_;              // what is under it
   bool corrected_ = false;
   bool over_ground_ = false, on_ground_ = false;  // in the last frame
 
   // Of the frame under way.
   Kinematics between_;  // half-way to the target
   std::vector<double> asked_, half_;
-  std::vector<double> ground_;  // height under each point of the soles; -1e300: none
-  std::vector<Under> under_;    // per leg
-  double skin_lift_ = -1e300;   // that skin takes which carries; else this
 };
 
 }  // namespace hp

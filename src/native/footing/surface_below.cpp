@@ -83,7 +83,7 @@ bool SurfaceBelow::wide(Vec3 x, double height) {
 Surface SurfaceBelow::find_footing(Poses& poses, Vec3 x, double step, double depth) {
   Surface s = find(poses, x, step, depth);
   for (int i = 0; i < tune::kNarrowThings; i++) {
-    if (!s.found || s.shape >= 0 || s.height < x.z + tune::kOver || wide(x, s.height)) break;
+    if (!s.found || s.shape >= 0 || s.height < x.z + tune::kStepsOver || wide(x, s.height)) break;
     s = find(poses, x, s.height - x.z - tune::kUnderIt, depth);
   }
   return s;

@@ -21,7 +21,7 @@ class SurfaceBelow {
   explicit SurfaceBelow(const CollisionWorld& world);
   // The highest surface under `x`, at most `depth` under it [m]. `poses` has the objects.
   Surface find(Poses& poses, Vec3 x, double step, double depth);
-  // The same, but for what is higher than kOver above `x` and too narrow to step on: a bar, a rung, a rim.
+  // The same, but for what is higher than kStepsOver above `x` and too narrow to step on: a bar, a rung, a rim.
   Surface find_footing(Poses& poses, Vec3 x, double step, double depth);
   // The same as find() of static geometry alone.
   Surface find_static(Vec3 x, double step, double depth);

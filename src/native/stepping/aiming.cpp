@@ -163,10 +163,10 @@ void Aiming::stand(System& system, State& state, Drive& d, const double* asked, 
   const DriveSettings& s = system.drive_settings;
   const double* qpos = state.qpos.data();
   Footing::Frame frame;
+  const Drive::Ahead ahead = d.ahead(s, asked, dt, qpos);
   frame.from = d.motion.target().data();
-  frame.displaced = d.motion.displaced(s, asked, dt, qpos) + d.drift(s, dt);
-  frame.view = {dt, d.clock.passed(), norm(system.gravity), d.turned(s, asked, dt, qpos),
-                1 - d.clock.rate()};
+  frame.displaced = d.motion.displaced(s, asked, dt, qpos) + ahead.drift;
+  frame.view = {dt, d.clock.passed(), norm(system.gravity), ahead.turned, 1 - d.clock.rate()};
   d.footing.frame(system.model, system.world, state.pose, d.first_qpos(), frame, target_.data());
   for (size_t f = 0; f < d.footing.model->legs.size(); f++) {
     if (!d.footing.goes_on(f)) continue;

@@ -151,32 +151,28 @@ double return_rate(const Drive& d, const DriveSettings& s, int ball) {
 }  // namespace
 
 // The root's deviation over a frame, as spring_velocity() has it: in kFrameParts implicit steps.
-Quat Drive::turned(const DriveSettings& s, const double* target, double dt,
-                   const double* qpos) const {
+Drive::Ahead Drive::ahead(const DriveSettings& s, const double* target, double dt,
+                          const double* qpos) const {
+  if (exact_) return {};
   const Ball& root = balls()[0];
   const Quat before = motion.after(root), after = load4(target + root.qpos);
-  Vec3 off = log_quat(conjugate(before) * load4(qpos + first_qpos() + root.qpos));
-  if (exact_ || norm(off) < tune::kSettledAngle) return {};
+  Vec3 off = log_quat(conjugate(before) * load4(qpos + first_qpos() + root.qpos)), drift;
+  const bool turned = norm(off) >= tune::kSettledAngle;
   const double rate = return_rate(*this, s, 0);
   if (s.time_constant == 0) {
-    off = std::max(0.0, 1 - dt * rate / norm(off)) * off;
+    if (turned) off = std::max(0.0, 1 - dt * rate / norm(off)) * off;
   } else {
     const double tau = s.time_constant, h = dt / tune::kFrameParts, sc = scale(s, h);
-    Vec3 e = load3(&deviation_[root.dof]);
+    Vec3 v = load3(&deviation_[0]), w = load3(&deviation_[root.dof]);
     for (int k = 0; k < tune::kFrameParts; k++) {
-      e = (1 / sc) * (e - (h / (tau * tau)) * capped(off, 2 * tau * rate));
-      off += h * e;
+      v = (1 / sc) * v;
+      drift += h * v;
+      w = (1 / sc) * (w - (h / (tau * tau)) * capped(off, 2 * tau * rate));
+      off += h * w;
     }
   }
-  return normalized(after * exp_quat(off) * conjugate(after));
-}
-
-Vec3 Drive::drift(const DriveSettings& s, double dt) const {
-  if (s.time_constant == 0) return {};
-  const double h = dt / tune::kFrameParts, sc = scale(s, h);
-  double share = 0;
-  for (int k = 0; k < tune::kFrameParts; k++) share = (1 + share) / sc;
-  return {share * h * deviation_[0], share * h * deviation_[1], 0};
+  const Quat turn = normalized(after * exp_quat(off) * conjugate(after));
+  return {turned ? turn : Quat{}, {drift.x, drift.y, 0}};
 }
 
 // v* with a time constant.

@@ -93,11 +93,14 @@ class Drive : public PersonDofs {
   void reset(const double* target, double* qvel);
   // A frame of length dt towards `target` begins.
   void aim(const DriveSettings& s, const double* target, double dt, const double* qpos);
-  // How the root will be turned off the motion at the end of a frame that is about to be aimed at `target`,
-  // if nothing is in the way (in the world).
-  Quat turned(const DriveSettings& s, const double* target, double dt, const double* qpos) const;
-  // How far what is left of a push will carry the root along the ground in a frame [m].
-  Vec3 drift(const DriveSettings& s, double dt) const;
+  // What becomes of the root in a frame that is about to be aimed at `target`, if nothing is in the way: how
+  // it will be turned off the motion (in the world), and how far what is left of a push will carry it along
+  // the ground [m].
+  struct Ahead {
+    Quat turned;
+    Vec3 drift;
+  };
+  Ahead ahead(const DriveSettings& s, const double* target, double dt, const double* qpos) const;
   // Is the person where the motion has it, but for the root's position, and at its velocity? Then
   // only contact can keep it from the target.
   bool settled(const DriveSettings& s, const double* qpos) const;
@@ -134,9 +137,6 @@ class Drive : public PersonDofs {
   bool lately(int ball) const { return lately_[ball] > 0; }
 
   bool gentle() const { return gentle_return.active(); }
-  void go_gently(double speed, const std::vector<double>& reach) {
-    gentle_return.start(*this, speed, reach);
-  }
 
   // Everything that outlives a frame.
   void save(std::vector<double>& out) const;

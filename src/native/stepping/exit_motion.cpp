@@ -108,7 +108,8 @@ void start_exits(System& system, State& state) {
     for (int b = system.world.shapes[in.shape].body; b > 0 && !path[b]; b = system.model.parent[b])
       path[b] = 1;
   for (Drive& d : system.drives)
-    if (comes_out(system, d) && !d.gentle()) d.go_gently(tune::kReturnSpeed, system.joint_reach);
+    if (comes_out(system, d) && !d.gentle())
+      d.gentle_return.start(d, tune::kReturnSpeed, system.joint_reach);
 }
 
 void end_gentle_frame(System& system, const State& state) {

@@ -52,7 +52,7 @@ void Snapshot::load(const std::vector<double>& numbers) {
   in = kinematic.load(in);
   if (system.prescribed != Prescribed::No) in = prescribed.load(world, in);
   for (Drive& d : system.drives)
-    if (d.gentle()) d.go_gently(tuning::stepping::kReturnSpeed, system.joint_reach);
+    if (d.gentle()) d.gentle_return.start(d, tuning::stepping::kReturnSpeed, system.joint_reach);
   data.cache.load(in);
   state.update_pose(system);
 }
@@ -75,7 +75,7 @@ void Snapshot::adopt_drives(const Snapshot& old) {
     std::vector<double> state;
     old.system.drives[p].save(state);
     d.load(state.data());
-    if (d.gentle()) d.go_gently(tuning::stepping::kReturnSpeed, system.joint_reach);
+    if (d.gentle()) d.gentle_return.start(d, tuning::stepping::kReturnSpeed, system.joint_reach);
   }
 }
 

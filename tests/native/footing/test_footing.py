@@ -291,9 +291,10 @@ def test_who_is_pushed_aside_steps_there_and_back():
     up = ankles[..., 2] - ankles[0, :, 2]
     assert up.max() > 0.02  # a foot was lifted
     assert not ((up > 0.02).all(axis=1)).any()  # never both
-    home = ankles[-1, :, :2] - BODY.joints(result.reference)[-1][
-        [hp.JOINT_NAMES.index(f"{s}_ankle") for s in SIDES], :2
-    ]
+    home = (
+        ankles[-1, :, :2]
+        - BODY.joints(result.reference)[-1][[hp.JOINT_NAMES.index(f"{s}_ankle") for s in SIDES], :2]
+    )
     assert np.linalg.norm(home, axis=1).max() < 0.04  # the feet are where they belong
     assert not len(result.breaches)
 

@@ -1,0 +1,85 @@
+#include "footing/underfoot.h"
+
+#include "tuning.h"
+
+namespace hp {
+
+namespace tune = tuning::footing;
+
+void Underfoot::find(const CollisionWorld& world, Poses& poses, const FootingModel& model,
+                     const Stance& stance, const Footwork& work, Vec3 displaced, double height,
+                     Bearing& bearing) {
+  SurfaceBelow below(world);
+  size_t i = 0;
+  ground.clear();
+  feet.assign(model.legs.size(), {});
+  bearing.points.assign(stance.points.size(), {});
+  for (size_t f = 0; f < model.legs.size(); f++) {
+    // Steps are measured from where the motion has the foot: who stands on one does not climb the next.
+    const Vec3 by = Vec3{displaced.x, displaced.y, height} + work.offset(f);
+    for (size_t n = 0; n < model.legs[f].sole.size(); n++, i++) {
+      const Vec3 x = stance.points[i];
+      const Surface s = below.find_footing(poses, x + by, tune::kStepUp, tune::kDeep);
+      ground.push_back(s.found ? s.height + world.settings.clearance + tune::kSoleGap : -1e300);
+      if (!s.found) continue;
+      bearing.points[i] = {{0, 0, s.height}, s.shape, 1};
+      feet[f].grounded = true;
+      feet[f].lift = std::max(feet[f].lift, ground.back() - x.z);
+    }
+  }
+  // Skin is seen from where contacts hold the person up.
+  find_skin(world, poses, model, stance,
+            {displaced.x, displaced.y, height + std::max(0.0, displaced.z)}, bearing);
+}
+
+// The lift that skin needs which rests on something, or presses on it.
+void Underfoot::find_skin(const CollisionWorld& world, Poses& poses, const FootingModel& model,
+                          const Stance& stance, Vec3 by, Bearing& bearing) {
+  SurfaceBelow below(world);
+  skin_lift_ = -1e300;
+  const size_t soles = stance.points.size() - model.skin.size();
+  for (size_t n = 0; n < model.skin.size(); n++) {
+    const size_t i = soles + n;
+    if (stance.speed[i] > tune::kMoves || model.skin[n].facing(stance.kin).z > -tune::kFaces)
+      continue;
+    const Vec3 x = stance.points[i];
+    const Surface s = below.find(poses, x + by, tune::kPressedIn, tune::kCarries);
+    if (!s.found) continue;
+    bearing.points[i] = {{0, 0, s.height}, s.shape, 1};
+    skin_lift_ = std::max(skin_lift_, s.height + world.settings.clearance - x.z);
+  }
+}
+
+double Underfoot::highest() const {
+  double height = -1e300;
+  for (double z : ground) height = std::max(height, z);
+  return height;
+}
+
+double Underfoot::least_height(const CollisionWorld& world, const FootingModel& model,
+                               const Stance& stance, Vec3 by) {
+  SurfaceBelow below(world);
+  double least = -1e300;
+  auto look = [&](Vec3 x) {
+    const Surface s = below.find_static(x + by, tune::kNotSunk, tune::kDeep);
+    if (s.found) least = std::max(least, s.height + world.settings.clearance - x.z);
+  };
+  const size_t soles = stance.points.size() - model.skin.size();
+  for (size_t n = 0; n < model.skin.size(); n++) look(stance.points[soles + n]);
+  for (const SkinPoint& p : model.hands) look(p.position(stance.kin));
+  return least;
+}
+
+bool Underfoot::lands(const CollisionWorld& world, Poses& poses, const Leg& leg,
+                      const Kinematics& kin, Vec3 by, double turn) {
+  SurfaceBelow below(world);
+  const Vec3 ankle = kin.xpos[leg.ankle];
+  const Mat3 turned = to_matrix(exp_quat({0, 0, turn}));
+  for (const SkinPoint& p : leg.sole) {
+    const Vec3 x = ankle + turned * (p.position(kin) - ankle) + by;
+    if (!below.find(poses, x, tune::kLandsUp, tune::kLandsDown).found) return false;
+  }
+  return true;
+}
+
+}  // namespace hp

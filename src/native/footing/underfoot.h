@@ -1,0 +1,49 @@
+// Underfoot: what is under a person's stance, and how far up it takes each part to stand on it.
+#pragma once
+#include <vector>
+
+#include "footing/bearing.h"
+#include "footing/stance.h"
+#include "footing/surface_below.h"
+
+namespace hp {
+
+class Underfoot {
+ public:
+  struct Foot {
+    double lift = -1e300;   // how far up it must be put to stand on the highest surface there [m]
+    bool grounded = false;  // there is one
+  };
+  std::vector<Foot> feet;  // per leg
+  std::vector<double>
+      ground;  // where each point of the soles is to stand at least [m]; -1e300: anywhere
+
+  // Looks below a stance that is at `displaced` and `height` above the reference [m], with its feet where
+  // `work` has them. What can carry is told to `bearing`.
+  void find(const CollisionWorld& world, Poses& poses, const FootingModel& model,
+            const Stance& stance, const Footwork& work, Vec3 displaced, double height,
+            Bearing& bearing);
+  // The lift of the skin that carries, if any but the feet's does.
+  bool sits() const { return skin_lift_ > -1e300; }
+  double skin_lift() const { return skin_lift_; }
+  // Height of the highest ground under the feet; -1e300: none [m].
+  double highest() const;
+  void restore(double highest) { ground.assign(1, highest); }
+
+  // The least height at which nothing of a stance is in static geometry that is over it when displaced by
+  // `by`; -1e300: any.
+  static double least_height(const CollisionWorld& world, const FootingModel& model,
+                             const Stance& stance, Vec3 by);
+  // Can a foot be put down, moved by `by` and turned about the vertical by `turn`? All of its sole is over
+  // ground that is no stair away.
+  static bool lands(const CollisionWorld& world, Poses& poses, const Leg& leg,
+                    const Kinematics& kin, Vec3 by, double turn);
+
+ private:
+  void find_skin(const CollisionWorld& world, Poses& poses, const FootingModel& model,
+                 const Stance& stance, Vec3 by, Bearing& bearing);
+
+  double skin_lift_ = -1e300;
+};
+
+}  // namespace hp

@@ -911,6 +911,8 @@ constexpr double kSlowsDown = 0.1, kSlowestPace = 0.15;
 
 // Who is farther than the first off the path [m], and has been touched within so long [s], looks for a way round.
 constexpr double kOffPath = 0.5, kTouchedLately = 1.0;
+// Who goes round something goes so much faster than the motion does.
+constexpr double kCatchesUp = 1.25;
 // The middle of a body is a vertical capsule of this radius up to this height [m]; it needs so much room around it,
 // a body's half width with the arms at its sides, and has enough with the last.
 constexpr double kMiddle = 0.08, kChest = 1.4, kBodyRoom = 0.14, kRoomy = 0.3;

@@ -30,7 +30,7 @@ bool Footwork::any() const {
 
 // Where a foot in the air is to be: ahead of the body by half of what it will be left behind.
 Vec3 Footwork::wanted(const Place& place) const {
-  return place.home + capped(0.5 * tune::kStance * speed_, tune::kMostAhead);
+  return place.home + (walks_ ? capped(0.5 * tune::kStance * speed_, tune::kMostAhead) : Vec3{});
 }
 
 // How far a foot is from where it should be, in steps.
@@ -113,6 +113,8 @@ void Footwork::frame(const std::vector<Foot>& feet, bool free, double dt, const 
   spin_ += share * (turned / dt - spin_);
   if (norm2(slid) == 0 && norm(speed_) < tune::kNoSlide) speed_ = {};
   if (turned == 0 && std::fabs(spin_) < tune::kNoSlide) spin_ = 0;
+  walks_ = false;
+  for (const Foot& foot : feet) walks_ |= free && foot.grounded && foot.rests > tune::kAtRestShare;
   if (steps_ >= 0) step(others_stand(feet, (size_t)steps_) ? dt : tune::kInTheAirToo * dt);
   for (size_t f = 0; f < feet.size(); f++) {
     Place& p = places_[f];

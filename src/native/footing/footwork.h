@@ -76,6 +76,7 @@ class Footwork {
   std::vector<Place> places_;
   Vec3 speed_;                   // v
   double spin_ = 0;              // the same about the vertical [rad/s]
+  bool walks_ = false;           // in this frame a foot carries, and nothing else does
   int steps_ = -1;               // the foot that steps
   double time_ = 0, lasts_ = 0;  // of the step so far, and in all [s]
   double share_ = 1;             // of the wanted offset at which there is ground

@@ -47,7 +47,8 @@ void go_round(const System& system, Drive& d, const double* qpos, const double* 
   const Vec3 way{next.x - at.x, next.y - at.y, 0};
   const Vec3 motion = (1 / dt) * (to - load3(d.motion.target().data()));
   const double speed = d.clock.eager() * footing.pace(way) *
-                       (s.root_speed + std::sqrt(motion.x * motion.x + motion.y * motion.y));
+                       std::max(s.root_speed, tune::kCatchesUp * std::sqrt(motion.x * motion.x +
+                                                                           motion.y * motion.y));
   d.motion.goes_round = true;
   d.motion.goes = (speed / std::max(norm(way), tune::kReached)) * way;
 }

@@ -212,17 +212,18 @@ void Footing::find_bearing(const Model& m, const CollisionWorld& world, Vec3 dis
 void Footing::apply(int root_qpos, double* qpos) {
   corrected_ = height_ != 0;
   placed_known_ = true;
+  const Vec3 whole = displaced_ + Vec3{0, 0, height_};
   qpos[root_qpos + 2] += height_;
   for (size_t f = 0; f < model->legs.size(); f++) {
     const Leg::Place to = place(f);
     const Vec3 from = stance_.kin.xpos[model->legs[f].ankle];
-    placed_[f] = to.ankle + displaced_;
+    placed_[f] = to.ankle + whole;
     const bool turned = stance_.feet[f].turns || norm2(left_turn_[f]) > 0;
     const bool moved = to.ankle.x != from.x || to.ankle.y != from.y || to.ankle.z != from.z;
     if (!moved && !turned && !stance_.tilts()) continue;
     const Vec3 reached = model->legs[f].move(stance_.body(), to, qpos);
     const Vec3 made = reached - from;
-    placed_[f] = reached + displaced_;
+    placed_[f] = reached + whole;
     footwork_.reached(f, made);
     lift_[f] = made.z - footwork_.raised(f) - left_up_[f];
     corrected_ = true;

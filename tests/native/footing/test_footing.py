@@ -317,3 +317,25 @@ def test_who_is_turned_off_the_motion_stands_on_level_feet():
     assert sole.min() > -0.0012 + STANDS[0]
     assert np.abs(sole - sole[0]).max() < 0.02
     assert hp.metrics.stance_slide(result).simulated.mean_mm < 1.5  # [mm] a frame
+
+
+def test_who_was_stopped_by_a_table_goes_round_it_and_steps_back_to_the_path():
+    """Blocked, waiting, round the table, and beside the reference that stands meanwhile."""
+    fps = 30.0
+    walked = gait(BODY, Walk(distance=5.0, speed=1.2), fps)
+    still = 240
+    motion = walked.with_frames(
+        np.concatenate([walked.translation, np.repeat(walked.translation[-1:], still, 0)]),
+        np.concatenate([walked.rotations, np.repeat(walked.rotations[-1:], still, 0)]),
+    )
+    scene = floor()
+    scene.add_static("table", hp.Box((0.8, 1.6, 0.75)), position=(2.0, 0.1, 0.375))
+    result = hp.simulate(motion, scene, body=BODY)
+    off = np.linalg.norm((result.motion.translation - result.reference.translation)[:, :2], axis=1)
+    assert off.max() > 3.0
+    assert off[-1] < 0.02
+    # The last two metres the reference stands: the person goes there by steps of its own.
+    back = np.flatnonzero(off > 2.0)[-1]
+    assert np.nanmean(hp.metrics.stance_slide(result).slide[back:]) < 0.004  # [m] a frame
+    assert not result.lost_time.any()
+    assert not len(result.breaches)

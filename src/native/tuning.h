@@ -899,7 +899,7 @@ constexpr double kAims = 0.6;
 // A foot stands for this long between its steps [s], and is put at most so far ahead of the body [m].
 constexpr double kStance = 0.5, kMostAhead = 0.15;
 // Time constant of the speed of a body beside its motion [s]; less than the second is none [m/s, rad/s].
-constexpr double kSlideTime = 0.1, kNoSlide = 1e-3;
+constexpr double kSlideTime = 0.15, kNoSlide = 1e-3;
 // If there is no ground where a step would end it is shortened, by this share at a time.
 constexpr double kShorter = 0.25;
 // A foot whose other one is lifted by the motion comes down so much faster.

@@ -262,7 +262,8 @@ bool Footing::clear_between(const Model& m, int root_qpos, const double* from, c
 void Footing::clear() {
   const size_t legs = model->legs.size();
   height_ = rising_ = 0;
-  corrected_ = placed_known_ = over_ground_ = false;
+  corrected_ = placed_known_ = over_ground_ = on_ground_ = false;
+  under_ = {};
   displaced_ = {};
   bearing.reset();
   way.clear();
@@ -329,8 +330,8 @@ void Footing::save(std::vector<double>& out) const {
   out.push_back(0);
   if (!on()) return;
   out.insert(out.end(), {height_, rising_, corrected_ ? 1.0 : 0.0, placed_known_ ? 1.0 : 0.0,
-                         over_ground_ ? 1.0 : 0.0, under_.highest()});
-  out.insert(out.end(), {displaced_.x, displaced_.y, displaced_.z});
+                         over_ground_ ? 1.0 : 0.0, on_ground_ ? 1.0 : 0.0, under_.highest(),
+                         under_.skin_lift(), displaced_.x, displaced_.y, displaced_.z});
   for (const auto* v : {&lift_, &sinking_, &left_up_}) out.insert(out.end(), v->begin(), v->end());
   for (const auto* v : {&left_turn_, &placed_})
     for (Vec3 x : *v) out.insert(out.end(), {x.x, x.y, x.z});
@@ -348,9 +349,9 @@ const double* Footing::load(const double* in) {
   clear();
   if (!any) return end;
   height_ = in[0], rising_ = in[1], corrected_ = in[2] != 0;
-  placed_known_ = in[3] != 0, over_ground_ = in[4] != 0;
-  under_.restore(in[5]);
-  displaced_ = load3(in + 6), in += 9;
+  placed_known_ = in[3] != 0, over_ground_ = in[4] != 0, on_ground_ = in[5] != 0;
+  under_.restore(in[6], in[7]);
+  displaced_ = load3(in + 8), in += 11;
   for (auto* v : {&lift_, &sinking_, &left_up_})
     for (double& x : *v) x = *in++;
   for (auto* v : {&left_turn_, &placed_})

@@ -28,9 +28,9 @@ bool Footwork::any() const {
   return false;
 }
 
-// Where a foot in the air is to be: ahead of the body by half of what it will be left behind.
+// Where a step is to end: ahead of the body by half of what the foot will be left behind.
 Vec3 Footwork::wanted(const Place& place) const {
-  return place.home + (walks_ ? capped(0.5 * tune::kStance * speed_, tune::kMostAhead) : Vec3{});
+  return place.home + capped(0.5 * tune::kStance * speed_, tune::kMostAhead);
 }
 
 // How far a foot is from where it should be, in steps.
@@ -113,8 +113,8 @@ void Footwork::frame(const std::vector<Foot>& feet, bool free, double dt, const 
   spin_ += share * (turned / dt - spin_);
   if (norm2(slid) == 0 && norm(speed_) < tune::kNoSlide) speed_ = {};
   if (turned == 0 && std::fabs(spin_) < tune::kNoSlide) spin_ = 0;
-  walks_ = false;
-  for (const Foot& foot : feet) walks_ |= free && foot.grounded && foot.rests > tune::kAtRestShare;
+  bool walks = false;  // a foot carries
+  for (const Foot& foot : feet) walks |= free && foot.grounded && foot.rests > tune::kAtRestShare;
   if (steps_ >= 0) step(others_stand(feet, (size_t)steps_) ? dt : tune::kInTheAirToo * dt);
   for (size_t f = 0; f < feet.size(); f++) {
     Place& p = places_[f];
@@ -135,7 +135,7 @@ void Footwork::frame(const std::vector<Foot>& feet, bool free, double dt, const 
       if (p.held && !p.stopped && !steps((int)f) && norm(feet[f].missed) > tune::kStopped)
         stay(p, feet[f].missed);
     } else {
-      const Vec3 way = wanted(p) - p.offset;
+      const Vec3 way = (walks ? wanted(p) : p.home) - p.offset;
       const double most = tune::kGiveUp * dt, turn = tune::kGiveUpTurn * dt;
       p.offset += capped(way, most);
       p.turn -= std::clamp(p.turn, -turn, turn);

@@ -3,17 +3,17 @@
 //
 // Where a foot is put, beside where the body carries it, is a place in two numbers: an offset c along the
 // ground and an angle p about the vertical. Somebody who is pushed, turned, or on the way back to the path moves
-// beside the motion; a foot that rests does not, so that c and p grow the other way. In the air it
-// goes to where it will be needed: ahead of the body by half of what it will be left behind while it stands,
+// beside the motion; a foot that rests does not, so that c and p grow the other way. In the air it goes to
+// where it will be needed, ahead of the body by half of what it will be left behind while it stands:
 //
-//   c -> v kStance / 2    (v: speed of the body beside its motion [m/s], smoothed)
+//   c -> v kStance / 2    (v: speed of the body beside its motion, smoothed [m/s])
 //
 // Who waits stands on both feet: they are put down where they are, level, and that is their place; only of
 // who waits is a foot that something keeps from its place left where it is.
 //
 // What a motion's own steps do not take back, others do: of two feet that rest the one that is
-// farther from where it should be is lifted, as long as the other carries, and put down there. It moves in the world
-// along a path of least jerk, whose end follows the body, and is as fast as it is late.
+// farther from its place is lifted, as long as the other carries, and put down there. It moves in the world along a
+// path of least jerk, whose end follows the body at first.
 #pragma once
 #include <functional>
 #include <vector>
@@ -76,7 +76,6 @@ class Footwork {
   std::vector<Place> places_;
   Vec3 speed_;                   // v
   double spin_ = 0;              // the same about the vertical [rad/s]
-  bool walks_ = false;           // in this frame a foot carries, and nothing else does
   int steps_ = -1;               // the foot that steps
   double time_ = 0, lasts_ = 0;  // of the step so far, and in all [s]
   double share_ = 1;             // of the wanted offset at which there is ground

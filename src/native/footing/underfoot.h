@@ -28,7 +28,11 @@ class Underfoot {
   double skin_lift() const { return skin_lift_; }
   // Height of the highest ground under the feet; -1e300: none [m].
   double highest() const;
-  void restore(double highest) { ground.assign(1, highest); }
+  // What is known of a frame before.
+  void restore(double highest, double skin_lift) {
+    ground.assign(1, highest);
+    skin_lift_ = skin_lift;
+  }
 
   // The least height at which nothing of a stance is in static geometry that is over it when displaced by
   // `by`; -1e300: any.

@@ -909,8 +909,8 @@ constexpr double kSlowsDown = 0.1, kSlowestPace = 0.15;
 
 // way_round.cpp
 
-// Who is farther than the first off the path [m], and has been touched within so long [s], looks for a way round.
-constexpr double kOffPath = 0.5, kTouchedLately = 1.0;
+// Who is farther than this off the path [m], and is touched, looks for a way round.
+constexpr double kOffPath = 0.5;
 // Who goes round something goes so much faster than the motion does.
 constexpr double kCatchesUp = 1.25;
 // The middle of a body is a vertical capsule of this radius up to this height [m]; it needs so much room around it,
@@ -953,7 +953,7 @@ constexpr double kPressureGain = 1e-4, kLeastPressureStep = 1e-6;
 constexpr double kBehind = 0.04, kBlocked = 0.12;
 // A reference slower than this goes nowhere [m/s].
 constexpr double kStill = 0.1;
-// Rate of a clock that is to stop in the middle of a step, until both feet stand.
+// Rate of a clock that is to stop while the motion flies.
 constexpr double kSlowest = 0.1;
 // How fast the rate of a clock grows [1/s]: who goes on at once meets what it waited at with twice its speed.
 constexpr double kSpeedUp = 1.5;

@@ -22,12 +22,6 @@ void Footwork::clear(size_t feet) {
   to_ = {};
 }
 
-bool Footwork::any() const {
-  for (const Place& p : places_)
-    if (p.offset.x != 0 || p.offset.y != 0 || p.turn != 0 || p.raised != 0) return true;
-  return false;
-}
-
 // Where a step is to end: ahead of the body by half of what the foot will be left behind.
 Vec3 Footwork::wanted(const Place& place) const {
   return place.home + capped(0.5 * tune::kStance * speed_, tune::kMostAhead);

@@ -46,7 +46,6 @@ class Footwork {
   double turn(size_t foot) const { return places_[foot].turn; }      // p [rad]
   double raised(size_t foot) const { return places_[foot].raised; }  // of a foot that steps [m]
   bool steps(size_t foot) const { return steps_ == (int)foot; }
-  bool any() const;
   // In this frame it was found elsewhere, and stays there.
   bool stopped(size_t foot) const { return places_[foot].stopped; }
   // The leg reached an offset of `made` only.

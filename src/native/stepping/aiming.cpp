@@ -149,7 +149,7 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
       go_round(system, d, state.qpos.data(), target, dt);
       target_ = state.qpos;
       std::copy_n(target, d.qpos_count(), &target_[d.first_qpos()]);
-      stand(system, state, d, target, dt);
+      place_feet(system, state, d, target, dt);
       target = &target_[d.first_qpos()];
       const double above = state.qpos[d.first_qpos() + 2] - d.motion.target()[2];
       d.sits = d.footing.sits() || (d.sits && d.carried);
@@ -160,7 +160,7 @@ void Aiming::begin(System& system, Data& data, const double* targets, double dt)
 }
 
 // Puts the feet of target_ where they are to be.
-void Aiming::stand(System& system, State& state, Drive& d, const double* asked, double dt) {
+void Aiming::place_feet(System& system, State& state, Drive& d, const double* asked, double dt) {
   const DriveSettings& s = system.drive_settings;
   const double* qpos = state.qpos.data();
   Footing::Frame frame;

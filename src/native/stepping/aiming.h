@@ -29,7 +29,7 @@ class Aiming {
   static std::vector<Depth> depths(const System& system);
   static bool deeper(const std::vector<Depth>& before, const std::vector<Depth>& after, int person);
   bool stand(System& system, State& state);
-  void stand(System& system, State& state, Drive& d, const double* asked, double dt);
+  void place_feet(System& system, State& state, Drive& d, const double* asked, double dt);
   static void restart_world(System& system, State& state);
 
   std::vector<double> target_;

@@ -6,7 +6,8 @@
 //
 //   rate = 1 up to b = kBehind, less and less, 0 from kBlocked on,
 //
-// but at kSlowest at least until the pose is one to stand in. Poses that were asked for meanwhile wait
+// but at kSlowest at least while the motion flies: footing puts feet in the air down. Who is on the way round
+// something does not wait. Poses that were asked for meanwhile wait
 // in a queue, and the person moves through it as time passes for it. Who has waited for kPatience goes
 // on whatever is in the way, until back on the path. It goes on as a person starts to walk: the rate grows by
 // kSpeedUp at most. A clock that never lags changes no bit.

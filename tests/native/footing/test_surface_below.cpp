@@ -4,40 +4,13 @@
 #include <cmath>
 
 #include "check.h"
+#include "static_box.h"
 
 namespace {
 
 using hp::Vec3;
-
-hp::Static box(Vec3 lo, Vec3 hi, bool mesh) {
-  hp::Static s;
-  double xyz[24];
-  for (int i = 0; i < 8; i++) {
-    const Vec3 x{i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z};
-    s.hull.vertices.push_back(x);
-    hp::store3(xyz + 3 * i, x);
-  }
-  s.hull.finish();
-  s.kind = hp::Static::Kind::Hull;
-  if (!mesh) return s;
-  const int faces[] = {0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                       2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5};
-  s.kind = hp::Static::Kind::Mesh;
-  s.tree = hp::TriangleTree::shared(xyz, 8, faces, 12);
-  return s;
-}
-
-// A slope through the origin, and things.
-hp::CollisionWorld world_of(std::vector<hp::Static> things, Vec3 up = {0, 0, 1}) {
-  hp::CollisionWorld world;
-  hp::Static floor;
-  floor.n = up;
-  world.statics = std::move(things);
-  world.statics.push_back(floor);
-  for (hp::Static& s : world.statics)
-    if (s.kind == hp::Static::Kind::Hull) s.posed.place(s.hull, {}, {});
-  return world;
-}
+using static_box::world_of;
+constexpr auto box = static_box::make;
 
 void a_slope_is_as_high_as_its_plane_and_a_wall_is_no_ground() {
   for (double angle : {0.0, 0.3, 0.9}) {

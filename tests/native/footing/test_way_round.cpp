@@ -4,42 +4,15 @@
 #include <cmath>
 
 #include "check.h"
+#include "static_box.h"
 
 namespace {
 
 using hp::Vec3;
+using static_box::world_of;
+constexpr auto box = static_box::make;
 
 constexpr double kDt = 1.0 / 30, kSpeed = 1.2;  // [s], [m/s]
-
-// A box on the floor, as a hull or as triangles.
-hp::Static box(Vec3 lo, Vec3 hi, bool mesh) {
-  hp::Static s;
-  double xyz[24];
-  for (int i = 0; i < 8; i++) {
-    const Vec3 x{i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z};
-    s.hull.vertices.push_back(x);
-    hp::store3(xyz + 3 * i, x);
-  }
-  s.hull.finish();
-  s.kind = hp::Static::Kind::Hull;
-  if (!mesh) return s;
-  const int faces[] = {0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                       2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5};
-  s.kind = hp::Static::Kind::Mesh;
-  s.tree = hp::TriangleTree::shared(xyz, 8, faces, 12);
-  return s;
-}
-
-hp::CollisionWorld world_of(std::vector<hp::Static> statics) {
-  hp::CollisionWorld world;
-  hp::Static floor;
-  floor.n = {0, 0, 1};
-  world.statics = std::move(statics);
-  world.statics.push_back(floor);
-  for (hp::Static& s : world.statics)
-    if (s.kind == hp::Static::Kind::Hull) s.posed.place(s.hull, {}, {});
-  return world;
-}
 
 // Distance from a box in the plane; 0 inside.
 double apart(Vec3 x, Vec3 lo, Vec3 hi) {

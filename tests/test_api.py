@@ -15,7 +15,7 @@ HEAVY = ("mujoco", "trimesh", "viser", "scipy", "tyro", "yaml", "PIL")
 NAMES = """
 JOINT_NAMES Body Box Capsule Cylinder HalfPhysicsError HalfPhysicsWarning Mesh Motion Plane Pose
 Result Scene Sequence Settings Simulator Sphere __version__ attach baselines clips errors export
-load_sequence metrics scenarios simulate simulate_many support
+adapt load_sequence metrics scenarios simulate simulate_many support
 view
 """
 
@@ -38,7 +38,8 @@ PARAMETERS = {
     "Motion.rebased": "self body up",
     "clips": "path",
     "export": "what path * body fps",
-    "load_sequence": "path assets * objects fps up hands model gender frames clip",
+    "adapt": "motion scene body recorded * settings",
+    "load_sequence": "path assets * objects adapt fps up hands model gender frames clip",
     "Pose": "translation rotations axes",
     "Body.default": "betas stature mass",
     "Body.load": "path betas gender * model v_template mass",

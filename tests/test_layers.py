@@ -23,8 +23,9 @@ LAYERS = {
     "settings": "errors base motion body",
     "scene": "errors base motion geometry body",
     "results": "errors base motion body settings scene",
+    "adaptation": "errors base motion geometry body settings scene results",
     "support": "errors base motion geometry body scene results _native",
-    "simulation": "errors base motion geometry body settings scene results _native",
+    "simulation": ("errors base motion geometry body settings scene results adaptation _native"),
     "reference": "base motion settings _native",
     "metrics": "errors base motion geometry body scene results simulation support _native",
     "baselines": (
@@ -32,7 +33,8 @@ LAYERS = {
         "_native"
     ),
     "formats": (
-        "errors base motion geometry body settings scene results simulation baselines __version__"
+        "errors base motion geometry body settings scene results adaptation simulation baselines "
+        "__version__"
     ),
     "render": "errors base motion geometry body scene results _render",
     "writers": "errors base motion geometry body scene results simulation render __version__",

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from halfphysics import baselines, errors, metrics, scenarios, support
+    from halfphysics.adaptation.adapt import adapt
     from halfphysics.body.body import Body
     from halfphysics.errors import HalfPhysicsError, HalfPhysicsWarning
     from halfphysics.formats import load_sequence
@@ -54,6 +55,7 @@ __all__ = [
     "Simulator",
     "Sphere",
     "__version__",
+    "adapt",
     "attach",
     "baselines",
     "clips",
@@ -76,6 +78,7 @@ _FROM: dict[str, str | None] = {
     "scenarios": None,
     "support": None,
     "JOINT_NAMES": "motion.skeleton",
+    "adapt": "adaptation.adapt",
     "Body": "body.body",
     "Box": "geometry.shapes",
     "Capsule": "geometry.shapes",

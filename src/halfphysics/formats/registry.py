@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from halfphysics.base.reader_warnings import warn
 from halfphysics.base.suggestions import did_you_mean
 from halfphysics.base.validation import body as checked_body
 from halfphysics.base.validation import file_path, frame_rate, shown
@@ -107,6 +109,7 @@ def load_sequence(
     assets: Assets = None,
     *,
     objects: str = "free",
+    adapt: bool = True,
     fps: float | None = None,
     up: str | None = None,
     hands: str | None = None,
@@ -124,6 +127,9 @@ def load_sequence(
         objects: "free": dynamic, from their recorded poses at the first frame;
             "replayed": kinematic along the recorded trajectory. `Sequence.recorded` has the
             recorded trajectory in both cases.
+        adapt: Where recorded hands hold a free object they are brought onto it and press
+            (`halfphysics.adapt`; `Sequence.adaptations` has the motion as recorded). False: the
+            motion stays as it is.
 
     Returns:
         A `Sequence`; for a format without objects, the motion with an empty scene.
@@ -138,9 +144,28 @@ def load_sequence(
         raise InputError(f"objects: found {shown(objects)}, expected 'free' or 'replayed'")
     options = _options(fps, up, hands, model, gender, frames, clip, assets, objects)
     source, format, options = _found(path, options)
-    if format.load_sequence is not None:
-        return format.load_sequence(source, options)
-    return Sequence(format.load(source, options), Scene())
+    if format.load_sequence is None:
+        return Sequence(format.load(source, options), Scene())
+    sequence = format.load_sequence(source, options)
+    return _adapted(sequence, source.path) if adapt and objects == "free" else sequence
+
+
+def _adapted(sequence: Sequence, path: Path) -> Sequence:
+    """The sequence with every person's hands at what they hold."""
+    from halfphysics.adaptation.adapt import adapt
+
+    if not sequence.recorded:
+        return sequence
+    found = tuple(
+        adapt(motion, sequence.scene, body, sequence.recorded, settings=sequence.settings)
+        for motion, body in zip(sequence.motions, sequence.bodies, strict=True)
+    )
+    if not any(each.holds for each in found):
+        return sequence
+    warn(f"{path}: {'; '.join(each.summary() for each in found if each.holds)}")
+    motions = tuple(each.motion for each in found)
+    whole = motions[0] if isinstance(sequence.motion, Motion) else motions
+    return dataclasses.replace(sequence, motion=whole, adaptations=found)
 
 
 def save_motion(

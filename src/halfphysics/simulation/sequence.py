@@ -10,6 +10,7 @@ from halfphysics.motion.motion import Motion
 from halfphysics.settings import Settings
 
 if TYPE_CHECKING:
+    from halfphysics.adaptation.adapt import Adaptation
     from halfphysics.body.body import Body
     from halfphysics.results.result import ObjectTrack
     from halfphysics.scene.scene import Scene
@@ -27,6 +28,9 @@ class Sequence:
         settings: How to simulate it.
         recorded: Name of an object -> how it moved in the data set, frame by frame of the motion;
             empty where nothing was recorded.
+        adaptations: Of every person whose motion was adapted to what it held, in the order of
+            `motions`, how (`halfphysics.adaptation.adapt.Adaptation`: with the motion as it was
+            recorded); empty where nothing was adapted.
     """
 
     motion: Motion | tuple[Motion, ...]
@@ -34,6 +38,7 @@ class Sequence:
     body: Body | tuple[Body, ...] | None = None
     settings: Settings = field(default_factory=Settings)
     recorded: Mapping[str, ObjectTrack] = field(default_factory=dict)
+    adaptations: tuple[Adaptation, ...] = ()
 
     @property
     def motions(self) -> tuple[Motion, ...]:

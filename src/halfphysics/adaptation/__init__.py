@@ -1,0 +1,1 @@
+"""Recorded hands hold recorded things: a motion is fitted to what it was recorded with."""

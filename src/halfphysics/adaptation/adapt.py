@@ -1,0 +1,283 @@
+"""Adapt a recorded motion to the things that it held: contact kept, and a grip that bears the load.
+
+A recording is off by centimetres between hand and thing, and knows no forces. Played in a physics
+simulation, its hands slip along things or push them away. Where recorded hands hold a recorded
+thing, they are moved onto its surface, smoothly, and press with what the load needs. The thing's
+own motion is never touched: friction lifts it, or does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.adaptation import arm_pose, press
+from halfphysics.adaptation.fingers import closed
+from halfphysics.adaptation.grips import Place, fingers_at, fingers_known, places
+from halfphysics.adaptation.hands import SIDES, Hand
+from halfphysics.adaptation.recorded_holds import RecordedHold, recorded_holds
+from halfphysics.adaptation.thing import Thing
+from halfphysics.adaptation.timing import Timing
+from halfphysics.base import rotations as rot
+from halfphysics.body.joint_ranges import JointRanges, from_swing_twist
+from halfphysics.errors import InputError
+
+if TYPE_CHECKING:
+    from halfphysics.body.body import Body
+    from halfphysics.motion.motion import Motion
+    from halfphysics.results.result import ObjectTrack
+    from halfphysics.scene.scene import Scene
+    from halfphysics.settings import Settings
+
+Array = NDArray[np.float64]
+
+#: A palm comes to the surface from so far [m].
+_OPEN = 0.03
+#: Palms touch at this distance from the surface [m]: contact keeps so much clear.
+_CLEARANCE = 0.001
+#: Forces against what friction needs, at least and at most [N].
+_MARGIN, _LEAST_FORCE, _MOST_FORCE = 2.0, 25.0, 150.0
+#: Radius at which a flat hand's friction holds against turning [m].
+_PALM = 0.05
+#: Fingers that hold a thing alone flex by this beyond where they touch [rad].
+_SQUEEZE = 0.15
+#: Accelerations of the recorded thing are taken over this time [s]: sensors shake.
+_SMOOTH = 0.2
+#: Nothing is held where something is farther from the origin than this [m]: a damaged file.
+_FAR = 1e5
+#: Friction of people's skin (`halfphysics.scene.material_pairs`).
+_SKIN = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptedHold:
+    """One thing held by one person, as adapted.
+
+    Attributes:
+        object: Name of the thing.
+        parts: Joints that hold it: wrists.
+        first: Frame in which the hands press.
+        last: Last frame in which they do.
+        force: What each hand presses with [N].
+        moved: How far each palm was moved from where it was recorded [m], medians over the hold.
+    """
+
+    object: str
+    parts: tuple[str, ...]
+    first: int
+    last: int
+    force: float
+    moved: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Adaptation:
+    """A motion that holds what it was recorded with.
+
+    Attributes:
+        motion: The adapted motion.
+        recorded: The motion as recorded.
+        holds: What is held, in the order of time.
+    """
+
+    motion: Motion
+    recorded: Motion
+    holds: tuple[AdaptedHold, ...]
+
+    def summary(self) -> str:
+        """What was adapted and by how much, in one line."""
+        if not self.holds:
+            return "nothing is held: the motion is as recorded"
+        told = []
+        for hold in self.holds:
+            names = " and ".join(part.split("_")[0] for part in hold.parts)
+            palms = " and ".join(f"{100.0 * moved:.1f}" for moved in hold.moved)
+            told.append(
+                f"{hold.object} from {hold.first / self.motion.fps:.1f} to "
+                f"{hold.last / self.motion.fps:.1f} s in the {names} hand, "
+                f"palms moved by {palms} cm, pressing with {hold.force:.0f} N"
+            )
+        return f"hands adapted to what they hold: {'; '.join(told)}"
+
+
+def adapt(
+    motion: Motion,
+    scene: Scene,
+    body: Body | None = None,
+    recorded: Mapping[str, ObjectTrack] | None = None,
+    *,
+    settings: Settings | None = None,
+) -> Adaptation:
+    """Adapt a recorded motion to the things that it held.
+
+    Args:
+        motion: The recorded motion, T frames.
+        scene: With the recorded things as objects.
+        body: The person's body; None: the default body.
+        recorded: Name of an object -> its recorded poses, T frames.
+        settings: How it will be simulated: the drive that presses. None: the defaults.
+
+    Raises:
+        InputError: A track of another length than the motion.
+    """
+    from halfphysics.body.body import Body
+    from halfphysics.settings import Settings
+
+    body = Body.default() if body is None else body
+    settings = Settings() if settings is None else settings
+    hands = [hand for side in SIDES if (hand := Hand.of(body, side)) is not None]
+    out, holds = motion, []
+    for name, track in (recorded or {}).items():
+        if len(track) != len(motion):
+            raise InputError(
+                f"recorded: {name!r} has {len(track)} frames, expected {len(motion)} as the motion"
+            )
+        far = max(np.abs(track.position).max(), np.abs(motion.translation).max())
+        if name not in scene.objects or far > _FAR:
+            continue
+        thing = Thing.of(scene.objects[name], track)
+        friction = min(_SKIN, thing.item.friction)
+        for hold in recorded_holds(motion, body, hands, thing):
+            its = places(motion, body, hold, friction)
+            force = _force(hold, its, friction, motion.fps, scene.gravity)
+            moved = []
+            for place, arrives in zip(its, hold.arrives, strict=True):
+                out, away = _held(out, body, hold, place, arrives, force, settings)
+                moved.append(away)
+            parts = tuple(f"{place.hand.side}_wrist" for place in its)
+            holds.append(AdaptedHold(name, parts, hold.first, hold.last, force, tuple(moved)))
+    return Adaptation(out, motion, tuple(sorted(holds, key=lambda h: h.first)))
+
+
+def _force(
+    hold: RecordedHold, its: tuple[Place, ...], friction: float, fps: float, gravity: Array
+) -> float:
+    """What each hand presses with, so that friction bears weight and recorded acceleration [N]."""
+    if len(its) < 2:
+        return 0.0
+    frames = slice(hold.first, hold.last + 1)
+    centre = hold.thing.centre[frames]
+    load = float(np.linalg.norm(gravity))
+    span = max(1, round(_SMOOTH * fps))
+    if len(centre) > 2 * span:
+        second = (centre[2 * span :] - 2.0 * centre[span:-span] + centre[: -2 * span]) * (
+            fps / span
+        ) ** 2
+        load = float(np.linalg.norm(second - gravity, axis=1).max())
+    mass = hold.thing.item.mass
+    slides = mass * load / (len(its) * max(friction, 1e-3))
+    # What hangs beside the line between the hands turns about it: the palms' friction holds that.
+    lever = hold.thing.item.com - its[0].point
+    lever = lever - (lever @ its[0].presses) * its[0].presses
+    up = np.einsum("tji,j->ti", hold.thing.turn[frames], [0.0, 0.0, 1.0])
+    beside = float(np.linalg.norm(lever - (up @ lever)[:, None] * up, axis=1).max())
+    turns = mass * load * beside / (len(its) * max(friction, 1e-3) * _PALM)
+    return float(np.clip(_MARGIN * max(slides, turns), _LEAST_FORCE, _MOST_FORCE))
+
+
+def _held(
+    motion: Motion,
+    body: Body,
+    hold: RecordedHold,
+    place: Place,
+    arrives: int,
+    force: float,
+    settings: Settings,
+) -> tuple[Motion, float]:
+    """The motion with one hand at its place on the thing; how far its palm was moved [m]."""
+    hand = place.hand
+    timing = Timing.of(hold, arrives, len(motion), motion.fps)
+    frames = np.flatnonzero(timing.share > 0.0)
+    turn, wrist, away = _reached(motion, body, hold, place, timing, frames)
+    rotations = np.array(motion.rotations)
+    rows = np.ix_(frames, np.array(hand.arm))
+    rotations[rows] = arm_pose.moved(motion, body, hand, frames, wrist, turn)
+    motion = motion.with_frames(motion.translation, rotations)
+    motion = _closed(motion, body, hold, place, timing)
+    pressing = np.flatnonzero(timing.presses > 0.0)
+    if place.grasps or settings.drive_time is None or not len(pressing):
+        return motion, away
+    push = timing.presses[pressing, None] * force * (hold.thing.turn[pressing] @ place.presses)
+    rotations = np.array(motion.rotations)
+    rotations[np.ix_(pressing, np.array(hand.pressing))] = press.pressed(
+        motion, body, hand, pressing, push,
+        stiffness=_stiffness(settings), time=settings.drive_time,
+    )  # fmt: skip
+    return motion.with_frames(motion.translation, rotations), away
+
+
+def _reached(
+    motion: Motion,
+    body: Body,
+    hold: RecordedHold,
+    place: Place,
+    timing: Timing,
+    frames: NDArray[np.int64],
+) -> tuple[Array, Array, float]:
+    """Where a hand is to be, in the world: as recorded but for a constant shift, and at its place.
+
+    Args:
+        motion, body, hold, place: What is held, how.
+        timing: How far it is there, frame by frame.
+        frames: Frames (n,).
+
+    Returns:
+        Rotations of the hand (n, 3, 3), positions of the wrist (n, 3) [m], and how far the palm was
+        moved [m], the median over the hold.
+    """
+    hand, world = place.hand, hold.thing.turn[frames]
+    position, quaternion = (x[frames] for x in body.joint_frames(motion))
+    turn = rot.to_matrix(quaternion[:, hand.wrist])
+    palm = position[:, hand.wrist] + turn @ hand.palm
+    at = hold.thing.position[frames]
+    seen = np.einsum("tji,tj->ti", world, palm - at)
+    seen_turn = np.swapaxes(world, 1, 2) @ turn
+    held = timing.fixed[frames, None]
+    to = seen + place.point - place.seen
+    # A palm comes along the surface's normal; around a thing that is grasped, fingers close.
+    apart = 0.0 if place.grasps else _OPEN * (1.0 - timing.closed[frames, None])
+    to = to + held * (place.point - to) + (_CLEARANCE + apart) * place.normal
+    shifted = place.turn @ place.seen_turn.T @ seen_turn
+    rest = rot.matrix_to_rotvec(place.turn @ np.swapaxes(shifted, 1, 2))
+    to_turn = world @ rot.rotvec_to_matrix(held * rest) @ shifted
+    to = at + np.einsum("tij,tj->ti", world, to)
+    part = timing.share[frames, None]
+    way = rot.matrix_to_rotvec(to_turn @ np.swapaxes(turn, 1, 2))
+    turn = rot.rotvec_to_matrix(part * way) @ turn
+    during = (frames >= hold.first) & (frames <= hold.last)
+    away = float(np.median(np.linalg.norm(to - palm, axis=1)[during]))
+    palm = palm + part * (to - palm)
+    return turn, palm - turn @ hand.palm, away
+
+
+def _closed(motion: Motion, body: Body, hold: RecordedHold, place: Place, timing: Timing) -> Motion:
+    """The motion with the fingers of a hand around what it holds."""
+    known = fingers_known(motion, place.hand)
+    start = fingers_at(motion, place, hold.middle)
+    around = closed(body, hold.thing, place, start, known)
+    ranges = JointRanges.of(body)
+    frames = np.flatnonzero(timing.share > 0.0)
+    axes = ranges.axes[around.joints]
+    recorded = ranges.angles(motion.rotations[frames])[:, around.joints]
+    share, closes, presses = (
+        x[frames, None, None] for x in (timing.share, timing.closed, timing.presses)
+    )
+    target = around.angles + _SQUEEZE * presses * around.presses
+    if around.opened is None:
+        mixed = recorded + share * closes * (target - recorded)
+    else:
+        target = around.opened + closes * (target - around.opened)
+        mixed = recorded + share * (target - recorded)
+    rotations = np.array(motion.rotations)
+    rotations[np.ix_(frames, around.joints)] = from_swing_twist(mixed, axes)
+    return motion.with_frames(motion.translation, rotations)
+
+
+def _stiffness(settings: Settings) -> float:
+    """lambda of an arm."""
+    value = settings.stiffness
+    return float(value) if isinstance(value, (int, float)) else 1.0

@@ -1,0 +1,83 @@
+"""A recorded thing: its surface, and how it moved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from halfphysics.base import rotations as rot
+from halfphysics.geometry.mesh_queries import MeshQuery
+
+if TYPE_CHECKING:
+    from halfphysics.results.result import ObjectTrack
+    from halfphysics.scene.items import Object
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Thing:
+    """An object of a scene with its recorded poses.
+
+    Attributes:
+        name: Its name in the scene.
+        item: The object.
+        position: Of its frame (T, 3) [m].
+        turn: Of its frame, world from object (T, 3, 3).
+    """
+
+    name: str
+    item: Object
+    position: Array
+    turn: Array
+
+    @classmethod
+    def of(cls, item: Object, track: ObjectTrack) -> Thing:
+        """An object and its recorded track."""
+        return cls(item.name, item, track.position, rot.to_matrix(track.quaternion))
+
+    @cached_property
+    def _triangles(self) -> tuple[Array, NDArray[np.int32]]:
+        """Corners (V, 3) and faces (F, 3) of its surface as given, in its own frame."""
+        cut = self.item.decomposition is not None and self.item.visual is not None
+        shape = self.item.visual if cut else self.item.shape
+        assert shape is not None
+        return shape.triangles()
+
+    @cached_property
+    def surface(self) -> MeshQuery:
+        """Answers where its surface is."""
+        return MeshQuery(*self._triangles)
+
+    @cached_property
+    def normals(self) -> Array:
+        """Outward unit normals of the faces of `surface` (F, 3)."""
+        vertices, faces = self._triangles
+        a, b, c = (vertices[faces[:, k]] for k in range(3))
+        across = np.cross(b - a, c - a)
+        lengths = np.linalg.norm(across, axis=1, keepdims=True)
+        result: Array = across / np.maximum(lengths, 1e-300)
+        return result
+
+    @cached_property
+    def centre(self) -> Array:
+        """Its centre of mass in the world (T, 3) [m]."""
+        result: Array = self.position + self.turn @ self.item.com
+        return result
+
+    def seen(self, points: Array) -> Array:
+        """World points (T, n, 3) in the thing's frame of each frame."""
+        result: Array = (points - self.position[:, None]) @ self.turn
+        return result
+
+    def gaps(self, points: Array) -> Array:
+        """Distance of points (..., 3) of its frame from the surface [m], negative inside."""
+        flat = np.ascontiguousarray(points.reshape(-1, 3))
+        away = self.surface.closest(flat)[0]
+        signed = np.where(self.surface.inside(flat), -away, away)
+        result: Array = signed.reshape(points.shape[:-1])
+        return result

@@ -1,0 +1,85 @@
+"""When a hand comes, closes, presses, lets go and leaves: shares of the adaptation over time.
+
+comes      - 0.5 s to - 0.1 s before it is near: from its recorded way to that way, shifted
+closes     0.25 s until it touches: the palm comes to the surface, the fingers around it
+presses    0.1 s, full 0.1 s before the thing moves
+lets go    0.07 s after the hold, then the palm leaves the surface in 0.15 s
+leaves     within 0.4 s it is on its recorded way again
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from halfphysics.adaptation.recorded_holds import RecordedHold
+
+Array = NDArray[np.float64]
+
+#: A hand leaves its recorded way so long before it is near the thing, is on its shifted way so long
+#: before that, and is back on its recorded way so long after it left [s].
+COMES, BEFORE, GOES = 0.5, 0.1, 0.5
+#: It closes, and opens, in this time [s].
+CLOSES, OPENS = 0.3, 0.3
+#: It presses with full force this long before the thing moves, after a rise of as long [s].
+AHEAD = 0.15
+#: It lets go within this time [s].
+LETS_GO = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Timing:
+    """Shares from 0 to 1 of every frame (T,).
+
+    Attributes:
+        share: Of the adaptation: 0 where the motion is as recorded.
+        fixed: How far the hand stands still on the thing, rather than going its recorded way.
+        closed: How far the hand is closed.
+        presses: How much of its force it presses with.
+    """
+
+    share: Array
+    fixed: Array
+    closed: Array
+    presses: Array
+
+    @classmethod
+    def of(cls, hold: RecordedHold, arrives: int, frames: int, fps: float) -> Timing:
+        """The timing of one hand of a hold.
+
+        Args:
+            hold: What is held, and when.
+            arrives: The frame from which on the hand is near the thing.
+            frames: T, of the motion.
+            fps: Frame rate [1/s].
+        """
+        time = np.arange(frames) / fps
+        touches = hold.first / fps - 2.0 * AHEAD
+        if touches > 0.0:
+            comes = min(arrives / fps, touches - CLOSES)
+            share = ease((time - (comes - COMES)) / (COMES - BEFORE))
+            closed = ease((time - (touches - CLOSES)) / CLOSES)
+            presses = ease((time - touches) / AHEAD)
+        else:  # held from the start
+            share, closed = np.ones(frames), np.ones(frames)
+            presses = ease(time / max(hold.first / fps, AHEAD))
+        fixed = closed.copy()
+        if not hold.kept:
+            after = time - hold.last / fps
+            presses *= 1.0 - ease(after / LETS_GO)
+            opens = 1.0 - ease((after - LETS_GO) / OPENS)
+            fixed *= opens
+            closed *= opens
+            share *= 1.0 - ease((after - LETS_GO - 0.5 * OPENS) / GOES)
+        return cls(share, fixed * share, closed, presses * share)
+
+
+def ease(x: Array) -> Array:
+    """0 below 0, 1 above 1, between them the way of least jerk."""
+    x = np.clip(x, 0.0, 1.0)
+    result: Array = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    return result

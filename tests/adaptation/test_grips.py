@@ -1,0 +1,80 @@
+"""Where hands hold a thing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from halfphysics.adaptation.fingers import thumb_aside
+from halfphysics.adaptation.grips import fingers_at, fingers_known, places
+from halfphysics.adaptation.hands import SIDES, Hand
+from halfphysics.adaptation.recorded_holds import recorded_holds
+from halfphysics.adaptation.thing import Thing
+
+#: Points are on the surface, and palms flat on it, to this [m] and [rad].
+ON, FLAT = 1e-9, 1e-6
+FRICTION = 0.8
+
+
+def held(recording, name):
+    body = recording.body
+    thing = Thing.of(recording.scene.objects[name], recording.recorded[name])
+    hands = [Hand.of(body, side) for side in SIDES]
+    (hold,) = recorded_holds(recording.motion, body, hands, thing)
+    return hold, places(recording.motion, body, hold, FRICTION)
+
+
+def test_two_palms_lie_flat_on_opposite_sides(carry):
+    hold, its = held(carry, "suitcase")
+    for place in its:
+        assert np.abs(hold.thing.gaps(place.point[None])).max() < ON
+        faces = place.turn @ [0.0, -1.0, 0.0]
+        assert np.arccos(np.clip(-faces @ place.normal, -1.0, 1.0)) < FLAT
+        assert np.abs(place.turn @ place.turn.T - np.eye(3)).max() < 1e-12
+    a, b = its
+    assert a.presses @ b.presses == pytest.approx(-1.0)
+
+
+def test_the_line_between_two_palms_is_in_both_cones(carry):
+    _, its = held(carry, "suitcase")
+    for place in its:
+        assert -place.presses @ place.normal > np.cos(np.arctan(FRICTION))
+
+
+def test_palms_stay_where_they_were_recorded(carry):
+    """Off by 2 cm of noise, moved by no more than that and what a palm is from its own middle."""
+    _, its = held(carry, "suitcase")
+    for place in its:
+        assert np.linalg.norm(place.point - place.seen) < 0.045
+
+
+def test_a_grasping_hand_is_moved_back_by_the_noise_across_the_glass(grasp):
+    """Along a cylinder nothing tells where the hand was."""
+    hold, (place,) = held(grasp, "glass")
+    assert place.grasps
+    moved = place.point - place.seen
+    up = hold.thing.turn[hold.middle].T @ [0.0, 0.0, 1.0]
+    across = moved - (moved @ up) * up
+    assert np.linalg.norm(across) < 0.045
+    assert np.allclose(place.turn, place.seen_turn)
+
+
+def test_fingers_that_were_not_recorded_are_known_not_to_be(carry, grasp):
+    body = carry.body
+    hand = Hand.of(body, "right")
+    assert not fingers_known(carry.motion, hand)
+    assert fingers_known(grasp.motion, hand)
+    hold, (place,) = held(grasp, "glass")
+    kept = grasp.motion.rotations[hold.middle, list(hand.fingers)]
+    assert np.array_equal(fingers_at(grasp.motion, place, hold.middle), kept)
+
+
+def test_a_thumb_aside_is_in_the_plane_of_the_palm(carry):
+    from halfphysics.base import rotations as rot
+    from halfphysics.motion.skeleton import JOINT_INDEX
+
+    rest = carry.body.rest_joints
+    for side in SIDES:
+        first, last = (rest[JOINT_INDEX[f"{side}_thumb{k}"]] for k in (1, 3))
+        along = rot.rotvec_to_matrix(thumb_aside(carry.body, side)) @ (last - first)
+        assert abs(along[1]) < 1e-9

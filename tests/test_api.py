@@ -40,7 +40,7 @@ PARAMETERS = {
     "export": "what path * body fps",
     "load_sequence": "path assets * objects fps up hands model gender frames clip",
     "Pose": "translation rotations axes",
-    "Body.default": "betas stature mass",
+    "Body.default": "betas stature mass bones",
     "Body.load": "path betas gender * model v_template mass",
     "Body.joints": "self motion",
     "Body.vertices": "self motion frames * indices threads",

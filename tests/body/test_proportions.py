@@ -247,6 +247,8 @@ WRONG: dict[str, tuple[Any, str]] = {
     "no length": (changed("left_knee", 0.0), "left_hip to left_knee: found 0 m, expected 0.099"),
     "millimetres": (changed("left_wrist", [250.0, 0, 0]), "left_elbow to left_wrist: .*metres?"),
     "ones": (np.ones((55, 3)), "bones: pelvis to .*found 1.73 m"),
+    "z up": (elsewhere()[:, [2, 0, 1]], "bones: found a trunk turned by .* y up, z forward"),
+    "sides swapped": (elsewhere() * [-1, 1, 1], "bones: found a trunk turned by 1.. degrees"),
     "a giant": (elsewhere(2.2), "bones: found those of a person of 3.* m, expected 0.4 to 2.8"),
 }
 

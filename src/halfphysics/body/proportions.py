@@ -39,6 +39,8 @@ Array = NDArray[np.float64]
 #: A given bone may be this much shorter or longer than the body's own: those of the spine are cut
 #: at other places in other models, by a factor of two.
 RATIOS = (0.25, 4.0)
+#: Largest turn of the trunk [rad]: beyond it the bones are in another frame.
+LARGEST_TURN = 1.0
 #: Offsets shorter than this [m] have no direction.
 _SHORT = 1e-6
 
@@ -97,7 +99,8 @@ def checked_bones(bones: ArrayLike, joints: Array) -> Array:
         joints: Joints of the body at rest (55, 3) [m].
 
     Raises:
-        InputError: Not (55, 3) numbers, infinite, half a row, or a bone that nobody has.
+        InputError: Not (55, 3) numbers, infinite, half a row, a bone that nobody has, or a trunk
+            that is not upright.
     """
     try:
         given = np.array(bones, dtype=np.float64)
@@ -116,8 +119,8 @@ def checked_bones(bones: ArrayLike, joints: Array) -> Array:
             f"bones: {JOINT_NAMES[joint]}: found {given[joint].tolist()}, expected three finite "
             "numbers, or three NaN where nothing is known"
         )
-    own = np.linalg.norm(_offsets(joints), axis=1)
-    lengths = np.linalg.norm(given, axis=1)
+    offsets = _offsets(joints)
+    own, lengths = np.linalg.norm(offsets, axis=1), np.linalg.norm(given, axis=1)
     for joint in range(1, N_JOINTS):
         low, high = RATIOS[0] * own[joint], RATIOS[1] * own[joint]
         if own[joint] > _SHORT and known[joint, 0] and not low <= lengths[joint] <= high:
@@ -125,6 +128,14 @@ def checked_bones(bones: ArrayLike, joints: Array) -> Array:
                 f"bones: {JOINT_NAMES[PARENTS[joint]]} to {JOINT_NAMES[joint]}: found "
                 f"{lengths[joint]:.3g} m, expected {low:.2g} to {high:.2g} m; is it in metres?"
             )
+    there = known[:, 0] & (np.arange(N_JOINTS) > 0)
+    turn = _trunk(joints, offsets, given, there, _size(offsets, given, there)).turn
+    angle = np.arccos(np.clip(0.5 * (np.trace(turn) - 1.0), -1.0, 1.0))
+    if angle > LARGEST_TURN:
+        raise InputError(
+            f"bones: found a trunk turned by {np.degrees(angle):.0f} degrees, expected one at "
+            "rest: y up, z forward, x to the person's left"
+        )
     return given
 
 

@@ -41,7 +41,7 @@ PARAMETERS = {
     "adapt": "motion scene body recorded * settings",
     "load_sequence": "path assets * objects adapt fps up hands model gender frames clip",
     "Pose": "translation rotations axes",
-    "Body.default": "betas stature mass",
+    "Body.default": "betas stature mass bones",
     "Body.load": "path betas gender * model v_template mass",
     "Body.joints": "self motion",
     "Body.vertices": "self motion frames * indices threads",

@@ -59,6 +59,8 @@ class Body:
             basis of all data that must not depend on the shape.
         mean_joints: Joints of the mean shape [m], shape (55, 3), or None.
         given_mass: Mass of the whole person [kg] that was asked for; None: by volume.
+        given_bones: Bones that were asked for, shape (55, 3) [m], NaN where nothing was; None:
+            the model's own.
     """
 
     betas: Array
@@ -76,6 +78,7 @@ class Body:
     mean_vertices: Array | None = None
     mean_joints: Array | None = None
     given_mass: float | None = None
+    given_bones: Array | None = None
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
@@ -94,6 +97,7 @@ class Body:
         betas: ArrayLike | None = None,
         stature: float | None = None,
         mass: float | None = None,
+        bones: ArrayLike | None = None,
     ) -> Body:
         """The body that comes with the package, free of third-party licences.
 
@@ -104,14 +108,25 @@ class Body:
             stature: Height [m]: the shape is scaled evenly to it. None: as it is.
             mass: Mass of the person [kg]: masses and inertias of all parts are scaled evenly to
                 it. None: the volume times 985 kg/m^3.
+            bones: A person's proportions: of every joint its offset from its parent at rest [m],
+                shape (55, 3), in the rest frame; row 0 is the pelvis itself. The joints are met
+                exactly, the skin follows (`halfphysics.body.proportions`). Rows of NaN are not
+                known: such joints follow their parent. None: as the shape has them.
 
         Raises:
             InputError: Impossible betas, a stature outside 0.4 to 2.8 m or a mass outside 1 to
-                500 kg.
+                500 kg; bones that nobody has, or bones and a stature.
         """
         body = _mean() if betas is None and cls is Body else cls.shaped(_free(), betas, 3)
         body = body.weighing(mass)
         height = _within(stature, "stature", _STATURES, "metres, such as 1.75")
+        if bones is not None:
+            if height is not None:
+                raise InputError(
+                    "bones and stature: bones say how tall the person is. Leave out stature, or "
+                    "scale the bones"
+                )
+            return body._of_bones(bones)
         if height is None:
             return body
         factor = height / body.stature
@@ -264,6 +279,30 @@ class Body:
         """The same body of another mass [kg]; None: the same. Raises `InputError` as `default`."""
         given = _within(mass, "mass", _MASSES, "kilograms, such as 72.5")
         return self if given is None else dataclasses.replace(self, given_mass=given)
+
+    def _of_bones(self, bones: ArrayLike) -> Body:
+        """The same person with other bones."""
+        from halfphysics.body.proportions import checked_bones, proportioned
+
+        given = checked_bones(bones, self.rest_joints)
+        vertices, maps = proportioned(self.rest_vertices, self.rest_joints, self.weights, given)
+        shapes = self.posedirs
+        if shapes is not None:
+            shapes = shapes * (self.weights @ maps.girths)[:, None, None]
+        body = dataclasses.replace(
+            self,
+            rest_vertices=vertices,
+            rest_joints=maps.joints,
+            posedirs=shapes,
+            given_bones=given,
+        )
+        low, high = _STATURES
+        if not low <= body.stature <= high:
+            raise InputError(
+                f"bones: found those of a person of {body.stature:.3g} m, expected {low:g} to "
+                f"{high:g} metres"
+            )
+        return body
 
     @cached_property
     def skin(self) -> skinning.Skin:

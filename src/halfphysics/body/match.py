@@ -25,17 +25,21 @@ def check_match(motion: Motion, body: Body, allow_mismatch: bool = False) -> Non
         allow_mismatch: Accept any model and gender.
 
     Warns:
-        HalfPhysicsWarning: The body is the default one and the motion has a shape of its own.
+        HalfPhysicsWarning: The body is the default one, without a person's bones, and the motion
+            has a shape of its own.
 
     Raises:
         MismatchError: Model or gender differ.
     """
     if body.model == FREE:
+        if body.given_bones is not None:
+            return
         if motion.betas is not None and np.any(motion.betas):
             warnings.warn(
                 f"the motion's betas are {motion.model} {motion.gender}'s and the default body "
-                "has its own: its shape is used as it is. Only stature carries over: "
-                "Body.default(stature=...) [m]; or load the motion's model with Body.load",
+                "has its own: its shape is used as it is. Only stature and bones carry over: "
+                "Body.default(stature=...) or (bones=...) [m]; or load the motion's model with "
+                "Body.load",
                 HalfPhysicsWarning,
                 stacklevel=3,
             )

@@ -115,6 +115,7 @@ class BodyRecord:
                 "betas": body.betas.tolist(),
                 "stature": body.stature,
                 "mass": body.given_mass,
+                "bones": _bones_document(body),
                 "source": _source(body.source),
                 "template_source": _source(body.template_source),
             },
@@ -136,6 +137,10 @@ class BodyRecord:
         betas = np.array(self.data["betas"], dtype=np.float64)
         stature, mass = self.data["stature"], self.data.get("mass")
         if self.data["model"] == FREE:
+            bones = self.data.get("bones")
+            if bones is not None:
+                rows = [[np.nan] * 3 if row is None else row for row in bones]
+                return Body.default(betas, mass=mass, bones=rows)
             body = Body.default(betas, mass=mass)
             same = abs(body.stature - stature) < _SAME_STATURE
             return body if same else Body.default(betas, stature=stature, mass=mass)
@@ -172,6 +177,13 @@ def _identity(mesh: Mapping[str, Any]) -> dict[str, Any]:
         "faces": len(mesh["faces"]),
         "sha256": hashlib.sha256(content).hexdigest(),
     }
+
+
+def _bones_document(body: Body) -> list[list[float] | None] | None:
+    """The bones that a body was given; None in place of what is not known."""
+    if body.given_bones is None:
+        return None
+    return [None if np.isnan(row[0]) else row.tolist() for row in body.given_bones]
 
 
 def _source(source: Source | None) -> dict[str, str] | None:

@@ -19,6 +19,7 @@ from halfphysics.base import stored_objects as stored
 from halfphysics.base.axes import axes_of
 from halfphysics.formats import losses
 from halfphysics.motion.skeleton import JOINT_INDEX, PARENTS, SMPLH_JOINTS
+from support.bones import elsewhere, own_bones
 from support.files.dumps import Tensor, torch_saved
 from support.files.layouts import movement
 from support.files.model_files import write_npz
@@ -162,7 +163,7 @@ def assets(tmp_path):
 def test_the_default_body_of_that_size(tmp_path):
     tall = hp.Body.default(stature=1.91)
     path = written(tmp_path / NAME, rows(tall))
-    with told(r"Body.default\(stature=1.910\).*model="):
+    with told(r"recorded bones, stature 1\.91 m.*model="):
         motion = hp.Motion.load(path)
     assert (motion.fps, motion.model, motion.betas) == (30.0, "smplx", None)
     assert np.abs(tall.vertices(motion) - tall.vertices(person())).max() < SINGLE
@@ -174,6 +175,26 @@ def test_the_default_body_of_that_size(tmp_path):
     with told():
         part = hp.Motion.load(path, frames=(3, 8))
     assert np.abs(part.translation - motion.translation[3:8]).max() < SINGLE
+
+
+def test_the_body_has_the_recorded_bones(tmp_path, assets):
+    """Joints are where the file has them, in every frame, to single precision."""
+    bones = elsewhere()
+    bones[0] = np.nan
+    for joint, ratio in ((18, 1.08), (19, 1.08), (4, 0.95), (26, 0.9), (28, 1.1)):
+        row = bones[joint] if np.isfinite(bones[joint, 0]) else own_bones(hp.Body.default())[joint]
+        bones[joint] = ratio * row
+    person_of_the_file = hp.Body.default([1.0, -2.0], bones=bones)
+    array = rows(person_of_the_file)
+    path = written(tmp_path / NAME, array)
+    with told("recorded bones, stature 1.6"):
+        sequence = hp.load_sequence(path, assets)
+    places = array[:, 162:318].reshape(len(array), -1, 3)
+    found = sequence.body.joints(sequence.motion)[:, JOINTS]
+    assert np.abs(found - places).max() < SINGLE
+    # The head's joints are in no file: they follow.
+    assert np.isfinite(sequence.body.rest_joints).all()
+    assert sequence.body.variant.mass > 30.0
 
 
 def test_the_shape_is_found(tmp_path, models):
@@ -316,11 +337,11 @@ WRONG = {
     "joints apart": (lambda a: a * np.where(np.arange(WIDTH) // 156 == 1, 9, 1), "columns|length"),
     "a doll": (
         lambda a: a * np.where((np.arange(WIDTH) >= 162) & (np.arange(WIDTH) < 318), 0.1, 1),
-        "legs of 0.* m",
+        "joint positions: bones: pelvis to left_hip: found 0.* m, expected",
     ),
     "a giant": (
         lambda a: a * np.where((np.arange(WIDTH) >= 162) & (np.arange(WIDTH) < 318), 2.0, 1),
-        "legs of .* m",
+        "joint positions: bones: found those of a person of 3.* m",
     ),
     "a jump": (put((5, 0), 1e4), "m/s between frames"),
     "object apart": (put((EVERY, slice(321, 325)), 1e20), "columns 321:325"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 import warnings
 
 import numpy as np
@@ -13,9 +14,12 @@ import halfphysics as hp
 from halfphysics.base import rotations as rot
 from halfphysics.base import stored_objects as stored
 from halfphysics.errors import InputError
-from halfphysics.motion.skeleton import BODY_JOINTS
+from halfphysics.motion.skeleton import BODY_JOINTS, PARENTS
+from support.bones import elsewhere, world_joints
 from support.files.dumps import Wrapper, joblib_dump
 from support.files.layouts import movement
+from support.files.model_files import fields as model_fields
+from support.files.model_files import write_npz
 from support.files.wrong_files import (
     broken_bytes_are_refused,
     changed,
@@ -29,8 +33,16 @@ from support.files.wrong_files import (
 
 ROUNDING = 1e-12
 SINGLE = 1e-6
+# Metres, of joints that chains of rotations place.
+FAR = 1e-9
 CLIP = "sub3_largebox_003"
 TWO = "sub4_mop_011"
+#: The joints of `rest_offsets`: 22 of the body and the middle knuckles.
+JOINTS = [*range(22), 28, 43]
+
+
+#: Every sequence says that its body has the recorded bones.
+told = pytest.mark.filterwarnings("ignore:.*recorded bones")
 
 
 def fields(frames: int = 12, name: str = CLIP, seed: int = 0) -> dict:
@@ -44,8 +56,8 @@ def fields(frames: int = 12, name: str = CLIP, seed: int = 0) -> dict:
         "trans": translation,
         "root_orient": r[:, 0],
         "pose_body": r[:, list(BODY_JOINTS)].reshape(frames, 63),
-        "rest_offsets": np.ones((24, 3)),
-        "trans2joint": np.array([0.0, 0.3, 0.0]),
+        "rest_offsets": elsewhere()[JOINTS],
+        "trans2joint": -elsewhere()[0],
         "obj_trans": (t * [1.0, 0.5, 0.2] + 1.0)[:, :, None],
         "obj_rot": rot.to_matrix(rot.exp(t * [0.3, 1.0, -0.2])),
         "obj_scale": np.full(frames, 0.25),
@@ -141,6 +153,7 @@ def placed(track, frame: int, vertices):
     return rot.rotate(track.quaternion[frame], vertices) + track.position[frame]
 
 
+@told
 @pytest.mark.parametrize("name", [CLIP, TWO])
 def test_objects(tmp_path, assets, name):
     content = fields(name=name)
@@ -148,8 +161,11 @@ def test_objects(tmp_path, assets, name):
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         sequence = hp.load_sequence(path, assets)
-    assert ["nothing holds the two parts of 'mop'" in str(w.message) for w in said] == (
-        [False] if name == CLIP else [False, False, True]
+    lines = ["recorded bones", "what 'largebox' weighs"]
+    if name == TWO:
+        lines = ["recorded bones", "what 'mop' weighs", "what 'mop_bottom' weighs", "holds the two"]
+    assert [line in str(w.message) for line, w in zip(lines, said, strict=True)] == [True] * len(
+        lines
     )
     kind = name.split("_")[1]
     parts = {kind: "obj_"} if name == CLIP else {kind: "obj_", f"{kind}_bottom": "obj_bottom_"}
@@ -173,11 +189,77 @@ def test_objects(tmp_path, assets, name):
     assert np.array_equal(replayed.scene.objects[kind].positions, track.position)
 
 
+def test_the_body_has_the_recorded_bones(tmp_path):
+    """Every joint is where the file's own forward kinematics has it, in every frame."""
+    content, bones = fields(), elsewhere()
+    del content["obj_trans"], content["obj_rot"], content["obj_scale"], content["obj_com_pos"]
+    path = written(tmp_path / "a.p", content)
+    with pytest.warns(hp.HalfPhysicsWarning, match=r"recorded bones: stature 1\.65 m"):
+        sequence = hp.load_sequence(path)
+    motion, body = sequence.motion, sequence.body
+    places = world_joints(bones, motion)
+    assert np.nanmax(np.abs(body.joints(motion) - places)) < FAR
+    assert np.isfinite(places[:, JOINTS]).all()
+    pelvis = content["trans"] - content["trans2joint"]
+    assert np.abs(body.joints(motion)[:, 0] - pelvis).max() < ROUNDING
+    # By the default body hands were elsewhere: what this is for.
+    default = hp.Body.default()
+    assert np.nanmax(np.abs(default.joints(motion) - places)[:, 20:22]) > 0.02
+    with pytest.warns(hp.HalfPhysicsWarning, match="recorded bones"):
+        part = hp.load_sequence(path, frames=(3, 8), gender="male", model="smplx")
+    assert np.array_equal(part.body.rest_vertices, body.rest_vertices)
+
+
+NO_BONES = {
+    "none": (without("rest_offsets"), "'rest_offsets' is missing"),
+    "ones": (put("rest_offsets", np.ones((24, 3))), "bones: pelvis to .* found 1.73 m"),
+    "NaN": (spoilt("rest_offsets", (4, 0), np.nan), "'rest_offsets'.*NaN"),
+    "52 rows": (put("rest_offsets", np.ones((52, 3))), "'rest_offsets': found 52 rows"),
+    "flat": (put("rest_offsets", np.ones(72)), "'rest_offsets'.*shape"),
+    "text": (put("rest_offsets", "long"), "'rest_offsets'"),
+    "a pelvis of text": (put("trans2joint", "low"), "'trans2joint'"),
+    "a pelvis NaN": (put("trans2joint", np.full(3, np.nan)), "'trans2joint'.*NaN"),
+    "a giant": (changed("rest_offsets", lambda a: 2.2 * a), "of a person of 3"),
+}
+
+
+@pytest.mark.parametrize("name", NO_BONES)
+def test_without_bones_the_default_body_is_taken(tmp_path, name):
+    spoil, message = NO_BONES[name]
+    content = {k: v for k, v in fields().items() if not k.startswith("obj_")}
+    spoil(content)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        sequence = hp.load_sequence(written(tmp_path / "a.p", content))
+    (line,) = [str(w.message) for w in said]
+    assert re.search(message, line), line
+    assert "Body.default(), which is taken" in line
+    assert sequence.body is None
+
+
+def test_a_model_of_the_caller_is_left_alone(tmp_path):
+    content = {k: v for k, v in fields().items() if not k.startswith("obj_")}
+    model = write_npz(tmp_path / "SMPLX_MALE.npz", model_fields())
+    sequence = hp.load_sequence(written(tmp_path / "a.p", content), model=model)
+    assert sequence.body is None  # and nothing is said
+
+
+def test_bones_of_22_joints_and_no_pelvis(tmp_path):
+    content = {k: v for k, v in fields().items() if not k.startswith("obj_")}
+    content["rest_offsets"] = content["rest_offsets"][:22]
+    del content["trans2joint"]
+    with pytest.warns(hp.HalfPhysicsWarning, match="recorded bones"):
+        body = hp.load_sequence(written(tmp_path / "a.p", content)).body
+    offsets = body.rest_joints[1:22] - body.rest_joints[PARENTS[1:22]]
+    assert np.abs(offsets - elsewhere()[1:22]).max() < ROUNDING
+
+
+@told
 def test_a_size_that_varies_is_said(tmp_path, assets):
     content = fields()
     content["obj_scale"] = np.linspace(0.25, 0.252, 12)
     path = written(tmp_path / "a.p", content)
-    hp.load_sequence(path, assets, objects="replayed")  # without warnings
+    hp.load_sequence(path, assets, objects="replayed")  # without warnings of the size
     content["obj_scale"] = np.linspace(0.25, 0.26, 12)
     path = written(tmp_path / "b.p", content)
     with pytest.warns(hp.HalfPhysicsWarning, match="'obj_scale'.*size by 4 %; .* 0.25, is taken"):
@@ -192,6 +274,7 @@ def test_a_size_that_varies_is_said(tmp_path, assets):
         assert np.abs(found - rule).max() < ROUNDING
 
 
+@told
 def test_a_clip_without_an_object(tmp_path):
     content = {k: v for k, v in fields().items() if not k.startswith("obj_")}
     sequence = hp.load_sequence(written(tmp_path / "a.p", content))
@@ -199,6 +282,7 @@ def test_a_clip_without_an_object(tmp_path):
     assert len(sequence.motion) == 12
 
 
+@told
 def test_written_as_it_came(tmp_path, assets):
     path = written(tmp_path / "a.p", fields(), fields(name=TWO))
     motion = hp.Motion.load(path, clip=TWO)

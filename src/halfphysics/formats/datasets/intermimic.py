@@ -9,7 +9,8 @@ robot's MJCF, which is depth first. At rest its frames have x forward, y left an
 y up and z forward: with U from SMPL's axes to the robot's, the rotation of the root is the file's
 times U, and the axis-angle of a joint is U^T times the file's.
 
-The file has no betas; the joint positions determine the shape: see `_bones`.
+The file has no betas; the joint positions determine the bones (see `_bones`), and these the betas
+of the user's model, or the proportions of the default body.
 """
 
 from __future__ import annotations
@@ -153,9 +154,10 @@ def _with_body(source: Source, options: Options) -> tuple[Motion, Body]:
     else:
         body = default_like(record.where, bones)
         warn(
-            f"{record.where}: does not say whose shape it is: the pelvis is where the file has it "
-            f"on Body.default(stature={body.stature:.3f}), which load_sequence brings. For the "
-            "person's own shape name the body-model file, or their folder, with model="
+            f"{record.where}: does not say whose shape it is: the default body has the recorded "
+            f"bones, stature {body.stature:.2f} m. load_sequence brings it, and the pelvis is "
+            "where the file has it on it. For the person's own shape name the body-model file, or "
+            "their folder, with model="
         )
     known = body.gender if named and body.gender != "unknown" else None
     motion = motion_of(

@@ -6,6 +6,10 @@ A clip is `seq_name` ("sub3_largebox_003"), `betas (1, 16)`, `gender`, `trans ro
 mop these are the top part, and `obj_bottom_*` the bottom part. In the world, vertices are
 `scale * (R v) + t`. Meshes: `captured_objects/NAME_cleaned_simplified.obj`, of parts
 `NAME_cleaned_simplified_top.obj` and `_bottom.obj`.
+
+The person's bones are `rest_offsets (24, 3)` or `(22, 3)`, of joints 0 to 21 and of the two middle
+knuckles (SMPL-X 28 and 43): each joint from its parent at rest. Row 0 is unused: readers write
+`trans` there. The pelvis is at `trans - trans2joint (3,)`, so at rest at `-trans2joint`.
 """
 
 from __future__ import annotations
@@ -13,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -21,7 +25,8 @@ from numpy.typing import NDArray
 
 from halfphysics.base.reader_warnings import warn
 from halfphysics.base.stored_objects import write
-from halfphysics.errors import FileError
+from halfphysics.body.body import Body
+from halfphysics.errors import FileError, InputError
 from halfphysics.formats.checked_fields import Record
 from halfphysics.formats.datasets.assets import find
 from halfphysics.formats.datasets.recorded import add_recorded
@@ -38,12 +43,9 @@ from halfphysics.formats.motion_builder import (
 )
 from halfphysics.geometry.mesh_files import load_mesh
 from halfphysics.motion import skeleton
-from halfphysics.motion.motion import Motion
+from halfphysics.motion.motion import MODELS, Motion
 from halfphysics.scene.scene import Scene
 from halfphysics.simulation.sequence import Sequence
-
-if TYPE_CHECKING:
-    from halfphysics.body.body import Body
 
 Array = NDArray[np.float64]
 
@@ -55,6 +57,8 @@ _PERSON = ("trans", "root_orient", "pose_body")
 _WINDOW = {"motion", "start_t_idx", "end_t_idx"}
 #: Usual folders of the meshes, under the root of the data set.
 _FOLDERS = ("captured_objects/", "data/captured_objects/", "objects/", "")
+#: SMPL-X joints of the rows of `rest_offsets`.
+_BONES = (*skeleton.SMPL_JOINTS, *(skeleton.JOINT_INDEX[f"{s}_middle1"] for s in ("left", "right")))
 #: Relative size change of a rigid object above which a warning is given.
 _SAME_SIZE = 0.01
 
@@ -168,8 +172,9 @@ def _load(source: Source, options: Options) -> Motion:
 def _load_sequence(source: Source, options: Options) -> Sequence:
     motion = _load(source, options)
     _, record = _record(source, options)
+    body = _body(record, options)
     if not any(key in record for key in _OBJECT):
-        return Sequence(motion, Scene())
+        return Sequence(motion, Scene(), body=body)
     title = record.text("seq_name")
     words = title.split("_")
     if len(words) < 2:
@@ -206,7 +211,37 @@ def _load_sequence(source: Source, options: Options) -> Sequence:
         )
     if parts and options.objects == "free":
         warn(f"{record.where}: nothing holds the two parts of {words[1]!r} together here")
-    return Sequence(motion, scene, recorded=tracks)
+    return Sequence(motion, scene, body=body, recorded=tracks)
+
+
+def _body(record: Record, options: Options) -> Body | None:
+    """The default body with the person's bones; None: the caller has a model, or none are there."""
+    if options.model is not None and str(options.model) not in MODELS:
+        return None
+    bones = np.full((skeleton.N_JOINTS, 3), np.nan)
+    try:
+        if "rest_offsets" not in record:
+            raise InputError("field 'rest_offsets' is missing")
+        offsets = record.array("rest_offsets", None, 3)
+        if len(offsets) not in (22, len(_BONES)):
+            raise InputError(f"field 'rest_offsets': found {len(offsets)} rows, expected 24 or 22")
+        bones[list(_BONES[: len(offsets)])] = offsets
+        bones[0] = np.nan
+        if "trans2joint" in record:
+            bones[0] = -record.array("trans2joint", 3)
+        body = Body.default(bones=bones)
+    except (FileError, InputError) as error:
+        text = str(error).removeprefix(f"{record.where}: ")
+        warn(
+            f"{record.where}: {text}: the person is as big as Body.default(), which is taken. "
+            "Give a body of your own, or model="
+        )
+        return None
+    warn(
+        f"{record.where}: the default body has the recorded bones: stature {body.stature:.2f} "
+        "m. For the person's own shape give a body of their model"
+    )
+    return body
 
 
 def _sizes(record: Record, key: str, frames: slice) -> Array:

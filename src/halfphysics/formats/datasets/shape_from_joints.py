@@ -23,7 +23,6 @@ _BETAS = 16
 _NOISE = 1e-5
 #: Bones differ by less than this from the shapes of the right model [m].
 _FITS = 3e-3
-_LEGS = [skeleton.JOINT_INDEX[f"{s}_{j}"] for s in ("left", "right") for j in ("knee", "ankle")]
 
 
 class Bones(NamedTuple):
@@ -125,15 +124,12 @@ def shaped_like(
 
 
 def default_like(where: str, bones: Bones) -> Body:
-    """The default body, scaled to the leg length of the bones.
+    """The default body with these bones.
 
     Raises:
-        FileError: The leg length is impossible.
+        FileError: Nobody has such bones.
     """
-    rest = Body.default().rest_joints
-    own = np.linalg.norm(rest[_LEGS] - rest[skeleton.PARENTS[_LEGS]], axis=1).sum()
-    legs = np.linalg.norm(bones.offsets[_LEGS], axis=1).sum()
     try:
-        return Body.default(stature=round(Body.default().stature * float(legs / own), 3))
+        return Body.default(bones=bones.offsets)
     except InputError as error:
-        raise FileError(f"{where}: joint positions: legs of {legs:.3g} m: {error}") from None
+        raise FileError(f"{where}: joint positions: {error}") from None

@@ -8,11 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import halfphysics as hp
 from campaigns.holds import campaign, prepared
 from halfphysics.base import rotations as rot
+from halfphysics.errors import HalfPhysicsWarning
+from halfphysics.motion.skeleton import PARENTS
 from support.carries.acting import hand_joints, parts_of
 from support.carries.cases import all_cases
-from support.carries.figures import Carry, carry_figures, change_figures, untouched
+from support.carries.figures import Carry, angle_deg, carry_figures, change_figures, untouched
+from support.carries.files import ASIDE, SCALE, omomo_clip, write_omomo
 from support.carries.limits import LIMITS, comparison, failed, held, summary, table
 from support.carries.people import offsets_of, person
 from support.carries.recordings import (
@@ -160,6 +164,35 @@ def test_bare_is_as_recorded():
     sequence = made.sequence()
     assert sequence.recorded["glass"] is made.track
     assert np.array_equal(sequence.scene.objects["glass"].position, made.track.position[0])
+
+
+def test_omomo_files_hold_the_same_recording(tmp_path):
+    exact = [recording(Case("mug", "back", "air")), recording(Case("bowl", "back", "air"))]
+    path = write_omomo(exact, tmp_path)
+    for number, made in enumerate(exact):
+        name = made.case.thing
+        clip = f"sub1_{name}_{number:03}"
+        with pytest.warns(HalfPhysicsWarning, match="nothing says what"):
+            sequence = hp.load_sequence(path, clip=clip)
+        motion, track = sequence.motion, sequence.recorded[name]
+        assert np.abs(motion.translation - made.motion.translation).max() < EXACT
+        assert np.abs(motion.rotations[:, :22] - made.motion.rotations[:, :22]).max() < EXACT
+        assert not motion.rotations[:, 22:].any()
+        vertices = sequence.scene.objects[name].mesh()[0] - SCALE * ASIDE
+        assert np.abs(vertices.min(axis=0) - made.thing.mesh.bounds[0]).max() < 1e-6
+        assert np.abs(vertices.max(axis=0) - made.thing.mesh.bounds[1]).max() < 1e-6
+        assert angle_deg(track.quaternion, made.track.quaternion).max() < 1e-5
+        # The data set's mesh is not centred: its middle is where the recording has it.
+        middle = track.position + rot.rotate(track.quaternion, SCALE * ASIDE)
+        assert np.abs(middle - made.track.position).max() < EXACT
+        # Its bones are those of the recorded person: the same wrists follow from them.
+        fields = omomo_clip(made)
+        joints = np.asarray(made.body.rest_joints)
+        rest = fields["rest_offsets"]
+        for joint in range(1, 22):
+            assert np.allclose(rest[joint], joints[joint] - joints[PARENTS[joint]])
+        root = made.motion.translation - fields["trans2joint"]
+        assert np.abs(root - made.body.joints(made.motion)[:, 0]).max() < EXACT
 
 
 FPS = 10.0

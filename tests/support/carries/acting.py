@@ -148,9 +148,12 @@ class Way:
         return Way(self.position[rows], self.matrix[rows], self.turn[rows])
 
 
-def act(body, base, way, holds, smooth=True):
-    """The motion with the hands at the thing, and how far the body bends (T,); nan: no reach."""
-    bend = _bend(body, base, way, holds)
+def act(body, base, way, holds, shoulders, smooth=True):
+    """The motion with the hands at the thing, and how far the body bends (T,); nan: no reach.
+
+    `shoulders`: of these frames, from `shoulders_of`.
+    """
+    bend = _bend(body, way, holds, shoulders)
     reached = np.where(np.isnan(bend), 1.0, bend)
     if smooth:
         window = np.hanning(2 * _SMOOTH + 3)[1:-1]
@@ -165,23 +168,26 @@ def _wrist(way, held):
     return way.position + np.einsum("tij,tj->ti", way.matrix, place)
 
 
-def _bend(body, base, way, holds):
+def shoulders_of(body, base, turn):
+    """Both shoulders at every bend that is tried (bends, T, 2, 3) [m]."""
+    own = [JOINT_INDEX["left_shoulder"], JOINT_INDEX["right_shoulder"]]
+    bent = (_bent(body, base, turn, np.full(len(base), share), legs=False) for share in _BENDS)
+    return np.stack([body.joints(motion)[:, own] for motion in bent])
+
+
+def _bend(body, way, holds, shoulders):
     """The least bend with which the wrists are within reach (T,), nan: none is."""
-    least = np.full(len(base), np.nan)
-    targets = [_wrist(way, held) for held in holds]
-    for share in _BENDS[::-1]:
-        joints = body.joints(_bent(body, base, way.turn, np.full(len(base), share)))
-        fits = np.ones(len(base), bool)
-        for held, target in zip(holds, targets, strict=True):
-            arm = arms.arm_of(body, held.side)
-            length = np.linalg.norm(arm.upper) + np.linalg.norm(arm.fore)
-            away = np.linalg.norm(target - joints[:, arm.joints[0]], axis=1)
-            fits &= away < STRETCHED * length
-        least[fits] = share
-    return least
+    fits = np.ones(shoulders.shape[:2], bool)
+    for held in holds:
+        arm = arms.arm_of(body, held.side)
+        length = np.linalg.norm(arm.upper) + np.linalg.norm(arm.fore)
+        shoulder = shoulders[:, :, 0 if held.side == "left" else 1]
+        away = np.linalg.norm(_wrist(way, held) - shoulder, axis=-1)
+        fits &= away < STRETCHED * length
+    return np.where(fits.any(axis=0), _BENDS[np.argmax(fits, axis=0)], np.nan)
 
 
-def _bent(body, base, turn, bend):
+def _bent(body, base, turn, bend, legs=True):
     """The walk with the pelvis lower, farther back and turned, the trunk leaning; same feet."""
     positions, quaternions = body.joint_frames(base)
     turns = rot.to_matrix(quaternions)
@@ -192,7 +198,7 @@ def _bent(body, base, turn, bend):
     pelvis = positions[:, 0] + np.einsum("tij,tj->ti", yaw, lower)
     rotations = np.array(base.rotations)
     rotations[:, 0] = rot.matrix_to_rotvec(root)
-    for side in ("left", "right"):
+    for side in ("left", "right") if legs else ():
         leg = leg_of(body, side)
         ankle, toe = leg.joints[2:]
         straight = np.zeros(len(base))

@@ -15,6 +15,8 @@ def ways(thing) -> tuple[tuple[str, str], ...]:
     """How a thing can be carried: one that stands on the floor leaves the way ahead free."""
     if thing.stand == 0.0:
         return (("walk", "down"), ("turn", "down"), ("walk", "air"))
+    if thing.name == "tray":  # turned, a forearm below it would pass through the stand
+        return (("up", "down"), ("back", "air"), ("up", "air"))
     return (("turn", "down"), ("back", "air"), ("turn", "air"))
 
 

@@ -26,7 +26,7 @@ def person(stature: float, arms: float = 1.0) -> Body:
     for side in ("left", "right"):
         for name in ("elbow", "wrist"):
             offsets[JOINT_INDEX[f"{side}_{name}"]] *= arms
-    return Body.default(stature=stature, bones=offsets)
+    return Body.default(bones=offsets)  # they say how tall the person is
 
 
 def offsets_of(body) -> np.ndarray:

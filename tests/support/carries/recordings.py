@@ -17,7 +17,7 @@ from halfphysics.scenarios.acting.legs import about
 from halfphysics.scenarios.acting.walk_plan import Walk, ease
 from halfphysics.scenarios.props import stage
 from halfphysics.simulation.sequence import Sequence
-from support.carries.acting import Way, act, holds_of, parts_of, wrist_bend
+from support.carries.acting import Way, act, holds_of, parts_of, shoulders_of, wrist_bend
 from support.carries.people import person
 from support.carries.things import NEAR, REST, THINGS, Solid
 
@@ -41,6 +41,8 @@ NOISE = {2: (0.010, 0.030), 1: (0.010, 0.020)}
 SLOW = 0.3
 #: The thing and its stands stay this far from trunk, legs and head [m].
 CLEAR = 0.012
+#: Wrists bend by at most so much [rad].
+WRIST = np.radians(70.0)
 _AHEADS = np.arange(0.24, 0.74, 0.03)
 
 
@@ -139,16 +141,12 @@ def recording(case: Case) -> Recording:
             continue
         fault = _fault(made)
         if fault is None:
-            return _disturbed(case, body, float(ahead))
+            made = _at(case, body, float(ahead), noise=True)
+            if isinstance(made, Recording) and not np.isnan(made.bend).any():
+                return made
+            fault = "out of reach with noise"
         faults[round(float(ahead), 2)] = fault
     raise ValueError(f"{case.id}: no place is right: {faults}")
-
-
-def _disturbed(case, body, ahead):
-    made = _at(case, body, ahead, noise=True)
-    if isinstance(made, str):
-        raise ValueError(f"{case.id}: with noise {made}")
-    return made
 
 
 def _rng(case):
@@ -160,7 +158,7 @@ def _at(case, body, ahead, noise=False):
     thing, rng = THINGS[case.thing], _rng(case)
     hands = len(thing.grasps)
     size = case.stature / 1.75
-    stand = thing.stand * (size if thing.stand > 0.6 else 1.0)
+    stand = thing.stand * size
     rest = stand - thing.low + REST
     height = rest + np.mean([g.point[2] for g in thing.grasps.values()])
     least, most = LIFTS[hands]
@@ -229,19 +227,22 @@ def _at(case, body, ahead, noise=False):
     # The direction of the fingers that bends the wrists least.
     choices = range(min(len(g.fingers) for g in thing.grasps.values()))
     few, best = np.arange(hold[0], hold[1] + 1, 8), None
+    shoulders = shoulders_of(body, base, turn)
     for pick in choices:
         holds = holds_of(body, thing, pick, offsets, closed, len(times))
         some = [held.rows(few) for held in holds]
-        motion, bend = act(body, base.with_frames(base.translation[few], base.rotations[few]),
-                           way.rows(few), some, smooth=False)  # fmt: skip
+        standing = base.with_frames(base.translation[few], base.rotations[few])
+        motion, bend = act(body, standing, way.rows(few), some, shoulders[:, few], smooth=False)
         if np.isnan(bend).any():
             continue
         worst = wrist_bend(motion, some)
+        if worst > WRIST:
+            continue
         if best is None or worst < best[0]:
             best = worst, pick, holds
     if best is None:
         return "out of reach"
-    motion, bend = act(body, base, way, best[2])
+    motion, bend = act(body, base, way, best[2], shoulders)
     if not case.fingers and noise:
         rotations = np.array(motion.rotations)
         rotations[:, 25:] = 0.0

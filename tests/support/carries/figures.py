@@ -88,8 +88,12 @@ def figures(result, recording) -> dict:
     """All figures of one run, as plain numbers; None: undefined."""
     person = result.people[0]
     clear = result.clearance[np.isfinite(result.clearance)]
+    measured = carry_figures(carry_of(result, recording))
+    facing = np.sum([grasp.facing for grasp in recording.thing.grasps.values()], axis=0)
+    if facing[2] > 0.5:  # carried from below: weight, not the hands, presses against the hands
+        measured["opposition"] = None
     return {
-        **carry_figures(carry_of(result, recording)),
+        **measured,
         "breaches": len(result.breaches),
         "clearance_mm": float(1000.0 * clear.min()) if len(clear) else None,
         "hand_error_mm": _hand_error(person, recording),

@@ -21,6 +21,10 @@ REST = 0.001
 NEAR, OUT = 0.05, 0.11
 
 
+#: Sides of the meshes of cylinders.
+_SIDES = 64
+
+
 @dataclass(frozen=True)
 class Solid:
     """A box of `size` (3,), a cylinder of (radius, length) along `axis`, or a sphere (radius,)."""
@@ -50,9 +54,12 @@ class Solid:
         elif self.kind == "sphere":
             out = trimesh.creation.uv_sphere(self.size[0], count=[48, 48])
         else:
-            out = trimesh.creation.cylinder(self.size[0], self.size[1], sections=64)
+            out = trimesh.creation.cylinder(self.size[0], self.size[1], sections=_SIDES)
             if self.axis == 1:
-                out.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0]))
+                # A facet below, not an edge: it does not roll.
+                facet = trimesh.transformations.rotation_matrix(np.pi / _SIDES, [0, 0, 1])
+                lying = trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0])
+                out.apply_transform(lying @ facet)
         out.apply_translation(self.at)
         return out
 
@@ -60,7 +67,7 @@ class Solid:
     def low(self) -> float:
         half = self.size[-1] * (1.0 if self.kind == "sphere" else 0.5)
         if self.kind == "cylinder" and self.axis == 1:
-            half = self.size[0]
+            half = self.size[0] * float(np.cos(np.pi / _SIDES))
         return self.at[2] - half
 
 

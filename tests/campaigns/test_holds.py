@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -164,6 +166,22 @@ def test_bare_is_as_recorded():
     sequence = made.sequence()
     assert sequence.recorded["glass"] is made.track
     assert np.array_equal(sequence.scene.objects["glass"].position, made.track.position[0])
+
+
+def test_adapted_is_what_adapt_makes_of_the_recording(monkeypatch):
+    """`adapt` is given the motion, the scene, the body and the tracks, and its motion is used."""
+    made, given = recording(Case("glass")), []
+    other = made.motion.with_frames(made.motion.translation + 0.001, made.motion.rotations)
+
+    def adapt(*arguments):
+        given.extend(arguments)
+        return SimpleNamespace(motion=other)
+
+    monkeypatch.setitem(sys.modules, "halfphysics.adapt", SimpleNamespace(adapt=adapt))
+    assert prepared(made, "adapted") is other
+    motion, scene, body, recorded = given
+    assert (motion, body) == (made.motion, made.body)
+    assert list(scene.objects) == list(recorded) == ["glass"]
 
 
 def test_omomo_files_hold_the_same_recording(tmp_path):
